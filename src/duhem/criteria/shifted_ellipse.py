@@ -1,0 +1,23 @@
+"""Asymmetric friction by translation: an ellipse whose centre is off the origin.
+
+    g = sqrt{[(sigma_a - shift |sigma_n|)/mu_a]^2 + (sigma_b/mu_b)^2} - |sigma_n|,   |shift| < mu_a
+
+Forces: two tangential stresses; pressure sigma_n <= 0 in compression; one common unit; mu_a, mu_b > 0 and the real
+shift are dimensionless.  The coefficients along +a and -a are mu_a + shift and mu_a - shift.
+
+Verdicts: every claim holds while |shift| < mu_a, which is what keeps the origin inside K and the dissipation
+non-negative; the dissipation potential is |sigma_n| {shift d_a + sqrt[(mu_a d_a)^2 + (mu_b d_b)^2]}.
+
+Source: R. T. Rockafellar (1970), Convex Analysis, section 13 (support function of a translated set).
+"""
+
+from sympy import Abs, Expr
+
+from duhem.criterion import REAL, criterion
+from duhem.expression import Norm
+
+
+@criterion(parameters={"shift": REAL}, constraints=["shift < mu_a", "-mu_a < shift"], source="Rockafellar (1970)")
+def shifted_ellipse(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu_a: Expr, mu_b: Expr, shift: Expr) -> Expr:
+    """Asymmetric friction by translation: an ellipse off centre."""
+    return Norm((sigma_a - shift * Abs(sigma_n)) / mu_a, sigma_b / mu_b) - Abs(sigma_n)

@@ -1,0 +1,361 @@
+"""Gauges and their polars, the calculus behind the dissipation potential.
+
+A gauge is convex, non-negative and positively homogeneous of degree 1; its polar is the support function of its unit
+ball, polar(d) = sup { x . d : gauge(x) <= 1 }.  Every class here knows its value, its polar, a point of the unit ball
+that attains the supremum, the linear equalities on d outside of which the supremum is infinite, and the theorems used.
+Reference throughout: R. T. Rockafellar, Convex Analysis, Princeton 1970.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import sympy as sp
+
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+
+__all__ = ["Gauge", "Holder", "Polytope", "Quadratic", "Separable", "Side", "sign_of"]
+
+Exprs = tuple[sp.Expr, ...]
+
+
+class Gauge(ABC):
+    """A gauge on the space of the forces."""
+
+    @abstractmethod
+    def value(self, x: Sequence[sp.Expr]) -> sp.Expr:
+        """The gauge at ``x``."""
+
+    @abstractmethod
+    def polar(self, d: Sequence[sp.Expr]) -> sp.Expr:
+        """sup of x . d over the unit ball, for d on the domain."""
+
+    @abstractmethod
+    def maximiser(self, d: Sequence[sp.Expr]) -> Exprs:
+        """A point of the unit ball where the supremum is attained, for d != 0 on the domain."""
+
+    @abstractmethod
+    def domain(self, d: Sequence[sp.Expr]) -> Exprs:
+        """Linear forms of d that vanish where the polar is finite."""
+
+    @property
+    @abstractmethod
+    def steps(self) -> tuple[str, ...]:
+        """The theorems that give the polar, in the order of their use."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """One coordinate: up * pos(y) + down * neg(y), up and down > 0; its unit ball is [-1/down, 1/up]."""
+
+    up: sp.Expr
+    down: sp.Expr
+
+    size = 1
+
+    @property
+    def symmetric(self) -> bool:
+        return self.up == self.down
+
+    def value(self, y: Sequence[sp.Expr]) -> sp.Expr:
+        return _two_sided(y[0], self.up, self.down)
+
+    def polar(self, c: Sequence[sp.Expr]) -> sp.Expr:
+        return _two_sided(c[0], 1 / self.up, 1 / self.down)
+
+    def maximiser(self, c: Sequence[sp.Expr]) -> Exprs:
+        return (Where(c[0] >= 0, 1 / self.up, -1 / self.down),)
+
+    def weighted_maximiser(self, c: Sequence[sp.Expr], q: sp.Expr) -> Exprs:
+        """polar**(q - 1) times the maximiser, without the sign of c."""
+        if self.symmetric and q == 2:
+            return (c[0] / self.up**2,)
+        return (Pos(c[0]) ** (q - 1) / self.up**q - Neg(c[0]) ** (q - 1) / self.down**q,)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        return ("support function of an interval: sup {y c : -b <= y <= a} = a pos(c) + b neg(c) (Rockafellar 1970, section 13)",)
+
+
+@dataclass(frozen=True)
+class Holder:
+    """The p-norm of gauges of separate coordinates, 1 <= p <= oo."""
+
+    p: sp.Expr
+    parts: tuple[Side | Holder, ...]
+
+    @property
+    def size(self) -> int:
+        return sum(part.size for part in self.parts)
+
+    @property
+    def q(self) -> sp.Expr:
+        """The conjugate exponent, 1/p + 1/q = 1."""
+        if self.p == 1:
+            return sp.oo
+        return sp.S.One if self.p is sp.oo else sp.cancel(self.p / (self.p - 1))
+
+    def _split(self, y: Sequence[sp.Expr]) -> list[Sequence[sp.Expr]]:
+        cut = [0]
+        for part in self.parts:
+            cut.append(cut[-1] + part.size)
+        return [y[i:j] for i, j in zip(cut, cut[1:], strict=False)]
+
+    def value(self, y: Sequence[sp.Expr]) -> sp.Expr:
+        return _power_norm(self.p, [_unsigned(part, part.value(z), z, self.p, False) for part, z in zip(self.parts, self._split(y), strict=True)])
+
+    def polar(self, c: Sequence[sp.Expr]) -> sp.Expr:
+        return _power_norm(self.q, [_unsigned(part, part.polar(z), z, self.q, True) for part, z in zip(self.parts, self._split(c), strict=True)])
+
+    def maximiser(self, c: Sequence[sp.Expr]) -> Exprs:
+        blocks, q = self._split(c), self.q
+        if q == 1:
+            return tuple(y for part, z in zip(self.parts, blocks, strict=True) for y in part.maximiser(z))
+        sizes = [part.polar(z) for part, z in zip(self.parts, blocks, strict=True)]
+        if q is sp.oo:
+            chosen = _first_greatest(sizes)
+            return tuple(w * y for w, part, z in zip(chosen, self.parts, blocks, strict=True) for y in part.maximiser(z))
+        total, found = self.polar(c), []
+        for size, part, z in zip(sizes, self.parts, blocks, strict=True):
+            weighted = part.weighted_maximiser(z, q) if isinstance(part, Side) else tuple(size ** (q - 1) * y for y in part.maximiser(z))
+            found += [y / total ** (q - 1) for y in weighted]
+        return tuple(found)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        inner = tuple(dict.fromkeys(step for part in self.parts for step in part.steps))
+        if self.p == 2:
+            rule = "the Euclidean norm of gauges of separate variables has as polar the Euclidean norm of their polars (Cauchy-Schwarz"
+        elif self.p == 1:
+            rule = "a sum of gauges of separate variables has as polar the greatest of their polars (Hoelder"
+        elif self.p is sp.oo:
+            rule = "the greatest of gauges of separate variables has as polar the sum of their polars (Hoelder"
+        else:
+            rule = f"the p-norm of gauges of separate variables, p = {self.p}, has as polar the q-norm of their polars, q = {self.q} (Hoelder"
+        return (*inner, f"{rule}; Rockafellar 1970, Theorem 15.3 and its Corollary 15.3.1)")
+
+
+@dataclass(frozen=True)
+class Separable(Gauge):
+    """tree(rows x) with linearly independent rows; a direction all rows ignore leaves the gauge unchanged."""
+
+    tree: Side | Holder
+    rows: sp.ImmutableMatrix
+
+    def value(self, x: Sequence[sp.Expr]) -> sp.Expr:
+        return self.tree.value(list(self.rows * sp.Matrix(list(x))))
+
+    def _coordinates(self, d: Sequence[sp.Expr]) -> list[sp.Expr]:
+        return list(_right_inverse(self.rows).T * sp.Matrix(list(d)))
+
+    def polar(self, d: Sequence[sp.Expr]) -> sp.Expr:
+        return self.tree.polar(self._coordinates(d))
+
+    def maximiser(self, d: Sequence[sp.Expr]) -> Exprs:
+        return tuple(_right_inverse(self.rows) * sp.Matrix(self.tree.maximiser(self._coordinates(d))))
+
+    def domain(self, d: Sequence[sp.Expr]) -> Exprs:
+        return _null_forms(self.rows, d)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        if self.rows.rows == self.rows.cols and self.rows.is_diagonal():
+            return self.tree.steps
+        change = "change of variables y = L x: the polar at d is the polar of the inner gauge at c with d = L^T c (Rockafellar 1970, Corollary 16.3.1)"
+        return (*self.tree.steps, change, *_invariance(self.rows))
+
+
+@dataclass(frozen=True)
+class Quadratic(Gauge):
+    """sqrt(x . A x) with A symmetric and positive semidefinite."""
+
+    matrix: sp.ImmutableMatrix
+
+    def value(self, x: Sequence[sp.Expr]) -> sp.Expr:
+        return _root_form(self.matrix, x)
+
+    def inverse(self) -> sp.Matrix:
+        """A generalised inverse, diagonal where the freedom left by the domain allows it."""
+        if sp.cancel(self.matrix.det()) != 0:
+            return self.matrix.inv().applyfunc(sp.cancel)
+        inverse = sp.Matrix(self.matrix.pinv()).applyfunc(sp.cancel)
+        null = self.matrix.nullspace()
+        if len(null) != 1:
+            return inverse
+        n = sp.Matrix(null[0])
+        pairs = [(i, j) for i, j in combinations(range(n.rows), 2) if n[i] * n[j] != 0]
+        if not pairs:
+            return inverse
+        i, j = pairs[0]
+        sparse = (inverse - inverse[i, j] / (n[i] * n[j]) * n * n.T).applyfunc(sp.cancel)
+        return sparse if sparse.is_diagonal() else inverse
+
+    def polar(self, d: Sequence[sp.Expr]) -> sp.Expr:
+        return _root_form(self.inverse(), d)
+
+    def maximiser(self, d: Sequence[sp.Expr]) -> Exprs:
+        column = sp.Matrix(list(d))
+        return tuple(y / self.polar(d) for y in self.inverse() * column)
+
+    def domain(self, d: Sequence[sp.Expr]) -> Exprs:
+        return _null_forms(self.matrix, d)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        rule = "sqrt(x . A x) with A positive semidefinite has as polar sqrt(d . A^+ d) for d in the range of A (Rockafellar 1970, section 12)"
+        return (rule, *_invariance(self.matrix))
+
+
+@dataclass(frozen=True)
+class Polytope(Gauge):
+    """max of numeric linear forms; the unit ball, up to the directions all forms ignore, is the hull of ``vertices``."""
+
+    rows: sp.ImmutableMatrix
+    vertices: tuple[Exprs, ...]
+
+    @classmethod
+    def of(cls, rows: sp.Matrix, most: int = 400) -> Polytope | None:
+        """From the forms; None where the ball is unbounded in a direction some form sees, or there is too much to list."""
+        kept = rows.rref()[1]
+        if len(rows.nullspace()) > 1 or sp.binomial(rows.rows, len(kept)) > most:
+            return None
+        plane = rows[:, list(kept)]  # moving along the ignored direction sets the other coordinate to zero
+        if _recedes(plane):
+            return None
+        found: dict[Exprs, None] = {}
+        for chosen in combinations(range(rows.rows), len(kept)):
+            square = plane[list(chosen), :]
+            if sign_of(square.det()) == 0:
+                continue
+            point = square.LUsolve(sp.ones(len(kept), 1)).applyfunc(sp.radsimp)
+            if all(sign_of(v - 1) <= 0 for v in plane * point):
+                full = sp.zeros(rows.cols, 1)
+                for place, v in zip(kept, point, strict=True):
+                    full[place] = v
+                found[_sparsest(full, rows.nullspace())] = None
+        return cls(sp.ImmutableMatrix(rows), tuple(found))
+
+    def value(self, x: Sequence[sp.Expr]) -> sp.Expr:
+        return _greatest(list(self.rows * sp.Matrix(list(x))))
+
+    def polar(self, d: Sequence[sp.Expr]) -> sp.Expr:
+        return _greatest(self._products(d))
+
+    def _products(self, d: Sequence[sp.Expr]) -> list[sp.Expr]:
+        return [sp.Add(*[v * c for v, c in zip(vertex, d, strict=True)]) for vertex in self.vertices]
+
+    def maximiser(self, d: Sequence[sp.Expr]) -> Exprs:
+        chosen = _first_greatest(self._products(d))
+        return tuple(sp.Add(*[w * v[i] for w, v in zip(chosen, self.vertices, strict=True)]) for i in range(len(d)))
+
+    def domain(self, d: Sequence[sp.Expr]) -> Exprs:
+        return _null_forms(self.rows, d)
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        rule = f"a linear form attains its greatest value over a polytope at one of its {len(self.vertices)} vertices (Rockafellar 1970, Corollary 32.3.4)"
+        return (rule, *_invariance(self.rows))
+
+
+def sign_of(number: sp.Expr) -> int:
+    """Sign of an exact real number: by 30 digits where they decide, else by simplification to zero."""
+    value = sp.N(number, 30)
+    if abs(value) > sp.Float("1e-20"):
+        return 1 if value > 0 else -1
+    if sp.simplify(number) != 0:
+        raise ArithmeticError(f"the sign of {number} is not decided")
+    return 0
+
+
+def _two_sided(y: sp.Expr, up: sp.Expr, down: sp.Expr) -> sp.Expr:
+    return up * sp.Abs(y) if up == down else up * Pos(y) + down * Neg(y)
+
+
+def _unsigned(part: Side | Holder, size: sp.Expr, y: Sequence[sp.Expr], p: sp.Expr, polar: bool) -> sp.Expr:
+    """``size``, or where the norm does not see the sign the shorter signed form."""
+    if isinstance(part, Side) and part.symmetric and p == 2:
+        return y[0] / part.up if polar else y[0] * part.up
+    return size
+
+
+def _power_norm(p: sp.Expr, sizes: list[sp.Expr]) -> sp.Expr:
+    if p == 1:
+        return sp.Add(*sizes)
+    if p is sp.oo:
+        return sp.Max(*sizes)
+    return Norm(*sizes) if p == 2 else sp.Add(*[s**p for s in sizes]) ** (1 / p)
+
+
+def _first_greatest(sizes: Sequence[sp.Expr]) -> list[sp.Expr]:
+    """Weights that are 1 at the first greatest of ``sizes`` and 0 elsewhere."""
+    chosen = []
+    for i, size in enumerate(sizes):
+        earlier = [Where(size > s, sp.S.One, sp.S.Zero) for s in sizes[:i]]
+        later = [Where(size >= s, sp.S.One, sp.S.Zero) for s in sizes[i + 1 :]]
+        chosen.append(sp.Mul(*earlier, *later))
+    return chosen
+
+
+def _greatest(forms: Sequence[sp.Expr]) -> sp.Expr:
+    """max of the forms, opposite ones joined into an absolute value."""
+    left, terms = list(dict.fromkeys(sp.expand(f) for f in forms)), []
+    while left:
+        form = left.pop(0)
+        opposite = sp.expand(-form)
+        if opposite in left:
+            left.remove(opposite)
+            form = sp.Abs(form)
+        terms.append(form)
+    return sp.Max(*terms)
+
+
+def _root_form(matrix: sp.Matrix, x: Sequence[sp.Expr]) -> sp.Expr:
+    if matrix.is_diagonal():
+        weights = [sp.sqrt(matrix[i, i]) for i in range(matrix.rows)]
+        if len(set(weights)) == 1:
+            return weights[0] * Norm(*x)
+        return Norm(*[w * v for w, v in zip(weights, x, strict=True)])
+    column = sp.Matrix(list(x))
+    return sp.sqrt(sp.expand((column.T * matrix * column)[0]))
+
+
+def _right_inverse(rows: sp.Matrix) -> sp.Matrix:
+    if rows.is_diagonal() and rows.rows == rows.cols:
+        return sp.diag(*[1 / rows[i, i] for i in range(rows.rows)])
+    return (rows.T * (rows * rows.T).inv()).applyfunc(sp.cancel)
+
+
+def _null_forms(rows: sp.Matrix, d: Sequence[sp.Expr]) -> Exprs:
+    column = sp.Matrix(list(d))
+    return tuple((vector.T * column)[0] for vector in rows.nullspace())
+
+
+def _invariance(rows: sp.Matrix) -> tuple[str, ...]:
+    if not rows.nullspace():
+        return ()
+    return ("K is invariant along the null directions of the forms, so the supremum is infinite unless d is orthogonal to them "
+            "(Rockafellar 1970, Corollary 13.3.4)",)  # fmt: skip
+
+
+def _recedes(rows: sp.Matrix) -> bool:
+    """Whether a nonzero v has rows v <= 0; the rows have full column rank, so extreme v annul all but one dimension of them."""
+    for chosen in combinations(range(rows.rows), rows.cols - 1):
+        null = rows[list(chosen), :].nullspace() if chosen else [sp.ones(1, 1)]
+        if len(null) != 1:
+            continue
+        signs = {sign_of(sp.radsimp(v)) for v in rows * null[0]}
+        if not {1, -1} <= signs:
+            return True
+    return False
+
+
+def _sparsest(point: sp.Matrix, null: Sequence[sp.Matrix]) -> Exprs:
+    """The representative of ``point`` along the ignored direction that has the most zeros."""
+    if not null:
+        return tuple(point)
+    n = sp.Matrix(null[0])
+    moved = [point - point[i] / n[i] * n for i in range(n.rows) if n[i] != 0]
+    return tuple(max((p.applyfunc(sp.radsimp) for p in moved), key=lambda p: sum(v == 0 for v in p)))

@@ -1,0 +1,32 @@
+"""The one exception users meet: what is wrong, where, and what to do about it."""
+
+from __future__ import annotations
+
+__all__ = ["DuhemError", "InputError", "MissingExtraError"]
+
+
+class DuhemError(Exception):
+    """Base of every error duhem raises on purpose.
+
+    ``what`` names the fault, ``where`` its place (file, line, column, argument) and ``remedy`` the way out;
+    the text of the exception is the three in one line.
+    """
+
+    def __init__(self, what: str, *, where: str = "", remedy: str = "") -> None:
+        self.what, self.where, self.remedy = what, where, remedy
+        super().__init__(self._text())
+
+    def _text(self) -> str:
+        head = f"{self.where}: {self.what}" if self.where else self.what
+        return f"{head}; {self.remedy}" if self.remedy else head
+
+
+class InputError(DuhemError, ValueError):
+    """Something the caller wrote (a file, an option, an argument) cannot be used as it stands."""
+
+
+class MissingExtraError(DuhemError, ImportError):
+    """An optional part is asked for and not installed; the remedy is the pip command."""
+
+    def __init__(self, module: str, extra: str) -> None:
+        super().__init__(f"{module} is not installed", remedy=f'install it with: pip install "duhem[{extra}]"')

@@ -1,0 +1,176 @@
+"""Formulas over real balls (Arb through python-flint): an enclosure of every value over a box, outward rounded.
+
+Kinks are enclosed without being decided: ``where`` with an open condition is the union of its branches.  A value that
+may leave the domain of a function (a root or a logarithm of what may be negative) is the indeterminate ball.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+import flint
+import sympy as sp
+
+from duhem.expression.fold import fold
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+
+__all__ = ["ball", "certain_sign", "enclose", "precision"]
+
+
+def precision(bits: int) -> Any:
+    """Context manager: working precision in bits."""
+    return flint.ctx.workprec(bits)
+
+
+def ball(low: Fraction, high: Fraction | None = None) -> Any:
+    """The smallest ball containing the closed interval (or the point) of exact rationals."""
+    if high is None or high == low:
+        return flint.arb(flint.fmpq(low.numerator, low.denominator))
+    middle, radius = (low + high) / 2, (high - low) / 2
+    return flint.arb(_exact(middle)) + flint.arb(0, _exact(radius))
+
+
+def _exact(number: Fraction) -> Any:
+    return flint.arb(flint.fmpq(number.numerator, number.denominator))
+
+
+def certain_sign(value: Any) -> int | None:
+    """-1, 0, 1 when every real in the ball has that sign, else None."""
+    if not value.is_finite():
+        return None
+    if value > 0:
+        return 1
+    if value < 0:
+        return -1
+    return 0 if value.is_zero() else None
+
+
+def enclose(expr: sp.Basic, values: Mapping[sp.Symbol, Any]) -> Any:
+    """Ball containing every value of ``expr`` when each symbol ranges over its ball."""
+    return fold(expr, _TABLE, lambda node: _leaf(node, values))
+
+
+def _leaf(node: Any, values: Mapping[sp.Symbol, Any]) -> Any:
+    if node.is_Symbol:
+        return values[node]
+    if node.is_Rational:
+        return flint.arb(flint.fmpq(int(node.p), int(node.q)))
+    if node is sp.pi:
+        return flint.arb.pi()
+    if node is sp.E:
+        return flint.arb(1).exp()
+    if node in (sp.true, sp.false):
+        return node is sp.true
+    return flint.arb("nan")
+
+
+def _add(node: sp.Basic, *terms: Any) -> Any:
+    total = terms[0]
+    for term in terms[1:]:
+        total = total + term
+    return total
+
+
+def _mul(node: sp.Basic, *factors: Any) -> Any:
+    product = factors[0]
+    for factor in factors[1:]:
+        product = product * factor
+    return product
+
+
+def _square(x: Any) -> Any:
+    """x^2 without the loss of x * x on balls around zero."""
+    return _integer_power(x, 2)
+
+
+def _integer_power(base: Any, n: int) -> Any:
+    if n < 0:
+        return 1 / _integer_power(base, -n)
+    if n == 1 or not base.is_finite():
+        return base
+    if n % 2 == 0:
+        return (base.abs_lower() ** n).union(base.abs_upper() ** n)
+    return (base.lower() ** n).union(base.upper() ** n)
+
+
+def _pow(node: Any, base: Any, exponent: Any) -> Any:
+    power = node.exp
+    if power.is_Integer:
+        return _integer_power(base, int(power))
+    if node.base.is_extended_nonnegative:  # the formula says so, whatever the ball adds by rounding
+        base = base.nonnegative_part()
+    if base > 0:
+        return base**exponent
+    if base >= 0 and exponent > 0:
+        high = base.upper()
+        return flint.arb(0).union(high**exponent) if high > 0 else flint.arb(0)
+    return flint.arb("nan")
+
+
+def _norm(node: sp.Basic, *args: Any) -> Any:
+    total = _add(node, *(_square(a) for a in args))
+    low, high = total.lower(), total.upper()
+    return (low.sqrt() if low > 0 else flint.arb(0)).union(high.sqrt())
+
+
+def _hull(values: list[Any], pick: Callable[[Any, Any], Any]) -> Any:
+    low, high = values[0].lower(), values[0].upper()
+    for value in values[1:]:
+        low, high = pick(low, value.lower()), pick(high, value.upper())
+    return low.union(high)
+
+
+def _greater(a: Any, b: Any) -> Any:
+    return a if a > b else b
+
+
+def _less(a: Any, b: Any) -> Any:
+    return b if a > b else a
+
+
+def _max(node: sp.Basic, *values: Any) -> Any:
+    return _hull(list(values), _greater) if all(v.is_finite() for v in values) else flint.arb("nan")
+
+
+def _min(node: sp.Basic, *values: Any) -> Any:
+    return _hull(list(values), _less) if all(v.is_finite() for v in values) else flint.arb("nan")
+
+
+def _where(node: sp.Basic, condition: bool | None, a: Any, b: Any) -> Any:
+    if condition is None:
+        return a.union(b) if a.is_finite() and b.is_finite() else flint.arb("nan")
+    return a if condition else b
+
+
+def _truth(sure: Callable[[Any, Any], bool], never: Callable[[Any, Any], bool]) -> Callable[..., bool | None]:
+    def relation(node: sp.Basic, left: Any, right: Any) -> bool | None:
+        return True if sure(left, right) else False if never(left, right) else None
+
+    return relation
+
+
+_TABLE: dict[type, Callable[..., Any]] = {
+    sp.Add: _add,
+    sp.Mul: _mul,
+    sp.Pow: _pow,
+    sp.Abs: lambda node, x: _max(node, x, -x),
+    sp.exp: lambda node, x: x.exp(),
+    sp.log: lambda node, x: x.log() if x > 0 else flint.arb("nan"),
+    sp.sin: lambda node, x: x.sin(),
+    sp.cos: lambda node, x: x.cos(),
+    sp.tan: lambda node, x: x.tan(),
+    sp.tanh: lambda node, x: x.tanh(),
+    sp.atan: lambda node, x: x.atan(),
+    sp.Max: _max,
+    sp.Min: _min,
+    Pos: lambda node, x: _max(node, x, flint.arb(0)),
+    Neg: lambda node, x: _max(node, -x, flint.arb(0)),
+    Norm: _norm,
+    Where: _where,
+    sp.StrictGreaterThan: _truth(lambda a, b: a > b, lambda a, b: a <= b),
+    sp.GreaterThan: _truth(lambda a, b: a >= b, lambda a, b: a < b),
+    sp.StrictLessThan: _truth(lambda a, b: a < b, lambda a, b: a >= b),
+    sp.LessThan: _truth(lambda a, b: a <= b, lambda a, b: a > b),
+}

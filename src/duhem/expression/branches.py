@@ -1,0 +1,146 @@
+"""A formula with kinks as smooth branches: which side of each switching function, and the expression there.
+
+Kinks come from abs, pos, neg, max, min and where.  Each has switching functions; a branch fixes the sign of every
+switch it met, and its expression holds on the closed region where the signs are as said.  One-sided limits at a seam
+are values of branch expressions, never two-sided limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression.fold import fold
+from duhem.expression.vocabulary import Neg, Pos, Where
+
+__all__ = ["Branch", "TooManyBranchesError", "branches", "oriented"]
+
+
+class TooManyBranchesError(Exception):
+    """The formula has more branches than asked for."""
+
+
+@dataclass(frozen=True)
+class Branch:
+    """``expr`` holds where each switch has its sign: +1 for switch >= 0, -1 for switch <= 0."""
+
+    signs: Mapping[sp.Expr, int]
+    expr: Any
+
+    def conditions(self, strict: bool = False) -> tuple[sp.Basic, ...]:
+        """The region as relations; ``strict`` gives its interior."""
+        relation = sp.StrictGreaterThan if strict else sp.GreaterThan
+        return tuple(relation(sign * switch, 0) for switch, sign in self.signs.items())
+
+
+def oriented(switch: sp.Expr) -> tuple[sp.Expr, int]:
+    """A switch reduced to a canonical one with the same zero set, and the sign relating the two.
+
+    Positive factors are dropped, so that ``sigma_a`` and ``sigma_a/mu`` are one switch.
+    """
+    number, rest = switch.as_coeff_Mul()
+    sign = -1 if number.is_negative else 1
+    kept = []
+    for factor in sp.Mul.make_args(rest):
+        if factor.is_positive:
+            continue
+        if factor.is_negative:
+            sign = -sign
+            continue
+        kept.append(factor)
+    core = sp.Mul(*kept)
+    if core.is_Add and core.could_extract_minus_sign():
+        core, sign = -core, -sign
+    return core, sign
+
+
+def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
+    """All sign-consistent branches of ``expr``; raises TooManyBranchesError above ``most``."""
+
+    def join(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
+        return _capped((_merge(node.func, parts) for parts in product(*values)), most)
+
+    def kink(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
+        return _capped((b for parts in product(*values) for b in _split(node, parts)), most)
+
+    table: dict[type, Callable[..., tuple[Branch, ...]]] = {node: kink for node in (sp.Abs, Pos, Neg, sp.Max, sp.Min, Where)}
+
+    class _Table(dict[type, Callable[..., tuple[Branch, ...]]]):
+        def get(self, key: Any, default: Any = None) -> Any:  # every other node is smooth: rebuild it branch by branch
+            return super().get(key, join)
+
+    return fold(expr, _Table(table), lambda leaf: (Branch({}, leaf),))
+
+
+def _capped(found: Iterable[Branch | None], most: int) -> tuple[Branch, ...]:
+    kept: dict[tuple[Any, ...], Branch] = {}
+    for branch in found:
+        if branch is None:
+            continue
+        kept.setdefault((frozenset(branch.signs.items()), branch.expr), branch)
+        if len(kept) > most:
+            raise TooManyBranchesError(f"more than {most} branches")
+    return tuple(kept.values())
+
+
+def _signs(parts: Iterable[Branch]) -> dict[sp.Expr, int] | None:
+    signs: dict[sp.Expr, int] = {}
+    for part in parts:
+        for switch, sign in part.signs.items():
+            if signs.setdefault(switch, sign) != sign:
+                return None
+    return signs
+
+
+def _merge(build: Any, parts: tuple[Branch, ...]) -> Branch | None:
+    signs = _signs(parts)
+    return None if signs is None else Branch(signs, build(*(p.expr for p in parts)))
+
+
+def _with(signs: Mapping[sp.Expr, int], more: Iterable[tuple[sp.Expr, int]], expr: sp.Expr) -> Branch | None:
+    """The branch further restricted by sign * switch >= 0; None where that contradicts or cannot hold inside."""
+    joint = dict(signs)
+    for switch, sign in more:
+        core, flip = oriented(switch)
+        wanted = sign * flip
+        if core.is_number:
+            if (core > 0 and wanted < 0) or (core < 0 and wanted > 0):
+                return None
+            continue
+        if (wanted > 0 and core.is_nonpositive) or (wanted < 0 and core.is_nonnegative):
+            return None
+        if (wanted > 0 and core.is_nonnegative) or (wanted < 0 and core.is_nonpositive):
+            continue
+        if joint.setdefault(core, wanted) != wanted:
+            return None
+    return Branch(joint, expr)
+
+
+def _split(node: sp.Basic, parts: tuple[Branch, ...]) -> Iterable[Branch | None]:
+    signs = _signs(parts)
+    if signs is None:
+        return
+    values = [p.expr for p in parts]
+    if isinstance(node, sp.Abs):
+        yield _with(signs, [(values[0], 1)], values[0])
+        yield _with(signs, [(values[0], -1)], -values[0])
+    elif isinstance(node, Pos | Neg):
+        yield _with(signs, [(values[0], node.slope)], node.slope * values[0])
+        yield _with(signs, [(values[0], -node.slope)], sp.S.Zero)
+    elif isinstance(node, sp.Max | sp.Min):
+        sense = 1 if isinstance(node, sp.Max) else -1
+        for i, value in enumerate(values):
+            others = [sp.expand(value - v) for j, v in enumerate(values) if j != i and v != value]
+            yield _with(signs, [(d, sense) for d in others], value)
+    else:
+        condition, then, otherwise = values
+        if condition in (sp.true, sp.false):
+            yield Branch(signs, then if condition is sp.true else otherwise)
+            return
+        gap = sp.expand(condition.gts - condition.lts)
+        yield _with(signs, [(gap, 1)], then)
+        yield _with(signs, [(gap, -1)], otherwise)

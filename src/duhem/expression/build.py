@@ -1,0 +1,168 @@
+"""Building a formula step by step, each step refused if its value is not real and finite or too large to compute.
+
+SymPy evaluates as it builds: 9**9**9 would fill the memory, 1/0 is its complex infinity, sqrt(-1) its imaginary unit.
+Here the size of a result is bounded before SymPy is asked for it, and what comes back is looked at.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import sympy as sp
+from sympy.core.relational import Relational
+
+from duhem.errors import InputError
+from duhem.expression.fold import fold
+from duhem.expression.vocabulary import NODES, WORDS, Neg, Norm, Pos, Where
+
+__all__ = ["approximate", "call", "power", "product", "relation", "total", "unacceptable"]
+
+MOST_BITS = 8192
+MOST_EXPONENT = 1000
+MOST_NUMERIC_EXPONENT = 64
+MOST_ARGUMENTS = 32
+
+
+def total(plus: Sequence[sp.Expr], minus: Sequence[sp.Expr]) -> sp.Expr:
+    """Sum of ``plus`` less the sum of ``minus``."""
+    _bound_bits(sum(_bits(x) for x in (*plus, *minus)))
+    return _checked(sp.Add(*plus, *(-x for x in minus)))
+
+
+def product(over: Sequence[sp.Expr], under: Sequence[sp.Expr], sign: int = 1) -> sp.Expr:
+    """Product of ``over`` divided by the product of ``under``; a divisor that is zero raises InputError."""
+    for x in under:
+        if _is_zero(x):
+            raise InputError("division by zero", remedy="correct the divisor")
+    _bound_bits(sum(_bits(x) for x in (*over, *under)))
+    return _checked(sp.Mul(sp.Integer(sign), *over, *(sp.Pow(x, -1) for x in under)))
+
+
+def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """``base ** exponent`` for exponents that are small or symbolic."""
+    if exponent.is_number:
+        size = abs(approximate(exponent))
+        if size > (MOST_NUMERIC_EXPONENT if base.is_number else MOST_EXPONENT):
+            raise InputError("the exponent is too large", remedy=f"use exponents up to {MOST_NUMERIC_EXPONENT} for numbers, {MOST_EXPONENT} else")
+        _bound_bits(int(size) * max((_bits(x) for x in base.atoms(sp.Rational)), default=0))
+        if _is_zero(base) and approximate(exponent) < 0:
+            raise InputError("division by zero", remedy="correct the divisor")
+    elif base.is_number and (_is_zero(base) or approximate(base) < 0):
+        raise InputError("a variable power of a number that is not positive is not real", remedy="use a positive base")
+    return _checked(sp.Pow(base, exponent))
+
+
+def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
+    """A word of the vocabulary applied to its arguments."""
+    # SymPy flattens nested Min and Max and compares every pair, so it is the flattened count that is bounded.
+    count = sum(len(a.args) if isinstance(a, (sp.Min, sp.Max)) else 1 for a in args)
+    if count > MOST_ARGUMENTS:
+        raise InputError(f"{word} has {count} arguments", remedy=f"at most {MOST_ARGUMENTS} are read")
+    if word == "sqrt":
+        return power(args[0], sp.S.Half)
+    if word == "log" and _is_zero(args[0]):
+        raise InputError("log(0) is not finite", remedy="give log a positive argument")
+    if word == "exp" and args[0].is_number and approximate(args[0]) > 700:
+        raise InputError("the value is too large", remedy="exp takes arguments up to 700")
+    # SymPy turns tan(x + pi/2) into -cot(x), which is no word of ours.
+    return _checked(WORDS[word].build(*args).replace(sp.cot, lambda x: 1 / sp.tan(x)))
+
+
+def relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:
+    """A comparison, or SymPy's true or false where the signs of the symbols decide it."""
+    return kind(left, right)
+
+
+def approximate(expr: sp.Expr) -> float:
+    """The value of a constant in double precision; InputError if it is not real and finite."""
+    try:
+        value = fold(expr, _FLOAT, float)
+    except (OverflowError, ValueError, ZeroDivisionError, TypeError):
+        value = math.nan
+    if isinstance(value, complex) or not math.isfinite(value):
+        raise InputError("the value is not real and finite, or too large", remedy="keep every part of the formula real and finite")
+    return float(value)
+
+
+def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> str | None:
+    """Why a finished formula cannot be used, or None."""
+    for node in sp.preorder_traversal(expr):
+        if node.args:
+            if type(node) not in NODES:
+                return f"no meaning is given to {type(node).__name__} in {str(node)[:60]!r}"
+            if isinstance(node, sp.Pow) and node.exp.is_number and abs(approximate(node.exp)) > MOST_EXPONENT:
+                return f"the exponent of {str(node.base)[:40]!r} is too large"
+        elif not (node in known or isinstance(node, sp.Rational) or node in (sp.pi, sp.E)):
+            return f"{node} is not a real number"
+    return None
+
+
+def _checked(expr: sp.Expr) -> sp.Expr:
+    _bound_bits(_bits(expr))
+    if isinstance(expr, sp.Pow) and expr.base.is_number and expr.base.is_negative and not expr.exp.is_integer:
+        raise InputError("the value is not real", remedy="take roots of what is never negative")
+    if expr is sp.I or (isinstance(expr, sp.Mul) and any(a is sp.I or _is_root_of_negative(a) for a in expr.args)):
+        raise InputError("the value is not real", remedy="take roots and logarithms of what is never negative")
+    if expr.is_number and not expr.is_Rational:
+        approximate(expr)
+    return expr
+
+
+def _is_root_of_negative(expr: sp.Expr) -> bool:
+    return bool(isinstance(expr, sp.Pow) and expr.base.is_number and expr.base.is_negative and not expr.exp.is_integer)
+
+
+def _is_zero(expr: sp.Expr) -> bool:
+    """Whether a constant is zero, or cannot be told from it in a hundred digits."""
+    if not expr.is_number:
+        return expr == 0
+    if expr.is_Rational:
+        return bool(expr == 0)
+    if abs(approximate(expr)) > 1e-9:
+        return False
+    return bool(abs(expr.evalf(20, maxn=120)) < sp.Float("1e-100"))
+
+
+def _bits(expr: sp.Basic) -> int:
+    """Size of the number in front: of a rational itself, of a product's coefficient."""
+    if isinstance(expr, sp.Mul):
+        expr = expr.args[0]
+    return expr.p.bit_length() + expr.q.bit_length() if isinstance(expr, sp.Rational) else 0
+
+
+def _bound_bits(bits: int) -> None:
+    if bits > MOST_BITS:
+        raise InputError("the number is too large", remedy="use numbers of ordinary size")
+
+
+def _power(_: sp.Basic, base: float, exponent: float) -> float:
+    result = base**exponent
+    if isinstance(result, complex):
+        raise ValueError("not real")
+    return result
+
+
+_FLOAT: dict[type, Callable[..., float]] = {
+    sp.Add: lambda _, *a: math.fsum(a),
+    sp.Mul: lambda _, *a: math.prod(a),
+    sp.Pow: _power,
+    sp.Abs: lambda _, a: abs(a),
+    sp.exp: lambda _, a: math.exp(a),
+    sp.log: lambda _, a: math.log(a),
+    sp.sin: lambda _, a: math.sin(a),
+    sp.cos: lambda _, a: math.cos(a),
+    sp.tan: lambda _, a: math.tan(a),
+    sp.tanh: lambda _, a: math.tanh(a),
+    sp.atan: lambda _, a: math.atan(a),
+    sp.Min: lambda _, *a: min(a),
+    sp.Max: lambda _, *a: max(a),
+    Pos: lambda _, a: max(a, 0.0),
+    Neg: lambda _, a: max(-a, 0.0),
+    Norm: lambda _, *a: math.hypot(*a),
+    Where: lambda _, condition, a, b: a if condition else b,
+    sp.StrictLessThan: lambda _, a, b: float(a < b),
+    sp.LessThan: lambda _, a, b: float(a <= b),
+    sp.StrictGreaterThan: lambda _, a, b: float(a > b),
+    sp.GreaterThan: lambda _, a, b: float(a >= b),
+}

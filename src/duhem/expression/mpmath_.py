@@ -1,0 +1,108 @@
+"""Formulas in as many digits as asked for (mpmath); plain rounding, no enclosure.
+
+It shares no arithmetic with the other interpreters, which makes it the one they are tested against.  Undefined real
+values (a root of a negative number, ...) are nan, and nan spreads; a zero divisor gives +inf.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from functools import reduce
+from typing import Any
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.fold import Table, fold
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+
+__all__ = ["evaluate", "table"]
+
+
+def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> Any:
+    """The formula at a point as an ``mpf``, computed with ``dps`` decimal digits (not all of them correct).
+
+    ``values`` may be integers, floats (taken exactly), fractions, SymPy rationals, mpf or decimal text.  Comparisons
+    give 1 and 0.  Raises InputError for a symbol without a value and for a node without a meaning.
+    """
+    from mpmath import MPContext
+
+    context = MPContext()  # of our own, so that nobody's precision changes
+    context.dps = dps
+    known = {symbol: _number(context, value) for symbol, value in values.items()}
+
+    def leaf(node: Any) -> Any:
+        if node in known:
+            return known[node]
+        if node.is_Rational:
+            return _number(context, node)
+        if node is sp.pi:
+            return +context.pi
+        if node is sp.E:
+            return +context.e
+        if node in (sp.true, sp.false):
+            return context.mpf(node is sp.true)
+        raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+
+    return fold(expr, table(context), leaf)
+
+
+def _number(context: Any, value: Any) -> Any:
+    if isinstance(value, sp.Rational):
+        return context.mpf(int(value.p)) / int(value.q)
+    if isinstance(value, Fraction):
+        return context.mpf(value.numerator) / value.denominator
+    return context.mpf(value)
+
+
+def table(context: Any) -> Table[Any]:
+    """The rows over one mpmath context, which carries the precision."""
+    nan, zero = context.nan, context.mpf(0)
+
+    def power(_: Any, base: Any, exponent: Any) -> Any:
+        if base == 0 and exponent < 0:
+            return context.inf
+        if base < 0 and not context.isint(exponent):
+            return nan
+        return base**exponent
+
+    def total(_: Any, *x: Any) -> Any:
+        return reduce(operator.add, x)
+
+    def greatest(_: Any, *x: Any) -> Any:
+        return nan if any(map(context.isnan, x)) else max(x)
+
+    def least(_: Any, *x: Any) -> Any:
+        return nan if any(map(context.isnan, x)) else min(x)
+
+    def comparison(compare: Callable[[Any, Any], bool]) -> Callable[..., Any]:
+        return lambda _, a, b: nan if context.isnan(a) or context.isnan(b) else context.mpf(compare(a, b))
+
+    def where(_: Any, condition: Any, a: Any, b: Any) -> Any:
+        return nan if context.isnan(condition) else a if condition == 1 else b
+
+    return {
+        sp.Add: total,
+        sp.Mul: lambda _, *x: reduce(operator.mul, x),
+        sp.Pow: power,
+        sp.Abs: lambda _, x: abs(x),
+        sp.exp: lambda _, x: context.exp(x),
+        sp.log: lambda _, x: nan if x < 0 else context.log(x),
+        sp.sin: lambda _, x: context.sin(x),
+        sp.cos: lambda _, x: context.cos(x),
+        sp.tan: lambda _, x: context.tan(x),
+        sp.tanh: lambda _, x: context.tanh(x),
+        sp.atan: lambda _, x: context.atan(x),
+        sp.Min: least,
+        sp.Max: greatest,
+        Pos: lambda _, x: greatest(_, x, zero),
+        Neg: lambda _, x: greatest(_, -x, zero),
+        Norm: lambda _, *x: context.sqrt(total(_, *(v * v for v in x))),
+        Where: where,
+        sp.StrictGreaterThan: comparison(operator.gt),
+        sp.GreaterThan: comparison(operator.ge),
+        sp.StrictLessThan: comparison(operator.lt),
+        sp.LessThan: comparison(operator.le),
+    }

@@ -1,0 +1,71 @@
+"""Numbers read exactly: 0.15 is 3/20, whether it comes as text, as a float or from NumPy."""
+
+from __future__ import annotations
+
+import numbers
+import re
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from duhem.errors import InputError
+
+__all__ = ["DECIMAL", "exact_number", "ratio"]
+
+# A decimal without sign.  At most MOST_DIGITS digits and a scale of at most 10^+-MOST_DIGITS: beyond doubles, yet cheap.
+DECIMAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+MOST_DIGITS = 400
+_NUMBER = re.compile(rf"([+-]?)({DECIMAL})(?:\s*/\s*({DECIMAL}))?", re.ASCII)
+_REMEDY = "write a finite number such as 0.15, 1e-6 or 1/2"
+
+
+def exact_number(x: Any) -> sp.Rational:
+    """``x`` as an exact rational.
+
+    Accepts integers, fractions, SymPy rationals, decimals, NumPy scalars, and text (``"0.15"``, ``"1e-6"``, ``"1/2"``).
+    A float counts as its shortest decimal: 0.1 is 1/10.  Anything else, infinities and truth values included,
+    raises InputError.
+    """
+    if isinstance(x, sp.Rational):
+        return x
+    if isinstance(x, bool):
+        raise InputError(f"{x} is a truth value, not a number", remedy=_REMEDY)
+    if isinstance(x, str):
+        return _from_text(x)
+    if isinstance(x, numbers.Rational):
+        return sp.Rational(int(x.numerator), int(x.denominator))
+    if isinstance(x, (numbers.Real, Decimal, sp.Float)):
+        return _from_text(str(x))
+    raise InputError(f"{str(x)[:40]!r} ({type(x).__name__}) is not a number", remedy=_REMEDY)
+
+
+def ratio(x: sp.Rational) -> str:
+    """``x`` as text, ``p`` or ``p/q``; :func:`exact_number` reads it back."""
+    return f"{x.p}/{x.q}" if x.q != 1 else f"{x.p}"
+
+
+def _from_text(text: str) -> sp.Rational:
+    match = _NUMBER.fullmatch(text.strip())
+    if match is None:
+        raise InputError(f"{text[:40]!r} is not a number", remedy=_REMEDY)
+    sign, over, under = match.groups()
+    value = _decimal(over)
+    if under is not None:
+        divisor = _decimal(under)
+        if divisor == 0:
+            raise InputError(f"{text[:40]!r} divides by zero", remedy=_REMEDY)
+        value /= divisor
+    value = -value if sign == "-" else value
+    return sp.Rational(value.numerator, value.denominator)
+
+
+def _decimal(text: str) -> Fraction:
+    digits, _, scale = text.lower().partition("e")
+    if len(digits) > MOST_DIGITS or len(scale) > 6 or abs(int(scale or 0)) > MOST_DIGITS:
+        raise InputError(
+            f"the number {text[:24]}{'...' if len(text) > 24 else ''} is too long or too large",
+            remedy=f"at most {MOST_DIGITS} digits and exponents up to {MOST_DIGITS} are read",
+        )
+    return Fraction(text)

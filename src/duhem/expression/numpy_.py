@@ -1,0 +1,155 @@
+"""Formulas over NumPy arrays, in double precision.
+
+A formula is flattened once into a straight list of steps, each shared sub-expression one step; running it is a loop
+over that list.  Both branches of every kink are computed, so the faults of a branch that is not taken stay silent;
+where the formula itself is undefined (a root of a negative number, ...) the result is nan, and nan spreads, through
+comparisons too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import partial, reduce
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.errors import InputError
+from duhem.expression.fold import Table, fold
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+
+__all__ = ["TABLE", "Program", "compiled", "evaluate"]
+
+Array = NDArray[np.float64]
+
+
+def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, ArrayLike]) -> Array:
+    """The formula at ``values`` (one array per symbol; they broadcast, and the result has their common shape).
+
+    Units are the caller's.  Comparisons give 1.0 and 0.0.  Raises InputError for a symbol without a value and for a
+    node without a meaning.
+    """
+    return compiled(expr, tuple(values))(*values.values())
+
+
+def compiled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Program:
+    """The formula as a function of ``symbols``, in their order; walk once, call often."""
+    order = tuple(symbols)
+    steps: list[Step] = []
+
+    def register(function: Callable[..., Any], arguments: tuple[int, ...]) -> int:
+        steps.append((function, arguments))
+        return len(order) + len(steps) - 1
+
+    def leaf(node: Any) -> int:
+        if node in order:
+            return order.index(node)
+        return register(partial(_same, _constant(node)), ())
+
+    def recorder(row: Callable[..., Any]) -> Callable[..., int]:
+        return lambda node, *registers: register(partial(row, node), registers)
+
+    last = fold(expr, {kind: recorder(row) for kind, row in TABLE.items()}, leaf)
+    return Program(order, tuple(steps), last)
+
+
+Step = tuple[Callable[..., Any], tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class Program:
+    """A formula as steps over registers: first the values of ``symbols``, then one register per step."""
+
+    symbols: tuple[sp.Symbol, ...]
+    steps: tuple[Step, ...]
+    last: int
+
+    def __call__(self, *values: ArrayLike) -> Array:
+        """The formula at one array per symbol; a fresh array of their common shape."""
+        registers: list[Any] = [np.asarray(value, dtype=np.float64) for value in values]
+        if len(registers) != len(self.symbols):
+            raise InputError(f"{len(registers)} values are given for {len(self.symbols)} symbols", remedy="give one array per symbol")
+        shape = np.broadcast_shapes(*(value.shape for value in registers))
+        with np.errstate(all="ignore"):
+            for function, arguments in self.steps:
+                registers.append(function(*(registers[i] for i in arguments)))
+        return np.array(np.broadcast_to(registers[self.last], shape))
+
+
+def _same(value: float) -> float:
+    return value
+
+
+def _constant(node: Any) -> float:
+    if node.is_Rational:
+        return _quotient(node)
+    if node is sp.pi:
+        return math.pi
+    if node is sp.E:
+        return math.e
+    if node in (sp.true, sp.false):
+        return float(node is sp.true)
+    raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+
+
+def _quotient(number: Any) -> float:
+    try:
+        return int(number.p) / int(number.q)  # correctly rounded
+    except OverflowError:
+        raise InputError("a number of the formula is too large for double precision", remedy="rescale it") from None
+
+
+def _power(node: Any, base: Any, exponent: Any) -> Any:
+    match node.exp:
+        case sp.Integer(p=2):
+            return np.square(base)
+        case sp.Integer(p=-1):
+            return np.true_divide(1.0, base)
+        case sp.Rational(p=1, q=2):
+            return np.sqrt(base)
+    return np.power(base, exponent)
+
+
+def _norm(_: Any, first: Any, *others: Any) -> Any:
+    """By hypot, so that squares of large or small arguments neither overflow nor vanish."""
+    return reduce(np.hypot, others, np.abs(first))
+
+
+def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Any]:
+    def row(_: Any, a: Any, b: Any) -> Any:
+        return np.where(np.isnan(a) | np.isnan(b), np.nan, compare(a, b))
+
+    return row
+
+
+def _where(_: Any, condition: Any, a: Any, b: Any) -> Any:
+    return np.where(np.isnan(condition), np.nan, np.where(condition == 1.0, a, b))
+
+
+TABLE: Table[Any] = {
+    sp.Add: lambda _, *x: reduce(np.add, x),
+    sp.Mul: lambda _, *x: reduce(np.multiply, x),
+    sp.Pow: _power,
+    sp.Abs: lambda _, x: np.abs(x),
+    sp.exp: lambda _, x: np.exp(x),
+    sp.log: lambda _, x: np.log(x),
+    sp.sin: lambda _, x: np.sin(x),
+    sp.cos: lambda _, x: np.cos(x),
+    sp.tan: lambda _, x: np.tan(x),
+    sp.tanh: lambda _, x: np.tanh(x),
+    sp.atan: lambda _, x: np.arctan(x),
+    sp.Min: lambda _, *x: reduce(np.minimum, x),
+    sp.Max: lambda _, *x: reduce(np.maximum, x),
+    Pos: lambda _, x: np.maximum(x, 0.0),
+    Neg: lambda _, x: np.maximum(np.negative(x), 0.0),
+    Norm: _norm,
+    Where: _where,
+    sp.StrictGreaterThan: _comparison(np.greater),
+    sp.GreaterThan: _comparison(np.greater_equal),
+    sp.StrictLessThan: _comparison(np.less),
+    sp.LessThan: _comparison(np.less_equal),
+}

@@ -1,0 +1,279 @@
+"""Text to formula, safely: a whitelist of tokens, then of syntax-tree nodes, then of values.
+
+Nothing in the text is ever executed.  Every fault is one :class:`duhem.errors.InputError` that names its place
+(file, line, column), the offending token, and the way out.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import unicodedata
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from keyword import iskeyword
+
+import sympy as sp
+from sympy.core.relational import Relational
+
+from duhem.errors import InputError
+from duhem.expression.build import call, power, product, relation, total, unacceptable
+from duhem.expression.number import DECIMAL, exact_number, ratio
+from duhem.expression.vocabulary import WORDS
+
+__all__ = ["exact_number", "parse_expression", "parse_relation", "ratio"]
+
+MOST_CHARACTERS = 20_000
+MOST_NODES = 2_000
+MOST_DEPTH = 60
+
+_TOKEN = re.compile(rf"(?P<space>\s+)|(?P<number>{DECIMAL})|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)")
+_ARITHMETIC = "write it with numbers, declared names, + - * / ** and the words of the language"
+_HINTS = {
+    "^": "write ** for a power",
+    "=": "comparisons are < <= > >=",
+    "!": "comparisons are < <= > >=",
+    "/": "write / for a division",
+    ".": "attributes are not part of the language",
+    "[": "group with ( and )",
+    "{": "group with ( and )",
+    "#": "put comments outside the formula",
+}
+_COMPARISONS: dict[type[ast.cmpop], type[Relational]] = {
+    ast.Lt: sp.StrictLessThan, ast.LtE: sp.LessThan, ast.Gt: sp.StrictGreaterThan, ast.GtE: sp.GreaterThan,
+}  # fmt: skip
+
+
+def parse_expression(text: str, known: Mapping[str, sp.Symbol], *, where: str = "formula", line: int = 1, column: int = 0) -> sp.Expr:
+    """The formula ``text`` over the symbols ``known``, as a real SymPy expression.
+
+    ``where``, ``line`` (from 1) and ``column`` (from 0) say where the text begins, for the messages.
+    Decimals are exact rationals.  Raises InputError for anything outside the language, for values that are not
+    real and finite (``log(0)``, ``sqrt(-1)``), and for what would be too large to compute.
+    """
+    reader = _Reader.over(text, known, _Place(where, line, column, text))
+    tree = reader.syntax()
+    value = reader.value(tree, 0)
+    if fault := unacceptable(value, set(known.values())):
+        raise reader.place.error(fault, remedy="rewrite the formula")
+    return value
+
+
+def parse_relation(text: str, known: Mapping[str, sp.Symbol], *, where: str = "constraint", line: int = 1, column: int = 0) -> Relational:
+    """One comparison such as ``e < mu_b``.  One that always holds is kept as written; one that never does raises InputError."""
+    reader = _Reader.over(text, known, _Place(where, line, column, text))
+    tree = reader.syntax()
+    if not isinstance(tree, ast.Compare):
+        raise reader.place.error(f"{reader.quote(tree)} is no comparison", remedy="compare two expressions with < <= > or >=")
+    left, right, kind = reader.sides(tree, 0)
+    for side in (left, right):
+        if fault := unacceptable(side, set(known.values())):
+            raise reader.place.error(fault, remedy="rewrite the constraint")
+    if kind(left, right) == sp.false:
+        raise reader.place.error(f"the constraint {reader.quote(tree)} is contradictory: it never holds", remedy="correct or remove it")
+    return kind(left, right, evaluate=False)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a text stands, so that an offset in it becomes file:line:column."""
+
+    where: str
+    line: int
+    column: int
+    text: str
+
+    def error(self, what: str, *, at: int = 0, remedy: str = "") -> InputError:
+        before = self.text[:at]
+        row = before.count("\n")
+        column = at - (before.rfind("\n") + 1) + (self.column if row == 0 else 0)
+        return InputError(what, where=f"{self.where}:{self.line + row}:{column + 1}", remedy=remedy)
+
+
+@dataclass(frozen=True)
+class _Reader:
+    """One text with its names; ``known`` is keyed as Python's parser spells names (NFKC)."""
+
+    text: str
+    known: Mapping[str, sp.Symbol]
+    place: _Place
+    starts: tuple[int, ...]
+
+    @classmethod
+    def over(cls, text: str, known: Mapping[str, sp.Symbol], place: _Place) -> _Reader:
+        if len(text) > MOST_CHARACTERS:
+            raise place.error(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
+        for name in known:
+            if name in WORDS or name == "pi" or iskeyword(name):
+                raise place.error(f"the name {name!r} already means something", remedy="choose another name for the force or parameter")
+        names = {unicodedata.normalize("NFKC", name): symbol for name, symbol in known.items()}
+        starts = [0, *(m.end() for m in re.finditer("\n", text))]
+        return cls(text, names, place, tuple(starts))
+
+    # -- tokens ------------------------------------------------------------------------------------------------
+
+    def tokens(self) -> Iterator[re.Match[str]]:
+        at = 0
+        while at < len(self.text):
+            token = _TOKEN.match(self.text, at)
+            if token is None:
+                mark = self.text[at]
+                raise self.place.error(f"unexpected {mark!r}", at=at, remedy=_HINTS.get(mark, _ARITHMETIC))
+            at = token.end()
+            if token.lastgroup != "space":
+                yield token
+
+    def check_tokens(self) -> None:
+        """Every token is in the language and in its place, every name has a meaning, brackets match and are not too deep."""
+        opened: list[int] = []
+        previous: re.Match[str] | None = None
+        for token in self.tokens():
+            self.check_order(token, previous)
+            if token.lastgroup == "name":
+                self.check_name(token)
+            elif token[0] == "(":
+                opened.append(token.start())
+                if len(opened) > MOST_DEPTH:
+                    raise self.place.error("the formula is nested too deeply", at=token.start(), remedy=f"at most {MOST_DEPTH} brackets deep")
+            elif token[0] == ")":
+                if not opened:
+                    raise self.place.error("unexpected ')'", at=token.start(), remedy="remove it or open it before")
+                opened.pop()
+            previous = token
+        if previous is None:
+            raise self.place.error("the formula is empty", remedy=_ARITHMETIC)
+        if opened:
+            raise self.place.error("'(' is never closed", at=opened[-1], remedy="add the missing ')'")
+        if not _ends_operand(previous):
+            raise self.place.error(f"the formula ends after {previous[0]!r}", at=previous.start(), remedy="complete or remove it")
+
+    def check_order(self, token: re.Match[str], previous: re.Match[str] | None) -> None:
+        """Operands and operators alternate."""
+        if previous is not None and _ends_operand(previous):
+            if not (token.lastgroup == "operator" and token[0] != "(") and not (token[0] == "(" and previous.lastgroup == "name"):
+                near = f"{token[0][:24]!r} after {previous[0][:24]!r}"
+                raise self.place.error(f"unexpected {near}", at=token.start(), remedy="put an operator between them, such as *")
+        elif token.lastgroup == "operator" and token[0] not in ("-", "+", "("):
+            empty_call = token[0] == ")" and previous is not None and previous[0] == "("
+            if not empty_call:
+                raise self.place.error(f"unexpected {token[0]!r}", at=token.start(), remedy="put a number, a name or a bracket before it")
+
+    def check_name(self, token: re.Match[str]) -> None:
+        name, at = token[0], token.start()
+        called = self.text[token.end() :].lstrip().startswith("(")
+        if called and name not in WORDS:
+            remedy = f"write {name}*(...)" if name in self.known else self.suggest(name, [*WORDS], "functions")
+            raise self.place.error(f"{name[:40]!r} is not a function of the language", at=at, remedy=remedy)
+        if not called and name in WORDS:
+            raise self.place.error(f"{name!r} needs its arguments in brackets", at=at, remedy=f"write {name}(...)")
+        if not called and name != "pi" and unicodedata.normalize("NFKC", name) not in self.known:
+            raise self.place.error(f"unknown name {name[:40]!r}", at=at, remedy=self.suggest(name, [*self.known], "declared"))
+
+    def suggest(self, name: str, among: list[str], title: str) -> str:
+        near = get_close_matches(name[:40], [*among, *WORDS, "pi"], n=1)
+        return f"did you mean {near[0]!r}?" if near else f"{title}: {', '.join(among) or 'none'}"
+
+    # -- syntax ------------------------------------------------------------------------------------------------
+
+    def syntax(self) -> ast.expr:
+        """The syntax tree of a text whose tokens are all known; brackets around it let it run over several lines."""
+        self.check_tokens()
+        try:
+            tree = ast.parse(f"({self.text}\n)", mode="eval").body
+        except SyntaxError as fault:  # the tokens are in order, so only Python's own limits are left
+            raise self.place.error(f"the formula cannot be read: {fault.msg}", remedy="split it into smaller parts") from None
+        except (RecursionError, MemoryError, ValueError):
+            raise self.place.error("the formula is nested too deeply", remedy="split it into smaller parts") from None
+        if sum(1 for _ in ast.walk(tree)) > MOST_NODES:
+            raise self.place.error("the formula is too large", remedy=f"at most {MOST_NODES} operations, names and numbers are read")
+        return tree
+
+    def start(self, node: ast.expr) -> int:
+        row = self.text.split("\n")[node.lineno - 1]
+        shift = node.lineno == 1
+        characters = len(row.encode()[: max(node.col_offset - shift, 0)].decode(errors="ignore"))
+        return self.starts[node.lineno - 1] + characters
+
+    def quote(self, node: ast.expr) -> str:
+        segment = " ".join((ast.get_source_segment(f"({self.text}\n)", node) or "").split())
+        return repr(segment if len(segment) <= 40 else segment[:37] + "...")
+
+    # -- values ------------------------------------------------------------------------------------------------
+
+    def value(self, node: ast.expr, depth: int) -> sp.Expr:
+        """The SymPy value of a node; chains of sums and of products are built at once, so only nesting has depth."""
+        if depth > 4 * MOST_DEPTH:
+            raise self.place.error("the formula is nested too deeply", at=self.start(node), remedy="split it into smaller parts")
+        try:
+            return self.built(node, depth + 1)
+        except InputError as fault:
+            if fault.where:
+                raise
+            raise self.place.error(f"{self.quote(node)}: {fault.what}", at=self.start(node), remedy=fault.remedy) from None
+        except (ArithmeticError, ValueError, TypeError, RecursionError, NotImplementedError):
+            raise self.place.error(f"{self.quote(node)} cannot be evaluated", at=self.start(node), remedy="rewrite that part") from None
+
+    def built(self, node: ast.expr, depth: int) -> sp.Expr:
+        match node:
+            case ast.Constant():
+                return exact_number(ast.get_source_segment(f"({self.text}\n)", node) or "")
+            case ast.Name(id=name):
+                return sp.pi if name == "pi" else self.known[name]
+            case ast.UnaryOp(op=ast.USub(), operand=inner):
+                return product([self.value(inner, depth)], [], sign=-1)
+            case ast.UnaryOp(op=ast.UAdd(), operand=inner):
+                return self.value(inner, depth)
+            case ast.BinOp(op=ast.Add() | ast.Sub()):
+                head, tail = _chain(node, (ast.Add, ast.Sub))
+                rest = [(op, self.value(term, depth)) for op, term in tail]
+                first = self.value(head, depth)
+                return total([first, *(v for op, v in rest if op is ast.Add)], [v for op, v in rest if op is ast.Sub])
+            case ast.BinOp(op=ast.Mult() | ast.Div()):
+                head, tail = _chain(node, (ast.Mult, ast.Div))
+                rest = [(op, self.value(term, depth)) for op, term in tail]
+                first = self.value(head, depth)
+                return product([first, *(v for op, v in rest if op is ast.Mult)], [v for op, v in rest if op is ast.Div])
+            case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
+                return power(self.value(base, depth), self.value(exponent, depth))
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
+                return self.called(name, args, depth)
+            case ast.Compare():
+                raise InputError("a comparison stands only as the first argument of where", remedy="write where(condition, a, b)")
+            case _:
+                raise InputError("this is not part of the language", remedy=_ARITHMETIC)
+
+    def called(self, name: str, args: list[ast.expr], depth: int) -> sp.Expr:
+        word = WORDS[name]
+        if not word.least <= len(args) <= (word.most or len(args)):
+            count = f"{word.least}" if word.most == word.least else f"at least {word.least}"
+            raise InputError(f"{name} takes {count} argument{'s' * (count != '1')}, not {len(args)}", remedy=f"{name}: {word.meaning}")
+        if name != "where":
+            return call(name, [self.value(a, depth) for a in args])
+        condition, *branches = args
+        if not isinstance(condition, ast.Compare):
+            raise InputError("the first argument of where is no comparison", remedy="write where(x > 0, a, b)")
+        left, right, kind = self.sides(condition, depth)
+        return call(name, [relation(kind, left, right), *(self.value(b, depth) for b in branches)])
+
+    def sides(self, node: ast.Compare, depth: int) -> tuple[sp.Expr, sp.Expr, type[Relational]]:
+        if len(node.ops) != 1:
+            raise self.place.error(f"{self.quote(node)} chains comparisons", at=self.start(node), remedy="write one comparison at a time")
+        kind = _COMPARISONS.get(type(node.ops[0]))
+        if kind is None:
+            raise self.place.error(f"{self.quote(node)} is no comparison", at=self.start(node), remedy="comparisons are < <= > >=")
+        return self.value(node.left, depth), self.value(node.comparators[0], depth), kind
+
+
+def _ends_operand(token: re.Match[str]) -> bool:
+    return token.lastgroup in ("number", "name") or token[0] == ")"
+
+
+def _chain(node: ast.BinOp, family: tuple[type[ast.operator], ...]) -> tuple[ast.expr, list[tuple[type[ast.operator], ast.expr]]]:
+    """``a + b - c`` as a and [(Add, b), (Sub, c)]: the left spine of one family of operators."""
+    tail: list[tuple[type[ast.operator], ast.expr]] = []
+    spine: ast.expr = node
+    while isinstance(spine, ast.BinOp) and isinstance(spine.op, family):
+        tail.append((type(spine.op), spine.right))
+        spine = spine.left
+    return spine, tail[::-1]

@@ -1,0 +1,93 @@
+"""The portfolio: sign rules, exact cells, z3, enclosures, cheapest sound one first."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import sympy as sp
+
+from duhem.positivity.cells import by_cells
+from duhem.positivity.polynomials import NotAlgebraicError, Relation, System, polynomial_system
+from duhem.positivity.question import Answer, Question, Sense
+
+__all__ = ["decide"]
+
+
+@lru_cache(maxsize=4096)
+def decide(question: Question, seconds: float = 5.0) -> Answer:
+    """Answer the question by the first method that can; the answer names it."""
+    quick = by_rules(question)
+    if quick.holds:
+        return quick
+    try:
+        system = polynomial_system(question)
+    except NotAlgebraicError as fault:
+        answer = _enclosed(question, seconds)
+        return answer if answer.holds is not None else Answer(None, answer.method, reason=f"{fault}; {answer.reason}")
+    answer = _decide_system(system, seconds)
+    if answer.holds is None:
+        enclosed = _enclosed(question, seconds / 2)
+        return enclosed if enclosed.holds is not None else answer
+    return answer
+
+
+def _enclosed(question: Question, seconds: float) -> Answer:
+    from duhem.positivity.enclosure import by_enclosure
+
+    return by_enclosure(question, seconds)
+
+
+def by_rules(question: Question) -> Answer:
+    """Sign rules: sums and products of quantities whose sign is known from the declared domains."""
+    expr = question.expr
+    for form in (expr, sp.factor_terms(expr)):
+        plain = form.is_nonnegative if question.sense is Sense.NONNEGATIVE else form.is_positive if question.sense is Sense.POSITIVE else form.is_zero
+        if plain:
+            return Answer(True, "sign-rules")
+    return Answer(None, "sign-rules")
+
+
+def _decide_system(system: System, seconds: float) -> Answer:
+    for obligation in system.obligations:
+        met = _decide_system(obligation, seconds / 2)
+        if met.holds is not True:
+            return Answer(None, met.method, reason=f"it is open whether {obligation.goal.poly} {obligation.goal.op} 0")
+    from duhem.positivity.smt import by_smt
+
+    used = ""
+    for goal in _factors(system):
+        part = System(goal, system.given, (), system.variables, system.circle)
+        exact = by_cells(part)
+        answer = exact if exact.holds is not None else by_smt(part, seconds)
+        if answer.holds is not True:
+            return answer
+        used = used if used == "smt-z3" else answer.method
+    return Answer(True, used or "identity")
+
+
+def _factors(system: System) -> tuple[Relation, ...]:
+    """Goals that together imply the system's: the core of the goal without factors whose sign is plain."""
+    goal = system.goal
+    if goal.poly.is_number:
+        return () if bool(_holds(goal)) else (goal,)
+    if goal.op in ("==", "!="):
+        return (goal,)
+    coefficient, factors = sp.factor_list(goal.poly)
+    core, extra = sp.Integer(sp.sign(coefficient)), []
+    for factor, power in factors:
+        if factor.is_positive:
+            continue
+        if power % 2 == 0 or factor.is_nonnegative:
+            if goal.op == ">":
+                extra.append(Relation(factor, "!="))
+            continue
+        core *= factor
+    main = Relation(sp.expand(core), goal.op)
+    if main.poly.is_number and _holds(main):
+        return tuple(extra)
+    return (*extra, main)
+
+
+def _holds(relation: Relation) -> bool:
+    value = relation.poly
+    return bool({">=": value >= 0, ">": value > 0, "==": value == 0, "!=": value != 0}[relation.op])

@@ -1,0 +1,66 @@
+"""What duhem can say about a claim, as frozen values.
+
+``proved``: a sound method decided it over the whole declared domain.  ``refuted``: an exact witness violates it.
+``tested``: sampling found no violation, which proves nothing.  ``undecided``: no method decided it.
+``not_applicable``: the claim has no content for this law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+__all__ = ["Evidence", "Verdict", "Witness"]
+
+
+class Verdict(StrEnum):
+    """The five answers; their values are the words of the JSON report."""
+
+    PROVED = "proved"
+    REFUTED = "refuted"
+    TESTED = "tested"
+    UNDECIDED = "undecided"
+    NOT_APPLICABLE = "not_applicable"
+
+
+@dataclass(frozen=True)
+class Witness:
+    """An exact violation, re-checkable by hand.
+
+    ``parameters`` and ``points`` hold exact rationals as strings (``points`` by role, each a mapping from force
+    or pressure name to coordinate).  ``values`` are enclosures ``[low, high]`` in decimal, outward rounded, of the
+    quantities whose signs make the violation; ``statement`` says how to read them.
+    ``measures`` are extra figures such as ``deviation_degrees``.
+    """
+
+    parameters: Mapping[str, str]
+    points: Mapping[str, Mapping[str, str]]
+    values: Mapping[str, tuple[str, str]]
+    statement: str
+    measures: Mapping[str, float] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain dictionaries and lists, ready for JSON; the measures stand at the top level."""
+        return {
+            "parameters": dict(self.parameters),
+            "points": {role: dict(point) for role, point in self.points.items()},
+            "values": {name: list(pair) for name, pair in self.values.items()},
+            "statement": self.statement,
+            **self.measures,
+        }
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """One engine's answer to one claim: verdict, the method's name, and the argument in a sentence."""
+
+    verdict: Verdict
+    method: str
+    detail: str
+    witness: Witness | None = None
+
+    def __post_init__(self) -> None:
+        if (self.verdict is Verdict.REFUTED) != (self.witness is not None):
+            raise ValueError("a refuted claim carries a witness, and only a refuted one")

@@ -1,0 +1,37 @@
+"""What a run does not need is not imported: each command is run in a fresh process that reports its modules at the end."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+REPORT = """
+import atexit, json, sys
+heavy = ("numpy", "sympy", "matplotlib", "cvxpy", "hypothesis", "clarabel", "z3", "flint", "cvc5", "scipy", "pytest")
+atexit.register(lambda: print("\\n" + json.dumps([m for m in heavy if m in sys.modules]), file=sys.stderr))
+from duhem.__main__ import main
+sys.argv = ["duhem", *sys.argv[1:]]
+sys.exit(main())
+"""
+
+
+def imported(*arguments: str) -> set[str]:
+    """Which of the heavy packages `duhem ARGUMENTS` had imported when it ended."""
+    done = subprocess.run([sys.executable, "-c", REPORT, *arguments], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return set(json.loads(done.stderr.splitlines()[-1]))
+
+
+def test_the_report_sees_an_import() -> None:
+    assert "sympy" in imported("verify", "antoni2007")
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["verify", "--help"]], ids=" ".join)
+def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
+    assert imported(*arguments) == set()
+
+
+def test_verify_leaves_out_what_it_does_not_need() -> None:
+    unneeded = {"matplotlib", "cvxpy", "clarabel", "hypothesis", "scipy", "pytest"}
+    assert imported("verify", "antoni2007") & unneeded == set()
