@@ -1,10 +1,14 @@
 """What a run does not need is not imported: each command is run in a fresh process that reports its modules at the end."""
 
+import importlib
 import json
+import pkgutil
 import subprocess
 import sys
 
 import pytest
+
+import duhem
 
 REPORT = """
 import atexit, json, sys
@@ -35,3 +39,10 @@ def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
 def test_verify_leaves_out_what_it_does_not_need() -> None:
     unneeded = {"matplotlib", "cvxpy", "clarabel", "hypothesis", "scipy", "pytest"}
     assert imported("verify", "antoni2007") & unneeded == set()
+
+
+def test_public_names_stay_what_they_are_once_every_module_is_imported() -> None:
+    first = {name: getattr(duhem, name) for name in duhem.__all__}
+    for module in pkgutil.iter_modules(duhem.__path__, "duhem."):  # __main__ included, it must do nothing
+        importlib.import_module(module.name)
+    assert [name for name in duhem.__all__ if getattr(duhem, name) is not first[name]] == []

@@ -1,0 +1,1 @@
+"""What follows symbolically from a law's formula: potential, state laws, evolution law, increment."""

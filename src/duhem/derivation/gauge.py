@@ -73,7 +73,8 @@ class Side:
         """polar**(q - 1) times the maximiser, without the sign of c."""
         if self.symmetric and q == 2:
             return (c[0] / self.up**2,)
-        return (Pos(c[0]) ** (q - 1) / self.up**q - Neg(c[0]) ** (q - 1) / self.down**q,)
+        less = sp.cancel(q - 1)
+        return (Pos(c[0]) ** less / self.up**q - Neg(c[0]) ** less / self.down**q,)
 
     @property
     def steps(self) -> tuple[str, ...]:
@@ -116,12 +117,15 @@ class Holder:
             return tuple(y for part, z in zip(self.parts, blocks, strict=True) for y in part.maximiser(z))
         sizes = [part.polar(z) for part, z in zip(self.parts, blocks, strict=True)]
         if q is sp.oo:
-            chosen = _first_greatest(sizes)
+            marks = [[sp.S.One if i == j else sp.S.Zero for j in range(len(sizes))] for i in range(len(sizes))]
+            chosen = [_at_greatest(sizes, mark) for mark in marks]
             return tuple(w * y for w, part, z in zip(chosen, self.parts, blocks, strict=True) for y in part.maximiser(z))
-        total, found = self.polar(c), []
+        total = self.polar(c) if q == 2 else sp.Add(*[s**q for s in sizes]) ** sp.cancel((q - 1) / q)
+        found: list[sp.Expr] = []
         for size, part, z in zip(sizes, self.parts, blocks, strict=True):
-            weighted = part.weighted_maximiser(z, q) if isinstance(part, Side) else tuple(size ** (q - 1) * y for y in part.maximiser(z))
-            found += [y / total ** (q - 1) for y in weighted]
+            raised = size ** sp.cancel(q - 1)
+            weighted = part.weighted_maximiser(z, q) if isinstance(part, Side) else tuple(raised * y for y in part.maximiser(z))
+            found += [y / total for y in weighted]
         return tuple(found)
 
     @property
@@ -248,8 +252,7 @@ class Polytope(Gauge):
         return [sp.Add(*[v * c for v, c in zip(vertex, d, strict=True)]) for vertex in self.vertices]
 
     def maximiser(self, d: Sequence[sp.Expr]) -> Exprs:
-        chosen = _first_greatest(self._products(d))
-        return tuple(sp.Add(*[w * v[i] for w, v in zip(chosen, self.vertices, strict=True)]) for i in range(len(d)))
+        return tuple(_at_greatest(self._products(d), column) for column in zip(*self.vertices, strict=True))
 
     def domain(self, d: Sequence[sp.Expr]) -> Exprs:
         return _null_forms(self.rows, d)
@@ -286,16 +289,14 @@ def _power_norm(p: sp.Expr, sizes: list[sp.Expr]) -> sp.Expr:
         return sp.Add(*sizes)
     if p is sp.oo:
         return sp.Max(*sizes)
-    return Norm(*sizes) if p == 2 else sp.Add(*[s**p for s in sizes]) ** (1 / p)
+    return Norm(*sizes) if p == 2 else sp.Add(*[s**p for s in sizes]) ** sp.cancel(1 / p)
 
 
-def _first_greatest(sizes: Sequence[sp.Expr]) -> list[sp.Expr]:
-    """Weights that are 1 at the first greatest of ``sizes`` and 0 elsewhere."""
-    chosen = []
-    for i, size in enumerate(sizes):
-        earlier = [Where(size > s, sp.S.One, sp.S.Zero) for s in sizes[:i]]
-        later = [Where(size >= s, sp.S.One, sp.S.Zero) for s in sizes[i + 1 :]]
-        chosen.append(sp.Mul(*earlier, *later))
+def _at_greatest(sizes: Sequence[sp.Expr], values: Sequence[sp.Expr]) -> sp.Expr:
+    """The value that belongs to the first greatest of ``sizes``."""
+    greatest, chosen = sp.Max(*sizes), values[-1]
+    for size, value in zip(reversed(sizes[:-1]), reversed(values[:-1]), strict=True):
+        chosen = Where(size >= greatest, value, chosen)
     return chosen
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
+from itertools import product
 
 import sympy as sp
 
@@ -61,7 +61,14 @@ class _Form:
     centre: tuple[sp.Expr, ...]
 
 
-_Tree = _Leaf | _Node | _Form
+@dataclass(frozen=True)
+class _Facets:
+    """max of row . x / limit over (row, limit)."""
+
+    arms: tuple[tuple[tuple[sp.Expr, ...], sp.Expr], ...]
+
+
+_Tree = _Leaf | _Node | _Form | _Facets
 
 
 def read_ball(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Ball | None:
@@ -89,7 +96,7 @@ class _Reader:
 
     def sublevel(self, a: sp.Expr, bound: sp.Expr) -> tuple[_Tree, sp.Expr]:
         """(tree, radius) with {a <= bound} = {tree <= radius}."""
-        bound, a = self._to_the_right(a, bound)
+        a, bound = self._isolated(a, bound)
         if isinstance(a, sp.Max):
             return self._intersection(self._arms(a, bound))
         if isinstance(a, Norm):
@@ -97,51 +104,45 @@ class _Reader:
         if isinstance(a, sp.Pow) and not a.exp.has(*self.forces) and not self._is_polynomial(a):
             self._positive(a.exp)
             return self._raised(a.base, bound, 1 / a.exp)
-        try:
-            tree, p, offset = self.power(a)
-        except _UnreadError:
-            if len(self._present(a)) != 1:
-                raise
-            return self._intersection(self._arms_of_branches(a, bound))
+        tree, p, offset = self.power(a)
         return tree, self._root(bound - offset, p)
 
-    def _to_the_right(self, a: sp.Expr, bound: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    def _isolated(self, a: sp.Expr, bound: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+        """The same inequality with constants and positive factors moved to the right."""
         while True:
             constant, a = a.as_independent(*self.forces, as_Add=True)
             bound -= constant
-            factor, rest = a.as_independent(*self.forces, as_Add=False)
-            if factor.is_negative and isinstance(rest, sp.Min):
-                factor, rest = -factor, sp.Max(*[-x for x in rest.args])
-            if factor == 1 or rest.is_Add and self._is_polynomial(rest):
-                if constant == 0 or not a.is_Add:
-                    return bound, factor * rest
-                return bound, a
-            self._positive(factor)
-            bound, a = bound / factor, rest
+            if a.is_Add or self._is_affine(a):
+                return a, bound
+            factor, a = a.as_independent(*self.forces, as_Add=False)
+            if factor == 1:
+                return a, bound
+            if factor.is_negative and isinstance(a, sp.Min):
+                factor, a = -factor, sp.Max(*[-x for x in a.args])
+            bound /= self._positive(factor)
 
     def _raised(self, a: sp.Expr, bound: sp.Expr, power: sp.Expr) -> tuple[_Tree, sp.Expr]:
         """{a**(1/power) <= bound} for a >= 0: both sides are not negative, so the power may be taken."""
         self._positive(bound)
-        tree, radius = self.sublevel(a, bound**power)
-        return tree, sp.powdenest(radius)
+        return self.sublevel(a, _raise(bound, power))
 
     def _arms(self, a: sp.Expr, bound: sp.Expr) -> list[tuple[sp.Expr, sp.Expr]]:
-        """{max(...) <= bound} as a list of inequalities a_i <= b_i, absolute values of linear forms split in two."""
-        found: list[tuple[sp.Expr, sp.Expr]] = []
-        for arm in a.args if isinstance(a, sp.Max) else (a,):
-            limit, left = self._to_the_right(arm, bound)
-            if isinstance(left, sp.Max):
-                found += self._arms(left, limit)
-            elif isinstance(left, sp.Abs) and self._is_affine(left.args[0]):
-                for side in (left.args[0], -left.args[0]):
-                    high, form = self._to_the_right(side, limit)
-                    found.append((form, high))
-            else:
-                found.append((left, limit))
-        return found
-
-    def _arms_of_branches(self, a: sp.Expr, bound: sp.Expr) -> list[tuple[sp.Expr, sp.Expr]]:
-        raise _UnreadError
+        """{a <= bound} as inequalities a_i <= b_i: max(...) by its arguments, sums of absolute values by their signs."""
+        a, bound = self._isolated(a, bound)
+        if isinstance(a, sp.Max):
+            return [arm for x in a.args for arm in self._arms(x, bound)]
+        inner = [x for x in a.atoms(sp.Abs) if x.has(*self.forces)]
+        free = dict.fromkeys(inner, sp.S.Zero)
+        if not inner or not all(self._is_affine(x.args[0]) for x in inner) or a.xreplace(free).has(*_KINKED):
+            return [(a, bound)]
+        slots = {x: sp.Dummy() for x in inner}
+        linear = sp.Poly(a.xreplace(slots), *slots.values(), *self.forces)
+        if linear.total_degree() != 1:
+            return [(a, bound)]
+        for x in inner:
+            self._positive(linear.coeff_monomial(slots[x]))
+        signed = (dict(zip(inner, signs, strict=True)) for signs in product((1, -1), repeat=len(inner)))
+        return [self._isolated(sp.expand(a.xreplace({x: s * x.args[0] for x, s in choice.items()})), bound) for choice in signed]
 
     def _intersection(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> tuple[_Tree, sp.Expr]:
         if all(self._is_affine(left) for left, _ in arms):
@@ -150,11 +151,9 @@ class _Reader:
         trees = list(dict.fromkeys(tree for tree, _ in balls))
         if len(trees) == 1:
             return trees[0], sp.Min(*[radius for _, radius in balls])
-        if any(isinstance(tree, _Form) for tree in trees) or len(trees) < len(balls):
+        if len(trees) < len(balls):
             raise _UnreadError
-        for _, radius in balls:
-            self._positive(radius)
-        parts = tuple(_scaled(tree, 1 / radius) for tree, radius in balls if not isinstance(tree, _Form))
+        parts = tuple(self._block(self._multiplied(tree, 1 / self._positive(radius))) for tree, radius in balls)
         return _Node(sp.oo, parts), sp.S.One
 
     def _paired(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> list[tuple[sp.Expr, sp.Expr]]:
@@ -171,28 +170,24 @@ class _Reader:
         return found
 
     def _polyhedron(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> tuple[_Tree, sp.Expr]:
-        """Linear forms bounded above: a box where they pair up along independent directions, else a polytope."""
+        """Linear forms bounded above: intervals along independent directions, else a polytope."""
         sides: dict[tuple[sp.Expr, ...], dict[int, list[sp.Expr]]] = {}
         for left, limit in arms:
             row, constant = self._affine(left)
-            scale, sign = self._leading(row)
-            direction = tuple(sp.cancel(sign * c / scale) for c in row)
-            sides.setdefault(direction, {1: [], -1: []})[sign].append((limit - constant) / scale)
-        for side in sides.values():
-            for limits in side.values():
-                for limit in limits:
-                    self._positive(limit)
-        rows = sp.Matrix([list(direction) for direction in sides])
-        if all(side[1] and side[-1] for side in sides.values()) and _independent(rows):
-            leaves = [_Leaf(Side(1 / sp.Min(*side[1]), 1 / sp.Min(*side[-1])), row, sp.S.Zero) for row, side in sides.items()]
-            if len(leaves) == 1 and leaves[0].side.symmetric:
-                return _Leaf(Side(sp.S.One, sp.S.One), leaves[0].row, sp.S.Zero), 1 / leaves[0].side.up
-            radii = {w for leaf in leaves for w in (leaf.side.up, leaf.side.down)}
-            if len(radii) == 1:
-                unit = Side(sp.S.One, sp.S.One)
-                return _Node(sp.oo, tuple(_Leaf(unit, leaf.row, sp.S.Zero) for leaf in leaves)), 1 / radii.pop()
-            return (leaves[0] if len(leaves) == 1 else _Node(sp.oo, tuple(leaves))), sp.S.One
-        raise _PolytopeFound(rows=[(tuple(sign * c for c in row), limit) for row, side in sides.items() for sign in (1, -1) for limit in side[sign]])
+            lead = next(c for c in row if c != 0)
+            if not (lead.is_positive or lead.is_negative):
+                raise _UnreadError
+            direction = tuple(sp.cancel(c / lead) for c in row)
+            side = sides.setdefault(direction, {1: [], -1: []})
+            side[1 if lead.is_positive else -1].append(self._positive(sp.cancel((limit - constant) / abs(lead))))
+        boxed = all(side[1] and side[-1] for side in sides.values()) and _independent(sp.Matrix(list(sides)))
+        if not boxed:
+            facets = [(tuple(sign * c for c in row), limit) for row, side in sides.items() for sign in (1, -1) for limit in side[sign]]
+            return _Facets(tuple(facets)), sp.S.One
+        limits = [(row, sp.Min(*side[1]), sp.Min(*side[-1])) for row, side in sides.items()]
+        radius = limits[0][1] if len({limit for _, *both in limits for limit in both}) == 1 else sp.S.One
+        leaves = tuple(_Leaf(Side(radius / high, radius / low), row, sp.S.Zero) for row, high, low in limits)
+        return (leaves[0] if len(leaves) == 1 else _Node(sp.oo, leaves)), radius
 
     # -- one expression as a power of a gauge -------------------------------------------------------------------
 
@@ -202,7 +197,7 @@ class _Reader:
         if factor != 1 and not (rest.is_Add and self._is_polynomial(rest)):
             self._positive(factor)
             tree, p, offset = self.power(rest)
-            return self._multiplied(tree, factor ** (1 / p)), p, factor * offset
+            return self._multiplied(tree, _raise(factor, 1 / p)), p, factor * offset
         if isinstance(a, sp.Abs):
             if self._is_affine(a.args[0]):
                 return self._leaf(a.args[0]), sp.S.One, sp.S.Zero
@@ -220,6 +215,7 @@ class _Reader:
             if a.exp.is_integer and a.exp.is_even and self._is_affine(a.base):
                 return self._leaf(a.base), a.exp, sp.S.Zero
             tree, p, offset = self.power(a.base)
+            self._positive(a.exp)
             if offset != 0:
                 raise _UnreadError
             return tree, sp.cancel(p * a.exp), sp.S.Zero
@@ -231,10 +227,13 @@ class _Reader:
 
     def _member(self, x: sp.Expr) -> _Leaf | _Node:
         """An argument of a norm: what counts is its absolute value."""
-        if not x.has(*self.forces):
-            raise _UnreadError
         tree, p, offset = self.power(x if x.is_nonnegative else sp.Abs(x))
-        if p != 1 or offset != 0 or isinstance(tree, _Form):
+        if p != 1 or offset != 0:
+            raise _UnreadError
+        return self._block(tree)
+
+    def _block(self, tree: _Tree) -> _Leaf | _Node:
+        if not isinstance(tree, _Leaf | _Node):
             raise _UnreadError
         return tree
 
@@ -249,14 +248,13 @@ class _Reader:
         else:
             read = [self.power(term) for term in a.args]
         p = read[0][1]
-        if any(sp.cancel(q - p) != 0 for _, q, _ in read) or any(isinstance(tree, _Form) for tree, _, _ in read):
-            raise _UnreadError
-        if p.is_number and p < 1:
+        if any(sp.cancel(q - p) != 0 for _, q, _ in read):
             raise _UnreadError
         if p != 1:
             self._positive(p - 1)
-        parts = [part for tree, _, _ in read for part in (tree.parts if isinstance(tree, _Node) and tree.p == p else (tree,))]
-        return _Node(p, tuple(parts)), p, sp.Add(*[offset for _, _, offset in read])  # type: ignore[arg-type]
+        blocks = [self._block(tree) for tree, _, _ in read]
+        parts = [part for block in blocks for part in (block.parts if isinstance(block, _Node) and block.p == p else (block,))]
+        return _Node(p, tuple(parts)), p, sp.Add(*[offset for _, _, offset in read])
 
     def _one_sided(self, a: sp.Expr) -> tuple[_Tree, sp.Expr, sp.Expr]:
         """One kink, linear or a power on both sides of it: a one-dimensional gauge, from the one-sided branches."""
@@ -338,10 +336,13 @@ class _Reader:
     def assemble(self, tree: _Tree, radius: sp.Expr) -> tuple[Gauge, tuple[sp.Expr, ...], sp.Expr]:
         if isinstance(tree, _Form):
             return Quadratic(tree.matrix), tree.centre, radius
+        if isinstance(tree, _Facets):
+            return self.polytope([(row, limit * radius) for row, limit in tree.arms])
         leaves = _leaves(tree)
         rows = sp.ImmutableMatrix([list(leaf.row) for leaf in leaves])
         offsets = sp.Matrix([leaf.offset for leaf in leaves])
         if _independent(rows):
+            self._positive(sp.factor((rows * rows.T).det()))
             centre = (rows.T * (rows * rows.T).inv() * offsets).applyfunc(sp.cancel) if any(offsets) else sp.zeros(rows.cols, 1)
             return Separable(_tree_of(tree), rows), tuple(centre), radius
         flat = isinstance(tree, _Node) and all(isinstance(p, _Leaf) and p.side.symmetric and p.offset == 0 for p in tree.parts)
@@ -371,7 +372,9 @@ class _Reader:
     # -- small readings -----------------------------------------------------------------------------------------
 
     def _multiplied(self, tree: _Tree, factor: sp.Expr) -> _Tree:
-        return _Form(tree.matrix * factor**2, tree.centre) if isinstance(tree, _Form) else _scaled(tree, factor)
+        if isinstance(tree, _Form):
+            return _Form(tree.matrix * factor**2, tree.centre)
+        return _scaled(self._block(tree), factor)
 
     def _present(self, a: sp.Expr) -> set[sp.Symbol]:
         return a.free_symbols & set(self.forces)  # type: ignore[return-value]
@@ -388,12 +391,6 @@ class _Reader:
         row = tuple(sp.cancel(sp.expand(a).coeff(f)) for f in self.forces)
         return row, sp.expand(a).subs(dict.fromkeys(self.forces, 0))
 
-    def _leading(self, row: Sequence[sp.Expr]) -> tuple[sp.Expr, int]:
-        lead = next(c for c in row if c != 0)
-        if lead.is_positive or lead.is_negative:
-            return abs(lead), 1 if lead.is_positive else -1
-        raise _UnreadError
-
     def _positive(self, expr: sp.Expr) -> sp.Expr:
         if expr.is_nonpositive:
             raise _UnreadError
@@ -402,13 +399,16 @@ class _Reader:
         return expr
 
     def _root(self, expr: sp.Expr, p: sp.Expr) -> sp.Expr:
-        if p == 1:
-            return expr
-        return sp.powdenest(sp.factor_terms(expr) ** (1 / p))
+        return expr if p == 1 else _raise(sp.factor(expr) if expr.is_Add else expr, 1 / p)
 
 
-class _PolytopeFound(Exception):
-    pass
+def _raise(expr: sp.Expr, power: sp.Expr) -> sp.Expr:
+    """expr**power for expr > 0 (the caller asks for it), factor by factor so that powers of powers join."""
+    if isinstance(expr, sp.Mul):
+        return sp.Mul(*[_raise(x, power) for x in expr.args]) if all(x.is_positive for x in expr.args) else expr**power
+    if isinstance(expr, sp.Pow) and expr.base.is_positive:
+        return expr.base ** sp.cancel(expr.exp * power)
+    return expr ** sp.cancel(power)
 
 
 def _scaled(tree: _Leaf | _Node, factor: sp.Expr) -> _Leaf | _Node:
@@ -431,10 +431,6 @@ def _independent(rows: sp.Matrix) -> bool:
 
 def _sums_of_signs(leaves: list[_Leaf], radius: sp.Expr) -> list[tuple[tuple[sp.Expr, ...], sp.Expr]]:
     """A sum of absolute values as the greatest of its signed sums."""
-
-    def grow(sums: list[list[sp.Expr]], leaf: _Leaf) -> list[list[sp.Expr]]:
-        step = [leaf.side.up * c for c in leaf.row]
-        return [[s + sign * v for s, v in zip(total, step, strict=True)] for total in sums for sign in (1, -1)]
-
-    start: list[list[sp.Expr]] = [[sp.S.Zero] * len(leaves[0].row)]
-    return [(tuple(row), radius) for row in reduce(grow, leaves, start) if any(row)]
+    rows = [[leaf.side.up * c for c in leaf.row] for leaf in leaves]
+    signed = ([sp.Add(*[s * v for s, v in zip(signs, column, strict=True)]) for column in zip(*rows, strict=True)] for signs in product((1, -1), repeat=len(rows)))
+    return [(tuple(row), radius) for row in signed if any(row)]

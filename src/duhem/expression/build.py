@@ -44,7 +44,8 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
     if exponent.is_number:
         size = abs(approximate(exponent))
         if size > (MOST_NUMERIC_EXPONENT if base.is_number else MOST_EXPONENT):
-            raise InputError("the exponent is too large", remedy=f"use exponents up to {MOST_NUMERIC_EXPONENT} for numbers, {MOST_EXPONENT} else")
+            most = f"{MOST_NUMERIC_EXPONENT} on a number, {MOST_EXPONENT} on a variable"
+            raise InputError("the exponent is too large", remedy=f"use exponents up to {most}")
         _bound_bits(int(size) * max((_bits(x) for x in base.atoms(sp.Rational)), default=0))
         if _is_zero(base) and approximate(exponent) < 0:
             raise InputError("division by zero", remedy="correct the divisor")

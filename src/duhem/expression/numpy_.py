@@ -1,7 +1,8 @@
 """Formulas over NumPy arrays, in double precision.
 
 A formula is flattened once into a straight list of steps, each shared sub-expression one step; running it is a loop
-over that list.  Both branches of every kink are computed, so the faults of a branch that is not taken stay silent;
+over that list.  Norms, those spelt as powers included, are scaled so that no power overflows or vanishes on the way.
+Both branches of every kink are computed, so the faults of a branch that is not taken stay silent;
 where the formula itself is undefined (a root of a negative number, ...) the result is nan, and nan spreads, through
 comparisons too.
 """
@@ -20,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
+from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "Program", "compiled", "evaluate"]
@@ -53,7 +55,7 @@ def compiled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Program:
     def recorder(row: Callable[..., Any]) -> Callable[..., int]:
         return lambda node, *registers: register(partial(row, node), registers)
 
-    last = fold(expr, {kind: recorder(row) for kind, row in TABLE.items()}, leaf)
+    last = fold(recognised(expr), {kind: recorder(row) for kind, row in TABLE.items()}, leaf)
     return Program(order, tuple(steps), last)
 
 
@@ -119,6 +121,14 @@ def _norm(_: Any, first: Any, *others: Any) -> Any:
     return reduce(np.hypot, others, np.abs(first))
 
 
+def _pnorm(_: Any, p: Any, *args: Any) -> Any:
+    """Relative to the largest argument: its p-th power alone may overflow, or all of them vanish."""
+    sizes = [np.abs(x) for x in args]
+    largest = reduce(np.maximum, sizes)
+    unit = np.where((largest > 0.0) & np.isfinite(largest), largest, 1.0)
+    return unit * np.power(reduce(np.add, [np.power(size / unit, p) for size in sizes]), 1.0 / p)
+
+
 def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Any]:
     def row(_: Any, a: Any, b: Any) -> Any:
         return np.where(np.isnan(a) | np.isnan(b), np.nan, compare(a, b))
@@ -147,6 +157,7 @@ TABLE: Table[Any] = {
     Pos: lambda _, x: np.maximum(x, 0.0),
     Neg: lambda _, x: np.maximum(np.negative(x), 0.0),
     Norm: _norm,
+    PNorm: _pnorm,
     Where: _where,
     sp.StrictGreaterThan: _comparison(np.greater),
     sp.GreaterThan: _comparison(np.greater_equal),

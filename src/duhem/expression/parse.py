@@ -28,7 +28,7 @@ MOST_CHARACTERS = 20_000
 MOST_NODES = 2_000
 MOST_DEPTH = 60
 
-_TOKEN = re.compile(rf"(?P<space>\s+)|(?P<number>{DECIMAL})|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)")
+_TOKEN = re.compile(rf"(?P<space>[ \t\n]+)|(?P<number>{DECIMAL})|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)")
 _ARITHMETIC = "write it with numbers, declared names, + - * / ** and the words of the language"
 _HINTS = {
     "^": "write ** for a power",
@@ -102,6 +102,7 @@ class _Reader:
 
     @classmethod
     def over(cls, text: str, known: Mapping[str, sp.Symbol], place: _Place) -> _Reader:
+        text = text.replace("\r", " ")  # line ends of other systems; offsets stay as they are
         if len(text) > MOST_CHARACTERS:
             raise place.error(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
         for name in known:
@@ -126,25 +127,30 @@ class _Reader:
 
     def check_tokens(self) -> None:
         """Every token is in the language and in its place, every name has a meaning, brackets match and are not too deep."""
-        opened: list[int] = []
+        opened: list[tuple[int, bool]] = []  # place of each open bracket, and whether it holds a word's arguments
         previous: re.Match[str] | None = None
         for token in self.tokens():
             self.check_order(token, previous)
+            at = token.start()
             if token.lastgroup == "name":
                 self.check_name(token)
             elif token[0] == "(":
-                opened.append(token.start())
+                opened.append((at, previous is not None and previous.lastgroup == "name"))
                 if len(opened) > MOST_DEPTH:
-                    raise self.place.error("the formula is nested too deeply", at=token.start(), remedy=f"at most {MOST_DEPTH} brackets deep")
+                    raise self.place.error("the formula is nested too deeply", at=at, remedy=f"at most {MOST_DEPTH} brackets deep")
             elif token[0] == ")":
                 if not opened:
-                    raise self.place.error("unexpected ')'", at=token.start(), remedy="remove it or open it before")
+                    raise self.place.error("unexpected ')'", at=at, remedy="remove it or open it before")
                 opened.pop()
+            elif re.fullmatch(r"0+[1-9]\d*", token[0]):
+                raise self.place.error(f"the number {token[0][:24]!r} begins with 0", at=at, remedy=f"write {token[0].lstrip('0')[:24]}")
+            elif token[0] == "," and not (opened and opened[-1][1]):
+                raise self.place.error("unexpected ','", at=at, remedy="write decimals with a point; commas separate arguments")
             previous = token
         if previous is None:
             raise self.place.error("the formula is empty", remedy=_ARITHMETIC)
         if opened:
-            raise self.place.error("'(' is never closed", at=opened[-1], remedy="add the missing ')'")
+            raise self.place.error("'(' is never closed", at=opened[-1][0], remedy="add the missing ')'")
         if not _ends_operand(previous):
             raise self.place.error(f"the formula ends after {previous[0]!r}", at=previous.start(), remedy="complete or remove it")
 
@@ -155,9 +161,7 @@ class _Reader:
                 near = f"{token[0][:24]!r} after {previous[0][:24]!r}"
                 raise self.place.error(f"unexpected {near}", at=token.start(), remedy="put an operator between them, such as *")
         elif token.lastgroup == "operator" and token[0] not in ("-", "+", "("):
-            empty_call = token[0] == ")" and previous is not None and previous[0] == "("
-            if not empty_call:
-                raise self.place.error(f"unexpected {token[0]!r}", at=token.start(), remedy="put a number, a name or a bracket before it")
+            raise self.place.error(f"unexpected {token[0]!r}", at=token.start(), remedy="put a number, a name or a bracket before it")
 
     def check_name(self, token: re.Match[str]) -> None:
         name, at = token[0], token.start()
@@ -168,11 +172,11 @@ class _Reader:
         if not called and name in WORDS:
             raise self.place.error(f"{name!r} needs its arguments in brackets", at=at, remedy=f"write {name}(...)")
         if not called and name != "pi" and unicodedata.normalize("NFKC", name) not in self.known:
-            raise self.place.error(f"unknown name {name[:40]!r}", at=at, remedy=self.suggest(name, [*self.known], "declared"))
+            raise self.place.error(f"unknown name {name[:40]!r}", at=at, remedy=self.suggest(name, [*self.known], "declare it, or use"))
 
     def suggest(self, name: str, among: list[str], title: str) -> str:
         near = get_close_matches(name[:40], [*among, *WORDS, "pi"], n=1)
-        return f"did you mean {near[0]!r}?" if near else f"{title}: {', '.join(among) or 'none'}"
+        return f"did you mean {near[0]!r}?" if near else f"{title}: {', '.join(among) or 'nothing'}"
 
     # -- syntax ------------------------------------------------------------------------------------------------
 
@@ -195,8 +199,11 @@ class _Reader:
         characters = len(row.encode()[: max(node.col_offset - shift, 0)].decode(errors="ignore"))
         return self.starts[node.lineno - 1] + characters
 
+    def segment(self, node: ast.expr) -> str:
+        return ast.get_source_segment(f"({self.text}\n)", node) or ""
+
     def quote(self, node: ast.expr) -> str:
-        segment = " ".join((ast.get_source_segment(f"({self.text}\n)", node) or "").split())
+        segment = " ".join(self.segment(node).split())
         return repr(segment if len(segment) <= 40 else segment[:37] + "...")
 
     # -- values ------------------------------------------------------------------------------------------------
@@ -217,7 +224,7 @@ class _Reader:
     def built(self, node: ast.expr, depth: int) -> sp.Expr:
         match node:
             case ast.Constant():
-                return exact_number(ast.get_source_segment(f"({self.text}\n)", node) or "")
+                return exact_number(self.segment(node))
             case ast.Name(id=name):
                 return sp.pi if name == "pi" else self.known[name]
             case ast.UnaryOp(op=ast.USub(), operand=inner):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import sympy as sp
 
+from duhem.expression import Neg, Pos, Where
+from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.positivity.cells import by_cells
 from duhem.positivity.polynomials import NotAlgebraicError, Relation, System, polynomial_system
 from duhem.positivity.question import Answer, Question, Sense
@@ -13,22 +13,66 @@ from duhem.positivity.question import Answer, Question, Sense
 __all__ = ["decide"]
 
 
-@lru_cache(maxsize=4096)
+_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+
+
 def decide(question: Question, seconds: float = 5.0) -> Answer:
-    """Answer the question by the first method that can; the answer names it."""
+    """Answer the question by the first method that can; the answer names it.
+
+    Kinks are opened into branches, products of unrelated factors into their factors; each part must hold.
+    """
     quick = by_rules(question)
     if quick.holds:
         return quick
+    if question.expr.has(*_KINKS) or any(r.has(*_KINKS) for r in question.given):
+        return _by_branches(question, seconds)
     try:
         system = polynomial_system(question)
     except NotAlgebraicError as fault:
-        answer = _enclosed(question, seconds)
+        answer = _by_factors(question, seconds)
+        if answer.holds is None:
+            answer = _enclosed(question, seconds)
         return answer if answer.holds is not None else Answer(None, answer.method, reason=f"{fault}; {answer.reason}")
     answer = _decide_system(system, seconds)
     if answer.holds is None:
         enclosed = _enclosed(question, seconds / 2)
         return enclosed if enclosed.holds is not None else answer
     return answer
+
+
+def _by_branches(question: Question, seconds: float) -> Answer:
+    """The question on every smooth branch of its expression and hypotheses."""
+    parts = sp.Tuple(question.expr, *(sp.Tuple(r.lhs, r.rhs) for r in question.given))
+    try:
+        pieces = branches(parts, 32)
+    except TooManyBranchesError as fault:
+        return Answer(None, "branches", reason=str(fault))
+    method = ""
+    for piece in pieces:
+        expr, *sides = piece.expr
+        given = tuple(type(r)(*pair) for r, pair in zip(question.given, sides, strict=True)) + piece.conditions()
+        if sp.false in given:
+            continue
+        answer = decide(Question(expr, question.sense, tuple(r for r in given if r is not sp.true), question.circle), seconds)
+        if answer.holds is not True:
+            return answer
+        method = answer.method
+    return Answer(True, method)
+
+
+def _by_factors(question: Question, seconds: float) -> Answer:
+    """A product is >= 0 (or > 0) if each factor is, each under the hypotheses that speak of its symbols alone."""
+    factors = sp.Mul.make_args(question.expr)
+    if question.sense is Sense.ZERO or len(factors) < 2:
+        return Answer(None, "factors", reason="it is not a product")
+    method = ""
+    for factor in factors:
+        related = tuple(r for r in question.given if r.free_symbols <= factor.free_symbols)
+        answer = decide(Question(factor, question.sense, related, None), seconds)
+        if answer.holds is not True:
+            return Answer(None, "factors", reason=answer.reason)
+        method = answer.method if answer.method != "sign-rules" else method or answer.method
+    return Answer(True, method)
 
 
 def _enclosed(question: Question, seconds: float) -> Answer:
@@ -40,6 +84,8 @@ def _enclosed(question: Question, seconds: float) -> Answer:
 def by_rules(question: Question) -> Answer:
     """Sign rules: sums and products of quantities whose sign is known from the declared domains."""
     expr = question.expr
+    if any(p.exp.could_extract_minus_sign() and p.base.is_nonzero is not True for p in expr.atoms(sp.Pow)):
+        return Answer(None, "sign-rules", reason="a denominator may vanish")
     for form in (expr, sp.factor_terms(expr)):
         plain = form.is_nonnegative if question.sense is Sense.NONNEGATIVE else form.is_positive if question.sense is Sense.POSITIVE else form.is_zero
         if plain:

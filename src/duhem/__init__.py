@@ -1,0 +1,58 @@
+"""duhem decides whether a friction or yield law is thermodynamically admissible, and proves it.
+
+Nothing is imported until it is used, so that ``import duhem`` and ``duhem --help`` cost next to nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "POSITIVE",
+    "REAL",
+    "Criterion",
+    "Derivation",
+    "Domain",
+    "DuhemError",
+    "InputError",
+    "MissingExtraError",
+    "Verdict",
+    "Verification",
+    "Witness",
+    "__version__",
+    "criterion",
+    "derive",
+    "load",
+    "verify",
+]
+
+if TYPE_CHECKING:
+    from duhem.catalogue import load
+    from duhem.criterion import POSITIVE, REAL, Criterion, Domain, criterion
+    from duhem.derivation import Derivation, derive
+    from duhem.errors import DuhemError, InputError, MissingExtraError
+    from duhem.verdict import Verdict, Witness
+    from duhem.verification import Verification, verify
+
+_HOMES = {
+    "catalogue": ("load",),
+    "criterion": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
+    "derivation": ("Derivation", "derive"),
+    "errors": ("DuhemError", "InputError", "MissingExtraError"),
+    "verdict": ("Verdict", "Witness"),
+    "verification": ("Verification", "verify"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(f"duhem.{module}"), name)
+    raise AttributeError(f"module 'duhem' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return __all__

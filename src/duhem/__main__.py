@@ -1,0 +1,56 @@
+"""``duhem`` and ``python -m duhem``: every ending becomes an exit code and at most one line on standard error."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import traceback
+from io import TextIOWrapper
+
+import click
+
+from duhem.cli import FAILED, HELD, INTERRUPTED, cli
+from duhem.errors import DuhemError
+
+__all__ = ["main"]
+
+USAGE = 2
+
+
+def main() -> int:
+    """Run the command line on ``sys.argv`` and return its exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # a terminal that lacks a letter shows a stand-in
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        code = cli.main(prog_name="duhem", standalone_mode=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else HELD
+    except click.ClickException as fault:
+        fault.show()
+        return USAGE
+    except DuhemError as fault:
+        return _complain(str(fault), USAGE)
+    except (click.Abort, KeyboardInterrupt):
+        return _complain("interrupted", INTERRUPTED)
+    except BrokenPipeError:  # the reader went away; keep Python from trying again on exit
+        with contextlib.suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return HELD
+    except Exception as fault:
+        place = traceback.extract_tb(fault.__traceback__)[-1]
+        where = f"{os.path.basename(place.filename)}:{place.lineno}"
+        remedy = "this is a defect of duhem: report it with the output of duhem doctor"
+        return _complain(f"internal failure: {type(fault).__name__}: {fault} (at {where}); {remedy}", FAILED)
+
+
+def _complain(text: str, code: int) -> int:
+    """One printable line on standard error, whatever the text holds."""
+    line = " ".join(text.split())
+    print("duhem: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line), file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,53 @@
+"""From one formula to its thermodynamics: state laws, normality, dissipation, potential, increment, one dimension."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from duhem.criterion import Criterion
+from duhem.derivation.energy import state_equations
+from duhem.derivation.equation import Derivation, Equation
+from duhem.derivation.evolution import MOST, evolution_equations, pieces, potential_equations
+from duhem.derivation.increment import increment_equations, interval, one_dimensional_equations
+from duhem.derivation.names import Names
+from duhem.derivation.support_function import fixed, support_function
+from duhem.errors import InputError
+
+__all__ = ["derive"]
+
+
+def derive(law: Criterion, parameters: Mapping[str, Any] | None = None, stiffness: str = "orthotropic") -> Derivation:
+    """Everything that follows symbolically from the law's formula (Antoni et al. 2007, section 2, Eqs. 1 and 21-36).
+
+    ``parameters`` fixes some of them; ``stiffness`` is ``orthotropic`` (one k per force), ``isotropic`` (one k) or
+    ``full`` (any symmetric positive definite matrix), in stress per length.  sigma_n <= 0 in compression.  What has no
+    closed form is left out and listed with its reason.  Raises InputError for an unknown parameter or stiffness.
+    """
+    if not isinstance(law, Criterion):
+        raise InputError(f"{type(law).__name__} has no formula to derive from", remedy="give a duhem.Criterion")
+    law = fixed(law, parameters)
+    names = Names.of(law, stiffness)
+    left_out: list[tuple[str, str]] = []
+    return Derivation(law.name, tuple(_equations(law, names, left_out)), tuple(left_out), names)
+
+
+def _equations(law: Criterion, names: Names, left_out: list[tuple[str, str]]) -> Iterator[Equation]:
+    left_out.append(("thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)", "the law is isothermal, no equation contains a temperature"))
+    left_out.append(("further internal variables chi_3 ... chi_n of Eq. (24)", "the law has none"))
+    yield from state_equations(names)
+    found = pieces(law)
+    if found is None:
+        left_out.append(("normal and criterion by branches", f"the formula has more than {MOST} branches"))
+    yield from evolution_equations(names, found)
+    if law.flow is not None:
+        left_out.append(("dissipation potential", "the law has a flow of its own, which no potential of K gives"))
+    elif (support := support_function(law)) is None:
+        left_out.append(("dissipation potential", "K has no support function in closed form by the polar rules"))
+    else:
+        yield from potential_equations(names, support)
+    yield from increment_equations(names, found)
+    yield from one_dimensional_equations(names)
+    for force in names.forces:
+        if interval(law, force) is None:
+            left_out.append((f"reduction to {force} alone", "K on that line is unbounded or has no closed form"))

@@ -1,0 +1,89 @@
+"""A derivation as a value: numbered, named relations in order, each computed, none stored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import sympy as sp
+
+from duhem.derivation.names import Names
+
+__all__ = ["Belongs", "Derivation", "Equation"]
+
+
+class Belongs(sp.Function):
+    """``Belongs(x, A)``: x is an element of A."""
+
+    nargs = 2
+
+
+@dataclass(frozen=True)
+class Equation:
+    """One line: its number in Antoni et al. (2007) or D1, D2, ... where the paper has none; ``note`` is one sentence."""
+
+    number: str
+    name: str
+    relation: sp.Basic
+    note: str
+    section: str
+
+    @property
+    def lhs(self) -> sp.Basic:
+        """Left side of the relation."""
+        return self.relation.args[0]
+
+    @property
+    def rhs(self) -> sp.Basic:
+        """Right side of the relation."""
+        return self.relation.args[1]
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """What follows from one law's formula.  ``derivation["state_law"]`` is the equation of that name.
+
+    ``left_out`` lists (part, reason) for what the law does not need or has no closed form for.
+    """
+
+    law: str
+    equations: tuple[Equation, ...]
+    left_out: tuple[tuple[str, str], ...]
+    names: Names
+
+    def __getitem__(self, name: str) -> Equation:
+        for equation in self.equations:
+            if equation.name == name:
+                return equation
+        raise KeyError(f"{name}; this derivation has: {', '.join(self.keys())}")
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.keys()
+
+    def __iter__(self) -> Iterator[Equation]:
+        return iter(self.equations)
+
+    def __len__(self) -> int:
+        return len(self.equations)
+
+    def keys(self) -> tuple[str, ...]:
+        """Names of the equations, in order."""
+        return tuple(equation.name for equation in self.equations)
+
+    def text(self) -> str:
+        """Plain text; formulas in the vocabulary of criterion files."""
+        from duhem.derivation.printing import text
+
+        return text(self)
+
+    def markdown(self) -> str:
+        """Markdown with LaTeX formulas between dollar signs."""
+        from duhem.derivation.printing import markdown
+
+        return markdown(self)
+
+    def latex(self) -> str:
+        """A complete LaTeX document that needs amsmath only."""
+        from duhem.derivation.printing import latex
+
+        return latex(self)

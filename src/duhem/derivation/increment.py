@@ -1,0 +1,114 @@
+"""One step of slip by backward Euler, and the reduction to one direction (Antoni et al. 2007, Eq. 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import sympy as sp
+
+from duhem.criterion import Criterion
+from duhem.derivation.energy import column, energy, equal
+from duhem.derivation.equation import Belongs, Equation
+from duhem.derivation.evolution import Pieces
+from duhem.derivation.names import Names
+from duhem.derivation.recognise import read_ball
+
+__all__ = ["increment_equations", "interval", "one_dimensional_equations"]
+
+STEP, LINE = "Incremental problem", "Reduction to one direction"
+
+
+def increment_equations(names: Names, found: Pieces | None) -> Iterator[Equation]:
+    """The closest-point step in the metric of k^-1 with its optimality conditions; every line from the Lagrangian."""
+    law, forces = names.law, names.forces
+    predictor = (u - p for u, p in zip(names.total, names.inelastic, strict=True))
+    yield Equation("D13", "trial_stress", equal(column(names.trial), column(names.stiffness * sp.Matrix(list(predictor)))),
+                   "stress if nothing slipped over the step: u at its end, u_in at its beginning", STEP)  # fmt: skip
+    compliance = names.stiffness.inv()
+    gap = sp.Matrix([t - s for t, s in zip(names.trial, forces, strict=True)])
+    slip = compliance * gap
+    if law.flow is not None:
+        moved = column(t - c for t, c in zip(names.trial, names.step * names.stiffness * sp.Matrix(law.flow), strict=True))
+        yield Equation("D14", "step_stress", equal(column(forces), moved), "own flow: a fixed point, not a projection", STEP)
+    else:
+        distance = (gap.T * compliance * gap)[0] / 2
+        yield Equation("D14", "step_objective", equal(sp.Function("J")(*forces), distance),
+                       "the stress minimises J over K: the closest point to the trial stress in the metric of k^-1", STEP)  # fmt: skip
+        if found is not None:
+            slopes = [
+                found.joined([sp.factor_terms(distance.diff(f)) + (names.step * value).diff(f) for value in found.values]) for f in forces
+            ]
+            yield Equation("D15", "step_stationarity", equal(column(slopes), column([sp.S.Zero] * len(forces))),
+                           "gradient of the Lagrangian J + Delta_lambda g: k^-1 (sigma_trial - sigma) = Delta_lambda dg/dsigma", STEP)  # fmt: skip
+    three = (sp.GreaterThan(names.step, 0, evaluate=False), sp.LessThan(law.g, 0, evaluate=False), equal(names.step * law.g, sp.S.Zero))
+    yield Equation("D16", "step_complementarity", sp.And(*three, evaluate=False), "the step slips only if it ends on the boundary", STEP)
+    yield Equation("D17", "step_slip", equal(column(names.slip_step), column(slip)), "slip over the step: the trial stress in excess, released", STEP)
+    yield _energy_identity(names)
+
+
+def _energy_identity(names: Names) -> Equation:
+    """sigma . Du = Dpsi + sigma . Du_in + 1/2 Du_e . k Du_e, expanded to zero here before it is stated."""
+    ends, steps = names.elastic, names.elastic_step
+    lost = energy(names, steps)
+    stored = energy(names, ends) - energy(names, tuple(e - s for e, s in zip(ends, steps, strict=True)))
+    stress = names.stiffness * sp.Matrix(list(ends))
+    work = sp.Add(*[s * (e + p) for s, e, p in zip(names.forces, steps, names.slip_step, strict=True)])
+    slipped = sp.Add(*[s * p for s, p in zip(names.forces, names.slip_step, strict=True)])
+    if sp.expand((work - slipped).xreplace(dict(zip(names.forces, stress, strict=True))) - stored - lost) != 0:
+        raise ArithmeticError("the discrete energy identity does not hold")
+    return Equation("D18", "step_energy", equal(work, sp.Symbol("Delta_psi_C", real=True) + slipped + lost),
+                    "work = change of stored energy + dissipation + a numerical part that is never negative, for every step size", STEP)  # fmt: skip
+
+
+def interval(law: Criterion, force: sp.Symbol) -> tuple[sp.Expr, sp.Expr] | None:
+    """(low, high) of the one force when the others vanish, from the formula; None where it is not closed."""
+    others = dict.fromkeys((f for f in law.force_symbols() if f != force), sp.S.Zero)
+    pressure = law.symbols().get(law.pressure or "")
+    size = sp.Dummy("N", positive=True)
+    inward = {pressure: -size} if pressure is not None else {}
+    g = law.g.xreplace({**others, **inward})
+    ball = read_ball(g, [force])
+    if ball is not None:
+        ends = [ball.centre[0] + ball.radius * sign / ball.gauge.value([sp.Integer(sign)]) for sign in (-1, 1)]
+    else:
+        found = [_positive_root(g, force, sign) for sign in (-1, 1)]
+        if None in found:
+            return None
+        ends = [sign * root for sign, root in zip((-1, 1), found, strict=True) if root is not None]
+    back = {size: -pressure} if pressure is not None else {}
+    low, high = (sp.factor_terms(end).xreplace(back) for end in ends)
+    return low, high
+
+
+def _positive_root(g: sp.Expr, force: sp.Symbol, sign: int) -> sp.Expr | None:
+    """The one positive t with g(sign t) = 0, if g is a polynomial there with exactly one."""
+    t = sp.Dummy("t", positive=True)
+    along = sp.factor(g.xreplace({force: sign * t}))
+    if not along.is_polynomial(t):
+        return None
+    x = sp.Dummy("x")
+    roots = [r for r in sp.roots(sp.Poly(along.xreplace({t: x}), x)) if r != 0 and r.is_real is not False and r.is_positive is not False]
+    return roots[0] if len(roots) == 1 else None
+
+
+def one_dimensional_equations(names: Names) -> Iterator[Equation]:
+    """Eq. (1) for each force alone: the interval of the sticking state and the elastic, perfectly plastic branch."""
+    law = names.law
+    for i, force in enumerate(names.forces):
+        ends = interval(law, force)
+        if ends is None:
+            continue
+        low, high = ends
+        tail = law.forces[i].removeprefix("sigma_")
+        bounds = Belongs(force, sp.Interval(low, high))
+        number = "D19" if len(names.forces) == 1 else f"D19.{i + 1}"
+        yield Equation(number, f"interval_{tail}", bounds, "K with the other forces zero" if len(names.forces) > 1 else "K as an interval", LINE)
+        if law.flow is not None:
+            continue
+        elastic = names.stiffness[i, i] * names.total[i]
+        stick = sp.And(sp.StrictLessThan(low, elastic, evaluate=False), sp.StrictLessThan(elastic, high, evaluate=False), evaluate=False)
+        law_1d = sp.Piecewise(
+            (elastic, stick), (high, sp.GreaterThan(elastic, high, evaluate=False)), (low, sp.LessThan(elastic, low, evaluate=False)), evaluate=False
+        )
+        yield Equation("1" if len(names.forces) == 1 else f"1.{i + 1}", f"one_dimensional_{tail}", equal(force, law_1d),
+                       "first loading from rest along this direction: elastic between the ends, slipping at either", LINE)  # fmt: skip

@@ -1,0 +1,48 @@
+"""Refutation of convexity by a chord of K whose midpoint is outside, found by scouting and checked exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from duhem.examination import Case
+from duhem.examination.profile import profile
+from duhem.examination.search import boundary_dent, choices, nonconvex_chord
+from duhem.positivity import Sense
+from duhem.verdict import Evidence, Verdict, Witness
+
+__all__ = ["convexity_at_dents", "convexity_by_scouting", "convexity_by_thorough_scouting"]
+
+
+def _refuted(witness: Witness | None, method: str) -> Evidence | None:
+    if witness is None:
+        return None
+    return Evidence(Verdict.REFUTED, method, "a chord between two points of K leaves K", witness)
+
+
+def convexity_by_scouting(case: Case) -> Evidence | None:
+    """A few parameter choices."""
+    return _refuted(nonconvex_chord(case, most=6), "witness-chord")
+
+
+def convexity_by_thorough_scouting(case: Case) -> Evidence | None:
+    """Many parameter choices."""
+    return _refuted(nonconvex_chord(case, most=60), "witness-chord")
+
+
+def convexity_at_dents(case: Case) -> Evidence | None:
+    """Where an arc's curvature question has a counterexample, a chord through the boundary point in that direction."""
+    form = profile(case)
+    if form is None:
+        return None
+    for arc in form.arcs:
+        answer = case.ask(form.curvature(arc), Sense.NONNEGATIVE, *arc.conditions(strict=True), circle=(form.x, form.y))
+        if answer.holds is not False or answer.point is None:
+            continue
+        point: Mapping[sp.Symbol, Any] = answer.point
+        for parameters in choices(case, [point], most=1):
+            if witness := boundary_dent(case, parameters, [point[form.x], point[form.y]]):
+                return _refuted(witness, "witness-chord")
+    return None

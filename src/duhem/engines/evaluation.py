@@ -1,0 +1,39 @@
+"""What direct evaluation decides: g at the origin, and rational points where an inequality fails."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import sympy as sp
+
+from duhem.examination import Case
+from duhem.examination.search import choices
+from duhem.examination.witness import decimal_pair, describe, sign_at, values_at
+from duhem.positivity import Sense
+from duhem.verdict import Evidence, Verdict, Witness
+
+__all__ = ["origin", "origin_refuted"]
+
+
+def origin(case: Case) -> Evidence | None:
+    """g(0) <= 0 for every pressure and parameter."""
+    at_zero = case.simple.g.subs(dict.fromkeys(case.simple.forces, 0))
+    if at_zero.has(sp.nan, sp.zoo, sp.oo):
+        return None
+    answer = case.ask(-at_zero, Sense.NONNEGATIVE)
+    return Evidence(Verdict.PROVED, f"evaluation ({answer.method})", f"g(0) = {at_zero} <= 0") if answer.holds is True else None
+
+
+def origin_refuted(case: Case) -> Evidence | None:
+    """Parameters at which g(0) > 0."""
+    zero = [Fraction(0)] * len(case.simple.forces)
+    hint = case.ask(-case.simple.g.subs(dict.fromkeys(case.simple.forces, 0)), Sense.NONNEGATIVE).point
+    for parameters in choices(case, [hint] if hint else []):
+        values = values_at(case, parameters, zero)
+        sign, enclosure = sign_at(case.problem.g, values)
+        if sign == 1:
+            witness = Witness(
+                describe(case, values, forces=False), {"origin": describe(case, values)}, {"g(0)": decimal_pair(enclosure)}, "g > 0 at zero force: 0 is not in K"
+            )
+            return Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
+    return None

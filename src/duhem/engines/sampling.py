@@ -1,0 +1,17 @@
+"""The last resort: what was looked at without finding a violation.  It proves nothing and says so."""
+
+from __future__ import annotations
+
+from duhem.examination import Case
+from duhem.examination.search import choices
+from duhem.verdict import Evidence, Verdict
+
+__all__ = ["sampled"]
+
+
+def sampled(case: Case) -> Evidence | None:
+    """Called after every scout came back empty: states how many parameter choices they covered, with their fixed seeds."""
+    count = sum(1 for _ in choices(case, most=12))
+    if count == 0:
+        return None
+    return Evidence(Verdict.TESTED, "sampling", f"no violation at {count} parameter choices (boundary scouts, fixed seeds); nothing is proved")

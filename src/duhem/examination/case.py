@@ -1,0 +1,75 @@
+"""One law under examination: its problem, the derived forms every engine may need, and the signs already decided."""
+
+from __future__ import annotations
+
+import time
+from functools import cached_property
+
+import sympy as sp
+
+from duhem.criterion import Criterion
+from duhem.expression.branches import Branch, TooManyBranchesError, branches
+from duhem.model import Problem, Star, star_form, state
+from duhem.positivity import Answer, Question, Sense, decide
+
+__all__ = ["Case"]
+
+
+class Case:
+    """Derived forms of one law, each computed at most once, within a time allowance that the verification renews.
+
+    ``problem`` is the law as stated, ``simple`` an equivalent slice of it (see :class:`duhem.model.Problem`).
+    """
+
+    def __init__(self, law: Criterion, question_seconds: float = 4.0) -> None:
+        self.law = law
+        self._question_seconds = question_seconds
+        self._deadline = float("inf")
+        self._answers: dict[Question, Answer] = {}
+
+    def allow(self, seconds: float) -> None:
+        """Questions asked from now on share this many seconds; those after are left open."""
+        self._deadline = time.monotonic() + seconds
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The law as stated, with N = |sigma_n|."""
+        return state(self.law)
+
+    @cached_property
+    def simple(self) -> Problem:
+        """The simplest equivalent slice, for claims about the set K alone."""
+        return self.problem.simplest()
+
+    @cached_property
+    def star(self) -> Star | None:
+        """The two-degree form of the simple problem, if it has one."""
+        return star_form(self.simple)
+
+    @cached_property
+    def pieces(self) -> tuple[Branch, ...] | None:
+        """Smooth branches of the simple problem's g; None if there are too many."""
+        try:
+            return branches(self.simple.g)
+        except TooManyBranchesError:
+            return None
+
+    def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
+        """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""
+        question = Question(sp.sympify(expr), sense, (*self.simple.given, *given), circle)
+        known = self._answers.get(question)
+        if known is not None and known.holds is not None:
+            return known
+        seconds = min(self._question_seconds, self._deadline - time.monotonic())
+        if seconds <= 0:
+            return Answer(None, reason="the claim's time ran out")
+        answer = self._answers[question] = decide(question, seconds)
+        return answer
+
+    def nonnegative(self, constant: sp.Expr) -> bool:
+        """Whether an expression in the parameters is >= 0 on the whole domain (False also when undecided)."""
+        return self.ask(constant, Sense.NONNEGATIVE).holds is True
+
+    def positive(self, constant: sp.Expr) -> bool:
+        """Whether an expression in the parameters is > 0 on the whole domain (False also when undecided)."""
+        return self.ask(constant, Sense.POSITIVE).holds is True

@@ -1,0 +1,232 @@
+"""Where to look for a violation of convexity: floating-point scouting; every find goes to the exact check.
+
+Two scouts.  Chords: the boundary is sampled along rays in plane sections, and midpoints of chords of many lengths are
+tried, which sees inward kinks, dents and separate components.  Dents: at a boundary point whose curvature has the
+wrong sign, a chord is built in high precision, which sees violations far below double precision.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from itertools import product
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.examination.case import Case
+from duhem.examination.witness import Values, chord, inside_domain, values_at
+from duhem.expression import mpmath_
+from duhem.expression.numpy_ import compiled
+from duhem.verdict import Witness
+
+__all__ = ["boundary_dent", "choices", "nonconvex_chord"]
+
+Array = NDArray[np.float64]
+_ANGLES, _RADII, _SECTIONS = 720, 48, 24
+_SCALES = (Fraction(1), Fraction(1, 2), Fraction(2), Fraction(1, 10), Fraction(10), Fraction(1, 100), Fraction(100))
+
+
+def choices(case: Case, hints: Sequence[Mapping[sp.Symbol, Any]] = (), most: int = 40) -> Iterator[dict[sp.Symbol, Fraction]]:
+    """Exact parameter values inside the domain: hints first, then ends, middles and decades of each range."""
+    free = case.simple.parameters
+    seen: set[tuple[Fraction, ...]] = set()
+
+    def admitted(values: dict[sp.Symbol, Fraction]) -> bool:
+        key = tuple(values.values())
+        if key in seen or not inside_domain(case, {**values_at(case, values, [Fraction(0)] * len(case.simple.forces))}):
+            return False
+        seen.add(key)
+        return True
+
+    for hint in hints:
+        if all(x in hint for x in free):
+            exact = {x: _fraction(hint[x]) for x in free}
+            if admitted(exact):
+                yield exact
+    grids = [_range(case, x) for x in free]
+    combinations = list(product(*grids)) if np.prod([len(g) for g in grids]) <= 4096 else []
+    rng = random.Random(2)
+    if not combinations:
+        combinations = [tuple(rng.choice(g) for g in grids) for _ in range(400)]
+    rng.shuffle(combinations)
+    found = 0
+    for combination in combinations:
+        values = dict(zip(free, combination, strict=True))
+        if found < most and admitted(values):
+            found += 1
+            yield values
+
+
+def _fraction(value: Any) -> Fraction:
+    exact = sp.Rational(value)
+    return Fraction(int(exact.p), int(exact.q))
+
+
+def _range(case: Case, x: sp.Symbol) -> list[Fraction]:
+    low = high = None
+    for relation in case.simple.given:
+        if getattr(relation, "gts", None) == x and relation.lts.is_Rational:
+            low = _fraction(relation.lts) if low is None else max(low, _fraction(relation.lts))
+        if getattr(relation, "lts", None) == x and relation.gts.is_Rational:
+            high = _fraction(relation.gts) if high is None else min(high, _fraction(relation.gts))
+    if low is not None and high is not None:
+        shares = (Fraction(0), Fraction(1), Fraction(1, 2), Fraction(1, 100), Fraction(99, 100), Fraction(1, 4), Fraction(3, 4), Fraction(9, 10))
+        return [low + s * (high - low) for s in shares]
+    if low is None and high is None:
+        return [Fraction(0), *_SCALES, *(-s for s in _SCALES)]
+    start, sense = (low, 1) if low is not None else (high, -1)
+    assert start is not None
+    return [start + sense * s for s in _SCALES] + [start]
+
+
+def nonconvex_chord(case: Case, hints: Sequence[Mapping[sp.Symbol, Any]] = (), most: int = 40) -> Witness | None:
+    """An exactly checked chord that leaves K, or None if the scouting found none."""
+    for parameters in choices(case, hints, most):
+        if (found := _in_choice(case, parameters)) is not None:
+            return found
+    return None
+
+
+def _in_choice(case: Case, parameters: Values) -> Witness | None:
+    forces = case.simple.forces
+    g = case.simple.g.subs({x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()})
+    run = compiled(g, forces)
+
+    def value(points: Array) -> Array:
+        return run(*np.moveaxis(points, -1, 0))
+
+    centre = _centre(value, len(forces))
+    if centre is None:
+        return None
+    for p, q in _suspects(value, centre):
+        for pull in (2.0**-20, 2.0**-12, 2.0**-30, 0.0):
+            a, b = centre + (1 - pull) * (p - centre), centre + (1 - pull) * (q - centre)
+            for limit in (100, 10**6, 10**17):
+                exact = [[Fraction(float(c)).limit_denominator(limit) for c in point] for point in (a, b)]
+                if (found := chord(case, parameters, *exact)) is not None:
+                    return found
+    return None
+
+
+def _centre(value: Any, d: int) -> Array | None:
+    """A point of K: the origin, or the lowest of random points of many sizes."""
+    origin = np.zeros(d)
+    if value(origin) <= 0:
+        return origin
+    rng = np.random.default_rng(3)
+    points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-3, 3, (4000, 1))
+    heights = np.where(np.isfinite(value(points)), value(points), np.inf)
+    best = points[int(np.argmin(heights))]
+    return best if value(best) <= 0 else None
+
+
+def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array]]:
+    """Pairs of points of K whose midpoint seems outside, the most violating first within each section."""
+    d = len(centre)
+    rng = np.random.default_rng(4)
+    for section in range(1 if d <= 2 else _SECTIONS):
+        if d == 1:
+            directions = np.array([[1.0], [-1.0]])
+        else:
+            turn = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+            frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
+            directions = np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1])
+        yield from _along_rays(value, centre, directions)
+
+
+def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[Array, Array]]:
+    radii = 10.0 ** np.linspace(-6, 6, 12 * _RADII // 4)
+    inside = value(centre + radii[None, :, None] * directions[:, None, :]) <= 0
+    exits = np.where(inside.all(axis=1), len(radii), np.argmin(inside, axis=1))
+    # A ray that comes back into K after leaving it shows a gap by itself.
+    later = inside & (np.arange(len(radii))[None, :] > exits[:, None])
+    for ray in np.flatnonzero(later.any(axis=1))[:8]:
+        back = int(np.argmax(later[ray]))
+        leave = _bisect(value, centre, directions[ray], radii[max(int(exits[ray]) - 1, 0)] if exits[ray] else 0.0, radii[exits[ray]])
+        enter = _bisect(value, centre, directions[ray], radii[back], radii[back - 1])
+        yield centre + leave * directions[ray], centre + enter * directions[ray]
+    low = np.where(exits > 0, radii[np.maximum(exits - 1, 0)], 0.0)
+    high = radii[np.minimum(exits, len(radii) - 1)]
+    bounded = exits < len(radii)
+    for _ in range(60):
+        middle = (low + high) / 2
+        inner = value(centre + middle[:, None] * directions) <= 0
+        low, high = np.where(inner & bounded, middle, low), np.where(inner | ~bounded, high, middle)
+    boundary = centre + low[:, None] * directions
+    n = len(directions)
+    best: list[tuple[float, int, int]] = []
+    for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300):
+        if step >= n:
+            break
+        other = np.roll(boundary, -step, axis=0)
+        heights = value((boundary + other) / 2)
+        size = np.linalg.norm(other - boundary, axis=1)
+        score = np.where(np.isfinite(heights) & (size > 0), heights, -np.inf)
+        top = int(np.argmax(score))
+        if score[top] > 0:
+            best.append((float(score[top]), top, (top + step) % n))
+    for _, i, j in sorted(best, reverse=True):
+        yield boundary[i], boundary[j]
+
+
+def _bisect(value: Any, centre: Array, direction: Array, inside: float, outside: float) -> float:
+    for _ in range(60):
+        middle = (inside + outside) / 2
+        inside, outside = (middle, outside) if value(centre + middle * direction) <= 0 else (inside, middle)
+    return inside
+
+
+def boundary_dent(case: Case, parameters: Values, direction: Sequence[Any], dps: int = 60) -> Witness | None:
+    """A chord through the boundary point seen from the origin in ``direction`` (two forces), built in high precision."""
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = dps
+    forces = case.simple.forces
+    g = case.simple.g.subs({x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()})
+
+    def value(point: Sequence[Any]) -> Any:
+        return mpmath_.evaluate(g, dict(zip(forces, point, strict=True)), dps)
+
+    ray = [context.mpf(c.numerator) / c.denominator for c in map(_fraction, direction)]
+    size = context.hypot(*ray)
+    ray = [c / size for c in ray]
+    low, high = context.mpf(0), context.mpf(1)
+    while value([high * c for c in ray]) <= 0:
+        low, high = high, 2 * high
+        if high > 1e12:
+            return None
+    for _ in range(int(3.4 * dps)):
+        middle = (low + high) / 2
+        low, high = (middle, high) if value([middle * c for c in ray]) <= 0 else (low, middle)
+    x = [low * c for c in ray]
+    step = low * context.mpf(10) ** (-dps // 3)
+    slope = [(value([x[0] + step, x[1]]) - value([x[0] - step, x[1]])) / (2 * step), (value([x[0], x[1] + step]) - value([x[0], x[1] - step])) / (2 * step)]
+    length = context.hypot(*slope)
+    if not length > 0:
+        return None
+    normal = [c / length for c in slope]
+    tangent = [-normal[1], normal[0]]
+
+    def moved(along: Any, out: Any) -> list[Any]:
+        return [x[k] + along * tangent[k] + out * normal[k] for k in (0, 1)]
+
+    for k in range(2, 60):
+        t = low * context.mpf(2) ** -k
+        bend = -(value(moved(t, 0)) + value(moved(-t, 0))) / (2 * length)
+        if not bend > 0:
+            continue
+        p, q = (_rational(moved(s * t, bend / 2), bend / 1000) for s in (1, -1))
+        if (found := chord(case, parameters, p, q)) is not None:
+            return found
+    return None
+
+
+def _rational(point: Sequence[Any], tolerance: Any) -> list[Fraction]:
+    """The point rounded to the coarsest decimals within the tolerance."""
+    denominator = 10 ** max(1, int(-np.floor(float(sp.log(sp.Float(str(tolerance)), 10)))) + 1)
+    return [Fraction(round(c * denominator), denominator) for c in point]

@@ -1,0 +1,65 @@
+"""Norms that SymPy spells as powers, recognised: sqrt(x**2 + y**2), (|x|**p + |y|**p)**(1/p), and |x|**3 as x**2*|x|.
+
+Back ends that must treat a norm as one thing (to keep its powers from overflowing, to see its convexity) fold over
+the recognised formula; it has the same value wherever the original has one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression.vocabulary import Norm
+
+__all__ = ["PNorm", "recognised"]
+
+
+class PNorm(sp.Function):
+    """``PNorm(p, x, ...)`` = (|x|^p + ...)^(1/p), p > 0; no word of the language, only a node of recognised formulas."""
+
+    def _eval_is_extended_nonnegative(self) -> bool:
+        return True
+
+    def _sympystr(self, printer: Any) -> str:
+        p, *args = self.args
+        return str(printer.doprint(sp.Add(*(sp.Abs(a) ** p for a in args)) ** (1 / p)))
+
+
+def recognised(expr: sp.Basic) -> sp.Basic:
+    """The formula with its norms written as ``Norm`` and ``PNorm``, innermost first."""
+    return expr.replace(sp.Mul, _odd_power).replace(lambda node: isinstance(node, sp.Pow) and node.base.is_Add, _norm)
+
+
+def _odd_power(*factors: sp.Expr) -> sp.Expr:
+    for size in factors:
+        for even in factors:
+            if isinstance(size, sp.Abs) and even.is_Pow and even.base == size.args[0] and even.exp.is_even:
+                rest = (f for f in factors if f is not size and f is not even)
+                return sp.Mul(PNorm(1, even.base) ** (even.exp + 1), *rest)
+    return sp.Mul(*factors)
+
+
+def _norm(node: Any) -> sp.Expr:
+    p = 1 / node.exp
+    bases = [_base(term, p) for term in node.base.args]
+    if p == 1 or not p.is_positive or any(x is None for x in bases):
+        return node
+    return Norm(*bases) if p == 2 else PNorm(p, *bases)
+
+
+def _base(term: sp.Expr, p: sp.Expr) -> sp.Expr | None:
+    """x with |x|^p = term, if the term is a positive number times powers p and -p."""
+    number, rest = term.as_coeff_Mul()
+    if not number.is_positive:
+        return None
+    x = number ** (1 / p)
+    for factor in sp.Mul.make_args(rest):
+        if factor == 1:
+            continue
+        base, exponent = factor.as_base_exp()
+        times = exponent / p
+        if times not in (1, -1) or not (p.is_even or base.is_extended_nonnegative):
+            return None
+        x *= base**times
+    return x

@@ -1,0 +1,1 @@
+"""A verification as text for people and as JSON for programs."""

@@ -1,0 +1,67 @@
+"""README.md keeps its word: its outputs are what the program prints today, its files and snippets run, its commands are CI's."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text("utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    """The fenced blocks of one language, in order."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.M | re.S)
+
+
+def masked(output: str) -> str:
+    """Output with its times masked, and the spaces that line them up."""
+    return re.sub(r" *\d+(\.\d+)? ?(s|ms)\b", " TIME", output).strip()
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder that holds README's TOML blocks, each under the name its first line gives."""
+    for text in blocks("toml"):
+        (tmp_path / text.splitlines()[0].removeprefix("# ")).write_text(text, "utf-8")
+    monkeypatch.setenv("PYTHONPATH", str(ROOT / "src"), prepend=os.pathsep)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_there_are_blocks_to_check() -> None:
+    assert blocks("console") and blocks("toml") and blocks("python")
+
+
+@pytest.mark.parametrize("block", blocks("console"), ids=lambda block: block.splitlines()[0].removeprefix("$ "))
+@pytest.mark.usefixtures("folder")
+def test_output_is_what_the_program_prints(block: str) -> None:
+    prompt, _, expected = block.partition("\n")
+    dollar, program, *arguments = shlex.split(prompt)
+    assert (dollar, program) == ("$", "duhem")
+    done = subprocess.run([sys.executable, "-m", "duhem", *arguments], capture_output=True, text=True, timeout=120)
+    assert done.returncode in (0, 1), done.stderr
+    assert masked(done.stdout) == masked(expected)
+
+
+@pytest.mark.parametrize("snippet", blocks("python"), ids=lambda snippet: snippet.splitlines()[0])
+@pytest.mark.usefixtures("folder")
+def test_python_snippet_runs(snippet: str) -> None:
+    done = subprocess.run([sys.executable, "-W", "error", "-c", snippet], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+
+
+def test_two_commands_set_it_up_and_the_second_is_ci() -> None:
+    commands = [line for block in blocks("sh") for line in block.splitlines()]
+    assert len(commands) == 2
+    assert (ROOT / ".ci" / "run").read_text("utf-8").splitlines()[-1] == commands[1]
+
+
+def test_links_lead_somewhere() -> None:
+    targets = re.findall(r"\]\((?!https?:)([^)#]+)\)", README)
+    assert targets
+    assert [target for target in targets if not (ROOT / target).exists()] == []
