@@ -37,7 +37,8 @@ def test_committed_without_outputs_or_machine_paths(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_runs_and_asserts(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_runs_and_asserts(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path))  # not the settings of whoever runs this
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "src"), prepend=os.pathsep)
     monkeypatch.setenv("MPLBACKEND", "agg")
     book = nbformat.read(path, as_version=4)

@@ -92,9 +92,12 @@ def _contradictory(law: Criterion) -> bool:
         except InputError:  # leaving a constraint out never makes the rest contradictory
             continue
     try:
-        return bool(solver.check() == z3.unsat)
+        result = solver.check()
     except z3.Z3Exception:
         return False
+    if result == z3.unknown and solver.reason_unknown() == "interrupted from keyboard":  # z3 catches Ctrl-C itself
+        raise KeyboardInterrupt
+    return bool(result == z3.unsat)
 
 
 def _arithmetic(z3: Any) -> dict[type, Callable[..., Any]]:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import sympy as sp
+
 from duhem import __version__
 from duhem.catalogue import load
 from duhem.claims import CLAIMS
@@ -179,7 +181,7 @@ def _remarks(case: Case) -> tuple[str, ...]:
     tips = sorted({str(tip) for tip in facts.tips}) if facts.known and not facts.kinks else []
     if not tips:
         return ()
-    at_zero = case.problem.g.subs(dict.fromkeys(case.problem.forces, 0))
+    at_zero = case.problem.g.xreplace(dict.fromkeys(case.problem.forces, sp.S.Zero))
     place = f"where {', '.join(tips)} = 0"
     inside = "; that point is inside K for sigma_n < 0, so the boundary is not touched" if case.law.pressure and at_zero.is_negative else ""
     return (f"'g is differentiable' holds with one exception: not {place}{inside}",)

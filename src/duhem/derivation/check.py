@@ -19,7 +19,7 @@ from duhem.criterion import Criterion
 if TYPE_CHECKING:
     from duhem.derivation.support_function import SupportFunction
 
-__all__ = ["compiled", "defects", "gauges_agree", "sample_values"]
+__all__ = ["compiled", "defects", "gauges_agree", "reach", "sample_values"]
 
 DIGITS = 40
 SMALL = mpmath.mpf(10) ** -25
@@ -94,7 +94,9 @@ def _defects(law: Criterion, support: SupportFunction, parameters: int, directio
             claims = [claim(*d, *rest) for d in rates]
             n = len(forces)
             centre = claims[0][-n:]
-            cloud = list(_boundary(lambda x, rest=rest: g(*x, *rest)[0], centre, random, 4 * directions))
+            with mpmath.workdps(15):
+                reached = [(ray, reach(lambda x, rest=rest: g(*x, *rest)[0], centre, ray)) for ray in _rays(n, random, 4 * directions)]
+            cloud = [[c + t * r for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
             scale = max([abs(c[0]) for c in claims] + [mpmath.mpf(10) ** -6])
             for d, (potential, *found) in zip(rates, claims, strict=True):
                 size = mpmath.sqrt(mpmath.fsum(mpmath.mpf(x.p) ** 2 / mpmath.mpf(x.q) ** 2 for x in d))
@@ -139,22 +141,22 @@ def _direction(support: SupportFunction, values: Mapping[sp.Symbol, sp.Rational]
             return list(sum((w * b for w, b in zip(weights, basis, strict=True)), sp.zeros(len(support.rates), 1)))
 
 
-def _boundary(g: Callable[[list[Any]], Any], centre: Sequence[Any], random: Random, count: int) -> Iterator[list[Any]]:
-    """Points of K next to its boundary on rays from the centre, by bisection of g; rays that never leave give nothing."""
-    with mpmath.workdps(15):
-        for _ in range(count):
-            ray = [mpmath.mpf(random.gauss(0, 1)) for _ in centre]
+def _rays(dimension: int, random: Random, count: int) -> list[list[Any]]:
+    return [[mpmath.mpf(random.gauss(0, 1)) for _ in range(dimension)] for _ in range(count)]
 
-            def at(t: Any, ray: list[Any] = ray) -> list[Any]:
-                return [c + t * r for c, r in zip(centre, ray, strict=True)]
 
-            low, high = mpmath.mpf(0), mpmath.mpf(10) ** -4
-            while g(at(high)) <= 0 and high < 10**8:
-                low, high = high, 4 * high
-            if high >= 10**8:
-                continue
-            for _ in range(40):
-                middle = (low + high) / 2
-                low, high = (middle, high) if g(at(middle)) <= 0 else (low, middle)
-            if low > 0:
-                yield at(low)
+def reach(g: Callable[[list[Any]], Any], centre: Sequence[Any], ray: Sequence[Any]) -> Any:
+    """The greatest t found with g(centre + t ray) <= 0, by bisection to 12 digits; None if the ray starts outside or never leaves."""
+
+    def inside(t: Any) -> bool:
+        return bool(g([c + t * r for c, r in zip(centre, ray, strict=True)]) <= 0)
+
+    low, high = mpmath.mpf(0), mpmath.mpf(10) ** -4
+    while inside(high):
+        low, high = high, 4 * high
+        if high > 10**8:
+            return None
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if inside(middle) else (low, middle)
+    return low or None

@@ -8,9 +8,10 @@ from typing import Any
 from duhem.criterion import Criterion
 from duhem.derivation.energy import state_equations
 from duhem.derivation.equation import Derivation, Equation
-from duhem.derivation.evolution import MOST, evolution_equations, pieces, potential_equations
+from duhem.derivation.evolution import evolution_equations, potential_equations
 from duhem.derivation.increment import increment_equations, interval, one_dimensional_equations
 from duhem.derivation.names import Names
+from duhem.derivation.pieces import MOST, pieces
 from duhem.derivation.support_function import fixed, support_function
 from duhem.errors import InputError
 

@@ -9,9 +9,10 @@ import sympy as sp
 from duhem.criterion import Criterion
 from duhem.derivation.energy import column, energy, equal
 from duhem.derivation.equation import Belongs, Equation
-from duhem.derivation.evolution import Pieces
 from duhem.derivation.names import Names
+from duhem.derivation.pieces import Pieces
 from duhem.derivation.recognise import read_ball
+from duhem.derivation.support_function import compression
 
 __all__ = ["increment_equations", "interval", "one_dimensional_equations"]
 
@@ -63,9 +64,7 @@ def _energy_identity(names: Names) -> Equation:
 def interval(law: Criterion, force: sp.Symbol) -> tuple[sp.Expr, sp.Expr] | None:
     """(low, high) of the one force when the others vanish, from the formula; None where it is not closed."""
     others = dict.fromkeys((f for f in law.force_symbols() if f != force), sp.S.Zero)
-    pressure = law.symbols().get(law.pressure or "")
-    size = sp.Dummy("N", positive=True)
-    inward = {pressure: -size} if pressure is not None else {}
+    inward, outward = compression(law)
     g = law.g.xreplace({**others, **inward})
     ball = read_ball(g, [force])
     if ball is not None:
@@ -75,8 +74,7 @@ def interval(law: Criterion, force: sp.Symbol) -> tuple[sp.Expr, sp.Expr] | None
         if None in found:
             return None
         ends = [sign * root for sign, root in zip((-1, 1), found, strict=True) if root is not None]
-    back = {size: -pressure} if pressure is not None else {}
-    low, high = (sp.factor_terms(end).xreplace(back) for end in ends)
+    low, high = (sp.factor_terms(end).xreplace(outward) for end in ends)
     return low, high
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import sympy as sp
 
 from duhem.criterion import Criterion
-from duhem.derivation.support_function import rate_symbols
+from duhem.derivation.support_function import compression, rate_symbols
 from duhem.errors import InputError
 from duhem.expression import symbol
 
@@ -48,6 +48,10 @@ class Names:
     step: sp.Symbol
     stiffness: sp.ImmutableMatrix
     latex: dict[sp.Symbol, str] = field(repr=False)
+
+    def shown(self, expr: sp.Expr) -> sp.Expr:
+        """The expression in |pressure|, which is how the theory is written."""
+        return expr.xreplace(compression(self.law)[0])
 
     @classmethod
     def of(cls, law: Criterion, stiffness: str = "orthotropic") -> Names:

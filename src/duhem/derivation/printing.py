@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import groupby
 from typing import Any
 
@@ -13,19 +14,17 @@ from sympy.printing.str import StrPrinter
 
 from duhem.derivation.equation import Derivation, Equation
 from duhem.derivation.names import Names
+from duhem.derivation.support_function import compression
 
 __all__ = ["latex", "markdown", "text"]
 
 
-def _shown(expr: sp.Basic, names: Names) -> tuple[sp.Basic, sp.Symbol | None]:
+def _shown(expr: sp.Basic, names: Names) -> sp.Basic:
     """The relation in |pressure|, which is how the theory is written."""
-    if names.law.pressure is None:
-        return expr, None
-    size = sp.Symbol(f"|{names.law.pressure}|", positive=True)
-    return _swapped(expr, {names.law.symbols()[names.law.pressure]: -size}), size
+    return _swapped(expr, compression(names.law)[0])
 
 
-def _swapped(expr: Any, swap: dict[sp.Symbol, sp.Expr]) -> Any:
+def _swapped(expr: Any, swap: Mapping[Any, sp.Expr]) -> Any:
     """Symbols replaced, with every relation kept as written: SymPy would turn some into true."""
     if isinstance(expr, Relational | sp.And | sp.Piecewise):
         return type(expr)(*(_swapped(a, swap) for a in expr.args), evaluate=False)
@@ -34,6 +33,12 @@ def _swapped(expr: Any, swap: dict[sp.Symbol, sp.Expr]) -> Any:
     if isinstance(expr, sp.MatrixBase):
         return expr.applyfunc(lambda entry: _swapped(entry, swap))
     return expr.xreplace(swap)
+
+
+def _by_name(conjunction: Any) -> list[Any]:
+    """Conditions on symbols by the symbols' names; any others in SymPy's order."""
+    parts = list(conjunction.args)
+    return sorted(parts, key=lambda p: p.lhs.name) if all(p.lhs.is_Symbol for p in parts) else parts
 
 
 class _PositiveFirst:
@@ -69,7 +74,7 @@ class _Text(_PositiveFirst, StrPrinter):
         return f"{left} = {right}"
 
     def _print_And(self, expr: Any) -> str:
-        return ", ".join(self._print(a) for a in expr.args)
+        return ", ".join(self._print(a) for a in _by_name(expr))
 
     def _print_Piecewise(self, expr: Any) -> str:
         rows = [f"{self._print(e)}{'  otherwise' if c == True else f'  if {self._print(c)}'}" for e, c in expr.args]  # noqa: E712
@@ -102,23 +107,23 @@ class _Latex(_PositiveFirst, LatexPrinter):
         return rf"{self._print(expr.args[0])} \in {self._print(expr.args[1])}"
 
     def _print_And(self, expr: Any) -> str:
-        return r",\; ".join(self._print(a) for a in expr.args)
+        return r",\; ".join(self._print(a) for a in _by_name(expr))
 
     def _print_ConditionSet(self, expr: Any) -> str:
         return rf"\left\{{ {self._print(expr.sym)} : {self._print(expr.condition)} \right\}}"
 
 
-def _printer(names: Names, size: sp.Symbol | None) -> _Latex:
-    pressure = names.latex[names.law.symbols()[names.law.pressure]] if names.law.pressure else ""
-    written = names.latex | ({size: rf"\left|{pressure}\right|"} if size is not None else {})
-    written |= {sp.Symbol("D", real=True): r"\mathcal{D}", sp.Symbol("psi_C", real=True): r"\psi_C",
-                sp.Symbol("Delta_psi_C", real=True): r"\Delta\psi_C"}  # fmt: skip
+def _printer(names: Names) -> _Latex:
+    law = names.law
+    written = names.latex | {sp.Symbol("D", real=True): r"\mathcal{D}", sp.Symbol("psi_C", real=True): r"\psi_C",
+                             sp.Symbol("Delta_psi_C", real=True): r"\Delta\psi_C"}  # fmt: skip
+    if law.pressure is not None:
+        written |= {size: rf"\left|{names.latex[law.symbols()[law.pressure]]}\right|" for size in compression(law)[1]}
     return _Latex({"symbol_names": written, "mat_delim": "(", "mat_str": "matrix"})
 
 
 def _formula(equation: Equation, names: Names) -> str:
-    relation, size = _shown(equation.relation, names)
-    return str(_printer(names, size).doprint(relation))
+    return str(_printer(names).doprint(_shown(equation.relation, names)))
 
 
 def text(derivation: Derivation) -> str:
@@ -128,7 +133,7 @@ def text(derivation: Derivation) -> str:
     for section, group in groupby(derivation.equations, key=lambda e: e.section):
         lines += [section, "-" * len(section)]
         for equation in group:
-            body = printer.doprint(_shown(equation.relation, derivation.names)[0]).replace("\n", "\n" + 10 * " ")
+            body = printer.doprint(_shown(equation.relation, derivation.names)).replace("\n", "\n" + 10 * " ")
             lines += [f"{f'({equation.number})':9} {body}", f"{'':10}[{equation.name}] {equation.note}"]
         lines.append("")
     lines += ["Left out", "--------", *(f"{part}: {reason}" for part, reason in derivation.left_out)]

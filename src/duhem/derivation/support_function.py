@@ -17,7 +17,7 @@ from duhem.criterion import Criterion
 from duhem.derivation.check import defects, gauges_agree
 from duhem.derivation.recognise import read_ball
 
-__all__ = ["Biconjugate", "SupportFunction", "biconjugate", "fixed", "rate_symbols", "support_function"]
+__all__ = ["Biconjugate", "SupportFunction", "biconjugate", "compression", "fixed", "rate_symbols", "support_function"]
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None
     """
     law = fixed(law, parameters)
     rates = rate_symbols(law)
-    inward, outward = _compression(law)
+    inward, outward = compression(law)
     forces = law.force_symbols()
     ball = read_ball(law.g.xreplace(inward), forces)
     if ball is None:
@@ -100,7 +100,7 @@ def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None
         steps=(
             "the dissipation potential is the conjugate of the indicator of K, its support function (Rockafellar 1970, Theorem 13.2)",
             *ball.gauge.steps,
-            *_placing(ball.centre, ball.radius, outward),
+            *_placing(ball.centre, ball.radius),
         ),
         maximiser=tuple(m.xreplace(outward) for m in maximiser),
         requires=tuple(r.xreplace(outward) for r in ball.requires),
@@ -118,7 +118,7 @@ def biconjugate(law: Criterion, support: SupportFunction, parameters: Mapping[st
     Theorems 14.5 and 15.1).  None where the potential is not read back in closed form.
     """
     law = fixed(law, parameters)
-    inward, outward = _compression(law)
+    inward, outward = compression(law)
     rates, forces = support.rates, law.force_symbols()
     centred = (support.potential - sp.Add(*[c * d for c, d in zip(support.centre, rates, strict=True)])).xreplace(inward)
     rows = sp.Matrix([[form.coeff(d) for d in rates] for form in support.domain]) if support.domain else sp.zeros(0, len(rates))
@@ -135,15 +135,14 @@ def biconjugate(law: Criterion, support: SupportFunction, parameters: Mapping[st
     return Biconjugate(gauge, gauges_agree(law, support, gauge), "the two expressions agree to 30 digits at exact points drawn at random")
 
 
-def _compression(law: Criterion) -> tuple[dict[sp.Expr, sp.Expr], dict[sp.Expr, sp.Expr]]:
+def compression(law: Criterion) -> tuple[dict[sp.Expr, sp.Expr], dict[sp.Expr, sp.Expr]]:
     """The pressure as minus a positive symbol, and back: on the domain sigma_n < 0 that lets SymPy see signs."""
     if law.pressure is None:
         return {}, {}
-    pressure, size = law.symbols()[law.pressure], sp.Dummy("N", positive=True)
+    pressure, size = law.symbols()[law.pressure], sp.Symbol(f"|{law.pressure}|", positive=True)
     return {pressure: -size}, {size: -pressure}
 
 
-def _placing(centre: tuple[sp.Expr, ...], radius: sp.Expr, outward: Mapping[sp.Expr, sp.Expr]) -> tuple[str, ...]:
-    scaled = f"K is the unit ball scaled by {radius.xreplace(outward)}: the potential is scaled by it"
-    moved = f" and K is centred at ({', '.join(str(c.xreplace(outward)) for c in centre)}): a translation adds centre . d" if any(centre) else ""
-    return (f"{scaled}{moved} (Rockafellar 1970, section 13)",)
+def _placing(centre: tuple[sp.Expr, ...], radius: sp.Expr) -> tuple[str, ...]:
+    moved = f" and K is centred at ({', '.join(map(str, centre))}): a translation adds centre . d" if any(centre) else ""
+    return (f"K is the unit ball scaled by {radius}: the potential is scaled by it{moved} (Rockafellar 1970, section 13)",)

@@ -49,7 +49,7 @@ def _off_boundary(case: Case, tip: sp.Expr) -> bool:
 
 
 def _regular(case: Case) -> str | None:
-    origin = case.simple.g.subs(dict.fromkeys(case.simple.forces, 0))
+    origin = case.simple.g.xreplace(dict.fromkeys(case.simple.forces, sp.S.Zero))
     if shape(case.simple.g, case).convex and case.positive(-origin):
         return "grad g != 0 on the boundary because g is convex and negative at the origin"
     star = case.star

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from duhem.examination import Case
-from duhem.examination.bracket import Bracket, enclosed_normal, over_box, violation
+from duhem.examination.bracket import Bracket, bracketed, enclosed_normal, over_box, violation
 from duhem.examination.search import choices
 from duhem.examination.witness import Values
 from duhem.expression.numpy_ import compiled
@@ -73,33 +73,31 @@ def _read(case: Case, chord: Witness) -> tuple[Values, list[Fraction], list[Frac
 
 
 def normality_refuted(case: Case) -> Evidence | None:
-    """A boundary point whose flow points towards another point of K, the worst direction first."""
-    problem = case.simple
-    if problem.flow is None:
+    """A boundary point whose flow points towards another point of K, the worst direction first.
+
+    The other point is first sought all along the boundary, then close by, at the scale of the deviation itself.
+    """
+    if case.simple.flow is None:
         return None
-    flow = problem.flow
     for parameters in choices(case, most=12):
         scout = _Scout(case, parameters)
-        if len(scout.boundary) == 0:
+        if len(scout.boundary) < 2:
             continue
-        slips = scout.unit_flow()
-        reach = slips @ scout.boundary.T - np.sum(slips * scout.boundary, axis=1)[:, None]
-        sizes = np.linalg.norm(scout.boundary[None, :, :] - scout.boundary[:, None, :], axis=2) + 1e-300
-        worst = np.argsort(-np.nanmax(reach / sizes, axis=1))[:3]
-        for k in worst:
-            target_index = int(np.nanargmax(reach[k]))
-            if not reach[k, target_index] > 0:
-                continue
-            target = [Fraction(float(c) * (1 - 2.0**-20)).limit_denominator(10**6) for c in scout.boundary[target_index]]
-            start, end = scout.segment(int(k))
-
-            def short(bracket: Bracket, target: Sequence[Fraction] = target) -> sp.Expr:
-                return -sp.Add(*(d * (sp.Rational(str(t)) - x) for d, t, x in zip(flow, target, problem.forces, strict=True)))
-
-            witness = violation(case, parameters, start, end, short, "-flow . (tau - sigma)", _NORMALITY, target, lambda b: _angles(case, b))
-            if witness is not None:
+        for k, target in itertools.chain(scout.far_targets(), scout.near_targets()):
+            if witness := _leans_towards(case, scout, parameters, k, target):
                 return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
     return None
+
+
+def _leans_towards(case: Case, scout: _Scout, parameters: Values, k: int, target: Sequence[Fraction]) -> Witness | None:
+    problem = case.simple
+
+    def short(bracket: Bracket) -> sp.Expr:
+        assert problem.flow is not None
+        return -sp.Add(*(d * (sp.Rational(str(t)) - x) for d, t, x in zip(problem.flow, target, problem.forces, strict=True)))
+
+    start, end = scout.segment(k)
+    return violation(case, parameters, start, end, short, "-flow . (tau - sigma)", _NORMALITY, target, lambda b: _angles(case, b))
 
 
 def dissipation_refuted(case: Case) -> Evidence | None:
@@ -123,7 +121,7 @@ class _Scout:
     """Boundary points of one parameter choice, in floats, along rays from a point of K."""
 
     def __init__(self, case: Case, parameters: Values) -> None:
-        self.case = case
+        self.case, self.parameters = case, parameters
         self.exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()}
         self.forces = case.simple.forces
         g = case.simple.g.subs(self.exact)
@@ -181,6 +179,30 @@ class _Scout:
             offset[i] = 1.0
             columns.append((self.value(self.boundary + step * offset) - self.value(self.boundary - step * offset)) / (2 * step[:, 0]))
         return np.stack(columns, axis=1)
+
+    def far_targets(self) -> Iterator[tuple[int, list[Fraction]]]:
+        """The three boundary points whose flow leans most towards some other sampled point, with that point."""
+        slips = self.unit_flow()
+        reach = slips @ self.boundary.T - np.sum(slips * self.boundary, axis=1)[:, None]
+        sizes = np.linalg.norm(self.boundary[None, :, :] - self.boundary[:, None, :], axis=2) + 1e-300
+        for k in np.argsort(-np.nanmax(reach / sizes, axis=1))[:3]:
+            best = int(np.nanargmax(reach[k]))
+            if reach[k, best] > 0:
+                yield int(k), [Fraction(float(c) * (1 - 2.0**-20)).limit_denominator(10**6) for c in self.boundary[best]]
+
+    def near_targets(self) -> Iterator[tuple[int, list[Fraction]]]:
+        """In two forces: from the point of largest deviation, boundary points turned by a share of that deviation."""
+        if len(self.forces) != 2:
+            return
+        normals, slips = self._gradient(), self.unit_flow()
+        turn = np.arctan2(normals[:, 0] * slips[:, 1] - normals[:, 1] * slips[:, 0], np.sum(normals * slips, axis=1))
+        for k in np.argsort(-np.abs(turn))[:3]:
+            for share in (1.0, 0.5, 0.25, 0.1):
+                angle = Fraction(float(share * turn[k])).limit_denominator(10**12)
+                start, end = self.segment(int(k))
+                turned = [[p[0] - angle * p[1], p[1] + angle * p[0]] for p in (start, end)]
+                if found := bracketed(self.case, self.parameters, turned[0], turned[1], 80):
+                    yield int(k), list(found.inside)
 
     def least_power(self) -> list[int]:
         """Indices of boundary points with negative power, the most negative first."""

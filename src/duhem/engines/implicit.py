@@ -102,7 +102,7 @@ def _one_piece(case: Case) -> Branch | None:
 
 def _star(case: Case, piece: Branch) -> bool:
     forces = case.simple.forces
-    if not case.positive(-piece.expr.subs(dict.fromkeys(forces, 0))):
+    if not case.positive(-piece.expr.xreplace(dict.fromkeys(forces, sp.S.Zero))):
         return False
     power = sum(x * sp.diff(piece.expr, x) for x in forces)
     return case.ask(power, Sense.POSITIVE, sp.Eq(piece.expr, 0)).holds is True

@@ -56,7 +56,10 @@ class Case:
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""
-        question = Question(sp.sympify(expr), sense, (*self.simple.given, *given), circle)
+        expr = sp.sympify(expr)
+        if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+            return Answer(None, reason="the expression is undefined")
+        question = Question(expr, sense, (*self.simple.given, *given), circle)
         known = self._answers.get(question)
         if known is not None and known.holds is not None:
             return known

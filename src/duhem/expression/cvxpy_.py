@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import inspect
 import operator
-import re
 from collections.abc import Callable, Mapping
 from functools import reduce
 from typing import Any
@@ -21,6 +20,7 @@ from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.fold import Table, fold
 from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.text import formula
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "UNSUPPORTED", "dcp_fault", "expression"]
@@ -61,8 +61,8 @@ def dcp_fault(expr: sp.Basic, variables: Mapping[sp.Symbol, Any]) -> str | None:
     except InputError as error:
         return str(error)
     if faults:  # arguments come before what they are in: the first fault is an innermost one
-        return f"{_text(faults[0])} has no curvature by the DCP rules; {_REMEDIES.get(type(faults[0]), _REMEDY)}"
-    return None if value.is_convex() else f"{_text(expr)} is concave; the set where it is <= 0 is not convex by the DCP rules"
+        return f"{formula(faults[0])} has no curvature by the DCP rules; {_REMEDIES.get(type(faults[0]), _REMEDY)}"
+    return None if value.is_convex() else f"{formula(expr)} is concave; the set where it is <= 0 is not convex by the DCP rules"
 
 
 def _build(expr: sp.Basic, variables: Mapping[sp.Symbol, Any], watch: Callable[[Row], Row]) -> Atom:
@@ -90,7 +90,7 @@ def _or_number(kind: type, row: Row) -> Row:
         with np.errstate(all="ignore"):
             result = numeric(node, *(value.value for value in values))
         if not np.all(np.isfinite(result)):
-            raise InputError(f"{_text(node)} is not real and finite", remedy="correct the numbers given")
+            raise InputError(f"{formula(node)} is not real and finite", remedy="correct the numbers given")
         return cp.Constant(result)
 
     return run
@@ -117,7 +117,7 @@ def _product(_: sp.Basic, *factors: Atom) -> Atom:
 
 def _number(node: sp.Basic, value: Atom, role: str) -> float:
     if not isinstance(value, _cp().Constant):
-        raise InputError(f"the {role} of {_text(node)} is not a number", remedy="fix its value")
+        raise InputError(f"the {role} of {formula(node)} is not a number", remedy="fix its value")
     return float(value.value)
 
 
@@ -136,7 +136,7 @@ def _power(node: Any, base: Atom, exponent: Atom) -> Atom:
         return cp.power(cp.abs(base), p, **_exact(cp.power))
     if p.is_integer() and not base.is_nonneg():  # CVXPY would cut the domain down to x >= 0, where the formula does not
         raise InputError(
-            f"{_text(node)} has no curvature where its base may be negative", remedy="give the base a sign, for example with abs or pos"
+            f"{formula(node)} has no curvature where its base may be negative", remedy="give the base a sign, for example with abs or pos"
         )
     return cp.power(base, p, **_exact(cp.power))
 
@@ -171,7 +171,7 @@ def _where(node: sp.Basic, condition: Atom, a: Atom, b: Atom) -> Atom:
 
 
 def _no_atom(node: sp.Basic, *_: Atom) -> Atom:
-    raise InputError(f"{_text(node)} has no DCP atom", remedy="write it with norm, abs, pos, neg, max or a power, or fix its argument")
+    raise InputError(f"{formula(node)} has no DCP atom", remedy="write it with norm, abs, pos, neg, max or a power, or fix its argument")
 
 
 # Node classes that mean something on numbers only, and why.
@@ -206,8 +206,3 @@ _REMEDIES: dict[type, str] = {
     sp.log: "its argument must be concave",
     sp.exp: "its argument must be convex",
 }
-
-
-def _text(node: sp.Basic) -> str:
-    """The sub-expression in the words of the vocabulary."""
-    return re.sub(r"\b(Norm|Pos|Neg|Where|Abs|Max|Min)\(", lambda match: match[0].lower(), str(node))

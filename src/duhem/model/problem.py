@@ -15,6 +15,7 @@ import sympy as sp
 
 from duhem.criterion import Criterion
 from duhem.expression import symbol
+from duhem.model.angles import algebraic_angles
 from duhem.model.lineality import invariant_directions
 from duhem.model.scaling import removable
 
@@ -110,7 +111,7 @@ def state(law: Criterion) -> Problem:
     given = [r for x, d in free for r in d.relations(x)] + [c.subs(fixed) for c in law.constraints]
     return Problem(
         law=law,
-        g=law.g.subs(swap),
+        g=algebraic_angles(law.g.subs(swap)),
         forces=law.force_symbols(),
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
@@ -129,6 +130,18 @@ def without_outer_map(g: sp.Expr) -> sp.Expr:
             core = g.base
         elif isinstance(g, sp.tanh | sp.atan):
             core = g.args[0]
+        elif isinstance(g, sp.log):
+            core = g.args[0] - 1
+        elif g.is_Add and len(g.args) == 2:
+            core = _undone(*g.args)
         if core == g or not core.free_symbols:
             return g
         g = core
+
+
+def _undone(one: sp.Expr, two: sp.Expr) -> sp.Expr:
+    """exp(a) - exp(b) or exp(a) - c with c > 0, brought back under the exponential; any other sum as it is."""
+    for plus, minus in ((one, -two), (two, -one)):
+        if isinstance(plus, sp.exp) and minus.is_positive:
+            return plus.args[0] - sp.log(minus)
+    return one + two

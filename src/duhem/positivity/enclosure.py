@@ -47,6 +47,8 @@ def by_enclosure(question: Question, seconds: float, most: int = 200_000) -> Ans
             continue
         if goal is False and all(v is True for v in verdicts):
             return Answer(False, _METHOD, point={x: sp.Rational(v.numerator, v.denominator) for x, v in _middle(current, question, angle).items()})
+        if not current:
+            return Answer(None, _METHOD, reason="the margin is below the working precision")
         queue.extend(_halves(current))
     return Answer(True, _METHOD, reason=f"{seen} boxes")
 

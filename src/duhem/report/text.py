@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["complete", "interrupted"]
 
 WIDTH = 96
+_TIED = "\N{NO-BREAK SPACE}"  # keeps what belongs together on one line
 _DIGITS = Context(prec=8)
 _FIELD = len("parameters")
 _STANDARD = ("origin", "convexity", "normality")
@@ -62,7 +63,7 @@ def _head(law: Criterion) -> Iterator[str]:
 
 def _in_domain(name: str, domain: str) -> str:
     if domain.startswith("="):
-        return f"{name} {_number_in_words(domain[1:].strip(), ' = ')}"
+        return f"{name} {_number_in_words(domain[1:].strip())}".replace(" ", _TIED)
     return f"{name} in {domain}" if domain[0] in "[(" else f"{name} {domain}"
 
 
@@ -98,15 +99,15 @@ def _witness(witness: Witness, indent: str) -> Iterator[str]:
 
 
 def _coordinates(point: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} {_number_in_words(value, ' = ')}" for name, value in point.items())
+    return ", ".join(f"{name} {_number_in_words(value)}".replace(" ", _TIED) for name, value in point.items())
 
 
-def _number_in_words(exact: str, sign: str) -> str:
+def _number_in_words(exact: str) -> str:
     """A rational in decimals and exactly: ``= 0.15 = 3/20``, or ``~ 0.33333333 = 1/3`` where decimals do not end."""
     try:
         fraction = Fraction(exact)
     except (ValueError, ZeroDivisionError):
-        return f"{sign.strip()} {exact}"
+        return f"= {exact}"
     if fraction.denominator == 1:
         return f"= {exact}"
     decimal = _DIGITS.divide(*(_DIGITS.create_decimal(x) for x in fraction.as_integer_ratio()))
@@ -149,8 +150,13 @@ def _and(words: Sequence[str]) -> str:
 
 
 def _titled(title: str, width: int, text: str) -> Iterator[str]:
-    yield from wrap(text, WIDTH, initial_indent=f"  {title:<{width}}  ", subsequent_indent=" " * (width + 4), break_on_hyphens=False)
+    yield from _wrapped(text, f"  {title:<{width}}  ", " " * (width + 4))
 
 
 def _hanging(indent: str, text: str) -> Iterator[str]:
-    yield from wrap(text, WIDTH, initial_indent=indent, subsequent_indent=f"{indent}    ", break_on_hyphens=False)
+    yield from _wrapped(text, indent, f"{indent}    ")
+
+
+def _wrapped(text: str, first: str, rest: str) -> Iterator[str]:
+    lines = wrap(text, WIDTH, initial_indent=first, subsequent_indent=rest, break_on_hyphens=False, break_long_words=False)
+    return (line.replace(_TIED, " ") for line in lines)
