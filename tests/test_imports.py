@@ -1,6 +1,7 @@
 """What a run does not need is not imported: each command is run in a fresh process that reports its modules at the end."""
 
 import importlib
+import inspect
 import json
 import pkgutil
 import subprocess
@@ -41,8 +42,7 @@ def test_verify_leaves_out_what_it_does_not_need() -> None:
     assert imported("verify", "antoni2007") & unneeded == set()
 
 
-def test_public_names_stay_what_they_are_once_every_module_is_imported() -> None:
-    first = {name: getattr(duhem, name) for name in duhem.__all__}
+def test_no_public_name_is_hidden_by_a_module_of_the_same_name() -> None:
     for module in pkgutil.iter_modules(duhem.__path__, "duhem."):  # __main__ included, it must do nothing
         importlib.import_module(module.name)
-    assert [name for name in duhem.__all__ if getattr(duhem, name) is not first[name]] == []
+    assert [name for name in duhem.__all__ if inspect.ismodule(getattr(duhem, name))] == []

@@ -98,6 +98,9 @@ FAULTS = {
     "log(-2)": (5, "not real"),
     "sqrt(-1)": (5, "not real"),
     "sqrt(-m)": (5, "not real"),
+    "log(s - m)": (5, "not real"),
+    "x*sqrt(s - 1)": (7, "not real"),
+    "(-m)**(1/3)": (5, "not real"),
     "(-8)**(1/3)": (5, "not real"),
     "(-2)**x": (5, "not real"),
     "0**x": (5, "not real"),
@@ -112,8 +115,8 @@ FAULTS = {
     "exp(exp(100))": (5, "too large"),
     "(((2*x)**64)**64)**64": (5, "too large"),
     "(" * 100 + "x" + ")" * 100: (65, "nested too deeply"),
-    "-" * 5000 + "x": (5, "nested too deeply"),
-    "x" + "+x" * 9000: (5, "too large"),
+    "-" * 1500 + "x": (246, "nested too deeply"),
+    "x" + "+x" * 1000: (2005, "too large"),
     "x" * 30_000: (5, "characters"),
     f"max({','.join('x' * 40)})": (5, "arguments"),
 }
@@ -181,7 +184,9 @@ def test_exact_number(given_as: object, value: Fraction) -> None:
 
 
 @pytest.mark.parametrize(
-    "bad", [True, np.True_, None, math.nan, math.inf, np.float64("nan"), "", "x", "1/0", "1e", "--1", "1e999999", "٣", [1], 1j, sp.pi], ids=repr
+    "bad",
+    [True, np.True_, None, math.nan, math.inf, np.float64("nan"), "", "x", "1/0", "1e", "--1", "1e999999", "٣", [1], 1j, sp.pi],
+    ids=repr,
 )
 def test_what_is_no_number(bad: object) -> None:
     with pytest.raises(InputError):
@@ -189,7 +194,34 @@ def test_what_is_no_number(bad: object) -> None:
 
 
 TOKENS = st.sampled_from(
-    [*WORDS, *KNOWN, "pi", "z", "(", "(", ")", ")", ",", "+", "-", "*", "/", "**", "<", ">=", "0", "1", "2", "0.5", "1e9", "9", " ", "\n", "=", "."]
+    [
+        *WORDS,
+        *KNOWN,
+        "pi",
+        "z",
+        "(",
+        "(",
+        ")",
+        ")",
+        ",",
+        "+",
+        "-",
+        "*",
+        "/",
+        "**",
+        "<",
+        ">=",
+        "0",
+        "1",
+        "2",
+        "0.5",
+        "1e9",
+        "9",
+        " ",
+        "\n",
+        "=",
+        ".",
+    ]
 )
 SOUP = st.lists(TOKENS, max_size=14).map("".join) | st.lists(TOKENS, max_size=14).map(" ".join)
 
@@ -212,7 +244,7 @@ def _grow(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
         inner.map("-{}".format), inner.map("({})".format), inner.map("({})**2".format), inner.map("{}/4".format),
         inner.map("abs({})".format), inner.map("pos({})".format), inner.map("neg({})".format),
         two.map(lambda p: f"max({p[0]}, {p[1]})"), two.map(lambda p: f"min({p[0]}, {p[1]}, 1)"),
-        st.tuples(inner, st.sampled_from(["<", "<=", ">", ">="]), inner, inner, inner).map(lambda p: f"where({p[0]}{p[1]}{p[2]}, {p[3]}, {p[4]})"),
+        st.tuples(inner, st.sampled_from(["<", "<=", ">", ">="]), inner, inner, inner).map(lambda p: "where({}{}{}, {}, {})".format(*p)),
     )  # fmt: skip
 
 
@@ -253,7 +285,7 @@ def expressions(draw: st.DrawFn) -> sp.Expr:
                     stack.append(call("where", [draw(st.sampled_from([a < b, a >= b])), b, a]))
                 case _:
                     stack.append(call(word, [a, b] if WORDS[word].most is None else [a]))
-        except InputError:
+        except (InputError, TypeError, ValueError):  # SymPy will not compare what may be complex, such as log(x)
             assume(False)
     return stack[-1]
 

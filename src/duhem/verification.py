@@ -13,9 +13,11 @@ from duhem import __version__
 from duhem.catalogue import load
 from duhem.claims import CLAIMS
 from duhem.criterion import Criterion
+from duhem.domain_check import check_domain
 from duhem.errors import InputError
 from duhem.examination import Case
 from duhem.examination.regularity import regularity
+from duhem.expression.text import formula
 from duhem.verdict import Evidence, Verdict, Witness
 
 __all__ = ["ClaimResult", "LeftOut", "Verification", "verify"]
@@ -113,6 +115,7 @@ def verify(
     Raises InputError for an unknown law, parameter or claim, and for values outside the domain.
     """
     criterion = load(law).fix(parameters)
+    check_domain(criterion)
     wanted = _wanted(claims)
     case = Case(criterion)
     settled: dict[str, Evidence] = {}
@@ -178,10 +181,16 @@ def _left_out(law: Criterion, wanted: tuple[str, ...], settled: Mapping[str, Evi
 def _remarks(case: Case) -> tuple[str, ...]:
     """Statements often made of such laws that hold only with an exception."""
     facts = regularity(case.problem.g, case)
-    tips = sorted({str(tip) for tip in facts.tips}) if facts.known and not facts.kinks else []
+    tips = sorted({formula(_stated(case, tip)) for tip in facts.tips}) if facts.known and not facts.kinks else []
     if not tips:
         return ()
     at_zero = case.problem.g.xreplace(dict.fromkeys(case.problem.forces, sp.S.Zero))
     place = f"where {', '.join(tips)} = 0"
     inside = "; that point is inside K for sigma_n < 0, so the boundary is not touched" if case.law.pressure and at_zero.is_negative else ""
     return (f"'g is differentiable' holds with one exception: not {place}{inside}",)
+
+
+def _stated(case: Case, expr: sp.Expr) -> sp.Expr:
+    """An expression of the problem in the law's own names."""
+    magnitude, pressure = case.problem.magnitude, case.law.pressure
+    return expr if magnitude is None or pressure is None else expr.xreplace({magnitude: sp.Abs(sp.Symbol(pressure, real=True))})

@@ -1,1 +1,7 @@
 """What follows symbolically from a law's formula: potential, state laws, evolution law, increment."""
+
+from duhem.derivation.derive import derive
+from duhem.derivation.equation import Derivation, Equation
+from duhem.derivation.support_function import SupportFunction, support_function
+
+__all__ = ["Derivation", "Equation", "SupportFunction", "derive", "support_function"]

@@ -95,7 +95,7 @@ def _defects(law: Criterion, support: SupportFunction, parameters: int, directio
             n = len(forces)
             centre = claims[0][-n:]
             with mpmath.workdps(15):
-                reached = [(ray, reach(lambda x, rest=rest: g(*x, *rest)[0], centre, ray)) for ray in _rays(n, random, 4 * directions)]
+                reached = [(ray, reach(_at(g, rest), centre, ray)) for ray in _rays(n, random, 4 * directions)]
             cloud = [[c + t * r for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
             scale = max([abs(c[0]) for c in claims] + [mpmath.mpf(10) ** -6])
             for d, (potential, *found) in zip(rates, claims, strict=True):
@@ -122,7 +122,8 @@ def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, point
             for _ in range(points):
                 x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
                 first, second, g = both(*x, *(values[s] for s in others))
-                if abs(first - second) > mpmath.mpf(10) ** -30 * (1 + abs(second)) or (g > SMALL and first < 1) or (g < -SMALL and first > 1):
+                apart = abs(first - second) > mpmath.mpf(10) ** -30 * (1 + abs(second))
+                if apart or (g > SMALL and first < 1) or (g < -SMALL and first > 1):
                     return False
     return True
 
@@ -139,6 +140,10 @@ def _direction(support: SupportFunction, values: Mapping[sp.Symbol, sp.Rational]
         weights = [sp.Rational(random.randint(-9, 9), random.randint(1, 7)) for _ in basis]
         if any(weights):
             return list(sum((w * b for w, b in zip(weights, basis, strict=True)), sp.zeros(len(support.rates), 1)))
+
+
+def _at(g: Callable[..., list[Any]], rest: Sequence[Any]) -> Callable[[list[Any]], Any]:
+    return lambda x: g(*x, *rest)[0]
 
 
 def _rays(dimension: int, random: Random, count: int) -> list[list[Any]]:

@@ -34,7 +34,7 @@ def derive(law: Criterion, parameters: Mapping[str, Any] | None = None, stiffnes
 
 
 def _equations(law: Criterion, names: Names, left_out: list[tuple[str, str]]) -> Iterator[Equation]:
-    left_out.append(("thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)", "the law is isothermal, no equation contains a temperature"))
+    left_out.append(("thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)", "isothermal law, no equation contains a temperature"))
     left_out.append(("further internal variables chi_3 ... chi_n of Eq. (24)", "the law has none"))
     yield from state_equations(names)
     found = pieces(law)

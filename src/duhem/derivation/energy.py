@@ -44,29 +44,66 @@ def state_equations(names: Names) -> Iterator[Equation]:
     if any(sp.expand(a - b) != 0 for a, b in zip(stress, forces, strict=True)):
         raise ArithmeticError("dpsi/du and -dpsi/du_in differ")
     potential = sp.Symbol("psi_C", real=True)
-    yield Equation("21", "decomposition", equal(column(u), column(e + q for e, q in zip(names.elastic, p, strict=True))),
-                   "displacement = elastic (reversible) part + inelastic part (slip)", STATE)  # fmt: skip
-    yield Equation("24", "state_variables", equal(sp.Symbol("chi"), sp.Tuple(*u, *p)),
-                   "observable and internal state variables; no temperature and no further internal variable", STATE)  # fmt: skip
+    yield Equation(
+        "21",
+        "decomposition",
+        equal(column(u), column(e + q for e, q in zip(names.elastic, p, strict=True))),
+        "displacement = elastic (reversible) part + inelastic part (slip)",
+        STATE,
+    )
+    yield Equation(
+        "24",
+        "state_variables",
+        equal(sp.Symbol("chi"), sp.Tuple(*u, *p)),
+        "observable and internal state variables; no temperature and no further internal variable",
+        STATE,
+    )
     yield Equation("30", "free_energy", equal(potential, psi), "stored energy, quadratic in the elastic part u - u_in", STATE)
     minors = [sp.StrictGreaterThan(names.stiffness[:i, :i].det(), 0, evaluate=False) for i in range(1, len(u) + 1)]
-    yield Equation("D1", "free_energy_convex", sp.And(*minors, evaluate=False),
-                   "psi_C is strictly convex in u - u_in: leading minors of its Hessian, the stiffness (Sylvester)", STATE)  # fmt: skip
+    yield Equation(
+        "D1",
+        "free_energy_convex",
+        sp.And(*minors, evaluate=False),
+        "psi_C is strictly convex in u - u_in: leading minors of its Hessian, the stiffness (Sylvester)",
+        STATE,
+    )
     yield Equation("25", "state_law", equal(column(names.forces), column(stress)), "sigma = d psi_C/d u", STATE)
     elastic = [sp.factor_terms(energy(names, names.elastic).diff(e)) for e in names.elastic]
-    yield Equation("31", "state_law_elastic", equal(column(names.forces), column(elastic)), "the same in the elastic part: sigma = k u_e", STATE)
-    yield Equation("26", "thermodynamic_forces", equal(column(names.forces), column(forces)),
-                   "the force Y = -d psi_C/d u_in that drives the slip is the stress itself (difference expanded to 0)", STATE)  # fmt: skip
+    yield Equation(
+        "31", "state_law_elastic", equal(column(names.forces), column(elastic)), "the same in the elastic part: sigma = k u_e", STATE
+    )
+    yield Equation(
+        "26",
+        "thermodynamic_forces",
+        equal(column(names.forces), column(forces)),
+        "the force Y = -d psi_C/d u_in that drives the slip is the stress itself (difference expanded to 0)",
+        STATE,
+    )
     change = sp.Add(*[sp.factor_terms(psi.diff(x)) * w for x, w in zip((*u, *p), (*v, *d), strict=True)])
     power = sp.Add(*[s * w for s, w in zip(names.forces, v, strict=True)])
     dissipation = sp.Symbol("D", real=True)
-    yield Equation("22", "clausius_duhem", sp.GreaterThan(dissipation, 0, evaluate=False),
-                   "second principle at the interface; isothermal, so the whole dissipation is the intrinsic one", DISSIPATION)  # fmt: skip
-    yield Equation("23", "intrinsic_dissipation", equal(dissipation, power - change),
-                   "D = sigma . du/dt - dpsi_C/dt by the chain rule; the entropy term dT_C/dt s_C is zero", DISSIPATION)  # fmt: skip
+    yield Equation(
+        "22",
+        "clausius_duhem",
+        sp.GreaterThan(dissipation, 0, evaluate=False),
+        "second principle at the interface; isothermal, so the whole dissipation is the intrinsic one",
+        DISSIPATION,
+    )
+    yield Equation(
+        "23",
+        "intrinsic_dissipation",
+        equal(dissipation, power - change),
+        "D = sigma . du/dt - dpsi_C/dt by the chain rule; the entropy term dT_C/dt s_C is zero",
+        DISSIPATION,
+    )
     at_law = dict(zip(names.forces, stress, strict=True))
     reduced = sp.Add(*[s * w for s, w in zip(names.forces, d, strict=True)])
     if sp.expand((power - change - reduced).xreplace(at_law)) != 0:
         raise ArithmeticError("the Clausius-Duhem inequality does not reduce to the power of the stress on the slip rate")
-    yield Equation("D2", "reduced_dissipation", equal(dissipation, reduced),
-                   "what is left of (23) once the state law (25) holds: the power of the stress on the slip rate", DISSIPATION)  # fmt: skip
+    yield Equation(
+        "D2",
+        "reduced_dissipation",
+        equal(dissipation, reduced),
+        "what is left of (23) once the state law (25) holds: the power of the stress on the slip rate",
+        DISSIPATION,
+    )

@@ -34,31 +34,69 @@ def evolution_equations(names: Names, found: Pieces | None) -> Iterator[Equation
     inside = sp.LessThan(law.g, 0, evaluate=False)
     yield Equation("35", "criterion", equal(sp.Symbol("g"), law.g), "the limit criterion, as declared", CRITERION)
     if found is not None and len(found.values) > 1:
-        yield Equation("35'", "criterion_branches", equal(sp.Symbol("g"), found.joined([rooted(v) for v in found.values])),
-                       "the same, branch by branch: each kink of the formula resolved on either side", CRITERION)  # fmt: skip
-    yield Equation("32", "admissible_set", equal(sp.Symbol("K"), sp.ConditionSet(point, inside, sp.S.UniversalSet)),
-                   "the admissible stresses at frozen pressure" if law.pressure else "the admissible stresses", CRITERION)  # fmt: skip
+        yield Equation(
+            "35'",
+            "criterion_branches",
+            equal(sp.Symbol("g"), found.joined([rooted(v) for v in found.values])),
+            "the same, branch by branch: each kink of the formula resolved on either side",
+            CRITERION,
+        )
+    yield Equation(
+        "32",
+        "admissible_set",
+        equal(sp.Symbol("K"), sp.ConditionSet(point, inside, sp.S.UniversalSet)),
+        "the admissible stresses at frozen pressure" if law.pressure else "the admissible stresses",
+        CRITERION,
+    )
     indicator = sp.Function("I_K")(*forces)
     if law.flow is None:
-        yield Equation("33", "dual_potential", equal(sp.Function("Phi_C_star")(*forces), indicator), "dual pseudo-potential: the indicator of K", CRITERION)
-    yield Equation("34", "indicator", equal(indicator, sp.Piecewise((sp.S.Zero, inside), (sp.oo, True), evaluate=False)),
-                   "zero on K, infinite outside", CRITERION)  # fmt: skip
+        yield Equation(
+            "33",
+            "dual_potential",
+            equal(sp.Function("Phi_C_star")(*forces), indicator),
+            "dual pseudo-potential: the indicator of K",
+            CRITERION,
+        )
+    yield Equation(
+        "34",
+        "indicator",
+        equal(indicator, sp.Piecewise((sp.S.Zero, inside), (sp.oo, True), evaluate=False)),
+        "zero on K, infinite outside",
+        CRITERION,
+    )
     if law.flow is not None:
         yield from _own_flow(names)
         return
     cone = sp.Function("N_K")(*forces)
-    yield Equation("28", "evolution_inclusion", Belongs(sp.Tuple(*names.rates), cone),
-                   "the slip rate is a subgradient of the indicator, that is an element of the normal cone of K", FLOW)  # fmt: skip
+    yield Equation(
+        "28",
+        "evolution_inclusion",
+        Belongs(sp.Tuple(*names.rates), cone),
+        "the slip rate is a subgradient of the indicator, that is an element of the normal cone of K",
+        FLOW,
+    )
     work = sp.Add(*[d * (t - s) for d, t, s in zip(names.rates, names.other, forces, strict=True)])
-    yield Equation("D3", "normal_cone", sp.LessThan(work, 0, evaluate=False),
-                   "what (28) says, for every tau in K: maximal dissipation; at an interior point the cone is {0}", FLOW)  # fmt: skip
+    yield Equation(
+        "D3",
+        "normal_cone",
+        sp.LessThan(work, 0, evaluate=False),
+        "what (28) says, for every tau in K: maximal dissipation; at an interior point the cone is {0}",
+        FLOW,
+    )
     if found is None:
         return
     normal = column(found.joined([g[i] for g in found.gradients]) for i in range(len(forces)))
     met = seams(law, found)
-    yield Equation("D4", "normal", equal(column(names.normal), normal), f"outward normal n = dg/dsigma{_smoothness(names, found, met)}", FLOW)
-    yield Equation("36", "normality", equal(column(names.rates), column(names.multiplier * n for n in names.normal)),
-                   "normality rule where g is differentiable, n of (D4)", FLOW)  # fmt: skip
+    yield Equation(
+        "D4", "normal", equal(column(names.normal), normal), f"outward normal n = dg/dsigma{_smoothness(names, found, met)}", FLOW
+    )
+    yield Equation(
+        "36",
+        "normality",
+        equal(column(names.rates), column(names.multiplier * n for n in names.normal)),
+        "normality rule where g is differentiable, n of (D4)",
+        FLOW,
+    )
     yield _complementarity(names)
     yield from _corners(names, found, met)
     yield from _dissipation(names, found)
@@ -66,16 +104,17 @@ def evolution_equations(names: Names, found: Pieces | None) -> Iterator[Equation
 
 def _complementarity(names: Names) -> Equation:
     g = names.law.g
-    three = (
-        sp.GreaterThan(names.multiplier, 0, evaluate=False), sp.LessThan(g, 0, evaluate=False), equal(names.multiplier * g, sp.S.Zero)
-    )  # fmt: skip
-    return Equation("36'", "complementarity", sp.And(*three, evaluate=False), "slip only on the boundary, and never against the normal", FLOW)
+    three = (sp.GreaterThan(names.multiplier, 0, evaluate=False), sp.LessThan(g, 0, evaluate=False), equal(names.multiplier * g, sp.S.Zero))
+    return Equation(
+        "36'", "complementarity", sp.And(*three, evaluate=False), "slip only on the boundary, and never against the normal", FLOW
+    )
 
 
 def _smoothness(names: Names, found: Pieces, met: Seams) -> str:
     said = []
     if met.corners:
-        said.append(f"on the boundary, at exact parameters drawn at random, its direction jumps where {' or '.join(dict.fromkeys(f'{names.shown(c.switch)} = 0' for c in met.corners))}")
+        places = " or ".join(dict.fromkeys(f"{names.shown(c.switch)} = 0" for c in met.corners))
+        said.append(f"on the boundary, at exact parameters drawn at random, its direction jumps where {places}")
     elif met.met and met.decided:
         said.append("its direction is continuous where branches meet, as seen on the boundary at exact parameters drawn at random")
     if not met.decided:
@@ -107,9 +146,14 @@ def _corners(names: Names, found: Pieces, met: Seams) -> Iterator[Equation]:
         signs = {**found.switches[corner.second], **found.switches[corner.first]}
         plain = {s: sign for s, sign in signs.items() if s in names.forces} or signs
         sides = [f"{names.shown(s)} {'>=' if sign > 0 else '<='} 0" for s, sign in plain.items() if s != corner.switch]
-        yield Equation(f"D5.{count}", f"corner_{count}", equal(column(names.rates), spanned),
-                       f"normal cone of a convex K at boundary points with {', '.join([f'{names.shown(corner.switch)} = 0', *sides])}; "
-                       "lambda_1, lambda_2 >= 0", FLOW)  # fmt: skip
+        yield Equation(
+            f"D5.{count}",
+            f"corner_{count}",
+            equal(column(names.rates), spanned),
+            f"normal cone of a convex K at boundary points with {', '.join([f'{names.shown(corner.switch)} = 0', *sides])}; "
+            "lambda_1, lambda_2 >= 0",
+            FLOW,
+        )
 
 
 def _dissipation(names: Names, found: Pieces) -> Iterator[Equation]:
@@ -122,7 +166,9 @@ def _dissipation(names: Names, found: Pieces) -> Iterator[Equation]:
         note = "D = lambda sigma . dg/dsigma on g = 0, by Euler's identity for homogeneous functions"
         yield Equation("D6", "dissipation", equal(dissipation, names.multiplier * found.joined(values)), note, FLOW)
     else:
-        yield Equation("D6", "dissipation", equal(dissipation, names.multiplier * found.joined(powers)), "D = lambda sigma . dg/dsigma", FLOW)
+        yield Equation(
+            "D6", "dissipation", equal(dissipation, names.multiplier * found.joined(powers)), "D = lambda sigma . dg/dsigma", FLOW
+        )
 
 
 def _euler(law: Criterion, value: sp.Expr, power: sp.Expr) -> sp.Expr | None:
@@ -137,12 +183,18 @@ def _euler(law: Criterion, value: sp.Expr, power: sp.Expr) -> sp.Expr | None:
 def _own_flow(names: Names) -> Iterator[Equation]:
     law = names.law
     assert law.flow is not None
-    yield Equation("D4", "flow", equal(column(names.rates), names.multiplier * column(law.flow)),
-                   "slip direction declared by the law itself: not associated, normality is a claim to test", FLOW)  # fmt: skip
+    yield Equation(
+        "D4",
+        "flow",
+        equal(column(names.rates), names.multiplier * column(law.flow)),
+        "slip direction declared by the law itself: not associated, normality is a claim to test",
+        FLOW,
+    )
     yield _complementarity(names)
     power = sp.expand(sp.Add(*[s * c for s, c in zip(names.forces, law.flow, strict=True)]))
-    yield Equation("D6", "dissipation", equal(sp.Symbol("D", real=True), names.multiplier * sp.factor_terms(power)),
-                   "D = lambda sigma . flow", FLOW)  # fmt: skip
+    yield Equation(
+        "D6", "dissipation", equal(sp.Symbol("D", real=True), names.multiplier * sp.factor_terms(power)), "D = lambda sigma . flow", FLOW
+    )
 
 
 def potential_equations(names: Names, support: SupportFunction) -> Iterator[Equation]:
@@ -153,18 +205,38 @@ def potential_equations(names: Names, support: SupportFunction) -> Iterator[Equa
     needs = f"; where {', '.join(f'{names.shown(r)} > 0' for r in support.requires)}" if support.requires else ""
     yield Equation("D8", "dissipation_potential", equal(phi, support.potential), "; then ".join(support.steps) + needs, POTENTIAL)
     if support.maximiser is not None:
-        yield Equation("D9", "stress_of_slip", equal(column(names.forces), column(support.maximiser)),
-                       "the stress that attains the supremum: the evolution law (28) solved for sigma, at nonzero slip rate", POTENTIAL)  # fmt: skip
-    yield Equation("D9'", "fenchel_equality", equal(sp.Symbol("D", real=True), support.potential),
-                   "D = sigma . d = I_K(sigma) + Phi_C(d) on the evolution law (Fenchel), and I_K = 0 on K", POTENTIAL)  # fmt: skip
+        yield Equation(
+            "D9",
+            "stress_of_slip",
+            equal(column(names.forces), column(support.maximiser)),
+            "the stress that attains the supremum: the evolution law (28) solved for sigma, at nonzero slip rate",
+            POTENTIAL,
+        )
+    yield Equation(
+        "D9'",
+        "fenchel_equality",
+        equal(sp.Symbol("D", real=True), support.potential),
+        "D = sigma . d = I_K(sigma) + Phi_C(d) on the evolution law (Fenchel), and I_K = 0 on K",
+        POTENTIAL,
+    )
     gauge = sp.Function("gamma_K")(*names.forces)
     yield Equation("D10", "gauge", equal(gauge, support.gauge), "gauge of K about its centre: K = {gamma_K <= 1}", POTENTIAL)
     back = biconjugate(names.law, support)
     if back is not None and back.agrees:
-        yield Equation("D11", "biconjugate", equal(gauge, back.gauge),
-                       f"polar of the polar, read afresh from (D8), so that Phi** = Phi: {back.how}", POTENTIAL)  # fmt: skip
+        yield Equation(
+            "D11",
+            "biconjugate",
+            equal(gauge, back.gauge),
+            f"polar of the polar, read afresh from (D8), so that Phi** = Phi: {back.how}",
+            POTENTIAL,
+        )
     frozen = names.law.pressure and names.law.symbols()[names.law.pressure]
     if frozen and support.radius.subs(frozen, 0) == 0:
         tip = column(c.subs(frozen, 0) for c in support.centre)
-        yield Equation("D12", "tip", equal(column(names.forces), tip),
-                       f"at {frozen} = 0 K is this one point, and the normal cone is the whole space", POTENTIAL)  # fmt: skip
+        yield Equation(
+            "D12",
+            "tip",
+            equal(column(names.forces), tip),
+            f"at {frozen} = 0 K is this one point, and the normal cone is the whole space",
+            POTENTIAL,
+        )

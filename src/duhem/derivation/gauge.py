@@ -11,7 +11,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import sympy as sp
 
@@ -103,13 +103,15 @@ class Holder:
         cut = [0]
         for part in self.parts:
             cut.append(cut[-1] + part.size)
-        return [y[i:j] for i, j in zip(cut, cut[1:], strict=False)]
+        return [y[i:j] for i, j in pairwise(cut)]
 
     def value(self, y: Sequence[sp.Expr]) -> sp.Expr:
-        return _power_norm(self.p, [_unsigned(part, part.value(z), z, self.p, False) for part, z in zip(self.parts, self._split(y), strict=True)])
+        blocks = zip(self.parts, self._split(y), strict=True)
+        return _power_norm(self.p, [_unsigned(part, part.value(z), z, self.p, False) for part, z in blocks])
 
     def polar(self, c: Sequence[sp.Expr]) -> sp.Expr:
-        return _power_norm(self.q, [_unsigned(part, part.polar(z), z, self.q, True) for part, z in zip(self.parts, self._split(c), strict=True)])
+        blocks = zip(self.parts, self._split(c), strict=True)
+        return _power_norm(self.q, [_unsigned(part, part.polar(z), z, self.q, True) for part, z in blocks])
 
     def maximiser(self, c: Sequence[sp.Expr]) -> Exprs:
         blocks, q = self._split(c), self.q
@@ -138,7 +140,9 @@ class Holder:
         elif self.p is sp.oo:
             rule = "the greatest of gauges of separate variables has as polar the sum of their polars (Hoelder"
         else:
-            rule = f"the p-norm of gauges of separate variables, p = {self.p}, has as polar the q-norm of their polars, q = {self.q} (Hoelder"
+            rule = (
+                f"the p-norm of gauges of separate variables has as polar the q-norm of their polars, p = {self.p}, q = {self.q} (Hoelder"
+            )
         return (*inner, f"{rule}; Rockafellar 1970, Theorem 15.3 and its Corollary 15.3.1)")
 
 
@@ -168,7 +172,9 @@ class Separable(Gauge):
     def steps(self) -> tuple[str, ...]:
         if self.rows.rows == self.rows.cols and self.rows.is_diagonal():
             return self.tree.steps
-        change = "change of variables y = L x: the polar at d is the polar of the inner gauge at c with d = L^T c (Rockafellar 1970, Corollary 16.3.1)"
+        change = (
+            "change of variables y = L x: the polar at d = L^T c is the polar of the inner gauge at c (Rockafellar 1970, Corollary 16.3.1)"
+        )
         return (*self.tree.steps, change, *_invariance(self.rows))
 
 
@@ -209,7 +215,7 @@ class Quadratic(Gauge):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        rule = "sqrt(x . A x) with A positive semidefinite has as polar sqrt(d . A^+ d) for d in the range of A (Rockafellar 1970, section 12)"
+        rule = "sqrt(x . A x), A positive semidefinite, has as polar sqrt(d . A^+ d) for d in the range of A (Rockafellar 1970, section 12)"
         return (rule, *_invariance(self.matrix))
 
 
@@ -259,7 +265,7 @@ class Polytope(Gauge):
 
     @property
     def steps(self) -> tuple[str, ...]:
-        rule = f"a linear form attains its greatest value over a polytope at one of its {len(self.vertices)} vertices (Rockafellar 1970, Corollary 32.3.4)"
+        rule = f"a linear form is greatest over a polytope at one of its {len(self.vertices)} vertices (Rockafellar 1970, Corollary 32.3.4)"
         return (rule, *_invariance(self.rows))
 
 

@@ -7,7 +7,7 @@ distances 1e-20 and 1e-40 from the seam.  A gap that stays is a corner; a gap th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from random import Random
@@ -94,9 +94,8 @@ def _gray(signs: Sequence[int]) -> int:
 
 
 def _region(branch: Branch) -> sp.Basic:
-    parts = [
-        sp.GreaterThan(switch, 0, evaluate=False) if sign > 0 else sp.LessThan(switch, 0, evaluate=False) for switch, sign in branch.signs.items()
-    ]
+    kinds = {1: sp.GreaterThan, -1: sp.LessThan}
+    parts = [kinds[sign](switch, 0, evaluate=False) for switch, sign in branch.signs.items()]
     return sp.And(*parts, evaluate=False) if len(parts) > 1 else parts[0] if parts else sp.true
 
 
@@ -147,7 +146,9 @@ def _plane(switch: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...] 
     return row if linear and not any(c.has(*forces) for c in row) else None
 
 
-def _on_seam(g: Any, rest: list[Any], plane: Sequence[sp.Expr], values: dict[sp.Symbol, sp.Rational], random: Random) -> Iterator[list[Any]]:
+def _on_seam(
+    g: Callable[..., list[Any]], rest: list[Any], plane: Sequence[sp.Expr], values: Mapping[sp.Symbol, sp.Rational], random: Random
+) -> Iterator[list[Any]]:
     """Points of the boundary of K on the plane of the seam, along rays in it from the origin."""
     rows = sp.Matrix([[c.xreplace(values) for c in plane]])
     basis = [[mpmath.mpf(sp.N(c, 90)) for c in vector] for vector in rows.nullspace()]
@@ -170,7 +171,7 @@ def _active(found: Pieces, every: Sequence[sp.Expr], at: Sequence[Any]) -> list[
 
 def _jumps(
     found: Pieces, gradients: Sequence[Callable[..., list[Any]]], x: Sequence[Any], rest: list[Any], plane: Sequence[sp.Expr],
-    values: dict[sp.Symbol, sp.Rational], switch: sp.Expr, i: int, j: int,
+    values: Mapping[sp.Symbol, sp.Rational], switch: sp.Expr, i: int, j: int,
 ) -> bool | None:  # fmt: skip
     """Whether the direction of the gradient differs between branches i and j as the seam is approached."""
     across = [mpmath.mpf(sp.N(c.xreplace(values), 90)) for c in plane]

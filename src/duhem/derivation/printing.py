@@ -32,13 +32,15 @@ def _swapped(expr: Any, swap: Mapping[Any, sp.Expr]) -> Any:
         return ExprCondPair(*(_swapped(a, swap) for a in expr.args))
     if isinstance(expr, sp.MatrixBase):
         return expr.applyfunc(lambda entry: _swapped(entry, swap))
+    if expr.args and expr.has(sp.Piecewise):
+        return expr.func(*(_swapped(a, swap) for a in expr.args))
     return expr.xreplace(swap)
 
 
 def _by_name(conjunction: Any) -> list[Any]:
     """Conditions on symbols by the symbols' names; any others in SymPy's order."""
     parts = list(conjunction.args)
-    return sorted(parts, key=lambda p: p.lhs.name) if all(p.lhs.is_Symbol for p in parts) else parts
+    return sorted(parts, key=lambda p: p.lhs.name) if all(isinstance(p, Relational) and p.lhs.is_Symbol for p in parts) else parts
 
 
 class _PositiveFirst:
@@ -146,13 +148,14 @@ def markdown(derivation: Derivation) -> str:
     for section, group in groupby(derivation.equations, key=lambda e: e.section):
         lines += [f"## {section}", ""]
         for equation in group:
-            lines += [f"**({equation.number})** `{equation.name}`: {equation.note}", "", f"$$\n{_formula(equation, derivation.names)}\n$$", ""]
+            formula = _formula(equation, derivation.names)
+            lines += [f"**({equation.number})** `{equation.name}`: {equation.note}", "", f"$$\n{formula}\n$$", ""]
     lines += ["## Left out", "", *(f"- {part}: {reason}" for part, reason in derivation.left_out)]
     return "\n".join(lines) + "\n"
 
 
-_ESCAPES = {"&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}", "~": r"\~{}", "^": r"\^{}", "\\": r"\textbackslash{}",
-            "<": r"\ensuremath{<}", ">": r"\ensuremath{>}", "|": r"\ensuremath{|}", "°": r"\ensuremath{^\circ}"}  # fmt: skip
+_ESCAPES = {c: rf"\{c}" for c in "&%$#_{}"} | {c: rf"\ensuremath{{{c}}}" for c in "<>|"}
+_ESCAPES |= {"~": r"\~{}", "^": r"\^{}", "\\": r"\textbackslash{}", "°": r"\ensuremath{^\circ}"}
 
 
 def _prose(words: str) -> str:

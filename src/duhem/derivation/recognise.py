@@ -13,7 +13,8 @@ from itertools import product
 
 import sympy as sp
 
-from duhem.derivation.gauge import Gauge, Holder, Polytope, Quadratic, Separable, Side
+from duhem.derivation.blocks import Facets, Form, Leaf, Node, Tree, UnreadError, assemble, independent, scaled
+from duhem.derivation.gauge import Gauge, Side
 from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
@@ -32,54 +33,15 @@ class Ball:
     requires: tuple[sp.Expr, ...]
 
 
-class _UnreadError(Exception):
-    """No rule reads the formula."""
-
-
-@dataclass(frozen=True)
-class _Leaf:
-    """The gauge ``side`` of row . x - offset."""
-
-    side: Side
-    row: tuple[sp.Expr, ...]
-    offset: sp.Expr
-
-
-@dataclass(frozen=True)
-class _Node:
-    """The p-norm of its parts."""
-
-    p: sp.Expr
-    parts: tuple[_Leaf | _Node, ...]
-
-
-@dataclass(frozen=True)
-class _Form:
-    """sqrt((x - centre) . matrix (x - centre)) for a form that is not diagonal."""
-
-    matrix: sp.ImmutableMatrix
-    centre: tuple[sp.Expr, ...]
-
-
-@dataclass(frozen=True)
-class _Facets:
-    """max of row . x / limit over (row, limit)."""
-
-    arms: tuple[tuple[tuple[sp.Expr, ...], sp.Expr], ...]
-
-
-_Tree = _Leaf | _Node | _Form | _Facets
-
-
 def read_ball(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Ball | None:
     """The ball {g <= 0} in the space of ``forces``, or None where no rule reads it."""
     reader = _Reader(tuple(forces))
     try:
         tree, radius = reader.sublevel(g, sp.S.Zero)
-        gauge, centre, radius = reader.assemble(tree, radius)
-    except (_UnreadError, TooManyBranchesError, sp.PolynomialError, ArithmeticError, ValueError):
+        gauge, centre, radius, full_rank = assemble(tree, radius)
+    except (UnreadError, TooManyBranchesError, sp.PolynomialError, ArithmeticError, ValueError, TypeError, NotImplementedError):
         return None
-    unknown = dict.fromkeys(sp.factor_terms(r) for r in [*reader.requires, radius] if not r.is_positive)
+    unknown = dict.fromkeys(sp.factor_terms(r) for r in [*reader.requires, full_rank, radius] if not r.is_positive)
     if any(r.is_nonpositive for r in unknown):
         return None
     return Ball(gauge, centre, radius, tuple(unknown))
@@ -94,7 +56,7 @@ class _Reader:
 
     # -- the inequality ---------------------------------------------------------------------------------------
 
-    def sublevel(self, a: sp.Expr, bound: sp.Expr) -> tuple[_Tree, sp.Expr]:
+    def sublevel(self, a: sp.Expr, bound: sp.Expr) -> tuple[Tree, sp.Expr]:
         """(tree, radius) with {a <= bound} = {tree <= radius}."""
         a, bound = self._isolated(a, bound)
         if isinstance(a, sp.Max):
@@ -121,7 +83,7 @@ class _Reader:
                 factor, a = -factor, sp.Max(*[-x for x in a.args])
             bound /= self._positive(factor)
 
-    def _raised(self, a: sp.Expr, bound: sp.Expr, power: sp.Expr) -> tuple[_Tree, sp.Expr]:
+    def _raised(self, a: sp.Expr, bound: sp.Expr, power: sp.Expr) -> tuple[Tree, sp.Expr]:
         """{a**(1/power) <= bound} for a >= 0: both sides are not negative, so the power may be taken."""
         self._positive(bound)
         return self.sublevel(a, _raise(bound, power))
@@ -144,7 +106,7 @@ class _Reader:
         signed = (dict(zip(inner, signs, strict=True)) for signs in product((1, -1), repeat=len(inner)))
         return [self._isolated(sp.expand(a.xreplace({x: s * x.args[0] for x, s in choice.items()})), bound) for choice in signed]
 
-    def _intersection(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> tuple[_Tree, sp.Expr]:
+    def _intersection(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> tuple[Tree, sp.Expr]:
         if all(self._is_affine(left) for left, _ in arms):
             return self._polyhedron(arms)
         balls = [self.sublevel(left, limit) for left, limit in self._paired(arms)]
@@ -152,9 +114,9 @@ class _Reader:
         if len(trees) == 1:
             return trees[0], sp.Min(*[radius for _, radius in balls])
         if len(trees) < len(balls):
-            raise _UnreadError
+            raise UnreadError
         parts = tuple(self._block(self._multiplied(tree, 1 / self._positive(radius))) for tree, radius in balls)
-        return _Node(sp.oo, parts), sp.S.One
+        return Node(sp.oo, parts), sp.S.One
 
     def _paired(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> list[tuple[sp.Expr, sp.Expr]]:
         """Opposite linear arms with the same bound joined again into an absolute value."""
@@ -163,35 +125,35 @@ class _Reader:
             form, limit = left.pop(0)
             if self._is_affine(form):
                 if (-form, limit) not in left:
-                    raise _UnreadError
+                    raise UnreadError
                 left.remove((-form, limit))
                 form = sp.Abs(form)
             found.append((form, limit))
         return found
 
-    def _polyhedron(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> tuple[_Tree, sp.Expr]:
+    def _polyhedron(self, arms: list[tuple[sp.Expr, sp.Expr]]) -> tuple[Tree, sp.Expr]:
         """Linear forms bounded above: intervals along independent directions, else a polytope."""
         sides: dict[tuple[sp.Expr, ...], dict[int, list[sp.Expr]]] = {}
         for left, limit in arms:
             row, constant = self._affine(left)
             lead = next(c for c in row if c != 0)
             if not (lead.is_positive or lead.is_negative):
-                raise _UnreadError
+                raise UnreadError
             direction = tuple(sp.cancel(c / lead) for c in row)
             side = sides.setdefault(direction, {1: [], -1: []})
             side[1 if lead.is_positive else -1].append(self._positive(sp.cancel((limit - constant) / abs(lead))))
-        boxed = all(side[1] and side[-1] for side in sides.values()) and _independent(sp.Matrix(list(sides)))
+        boxed = all(side[1] and side[-1] for side in sides.values()) and independent(sp.Matrix(list(sides)))
         if not boxed:
             facets = [(tuple(sign * c for c in row), limit) for row, side in sides.items() for sign in (1, -1) for limit in side[sign]]
-            return _Facets(tuple(facets)), sp.S.One
+            return Facets(tuple(facets)), sp.S.One
         limits = [(row, sp.Min(*side[1]), sp.Min(*side[-1])) for row, side in sides.items()]
         radius = limits[0][1] if len({limit for _, *both in limits for limit in both}) == 1 else sp.S.One
-        leaves = tuple(_Leaf(Side(radius / high, radius / low), row, sp.S.Zero) for row, high, low in limits)
-        return (leaves[0] if len(leaves) == 1 else _Node(sp.oo, leaves)), radius
+        leaves = tuple(Leaf(Side(radius / high, radius / low), row, sp.S.Zero) for row, high, low in limits)
+        return (leaves[0] if len(leaves) == 1 else Node(sp.oo, leaves)), radius
 
     # -- one expression as a power of a gauge -------------------------------------------------------------------
 
-    def power(self, a: sp.Expr) -> tuple[_Tree, sp.Expr, sp.Expr]:
+    def power(self, a: sp.Expr) -> tuple[Tree, sp.Expr, sp.Expr]:
         """(tree, p, offset) with a = tree**p + offset."""
         factor, rest = a.as_independent(*self.forces, as_Add=False)
         if factor != 1 and not (rest.is_Add and self._is_polynomial(rest)):
@@ -203,12 +165,12 @@ class _Reader:
                 return self._leaf(a.args[0]), sp.S.One, sp.S.Zero
             return self._one_sided(a)
         if isinstance(a, Norm):
-            return _Node(sp.Integer(2), tuple(self._member(x) for x in a.args)), sp.S.One, sp.S.Zero
+            return Node(sp.Integer(2), tuple(self._member(x) for x in a.args)), sp.S.One, sp.S.Zero
         if isinstance(a, sp.Max):
             try:
                 return self._one_sided(a)
-            except _UnreadError:
-                return _Node(sp.oo, tuple(self._member(x) for x in a.args)), sp.S.One, sp.S.Zero
+            except UnreadError:
+                return Node(sp.oo, tuple(self._member(x) for x in a.args)), sp.S.One, sp.S.Zero
         if self._is_polynomial(a) and sp.Poly(a, *self.forces).total_degree() == 2:
             return self._quadratic(a)
         if isinstance(a, sp.Pow) and not a.exp.has(*self.forces):
@@ -217,51 +179,52 @@ class _Reader:
             tree, p, offset = self.power(a.base)
             self._positive(a.exp)
             if offset != 0:
-                raise _UnreadError
+                raise UnreadError
             return tree, sp.cancel(p * a.exp), sp.S.Zero
         if len(self._present(a)) == 1 and a.has(*_KINKED):
             return self._one_sided(a)
         if a.is_Add:
             return self._sum(a)
-        raise _UnreadError
+        raise UnreadError
 
-    def _member(self, x: sp.Expr) -> _Leaf | _Node:
+    def _member(self, x: sp.Expr) -> Leaf | Node:
         """An argument of a norm: what counts is its absolute value."""
         tree, p, offset = self.power(x if x.is_nonnegative else sp.Abs(x))
         if p != 1 or offset != 0:
-            raise _UnreadError
+            raise UnreadError
         return self._block(tree)
 
-    def _block(self, tree: _Tree) -> _Leaf | _Node:
-        if not isinstance(tree, _Leaf | _Node):
-            raise _UnreadError
+    def _block(self, tree: Tree) -> Leaf | Node:
+        if not isinstance(tree, Leaf | Node):
+            raise UnreadError
         return tree
 
-    def _sum(self, a: sp.Expr) -> tuple[_Tree, sp.Expr, sp.Expr]:
+    def _sum(self, a: sp.Expr) -> tuple[Tree, sp.Expr, sp.Expr]:
         """A sum: terms that share forces are read together where they can be, else one by one."""
         groups: list[list[sp.Expr]] = []
         for term in a.args:
             joined = [g for g in groups if any(self._present(term) & self._present(x) for x in g)]
             groups = [g for g in groups if g not in joined] + [[term, *(x for g in joined for x in g)]]
         if len(groups) > 1:
-            read = [self.power(sp.Add(*group)) for group in sorted(groups, key=lambda g: min(map(self.forces.index, self._present(sp.Add(*g)))))]
+            sums = sorted((sp.Add(*group) for group in groups), key=lambda total: min(map(self.forces.index, self._present(total))))
+            read = [self.power(total) for total in sums]
         else:
             read = [self.power(term) for term in a.args]
         p = read[0][1]
         if any(sp.cancel(q - p) != 0 for _, q, _ in read):
-            raise _UnreadError
+            raise UnreadError
         if p != 1:
             self._positive(p - 1)
         blocks = [self._block(tree) for tree, _, _ in read]
-        parts = [part for block in blocks for part in (block.parts if isinstance(block, _Node) and block.p == p else (block,))]
-        return _Node(p, tuple(parts)), p, sp.Add(*[offset for _, _, offset in read])
+        parts = [part for block in blocks for part in (block.parts if isinstance(block, Node) and block.p == p else (block,))]
+        return Node(p, tuple(parts)), p, sp.Add(*[offset for _, _, offset in read])
 
-    def _one_sided(self, a: sp.Expr) -> tuple[_Tree, sp.Expr, sp.Expr]:
+    def _one_sided(self, a: sp.Expr) -> tuple[Tree, sp.Expr, sp.Expr]:
         """One kink, linear or a power on both sides of it: a one-dimensional gauge, from the one-sided branches."""
         found = branches(a, most=8)
         switches = {switch for branch in found for switch in branch.signs}
         if len(switches) != 1 or len(found) != 2:
-            raise _UnreadError
+            raise UnreadError
         switch = switches.pop()
         row, constant = self._affine(switch)
         pivot = next(i for i, c in enumerate(row) if c != 0)
@@ -272,24 +235,24 @@ class _Reader:
             away = self.forces[pivot] + (sign * t - switch) / row[pivot]
             along = sp.expand(sp.expand_power_base(branch.expr.subs(self.forces[pivot], sp.expand(away))))
             if along.has(*self.forces):
-                raise _UnreadError
+                raise UnreadError
             offset, rest = along.as_independent(t, as_Add=True)
             weight, monomial = sp.powsimp(rest).as_independent(t, as_Add=False)
             base, p = monomial.as_base_exp()
             if base != t or p.has(t):
-                raise _UnreadError
+                raise UnreadError
             sides[sign] = (weight, p, offset)
         (up, p, offset), (down, p_below, offset_below) = sides[1], sides[-1]
         if sp.cancel(p - p_below) != 0 or sp.cancel(offset - offset_below) != 0:
-            raise _UnreadError
+            raise UnreadError
         side = Side(*(self._root(self._positive(w), p) for w in (up, down)))
-        return self._normalised(_Leaf(side, row, -constant)), p, offset
+        return self._normalised(Leaf(side, row, -constant)), p, offset
 
-    def _leaf(self, form: sp.Expr) -> _Leaf:
+    def _leaf(self, form: sp.Expr) -> Leaf:
         row, constant = self._affine(form)
-        return self._normalised(_Leaf(Side(sp.S.One, sp.S.One), row, -constant))
+        return self._normalised(Leaf(Side(sp.S.One, sp.S.One), row, -constant))
 
-    def _normalised(self, leaf: _Leaf) -> _Leaf:
+    def _normalised(self, leaf: Leaf) -> Leaf:
         """The leading coefficient of the row moved into the weights where its sign is known."""
         lead = next(c for c in leaf.row if c != 0)
         if lead == 1 or not (lead.is_positive or lead.is_negative):
@@ -297,9 +260,9 @@ class _Reader:
         size = abs(lead)
         up, down = (leaf.side.up, leaf.side.down) if lead.is_positive else (leaf.side.down, leaf.side.up)
         side = Side(sp.cancel(up * size), sp.cancel(down * size)) if not leaf.side.symmetric else Side(*[sp.cancel(up * size)] * 2)
-        return _Leaf(side, tuple(sp.cancel(c / lead) for c in leaf.row), sp.cancel(leaf.offset / lead))
+        return Leaf(side, tuple(sp.cancel(c / lead) for c in leaf.row), sp.cancel(leaf.offset / lead))
 
-    def _quadratic(self, a: sp.Expr) -> tuple[_Tree, sp.Expr, sp.Expr]:
+    def _quadratic(self, a: sp.Expr) -> tuple[Tree, sp.Expr, sp.Expr]:
         """The square completed: x . A x + b . x + c = (x - x0) . A (x - x0) + c - x0 . A x0."""
         poly, n = sp.Poly(a, *self.forces), len(self.forces)
         origin = dict.fromkeys(self.forces, 0)
@@ -309,20 +272,20 @@ class _Reader:
         if matrix.is_diagonal():
             seen = [i for i in range(n) if matrix[i, i] != 0]
             if any(slope[i] != 0 for i in range(n) if i not in seen):
-                raise _UnreadError
+                raise UnreadError
             leaves = []
             for i in seen:
                 weight = self._root(self._positive(matrix[i, i]), sp.Integer(2))
                 row = tuple(sp.S.One if j == i else sp.S.Zero for j in range(n))
-                leaves.append(_Leaf(Side(weight, weight), row, -slope[i] / (2 * matrix[i, i])))
+                leaves.append(Leaf(Side(weight, weight), row, -slope[i] / (2 * matrix[i, i])))
             constant -= sp.Add(*[slope[i] ** 2 / (4 * matrix[i, i]) for i in seen])
-            return (leaves[0] if len(leaves) == 1 else _Node(sp.Integer(2), tuple(leaves))), sp.Integer(2), constant
+            return (leaves[0] if len(leaves) == 1 else Node(sp.Integer(2), tuple(leaves))), sp.Integer(2), constant
         self._semidefinite(matrix)
         centre = -matrix.pinv() * slope / 2 if any(slope) else sp.zeros(n, 1)
         if any(sp.cancel(v) != 0 for v in 2 * matrix * centre + slope):
-            raise _UnreadError
+            raise UnreadError
         constant -= (centre.T * matrix * centre)[0]
-        return _Form(matrix, tuple(centre)), sp.Integer(2), sp.cancel(constant)
+        return Form(matrix, tuple(centre)), sp.Integer(2), sp.cancel(constant)
 
     def _semidefinite(self, matrix: sp.ImmutableMatrix) -> None:
         """Positive semidefinite: the leading minors of the rows that see something independent are positive (Sylvester)."""
@@ -331,53 +294,15 @@ class _Reader:
         for k in range(1, len(kept) + 1):
             self._positive(sp.cancel(block[:k, :k].det()))
 
-    # -- putting the parts together -----------------------------------------------------------------------------
-
-    def assemble(self, tree: _Tree, radius: sp.Expr) -> tuple[Gauge, tuple[sp.Expr, ...], sp.Expr]:
-        if isinstance(tree, _Form):
-            return Quadratic(tree.matrix), tree.centre, radius
-        if isinstance(tree, _Facets):
-            return self.polytope([(row, limit * radius) for row, limit in tree.arms])
-        leaves = _leaves(tree)
-        rows = sp.ImmutableMatrix([list(leaf.row) for leaf in leaves])
-        offsets = sp.Matrix([leaf.offset for leaf in leaves])
-        if _independent(rows):
-            self._positive(sp.factor((rows * rows.T).det()))
-            centre = (rows.T * (rows * rows.T).inv() * offsets).applyfunc(sp.cancel) if any(offsets) else sp.zeros(rows.cols, 1)
-            return Separable(_tree_of(tree), rows), tuple(centre), radius
-        flat = isinstance(tree, _Node) and all(isinstance(p, _Leaf) and p.side.symmetric and p.offset == 0 for p in tree.parts)
-        if not flat or not isinstance(tree, _Node):
-            raise _UnreadError
-        if tree.p == 2:
-            weights = sp.diag(*[leaf.side.up**2 for leaf in leaves])
-            return Quadratic(sp.ImmutableMatrix(rows.T * weights * rows).applyfunc(sp.cancel)), (sp.S.Zero,) * rows.cols, radius
-        if tree.p is sp.oo:
-            weighted = [(tuple(sign * c for c in leaf.row), radius / leaf.side.up) for leaf in leaves for sign in (1, -1)]
-            return self.polytope(weighted)
-        if tree.p == 1:
-            return self.polytope(_sums_of_signs(leaves, radius))
-        raise _UnreadError
-
-    def polytope(self, arms: list[tuple[tuple[sp.Expr, ...], sp.Expr]]) -> tuple[Gauge, tuple[sp.Expr, ...], sp.Expr]:
-        """{row . x <= limit}: numeric up to one common positive factor, which becomes the radius."""
-        radius = arms[0][1]
-        rows = sp.Matrix([[sp.cancel(c * radius / limit) for c in row] for row, limit in arms])
-        if any(not c.is_number for c in rows):
-            raise _UnreadError
-        ball = Polytope.of(rows)
-        if ball is None:
-            raise _UnreadError
-        return ball, (sp.S.Zero,) * rows.cols, radius
-
     # -- small readings -----------------------------------------------------------------------------------------
 
-    def _multiplied(self, tree: _Tree, factor: sp.Expr) -> _Tree:
-        if isinstance(tree, _Form):
-            return _Form(tree.matrix * factor**2, tree.centre)
-        return _scaled(self._block(tree), factor)
+    def _multiplied(self, tree: Tree, factor: sp.Expr) -> Tree:
+        if isinstance(tree, Form):
+            return Form(tree.matrix * factor**2, tree.centre)
+        return scaled(self._block(tree), factor)
 
     def _present(self, a: sp.Expr) -> set[sp.Symbol]:
-        return a.free_symbols & set(self.forces)  # type: ignore[return-value]
+        return a.free_symbols & set(self.forces)
 
     def _is_polynomial(self, a: sp.Expr) -> bool:
         return bool(a.is_polynomial(*self.forces))
@@ -387,13 +312,13 @@ class _Reader:
 
     def _affine(self, a: sp.Expr) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
         if not self._is_affine(a):
-            raise _UnreadError
+            raise UnreadError
         row = tuple(sp.cancel(sp.expand(a).coeff(f)) for f in self.forces)
         return row, sp.expand(a).subs(dict.fromkeys(self.forces, 0))
 
     def _positive(self, expr: sp.Expr) -> sp.Expr:
         if expr.is_nonpositive:
-            raise _UnreadError
+            raise UnreadError
         if not expr.is_positive:
             self.requires.append(expr)
         return expr
@@ -409,28 +334,3 @@ def _raise(expr: sp.Expr, power: sp.Expr) -> sp.Expr:
     if isinstance(expr, sp.Pow) and expr.base.is_positive:
         return expr.base ** sp.cancel(expr.exp * power)
     return expr ** sp.cancel(power)
-
-
-def _scaled(tree: _Leaf | _Node, factor: sp.Expr) -> _Leaf | _Node:
-    if isinstance(tree, _Node):
-        return _Node(tree.p, tuple(_scaled(part, factor) for part in tree.parts))
-    return _Leaf(Side(tree.side.up * factor, tree.side.down * factor), tree.row, tree.offset)
-
-
-def _leaves(tree: _Leaf | _Node) -> list[_Leaf]:
-    return [tree] if isinstance(tree, _Leaf) else [leaf for part in tree.parts for leaf in _leaves(part)]
-
-
-def _tree_of(tree: _Leaf | _Node) -> Side | Holder:
-    return tree.side if isinstance(tree, _Leaf) else Holder(tree.p, tuple(_tree_of(part) for part in tree.parts))
-
-
-def _independent(rows: sp.Matrix) -> bool:
-    return rows.rows <= rows.cols and rows.rank() == rows.rows
-
-
-def _sums_of_signs(leaves: list[_Leaf], radius: sp.Expr) -> list[tuple[tuple[sp.Expr, ...], sp.Expr]]:
-    """A sum of absolute values as the greatest of its signed sums."""
-    rows = [[leaf.side.up * c for c in leaf.row] for leaf in leaves]
-    signed = ([sp.Add(*[s * v for s, v in zip(signs, column, strict=True)]) for column in zip(*rows, strict=True)] for signs in product((1, -1), repeat=len(rows)))
-    return [(tuple(row), radius) for row in signed if any(row)]

@@ -8,8 +8,8 @@ from typing import Any
 import sympy as sp
 
 from duhem.examination import Case
+from duhem.examination.choices import choices
 from duhem.examination.profile import profile
-from duhem.examination.search import boundary_dent, choices, nonconvex_chord
 from duhem.positivity import Sense
 from duhem.verdict import Evidence, Verdict, Witness
 
@@ -24,16 +24,24 @@ def _refuted(witness: Witness | None, method: str) -> Evidence | None:
 
 def convexity_by_scouting(case: Case) -> Evidence | None:
     """A few parameter choices."""
-    return _refuted(nonconvex_chord(case, most=6), "witness-chord")
+    return _scouted(case, 6)
 
 
 def convexity_by_thorough_scouting(case: Case) -> Evidence | None:
     """Many parameter choices."""
-    return _refuted(nonconvex_chord(case, most=60), "witness-chord")
+    return _scouted(case, 60)
+
+
+def _scouted(case: Case, most: int) -> Evidence | None:
+    from duhem.examination.search import nonconvex_chord  # numpy, only when something is looked for
+
+    return _refuted(nonconvex_chord(case, most=most), "witness-chord")
 
 
 def convexity_at_dents(case: Case) -> Evidence | None:
     """Where an arc's curvature question has a counterexample, a chord through the boundary point in that direction."""
+    from duhem.examination.search import boundary_dent
+
     form = profile(case)
     if form is None:
         return None

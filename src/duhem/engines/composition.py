@@ -7,6 +7,7 @@ import sympy as sp
 from duhem.examination import Case
 from duhem.examination.regularity import regularity
 from duhem.examination.shape import shape
+from duhem.expression import Norm
 from duhem.positivity import Sense
 from duhem.verdict import Evidence, Verdict
 
@@ -42,10 +43,21 @@ def smoothness(case: Case) -> Evidence | None:
 
 def _off_boundary(case: Case, tip: sp.Expr) -> bool:
     """Whether g != 0 wherever ``tip`` = 0: g with the tip set to 0 has one strict sign."""
-    rest = case.simple.g.xreplace({tip: sp.S.Zero})
+    mark = sp.Dummy("tip", positive=True)
+    marked = case.simple.g.xreplace({tip: mark})
+    if not all(_tame(node, mark) for node in sp.preorder_traversal(marked)):
+        return False
+    rest = marked.xreplace({mark: sp.S.Zero})
     if rest.free_symbols & set(case.simple.forces):
         return False
     return any(case.ask(sign * rest, Sense.POSITIVE).holds is True for sign in (-1, 1))
+
+
+def _tame(node: sp.Basic, mark: sp.Symbol) -> bool:
+    """Whether setting ``mark`` to 0 inside the node is its limit: sums, products and positive powers only."""
+    if not node.has(mark) or node == mark or node.is_Add or node.is_Mul or isinstance(node, Norm):
+        return True
+    return bool(node.is_Pow and not node.exp.has(mark) and node.exp.is_positive)
 
 
 def _regular(case: Case) -> str | None:

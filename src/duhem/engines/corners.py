@@ -8,15 +8,14 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from duhem.examination import Case
-from duhem.examination.search import choices
+from duhem.examination.choices import choices
 from duhem.examination.witness import Values, decimal_pair, describe, values_at
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.expression.branches import Branch
-from duhem.expression.numpy_ import compiled
+from duhem.expression.text import formula
 from duhem.verdict import Evidence, Verdict, Witness
 
 __all__ = ["smoothness"]
@@ -45,6 +44,10 @@ def _neighbours(pieces: Sequence[Branch]) -> Iterator[tuple[Branch, Branch, sp.E
 
 def _starts(case: Case, parameters: Values, expr: sp.Expr, seam: sp.Expr) -> Iterator[tuple[float, float]]:
     """Approximate common zeros of g and the seam: sign changes of the seam around circles of many radii, then along it."""
+    import numpy as np  # only when something is looked for
+
+    from duhem.expression.numpy_ import compiled
+
     exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()}
     forces = case.simple.forces
     level, switch = compiled(expr.subs(exact), forces), compiled(seam.subs(exact), forces)
@@ -88,7 +91,7 @@ def _corner(case: Case, parameters: Values, before: Branch, after: Branch, seam:
                 parameters=describe(case, at, forces=False),
                 points={"corner": describe(case, at)},
                 values={"n1 x n2": decimal_pair(cross), **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(forces, n, strict=True)}},
-                statement=f"within {radius} of this point the boundary has a corner on {seam} = 0: the normals n1, n2 of its two sides are not parallel",
+                statement=f"within {radius} of this point the boundary has a corner on {formula(seam)} = 0: the normals n1, n2 of its two sides are not parallel",
                 measures={"corner_degrees": angle},
             )
     return None

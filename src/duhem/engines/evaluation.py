@@ -7,8 +7,9 @@ from fractions import Fraction
 import sympy as sp
 
 from duhem.examination import Case
-from duhem.examination.search import choices
+from duhem.examination.choices import choices
 from duhem.examination.witness import decimal_pair, describe, sign_at, values_at
+from duhem.expression.text import formula
 from duhem.positivity import Sense
 from duhem.verdict import Evidence, Verdict, Witness
 
@@ -21,7 +22,10 @@ def origin(case: Case) -> Evidence | None:
     if at_zero.has(sp.nan, sp.zoo, sp.oo):
         return None
     answer = case.ask(-at_zero, Sense.NONNEGATIVE)
-    return Evidence(Verdict.PROVED, f"evaluation ({answer.method})", f"g(0) = {at_zero} <= 0") if answer.holds is True else None
+    if answer.holds is not True:
+        return None
+    stated = case.law.g.xreplace(dict.fromkeys(case.law.force_symbols(), sp.S.Zero))
+    return Evidence(Verdict.PROVED, f"evaluation ({answer.method})", f"g(0) = {formula(stated)} <= 0")
 
 
 def origin_refuted(case: Case) -> Evidence | None:

@@ -7,10 +7,12 @@ every tangent must be >= 0 on the boundary.
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import sympy as sp
 
 from duhem.examination import Case
-from duhem.expression.branches import Branch
+from duhem.expression.branches import Branch, seams
 from duhem.positivity import Sense
 from duhem.verdict import Evidence, Verdict
 
@@ -20,7 +22,7 @@ __all__ = ["convexity", "dissipation", "hessian", "smoothness"]
 def convexity(case: Case) -> Evidence | None:
     """Tangential second derivatives >= 0 on the boundary of a set star-shaped about the origin."""
     piece = _one_piece(case)
-    if piece is None or not _star(case, piece):
+    if piece is None or not case.continuous or not _star(case, piece):
         return None
     forces = case.simple.forces
     gradient = [sp.diff(piece.expr, x) for x in forces]
@@ -42,7 +44,7 @@ def convexity(case: Case) -> Evidence | None:
 def hessian(case: Case) -> Evidence | None:
     """g is convex: second derivatives >= 0 inside every branch, no downward jump of the gradient across a seam."""
     pieces = case.pieces
-    if pieces is None or len(pieces) > 8:
+    if pieces is None or len(pieces) > 8 or not case.continuous:
         return None
     forces = case.simple.forces
     used: set[str] = set()
@@ -53,37 +55,45 @@ def hessian(case: Case) -> Evidence | None:
         if answer.holds is not True:
             return None
         used.add(answer.method)
-    for before in pieces:
-        for after in pieces:
-            crossed = [s for s, sign in after.signs.items() if sign > 0 and before.signs.get(s) == -1]
-            if not crossed or before.expr == after.expr:
-                continue
-            rest = [sp.GreaterThan(sign * s, 0) for s, sign in {**before.signs, **after.signs}.items() if s not in crossed]
-            where = (*(sp.Eq(s, 0) for s in crossed), *rest)
-            jump = sum(sp.diff(after.expr - before.expr, x) * sp.diff(crossed[0], x) for x in forces)
-            steps = [case.ask(after.expr - before.expr, Sense.ZERO, *where), case.ask(jump, Sense.NONNEGATIVE, *where)]
-            if any(step.holds is not True for step in steps):
+    for before, after, crossed, shared in seams(pieces):
+        where = (*shared, *(sp.Eq(s, 0) for s in crossed))
+        rise = [sp.diff(after.expr - before.expr, x) for x in forces]
+        for switch in crossed:
+            jump = after.signs[switch] * sp.Add(*(r * sp.diff(switch, x) for r, x in zip(rise, forces, strict=True)))
+            if case.ask(jump, Sense.NONNEGATIVE, *where).holds is not True:
                 return None
     return Evidence(Verdict.PROVED, f"hessian ({', '.join(sorted(used))})", "g is convex: second derivatives >= 0 on each branch, gradient never jumps down")
 
 
 def smoothness(case: Case) -> Evidence | None:
-    """One smooth formula with non-vanishing gradient on the boundary."""
-    piece = _one_piece(case)
-    if piece is None:
+    """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
+    pieces, forces = case.pieces, case.simple.forces
+    if pieces is None or len(pieces) > 8 or not case.continuous:
         return None
-    gradient = [sp.diff(piece.expr, x) for x in case.simple.forces]
-    answer = case.ask(sum(d**2 for d in gradient), Sense.POSITIVE, sp.Eq(piece.expr, 0))
-    if answer.holds is not True:
-        return None
-    return Evidence(Verdict.PROVED, f"regular-value ({answer.method})", "g is smooth and grad g != 0 wherever g = 0")
+    used: set[str] = set()
+    for piece in pieces:
+        gradient = [sp.diff(piece.expr, x) for x in forces]
+        answer = case.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
+        if answer.holds is not True:
+            return None
+        used.add(answer.method)
+    for before, after, crossed, where in seams(pieces):
+        one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
+        on_seam = (*where, *(sp.Eq(s, 0) for s in crossed), sp.Eq(before.expr, 0))
+        minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
+        if any(case.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
+            return None
+        if case.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
+            return None
+    told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
+    return Evidence(Verdict.PROVED, f"regular-value ({', '.join(sorted(used))})", f"grad g != 0 wherever g = 0{told}")
 
 
 def dissipation(case: Case) -> Evidence | None:
     """force . flow >= 0 on the boundary, branch by branch; the flow is grad g unless the law has one of its own."""
     problem = case.simple
     pieces = case.pieces
-    if pieces is None:
+    if pieces is None or not case.continuous:
         return None
     used: set[str] = set()
     for piece in pieces:

@@ -6,6 +6,7 @@ import sympy as sp
 
 from duhem.derivation.support_function import support_function
 from duhem.examination import Case
+from duhem.expression.text import formula
 from duhem.positivity import Question, Sense, decide
 from duhem.verdict import Evidence, Verdict
 
@@ -24,4 +25,4 @@ def duality(case: Case) -> Evidence | None:
     for needed in found.requires:
         if decide(Question(sp.sympify(needed).xreplace(swap), Sense.POSITIVE, case.problem.given)).holds is not True:
             return None
-    return Evidence(Verdict.PROVED, "polar-gauge", f"Phi(d) = {found.potential}; " + "; ".join(found.steps))
+    return Evidence(Verdict.PROVED, "polar-gauge", f"Phi(d) = {formula(found.potential)}; " + "; ".join(found.steps))

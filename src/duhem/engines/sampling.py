@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from duhem.examination import Case
-from duhem.examination.search import choices
+from duhem.examination.choices import choices
 from duhem.verdict import Evidence, Verdict
 
 __all__ = ["sampled"]

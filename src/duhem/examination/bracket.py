@@ -77,10 +77,11 @@ def violation(
     quantity: Callable[[Bracket], sp.Expr | None],
     name: str,
     statement: str,
+    wanted: int = -1,
     target: Sequence[Fraction] | None = None,
     measures: Callable[[Bracket], dict[str, float]] = lambda bracket: {},
 ) -> Witness | None:
-    """A witness that ``quantity`` is negative at the boundary point between ``start`` and ``end``."""
+    """A witness that ``quantity`` has the ``wanted`` sign at the boundary point between ``start`` and ``end``."""
     if not inside_domain(case, values_at(case, parameters, start)):
         return None
     others: dict[str, dict[sp.Symbol, Fraction]] = {} if target is None else {"tau": values_at(case, parameters, target)}
@@ -94,7 +95,7 @@ def violation(
         if expr is None:
             continue
         value = over_box(expr, case, bracket)
-        if certain_sign(value) == -1:
+        if certain_sign(value) == wanted:
             ends = {"inside": values_at(case, parameters, bracket.inside), "outside": values_at(case, parameters, bracket.outside)}
             shown = {f"g({role})": decimal_pair(sign_at(case.problem.g, at)[1]) for role, at in {**ends, **others}.items()}
             return Witness(

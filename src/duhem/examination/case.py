@@ -8,7 +8,8 @@ from functools import cached_property
 import sympy as sp
 
 from duhem.criterion import Criterion
-from duhem.expression.branches import Branch, TooManyBranchesError, branches
+from duhem.expression import Where
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, seams
 from duhem.model import Problem, Star, star_form, state
 from duhem.positivity import Answer, Question, Sense, decide
 
@@ -53,6 +54,16 @@ class Case:
             return branches(self.simple.g)
         except TooManyBranchesError:
             return None
+
+    @cached_property
+    def continuous(self) -> bool:
+        """Whether g is proved defined and continuous everywhere, so that the boundary of K lies on g = 0."""
+        if self.pieces is None or any(self.ask(p.expr**2, Sense.NONNEGATIVE, *p.conditions()).holds is not True for p in self.pieces):
+            return False
+        return not self.simple.g.has(Where) or all(
+            self.ask(after.expr - before.expr, Sense.ZERO, *(sp.Eq(s, 0) for s in crossed), *shared).holds is True
+            for before, after, crossed, shared in seams(self.pieces)
+        )
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""

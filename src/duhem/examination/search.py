@@ -7,10 +7,8 @@ wrong sign, a chord is built in high precision, which sees violations far below 
 
 from __future__ import annotations
 
-import random
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -18,69 +16,16 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.examination.case import Case
-from duhem.examination.witness import Values, chord, inside_domain, values_at
+from duhem.examination.choices import choices, fraction
+from duhem.examination.witness import Values, chord
 from duhem.expression import mpmath_
 from duhem.expression.numpy_ import compiled
 from duhem.verdict import Witness
 
-__all__ = ["boundary_dent", "choices", "nonconvex_chord"]
+__all__ = ["boundary_dent", "nonconvex_chord"]
 
 Array = NDArray[np.float64]
 _ANGLES, _RADII, _SECTIONS = 720, 48, 24
-_SCALES = (Fraction(1), Fraction(1, 2), Fraction(2), Fraction(1, 10), Fraction(10), Fraction(1, 100), Fraction(100))
-
-
-def choices(case: Case, hints: Sequence[Mapping[sp.Symbol, Any]] = (), most: int = 40) -> Iterator[dict[sp.Symbol, Fraction]]:
-    """Exact parameter values inside the domain: hints first, then ends, middles and decades of each range."""
-    free = case.simple.parameters
-    seen: set[tuple[Fraction, ...]] = set()
-
-    def admitted(values: dict[sp.Symbol, Fraction]) -> bool:
-        key = tuple(values.values())
-        if key in seen or not inside_domain(case, {**values_at(case, values, [Fraction(0)] * len(case.simple.forces))}):
-            return False
-        seen.add(key)
-        return True
-
-    for hint in hints:
-        if all(x in hint for x in free):
-            exact = {x: _fraction(hint[x]) for x in free}
-            if admitted(exact):
-                yield exact
-    grids = [_range(case, x) for x in free]
-    combinations = list(product(*grids)) if np.prod([len(g) for g in grids]) <= 4096 else []
-    rng = random.Random(2)
-    if not combinations:
-        combinations = [tuple(rng.choice(g) for g in grids) for _ in range(400)]
-    rng.shuffle(combinations)
-    found = 0
-    for combination in combinations:
-        values = dict(zip(free, combination, strict=True))
-        if found < most and admitted(values):
-            found += 1
-            yield values
-
-
-def _fraction(value: Any) -> Fraction:
-    exact = sp.Rational(value)
-    return Fraction(int(exact.p), int(exact.q))
-
-
-def _range(case: Case, x: sp.Symbol) -> list[Fraction]:
-    low = high = None
-    for relation in case.simple.given:
-        if getattr(relation, "gts", None) == x and relation.lts.is_Rational:
-            low = _fraction(relation.lts) if low is None else max(low, _fraction(relation.lts))
-        if getattr(relation, "lts", None) == x and relation.gts.is_Rational:
-            high = _fraction(relation.gts) if high is None else min(high, _fraction(relation.gts))
-    if low is not None and high is not None:
-        shares = (Fraction(0), Fraction(1), Fraction(1, 2), Fraction(1, 100), Fraction(99, 100), Fraction(1, 4), Fraction(3, 4), Fraction(9, 10))
-        return [low + s * (high - low) for s in shares]
-    if low is None and high is None:
-        return [Fraction(0), *_SCALES, *(-s for s in _SCALES)]
-    start, sense = (low, 1) if low is not None else (high, -1)
-    assert start is not None
-    return [start + sense * s for s in _SCALES] + [start]
 
 
 def nonconvex_chord(case: Case, hints: Sequence[Mapping[sp.Symbol, Any]] = (), most: int = 40) -> Witness | None:
@@ -102,13 +47,12 @@ def _in_choice(case: Case, parameters: Values) -> Witness | None:
     centre = _centre(value, len(forces))
     if centre is None:
         return None
-    for p, q in _suspects(value, centre):
-        for pull in (2.0**-20, 2.0**-12, 2.0**-30, 0.0):
-            a, b = centre + (1 - pull) * (p - centre), centre + (1 - pull) * (q - centre)
-            for limit in (100, 10**6, 10**17):
-                exact = [[Fraction(float(c)).limit_denominator(limit) for c in point] for point in (a, b)]
-                if (found := chord(case, parameters, *exact)) is not None:
-                    return found
+    for p, q, p_anchor, q_anchor in _suspects(value, centre):
+        for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
+            pull = 10.0**-digits
+            rounded = [[Fraction(round(float(c) * 10**digits), 10**digits) for c in x + pull * (a - x)] for x, a in ((p, p_anchor), (q, q_anchor))]
+            if (found := chord(case, parameters, *rounded)) is not None:
+                return found
     return None
 
 
@@ -124,8 +68,8 @@ def _centre(value: Any, d: int) -> Array | None:
     return best if value(best) <= 0 else None
 
 
-def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array]]:
-    """Pairs of points of K whose midpoint seems outside, the most violating first within each section."""
+def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Pairs of points of K whose midpoint seems outside, each with a point further inside to be pulled towards."""
     d = len(centre)
     rng = np.random.default_rng(4)
     for section in range(1 if d <= 2 else _SECTIONS):
@@ -138,7 +82,7 @@ def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array]]:
         yield from _along_rays(value, centre, directions)
 
 
-def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[Array, Array]]:
+def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
     radii = 10.0 ** np.linspace(-6, 6, 12 * _RADII // 4)
     inside = value(centre + radii[None, :, None] * directions[:, None, :]) <= 0
     exits = np.where(inside.all(axis=1), len(radii), np.argmin(inside, axis=1))
@@ -148,7 +92,7 @@ def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[
         back = int(np.argmax(later[ray]))
         leave = _bisect(value, centre, directions[ray], radii[max(int(exits[ray]) - 1, 0)] if exits[ray] else 0.0, radii[exits[ray]])
         enter = _bisect(value, centre, directions[ray], radii[back], radii[back - 1])
-        yield centre + leave * directions[ray], centre + enter * directions[ray]
+        yield centre + leave * directions[ray], centre + enter * directions[ray], centre, centre + radii[back] * directions[ray]
     low = np.where(exits > 0, radii[np.maximum(exits - 1, 0)], 0.0)
     high = radii[np.minimum(exits, len(radii) - 1)]
     bounded = exits < len(radii)
@@ -170,7 +114,7 @@ def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[
         if score[top] > 0:
             best.append((float(score[top]), top, (top + step) % n))
     for _, i, j in sorted(best, reverse=True):
-        yield boundary[i], boundary[j]
+        yield boundary[i], boundary[j], centre, centre
 
 
 def _bisect(value: Any, centre: Array, direction: Array, inside: float, outside: float) -> float:
@@ -192,7 +136,7 @@ def boundary_dent(case: Case, parameters: Values, direction: Sequence[Any], dps:
     def value(point: Sequence[Any]) -> Any:
         return mpmath_.evaluate(g, dict(zip(forces, point, strict=True)), dps)
 
-    ray = [context.mpf(c.numerator) / c.denominator for c in map(_fraction, direction)]
+    ray = [context.mpf(c.numerator) / c.denominator for c in map(fraction, direction)]
     size = context.hypot(*ray)
     ray = [c / size for c in ray]
     low, high = context.mpf(0), context.mpf(1)

@@ -91,7 +91,7 @@ def _integer_power(base: Any, n: int) -> Any:
     if n == 1 or not base.is_finite():
         return base
     if n % 2 == 0:
-        return (base.abs_lower() ** n).union(base.abs_upper() ** n)
+        return (base.abs_lower() ** n).union(base.abs_upper() ** n).nonnegative_part()
     return (base.lower() ** n).union(base.upper() ** n)
 
 
@@ -112,7 +112,7 @@ def _pow(node: Any, base: Any, exponent: Any) -> Any:
 def _norm(node: sp.Basic, *args: Any) -> Any:
     total = _add(node, *(_square(a) for a in args))
     low, high = total.lower(), total.upper()
-    return (low.sqrt() if low > 0 else flint.arb(0)).union(high.sqrt())
+    return (low.sqrt() if low > 0 else flint.arb(0)).union(high.sqrt()).nonnegative_part()
 
 
 def _hull(values: list[Any], pick: Callable[[Any, Any], Any]) -> Any:
@@ -155,7 +155,7 @@ _TABLE: dict[type, Callable[..., Any]] = {
     sp.Add: _add,
     sp.Mul: _mul,
     sp.Pow: _pow,
-    sp.Abs: lambda node, x: _max(node, x, -x),
+    sp.Abs: lambda node, x: _max(node, x, -x).nonnegative_part(),
     sp.exp: lambda node, x: x.exp(),
     sp.log: lambda node, x: x.log() if x > 0 else flint.arb("nan"),
     sp.sin: lambda node, x: x.sin(),
@@ -165,8 +165,8 @@ _TABLE: dict[type, Callable[..., Any]] = {
     sp.atan: lambda node, x: x.atan(),
     sp.Max: _max,
     sp.Min: _min,
-    Pos: lambda node, x: _max(node, x, flint.arb(0)),
-    Neg: lambda node, x: _max(node, -x, flint.arb(0)),
+    Pos: lambda node, x: _max(node, x, flint.arb(0)).nonnegative_part(),
+    Neg: lambda node, x: _max(node, -x, flint.arb(0)).nonnegative_part(),
     Norm: _norm,
     Where: _where,
     sp.StrictGreaterThan: _truth(lambda a, b: a > b, lambda a, b: a <= b),

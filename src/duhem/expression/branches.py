@@ -7,9 +7,9 @@ are values of branch expressions, never two-sided limits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 from typing import Any
 
 import sympy as sp
@@ -17,7 +17,7 @@ import sympy as sp
 from duhem.expression.fold import fold
 from duhem.expression.vocabulary import Neg, Pos, Where
 
-__all__ = ["Branch", "TooManyBranchesError", "branches", "oriented"]
+__all__ = ["Branch", "TooManyBranchesError", "branches", "oriented", "seams"]
 
 
 class TooManyBranchesError(Exception):
@@ -144,3 +144,12 @@ def _split(node: sp.Basic, parts: tuple[Branch, ...]) -> Iterable[Branch | None]
         gap = sp.expand(condition.gts - condition.lts)
         yield _with(signs, [(gap, 1)], then)
         yield _with(signs, [(gap, -1)], otherwise)
+
+
+def seams(pieces: Sequence[Branch]) -> Iterator[tuple[Branch, Branch, list[sp.Expr], list[sp.Basic]]]:
+    """Pairs of branches that may meet: the switches whose sign differs between them, and the conditions both share."""
+    for before, after in combinations(pieces, 2):
+        crossed = [s for s, sign in after.signs.items() if before.signs.get(s) == -sign]
+        if crossed and before.expr != after.expr:
+            rest = {s: sign for s, sign in {**before.signs, **after.signs}.items() if s not in crossed}
+            yield before, after, crossed, [sp.GreaterThan(sign * s, 0) for s, sign in rest.items()]

@@ -101,17 +101,16 @@ def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> str | None:
 
 def _checked(expr: sp.Expr) -> sp.Expr:
     _bound_bits(_bits(expr))
-    if isinstance(expr, sp.Pow) and expr.base.is_number and expr.base.is_negative and not expr.exp.is_integer:
-        raise InputError("the value is not real", remedy="take roots of what is never negative")
-    if expr is sp.I or (isinstance(expr, sp.Mul) and any(a is sp.I or _is_root_of_negative(a) for a in expr.args)):
+    if any(_is_unreal(part) for part in (expr, *(expr.args if isinstance(expr, sp.Mul) else ()))):
         raise InputError("the value is not real", remedy="take roots and logarithms of what is never negative")
     if expr.is_number and not expr.is_Rational:
         approximate(expr)
     return expr
 
 
-def _is_root_of_negative(expr: sp.Expr) -> bool:
-    return bool(isinstance(expr, sp.Pow) and expr.base.is_number and expr.base.is_negative and not expr.exp.is_integer)
+def _is_unreal(expr: sp.Expr) -> bool:
+    """Whether SymPy knows a root or logarithm not to be real, whatever the symbols in it are."""
+    return expr is sp.I or (isinstance(expr, (sp.Pow, sp.log)) and expr.is_extended_real is False)
 
 
 def _is_zero(expr: sp.Expr) -> bool:

@@ -25,7 +25,7 @@ from duhem.expression.vocabulary import WORDS
 __all__ = ["exact_number", "parse_expression", "parse_relation", "ratio"]
 
 MOST_CHARACTERS = 20_000
-MOST_NODES = 2_000
+MOST_TOKENS = 2_000
 MOST_DEPTH = 60
 
 _TOKEN = re.compile(rf"(?P<space>[ \t\n]+)|(?P<number>{DECIMAL})|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)")
@@ -129,9 +129,11 @@ class _Reader:
         """Every token is in the language and in its place, every name has a meaning, brackets match and are not too deep."""
         opened: list[tuple[int, bool]] = []  # place of each open bracket, and whether it holds a word's arguments
         previous: re.Match[str] | None = None
-        for token in self.tokens():
-            self.check_order(token, previous)
+        for count, token in enumerate(self.tokens(), 1):
             at = token.start()
+            if count > MOST_TOKENS:
+                raise self.place.error("the formula is too large", at=at, remedy=f"at most {MOST_TOKENS} names, numbers and signs are read")
+            self.check_order(token, previous)
             if token.lastgroup == "name":
                 self.check_name(token)
             elif token[0] == "(":
@@ -184,14 +186,11 @@ class _Reader:
         """The syntax tree of a text whose tokens are all known; brackets around it let it run over several lines."""
         self.check_tokens()
         try:
-            tree = ast.parse(f"({self.text}\n)", mode="eval").body
+            return ast.parse(f"({self.text}\n)", mode="eval").body
         except SyntaxError as fault:  # the tokens are in order, so only Python's own limits are left
             raise self.place.error(f"the formula cannot be read: {fault.msg}", remedy="split it into smaller parts") from None
         except (RecursionError, MemoryError, ValueError):
             raise self.place.error("the formula is nested too deeply", remedy="split it into smaller parts") from None
-        if sum(1 for _ in ast.walk(tree)) > MOST_NODES:
-            raise self.place.error("the formula is too large", remedy=f"at most {MOST_NODES} operations, names and numbers are read")
-        return tree
 
     def start(self, node: ast.expr) -> int:
         row = self.text.split("\n")[node.lineno - 1]

@@ -1,0 +1,345 @@
+"""The command line: what it prints, where, and the exit code of every ending."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import duhem
+from duhem import catalogue, doctor, verification
+from duhem.__main__ import main
+from duhem.claims import CLAIMS
+from duhem.errors import MissingExtraError
+from duhem.report import json as json_report
+from duhem.report import text as text_report
+from duhem.verdict import Verdict, Witness
+from duhem.verification import ClaimResult, LeftOut, Verification
+
+SOURCE = Path(duhem.__path__[0]).parent
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Exit code, standard output and standard error of `duhem ARGUMENTS`."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["duhem", *arguments])
+        code = main()
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def result(claim: str, verdict: Verdict) -> ClaimResult:
+    return ClaimResult(claim, verdict, "by hand", "all parameters", 0.25, "made up", None)
+
+
+def made_up(*verdicts: Verdict) -> Callable[..., Verification]:
+    """A verifier that hands out these verdicts."""
+
+    def verify(law: Any, parameters: Any = None, claims: Any = None, *, on_claim: Any = None) -> Verification:
+        results = tuple(result(claim, verdict) for claim, verdict in zip(CLAIMS, verdicts, strict=False))
+        for each in results:
+            on_claim(each)
+        return Verification(duhem.load(law), results, (LeftOut("thermal", "isothermal law"),), ("a remark",))
+
+    return verify
+
+
+def test_verify_proves_and_exits_with_0(run: Run) -> None:
+    code, out, err = run("verify", "coulomb")
+    assert (code, err) == (0, "")
+    for claim in CLAIMS:
+        assert re.search(rf"^{claim} +proved ", out, re.MULTILINE)
+    assert "generalized standard: yes" in out
+    assert "dissipative: yes" in out
+    assert "mu positive" in out
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_verify_refutes_and_exits_with_1(run: Run) -> None:
+    code, out, _ = run("verify", "box", "--claims", "smoothness")
+    assert code == 1
+    assert "smoothness  refuted" in out
+    assert "counterexample at mu_a = " in out
+    assert "generalized standard: not decided" in out
+
+
+def test_set_fixes_exactly(run: Run) -> None:
+    code, out, _ = run(
+        "verify", "orthotropic", "--set", "mu_a=0.15", "--set", "mu_b = 1/3", "--claims", "origin,convexity", "--format", "json"
+    )
+    report = json.loads(out)
+    assert code == 0
+    assert report["parameters"] == {"mu_a": "= 3/20", "mu_b": "= 1/3"}
+    assert [c["claim"] for c in report["claims"]] == ["origin", "convexity"]
+
+
+def test_json_report(run: Run) -> None:
+    code, out, err = run("verify", "box", "--format", "json")
+    report = json.loads(out)
+    assert (code, err) == (1, "")
+    assert (report["duhem"], report["criterion"]) == (duhem.__version__, "box")
+    assert report["parameters"] == {"mu_a": "positive", "mu_b": "positive"}
+    assert [c["claim"] for c in report["claims"]] == list(CLAIMS)
+    for claim in report["claims"]:
+        assert {"claim", "verdict", "method", "scope", "seconds", "detail", "witness"} <= claim.keys()
+        assert claim["verdict"] in list(Verdict)
+        assert (claim["verdict"] == "refuted") == (claim["witness"] is not None)
+    assert report["generalized_standard"] is True
+    assert {"part", "reason"} == report["left_out"][0].keys()
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "strict", "code"),
+    [
+        ((Verdict.PROVED, Verdict.NOT_APPLICABLE), True, 0),
+        ((Verdict.PROVED, Verdict.UNDECIDED), False, 0),
+        ((Verdict.PROVED, Verdict.UNDECIDED), True, 3),
+        ((Verdict.PROVED, Verdict.TESTED), True, 3),
+        ((Verdict.REFUTED, Verdict.UNDECIDED), True, 1),
+        ((Verdict.REFUTED, Verdict.PROVED), False, 1),
+    ],
+)
+def test_exit_code(run: Run, monkeypatch: pytest.MonkeyPatch, verdicts: tuple[Verdict, ...], strict: bool, code: int) -> None:
+    monkeypatch.setattr(verification, "verify", made_up(*verdicts))
+    assert run("verify", "coulomb", *(["--strict"] if strict else []))[0] == code
+
+
+def test_text_report_shows_witness_conclusion_left_out_and_remarks() -> None:
+    witness = Witness(
+        {"mu": "3/20"}, {"p": {"sigma_a": "1/3", "sigma_b": "-2"}}, {"g(p)": ("0.1", "0.2")}, "g(p) > 0", {"corner_degrees": 12.5}
+    )
+    refuted = ClaimResult("convexity", Verdict.REFUTED, "by hand", "at the witness", 0.25, "not convex", witness)
+    done = Verification(
+        duhem.load("coulomb"), (result("origin", Verdict.PROVED), refuted), (LeftOut("thermal", "isothermal law"),), ("a remark",)
+    )
+    report = text_report.complete(done)
+    for piece in (
+        "mu*sigma_n + norm(sigma_a, sigma_b) <= 0",
+        "source",
+        "convexity  refuted  by hand  at the witness   0.25 s",
+        "counterexample at mu = 0.15 = 3/20",
+        "p: sigma_a ~ 0.33333333 = 1/3, sigma_b = -2",
+        "g(p) in [0.1, 0.2]",
+        "corner degrees 12.5",
+        "generalized standard: no (convexity refuted)",
+        "dissipative: not decided (dissipation not asked for)",
+        "thermal: isothermal law",
+        "a remark",
+    ):
+        assert piece in report
+
+
+def test_progress_only_on_a_terminal(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verification, "verify", made_up(Verdict.PROVED, Verdict.UNDECIDED))
+    assert run("verify", "coulomb")[2] == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    _, out, err = run("verify", "coulomb")
+    assert "origin proved" in err and "convexity undecided" in err
+    assert err.endswith("\r\x1b[2K")
+    assert "\x1b" not in out
+
+
+INTERRUPTED = """
+import sys, time
+from duhem import verification
+from duhem.__main__ import main
+from duhem.verdict import Verdict
+
+def slow(law, parameters=None, claims=None, *, on_claim):
+    on_claim(verification.ClaimResult("origin", Verdict.PROVED, "by hand", "all parameters", 0.1, "made up", None))
+    print("ready", file=sys.stderr, flush=True)
+    time.sleep(60)
+
+verification.verify = slow
+sys.argv = ["duhem", "verify", "coulomb", *sys.argv[1:]]
+sys.exit(main())
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for one process")
+@pytest.mark.parametrize("form", ["text", "json"])
+def test_ctrl_c_prints_what_was_decided(form: str) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED, "--format", form], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr is not None
+        assert process.stderr.readline() == "ready\n"
+        start = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+    assert time.monotonic() - start < 10
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    if form == "json":
+        report = json.loads(out)
+        assert [c["claim"] for c in report["claims"]] == ["origin"]
+        assert report["interrupted"] is True and report["generalized_standard"] is None
+    else:
+        assert re.search("^origin +proved", out, re.MULTILINE)
+        assert "Interrupted after 1 claim:" in out
+
+
+def test_interrupted_json_has_the_keys_of_the_complete_one(run: Run) -> None:
+    complete = json.loads(run("verify", "coulomb", "--claims", "origin", "--format", "json")[1])
+    law = duhem.load("coulomb")
+    partial = json.loads(json_report.interrupted(law, duhem.verify(law, claims=["origin"]).results))
+    assert partial.keys() - {"interrupted"} == complete.keys()
+    assert partial["claims"][0].keys() == complete["claims"][0].keys()
+    assert partial["parameters"] == complete["parameters"]
+
+
+def test_internal_failure_is_short_and_exits_with_4(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: Any, **__: Any) -> None:
+        raise RuntimeError("two\nlines")
+
+    monkeypatch.setattr(verification, "verify", broken)
+    code, out, err = run("verify", "coulomb")
+    assert (code, out) == (4, "")
+    assert re.fullmatch(r"duhem: internal failure: RuntimeError: two lines \(at test_cli\.py:\d+\); .*report it.*\n", err)
+
+
+def test_missing_extra_names_the_remedy_and_exits_with_2(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def lacking(*_: Any, **__: Any) -> None:
+        raise MissingExtraError("matplotlib", "plot")
+
+    monkeypatch.setattr(verification, "verify", lacking)
+    assert run("verify", "coulomb") == (2, "", 'duhem: matplotlib is not installed; install it with: pip install "duhem[plot]"\n')
+
+
+@pytest.mark.parametrize("arguments", [["verify"], ["nothing"], ["verify", "coulomb", "--wrong"], ["verify", "coulomb", "--format", "xml"]])
+def test_wrong_usage_exits_with_2(run: Run, arguments: list[str]) -> None:
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert "Error: " in err and "Traceback" not in err
+
+
+def test_help_names_every_command_and_exit_code(run: Run) -> None:
+    code, out, _ = run("--help")
+    assert code == 0
+    for word in ("verify", "derive", "list", "init", "explain", "doctor", "130 interrupted"):
+        assert word in " ".join(out.split())
+
+
+def test_version(run: Run) -> None:
+    assert run("--version") == (0, f"duhem {duhem.__version__}\n", "")
+
+
+def test_list_names_every_law(run: Run) -> None:
+    code, out, _ = run("list")
+    assert code == 0
+    assert tuple(line.split()[0] for line in out.splitlines()) == catalogue.names()
+
+
+@pytest.mark.parametrize("form", ["text", "latex", "markdown"])
+def test_derive_prints_the_derivation(run: Run, form: str) -> None:
+    code, out, _ = run("derive", "coulomb", "--format", form)
+    assert code == 0
+    assert out == getattr(duhem.derive(duhem.load("coulomb")), form)() + "\n"
+
+
+def test_explain(run: Run) -> None:
+    code, out, _ = run("explain")
+    assert code == 0
+    assert [line.split()[0] for line in out.splitlines()] == list(CLAIMS)
+    code, out, _ = run("explain", "convexity")
+    assert code == 0
+    assert CLAIMS["convexity"].theory.strip() in out
+    code, _, err = run("explain", "convxity")
+    assert code == 2
+    assert "did you mean 'convexity'?" in err
+
+
+def test_init_writes_a_file_once(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("init", "mine")[0] == 0
+    assert duhem.load("mine.toml").name == "mine"
+    before = Path("mine.toml").read_bytes()
+    code, _, err = run("init", "mine.toml")
+    assert code == 2
+    assert "exists already" in err
+    assert Path("mine.toml").read_bytes() == before
+    assert run("init", "../up")[0] == 2
+
+
+def test_a_law_in_a_module_beside_the_user(tmp_path: Path) -> None:
+    (tmp_path / "beside.py").write_text(
+        "import duhem\n@duhem.criterion\ndef thin(sigma_a, sigma_b, sigma_n, mu):\n    'Thin.'\n    return abs(sigma_a)/mu + sigma_n\n"
+    )
+    code = "import sys; sys.path.remove(''); from duhem.__main__ import main; sys.exit(main())"
+    command = [sys.executable, "-c", code, "verify", "beside:thin", "--claims", "origin"]
+    environment = os.environ | {"PYTHONPATH": str(SOURCE)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_doctor_lists_what_the_project_declares(run: Run) -> None:
+    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text("utf-8"))["project"]
+
+    def names(requirements: list[str]) -> set[str]:
+        return {re.split(r"[\[><=~!; ]", r)[0] for r in requirements} - {"duhem"}
+
+    assert names(project["dependencies"]) == set(doctor.CORE)
+    declared = {extra: names(r) for extra, r in project["optional-dependencies"].items() if extra != "all"}
+    assert declared == {extra: set(packages) for extra, packages in doctor.EXTRAS.items()}
+    code, out, _ = run("doctor")
+    assert code == 0
+    assert re.search(r"^  sympy +\d", out, re.MULTILINE)
+    assert "python" in out
+
+
+def test_doctor_gives_the_remedy_for_a_gap(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def version(name: str) -> str:
+        if name == "matplotlib":
+            raise PackageNotFoundError(name)
+        return "1.0"
+
+    monkeypatch.setattr(doctor, "version", version)
+    code, out, _ = run("doctor")
+    assert code == 0
+    assert 'pip install "duhem[plot]"' in out
+    assert 'pip install "duhem"' not in out
+    monkeypatch.setattr(doctor, "CORE", ("matplotlib",))
+    code, out, _ = run("doctor")
+    assert code == 4
+    assert 'pip install "duhem"' in out
+
+
+def test_completion_knows_the_laws_without_importing_sympy() -> None:
+    code = (
+        "import atexit, sys; atexit.register(lambda: print('sympy' in sys.modules, file=sys.stderr))\n"
+        "from duhem.__main__ import main; sys.exit(main())"
+    )
+    environment = os.environ | {"_DUHEM_COMPLETE": "bash_complete", "COMP_WORDS": "duhem verify ant", "COMP_CWORD": "2"}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, timeout=60)
+    assert "plain,antoni2007\nplain,antoni2007-1d" in done.stdout
+    assert done.stderr == "False\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX pipes")
+def test_a_reader_that_goes_away_is_no_failure() -> None:
+    read_end, write_end = os.pipe()
+    os.close(read_end)
+    done = subprocess.run([sys.executable, "-m", "duhem", "list"], stdout=write_end, stderr=subprocess.PIPE, text=True, timeout=60)
+    os.close(write_end)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_output_that_cannot_show_a_letter() -> None:
+    environment = os.environ | {"PYTHONIOENCODING": "iso8859-7", "PYTHONUTF8": "0"}  # Greek has no é
+    command = [sys.executable, "-m", "duhem", "verify", "antoni2007", "--claims", "origin"]
+    done = subprocess.run(command, env=environment, capture_output=True, encoding="iso8859-7", timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert r"Saffr\xe9" in done.stdout
