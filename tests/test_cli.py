@@ -329,12 +329,13 @@ def test_completion_knows_the_laws_without_importing_sympy() -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX pipes")
-def test_a_reader_that_goes_away_is_no_failure() -> None:
+@pytest.mark.parametrize(("arguments", "code"), [(["list"], 0), (["verify", "box", "--claims", "smoothness"], 1)], ids=["list", "verify"])
+def test_a_reader_that_goes_away_changes_no_exit_code(arguments: list[str], code: int) -> None:
     read_end, write_end = os.pipe()
     os.close(read_end)
-    done = subprocess.run([sys.executable, "-m", "duhem", "list"], stdout=write_end, stderr=subprocess.PIPE, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-m", "duhem", *arguments], stdout=write_end, stderr=subprocess.PIPE, text=True, timeout=60)
     os.close(write_end)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, done.stderr) == (code, "")
 
 
 def test_output_that_cannot_show_a_letter() -> None:

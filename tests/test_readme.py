@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from duhem.cli import cli
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text("utf-8")
 
@@ -60,6 +62,12 @@ def test_two_commands_set_it_up_and_the_second_is_ci() -> None:
     commands = [line for block in blocks("sh") for line in block.splitlines()]
     assert len(commands) == 2
     assert (ROOT / ".ci" / "run").read_text("utf-8").splitlines()[-1] == commands[1]
+
+
+def test_every_command_named_exists() -> None:
+    named = set(re.findall(r"(?:`|&& |^\$ )duhem ([a-z]+)", README, flags=re.M))
+    assert "verify" in named
+    assert named - set(cli.commands) == set()
 
 
 def test_links_lead_somewhere() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
 import traceback
@@ -25,7 +24,6 @@ def main() -> int:
             stream.reconfigure(errors="backslashreplace")
     try:
         code = cli.main(prog_name="duhem", standalone_mode=False)
-        sys.stdout.flush()
         return code if isinstance(code, int) else HELD
     except click.ClickException as fault:
         fault.show()
@@ -34,24 +32,11 @@ def main() -> int:
         return _complain(str(fault), USAGE)
     except (click.Abort, KeyboardInterrupt):
         return _complain("interrupted", INTERRUPTED)
-    except BrokenPipeError:
-        return _reader_gone()
-    except SystemExit as ending:  # click ends so after completion, and with 1 where the reader went away
-        if isinstance(ending.__context__, BrokenPipeError):
-            return _reader_gone()
-        raise
     except Exception as fault:
         place = traceback.extract_tb(fault.__traceback__)[-1]
         where = f"{os.path.basename(place.filename)}:{place.lineno}"
         remedy = "this is a defect of duhem: report it with the output of duhem doctor"
         return _complain(f"internal failure: {type(fault).__name__}: {fault} (at {where}); {remedy}", FAILED)
-
-
-def _reader_gone() -> int:
-    """Nobody reads any more, as in ``duhem list | head -1``: no failure; keep Python from flushing again on exit."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return HELD
 
 
 def _complain(text: str, code: int) -> int:

@@ -80,9 +80,9 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, str
 
             done = verification.verify(fixed, claims=asked, on_claim=on_claim)
     except KeyboardInterrupt:
-        click.echo(report.interrupted(fixed, decided))
+        _say(report.interrupted(fixed, decided))
         return INTERRUPTED
-    click.echo(report.complete(done))
+    _say(report.complete(done))
     return _code([r.verdict for r in done.results], strict)
 
 
@@ -97,7 +97,7 @@ def derive(law: str, form: str) -> None:
     from duhem import derivation
 
     derived = derivation.derive(chosen)
-    click.echo({"text": derived.text, "latex": derived.latex, "markdown": derived.markdown}[form]())
+    _say({"text": derived.text, "latex": derived.latex, "markdown": derived.markdown}[form]())
 
 
 @cli.command("list")
@@ -108,7 +108,7 @@ def list_laws() -> None:
     names = catalogue.names()
     width = max(map(len, names))
     for name in names:
-        click.echo(f"{name:<{width}}  {catalogue.summary(name)}".rstrip())
+        _say(f"{name:<{width}}  {catalogue.summary(name)}".rstrip())
 
 
 @cli.command()
@@ -126,7 +126,7 @@ def init(name: str) -> None:
         raise InputError("the file exists already", where=f"{path}", remedy="choose another name or move the file away") from None
     except OSError as fault:
         raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{path}", remedy="write where you may") from None
-    click.echo(f"wrote {path}; verify it with: duhem verify {path}")
+    _say(f"wrote {path}; verify it with: duhem verify {path}")
 
 
 @cli.command()
@@ -138,10 +138,10 @@ def explain(claim: str | None) -> None:
     if claim is None:
         width = max(map(len, CLAIMS))
         for name, entry in CLAIMS.items():
-            click.echo(f"{name:<{width}}  {entry.statement}")
+            _say(f"{name:<{width}}  {entry.statement}")
         return
     (name,) = _claims(claim)
-    click.echo(f"{name}: {CLAIMS[name].statement}\n\n{CLAIMS[name].theory.strip()}")
+    _say(f"{name}: {CLAIMS[name].statement}\n\n{CLAIMS[name].theory.strip()}")
 
 
 @cli.command()
@@ -152,8 +152,16 @@ def doctor() -> int:
     """
     from duhem import doctor as parts
 
-    click.echo(parts.report())
+    _say(parts.report())
     return FAILED if parts.missing() else HELD
+
+
+def _say(text: str) -> None:
+    """Print a result; a reader that goes away, as in ``duhem list | head -1``, changes no exit code."""
+    try:
+        click.echo(text)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _law(text: str) -> Criterion:

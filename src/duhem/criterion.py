@@ -11,7 +11,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType, ModuleType
-from typing import Any
+from typing import Any, overload
 
 import sympy as sp
 from sympy.core.relational import Relational
@@ -144,18 +144,24 @@ class Criterion:
         forces = {self.symbols()[f] for f in self.forces}
         for what, expr in [("g", self.g), *(("flow", c) for c in self.flow or ())]:
             if stray := expr.free_symbols - known:
-                raise InputError(f"{what} uses the undeclared {sorted(map(str, stray))}", where=self.name, remedy="declare it as a parameter")
+                raise InputError(
+                    f"{what} uses the undeclared {sorted(map(str, stray))}", where=self.name, remedy="declare it as a parameter"
+                )
         if not self.g.free_symbols & forces:
             raise InputError("g does not depend on any force", where=self.name, remedy=f"use at least one of {', '.join(self.forces)}")
         if self.flow is not None and len(self.flow) != len(self.forces):
             raise InputError(
-                f"the flow has {len(self.flow)} components for {len(self.forces)} forces", where=self.name, remedy="give one expression per force"
+                f"the flow has {len(self.flow)} components for {len(self.forces)} forces",
+                where=self.name,
+                remedy="give one expression per force",
             )
         allowed = {self.symbols()[p] for p in self.parameters}
         for relation in self.constraints:
             if stray := relation.free_symbols - allowed:
                 raise InputError(
-                    f"the constraint {relation} uses {sorted(map(str, stray))}", where=self.name, remedy="constraints relate parameters only"
+                    f"the constraint {relation} uses {sorted(map(str, stray))}",
+                    where=self.name,
+                    remedy="constraints relate parameters only",
                 )
 
     def symbols(self) -> dict[str, sp.Symbol]:
@@ -174,10 +180,14 @@ class Criterion:
         domains = dict(self.parameters)
         for name, value in (values or {}).items():
             if name not in domains:
-                raise InputError(f"unknown parameter {name!r}", where=self.name, remedy=f"its parameters are: {', '.join(domains) or 'none'}")
+                raise InputError(
+                    f"unknown parameter {name!r}", where=self.name, remedy=f"its parameters are: {', '.join(domains) or 'none'}"
+                )
             number = exact_number(value)
             if number not in domains[name]:
-                raise InputError(f"{name} = {number} lies outside its domain {domains[name].describe()}", where=self.name, remedy="choose a value inside")
+                raise InputError(
+                    f"{name} = {number} lies outside its domain {domains[name].describe()}", where=self.name, remedy="choose a value inside"
+                )
             domains[name] = Domain.fixed(number)
         return _over(self, domains)
 
@@ -211,6 +221,23 @@ def _relation(given: Any, known: Mapping[str, sp.Symbol], where: str) -> Relatio
 _registered: dict[str, Criterion] = {}
 
 
+@overload
+def criterion(function: Callable[..., Any]) -> Criterion: ...
+
+
+@overload
+def criterion(
+    *,
+    name: str | None = None,
+    parameters: Mapping[str, Domain] | None = None,
+    forces: Sequence[str] = FORCES,
+    pressure: str | None = PRESSURE,
+    constraints: Sequence[str] = (),
+    flow: Sequence[Any] | None = None,
+    source: str = "",
+) -> Callable[[Callable[..., Any]], Criterion]: ...
+
+
 def criterion(
     function: Callable[..., Any] | None = None,
     *,
@@ -221,7 +248,7 @@ def criterion(
     constraints: Sequence[str] = (),
     flow: Sequence[Any] | None = None,
     source: str = "",
-) -> Any:
+) -> Criterion | Callable[[Callable[..., Any]], Criterion]:
     """Turn a function of the declared names into a registered :class:`Criterion`.
 
     The function receives SymPy symbols by the names of its arguments and returns g; its docstring's first line
@@ -241,7 +268,7 @@ def criterion(
             parameters=domains,
             forces=tuple(forces),
             pressure=pressure,
-            constraints=tuple(constraints),  # type: ignore[arg-type]  # text is parsed on construction
+            constraints=tuple(constraints),
             flow=None if flow is None else tuple(flow),
             summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
             source=source,

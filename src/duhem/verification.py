@@ -127,7 +127,9 @@ def verify(
         settled[name] = evidence = CLAIMS[name].examine(case, settled)
         seconds = time.perf_counter() - start
         if name in wanted:
-            result = ClaimResult(name, evidence.verdict, evidence.method, _scope(criterion, evidence), seconds, evidence.detail, evidence.witness)
+            result = ClaimResult(
+                name, evidence.verdict, evidence.method, _scope(criterion, evidence), seconds, evidence.detail, evidence.witness
+            )
             results.append(result)
             if on_claim is not None:
                 on_claim(result)

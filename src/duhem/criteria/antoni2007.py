@@ -18,9 +18,7 @@ from duhem.expression import Neg, Norm, Pos
 
 
 @criterion(source="Antoni, Ligier, Saffré and Pastor (2007), Eq. (35)")
-def antoni2007(
-    sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu_a_plus: Expr, mu_a_minus: Expr, mu_b_plus: Expr, mu_b_minus: Expr
-) -> Expr:
+def antoni2007(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu_a_plus: Expr, mu_a_minus: Expr, mu_b_plus: Expr, mu_b_minus: Expr) -> Expr:
     """Asymmetric orthotropic friction: four quarter ellipses."""
     along_a = Pos(sigma_a) / mu_a_plus + Neg(sigma_a) / mu_a_minus
     along_b = Pos(sigma_b) / mu_b_plus + Neg(sigma_b) / mu_b_minus

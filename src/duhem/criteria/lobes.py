@@ -25,9 +25,7 @@ DEPTH = Domain.between(-1, 1)
 def lobe_law(n: int) -> Criterion:
     """The law with n >= 1 lobes; registered as ``lobes-n``, and as ``lobes`` for n = 3."""
 
-    @criterion(
-        name="lobes" if n == 3 else f"lobes-{n}", parameters={"e": DEPTH}, constraints=["-1 < e", "e < 1"], source="do Carmo (1976)"
-    )
+    @criterion(name="lobes" if n == 3 else f"lobes-{n}", parameters={"e": DEPTH}, constraints=["-1 < e", "e < 1"], source="do Carmo (1976)")
     def law(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu: Expr, e: Expr) -> Expr:
         """Friction with an n-fold texture: a curve with lobes."""
         r, wave = Norm(sigma_a, sigma_b), re(expand((sigma_a + I * sigma_b) ** n))

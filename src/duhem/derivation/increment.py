@@ -111,6 +111,8 @@ def interval(law: Criterion, force: sp.Symbol) -> Interval | None:
         if below is None or above is None:
             return None
         ends = [-below, above]
+    if any(end.has(sp.AccumBounds, sp.nan, sp.zoo, sp.oo) for end in ends):
+        return None
     low, high = (sp.factor_terms(end).xreplace(outward) for end in ends)
     found = Interval(force, low, high, tuple(r.xreplace(outward) for r in ball.requires) if ball is not None else ())
     return found if _confirmed(law, found) else None
@@ -137,7 +139,7 @@ def _confirmed(law: Criterion, found: Interval) -> bool:
                     return False
                 tried += 1
         return tried > 0
-    except (ArithmeticError, TypeError, ValueError, NameError):
+    except (ArithmeticError, TypeError, ValueError, NotImplementedError):
         return False
 
 

@@ -29,7 +29,9 @@ def smoothness(case: Case) -> Evidence | None:
     The second follows from convexity and a point with g < 0 (no minimum on the boundary), or from Euler's relation.
     """
     if len(case.simple.forces) == 1:
-        return Evidence(Verdict.PROVED, "one-dimensional", "with one force the boundary is at most isolated points, where the normal is +1 or -1")
+        return Evidence(
+            Verdict.PROVED, "one-dimensional", "with one force the boundary is at most isolated points, where the normal is +1 or -1"
+        )
     g = case.simple.g
     facts = regularity(g, case)
     if not facts.known or facts.kinks or not all(_off_boundary(case, tip) for tip in facts.tips):
@@ -37,7 +39,9 @@ def smoothness(case: Case) -> Evidence | None:
     regular = _regular(case)
     if regular is None:
         return None
-    cancelled = "every kink lies where the function under it vanishes" if g.has(sp.Abs) or "Pos" in str(g) or "Neg" in str(g) else "g has no kink"
+    cancelled = (
+        "every kink lies where the function under it vanishes" if g.has(sp.Abs) or "Pos" in str(g) or "Neg" in str(g) else "g has no kink"
+    )
     return Evidence(Verdict.PROVED, "composition", f"{cancelled}, no tip lies on the boundary, and {regular}")
 
 

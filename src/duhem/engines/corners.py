@@ -90,8 +90,12 @@ def _corner(case: Case, parameters: Values, before: Branch, after: Branch, seam:
             return Witness(
                 parameters=describe(case, at, forces=False),
                 points={"corner": describe(case, at)},
-                values={"n1 x n2": decimal_pair(cross), **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(forces, n, strict=True)}},
-                statement=f"within {radius} of this point the boundary has a corner on {formula(seam)} = 0: the normals n1, n2 of its two sides are not parallel",
+                values={
+                    "n1 x n2": decimal_pair(cross),
+                    **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(forces, n, strict=True)},
+                },
+                statement=f"within {radius} of this point the boundary has a corner on {formula(seam)} = 0: "
+                "the normals n1, n2 of its two sides are not parallel",
                 measures={"corner_degrees": angle},
             )
     return None

@@ -37,7 +37,10 @@ def origin_refuted(case: Case) -> Evidence | None:
         sign, enclosure = sign_at(case.problem.g, values)
         if sign == 1:
             witness = Witness(
-                describe(case, values, forces=False), {"origin": describe(case, values)}, {"g(0)": decimal_pair(enclosure)}, "g > 0 at zero force: 0 is not in K"
+                describe(case, values, forces=False),
+                {"origin": describe(case, values)},
+                {"g(0)": decimal_pair(enclosure)},
+                "g > 0 at zero force: 0 is not in K",
             )
             return Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
     return None

@@ -58,9 +58,16 @@ def normality_refuted_by_chord(case: Case, chord: Witness) -> Evidence | None:
         normal = enclosed_normal(case, bracket)
         return None if normal is None else sp.Add(*(n * sp.Rational(str(b - a)) for n, a, b in zip(normal, p, q, strict=True)))
 
-    statement = "on the segment from p to q = tau the boundary is crossed outward, so grad g . (tau - sigma) > 0 there: the normal is not in the normal cone of K"
+    statement = (
+        "on the segment from p to q = tau the boundary is crossed outward, so grad g . (tau - sigma) > 0 there: "
+        "the normal is not in the normal cone of K"
+    )
     witness = violation(case, parameters, p, middle, turned_away, "grad g . (q - p)", statement, wanted=1, target=q)
-    return None if witness is None else Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
+    return (
+        None
+        if witness is None
+        else Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
+    )
 
 
 def _read(case: Case, chord: Witness) -> tuple[Values, list[Fraction], list[Fraction], list[Fraction]]:
@@ -133,4 +140,3 @@ def _angles(case: Case, bracket: Bracket) -> dict[str, float]:
     if len(d) == 2:
         measures["slip_angle_degrees"] = math.degrees(math.atan2(d[1], d[0]))
     return measures
-

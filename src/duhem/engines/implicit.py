@@ -38,7 +38,9 @@ def convexity(case: Case) -> Evidence | None:
     answer = case.ask(bend, Sense.NONNEGATIVE, *given)
     if answer.holds is not True:
         return None
-    return Evidence(Verdict.PROVED, f"implicit-curvature ({answer.method})", "K is star-shaped about 0 and its boundary curves inward everywhere")
+    return Evidence(
+        Verdict.PROVED, f"implicit-curvature ({answer.method})", "K is star-shaped about 0 and its boundary curves inward everywhere"
+    )
 
 
 def hessian(case: Case) -> Evidence | None:
@@ -62,7 +64,11 @@ def hessian(case: Case) -> Evidence | None:
             jump = after.signs[switch] * sp.Add(*(r * sp.diff(switch, x) for r, x in zip(rise, forces, strict=True)))
             if case.ask(jump, Sense.NONNEGATIVE, *where).holds is not True:
                 return None
-    return Evidence(Verdict.PROVED, f"hessian ({', '.join(sorted(used))})", "g is convex: second derivatives >= 0 on each branch, gradient never jumps down")
+    return Evidence(
+        Verdict.PROVED,
+        f"hessian ({', '.join(sorted(used))})",
+        "g is convex: second derivatives >= 0 on each branch, gradient never jumps down",
+    )
 
 
 def smoothness(case: Case) -> Evidence | None:
@@ -116,5 +122,3 @@ def _star(case: Case, piece: Branch) -> bool:
         return False
     power = sum(x * sp.diff(piece.expr, x) for x in forces)
     return case.ask(power, Sense.POSITIVE, sp.Eq(piece.expr, 0)).holds is True
-
-

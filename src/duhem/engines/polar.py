@@ -47,10 +47,13 @@ def dissipation(case: Case) -> Evidence | None:
     """Euler: sigma . grad g > 0 on the boundary of g = A - B with A, B > 0 homogeneous of degrees a > b."""
     if case.problem.flow is not None or profile(case) is None:
         return None
-    return Evidence(Verdict.PROVED, "euler", "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary")
+    return Evidence(
+        Verdict.PROVED, "euler", "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary"
+    )
 
 
 def _jumps(form: Profile, sense: Sense) -> bool:
     return all(
-        form.case.ask(form.slope(after) - form.slope(before), sense, *where, circle=(form.x, form.y)).holds is True for before, after, where in form.seams()
+        form.case.ask(form.slope(after) - form.slope(before), sense, *where, circle=(form.x, form.y)).holds is True
+        for before, after, where in form.seams()
     )

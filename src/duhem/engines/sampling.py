@@ -14,4 +14,6 @@ def sampled(case: Case) -> Evidence | None:
     count = sum(1 for _ in choices(case, most=12))
     if count == 0:
         return None
-    return Evidence(Verdict.TESTED, "sampling", f"no violation at {count} parameter choices (boundary scouts, fixed seeds); nothing is proved")
+    return Evidence(
+        Verdict.TESTED, "sampling", f"no violation at {count} parameter choices (boundary scouts, fixed seeds); nothing is proved"
+    )

@@ -22,8 +22,14 @@ def state_laws(case: Case) -> Evidence | None:
     elastic = u - inelastic
     energy = sp.expand((elastic.T * stiffness * elastic)[0] / 2)
     stress = stiffness * elastic
-    derived = all(sp.expand(sp.diff(energy, u[i]) - stress[i]) == 0 == sp.expand(sp.diff(energy, inelastic[i]) + stress[i]) for i in range(d))
+    derived = all(
+        sp.expand(sp.diff(energy, u[i]) - stress[i]) == 0 == sp.expand(sp.diff(energy, inelastic[i]) + stress[i]) for i in range(d)
+    )
     squares = sum((r**2 for r in factor.T * elastic), sp.S.Zero) / 2
     if not derived or sp.expand(energy - squares) != 0:
         return None
-    return Evidence(Verdict.PROVED, "symbolic", "sigma = k (u - u_in) = dpsi/du = -dpsi/du_in; psi = |L^T (u - u_in)|^2/2 with k = L L^T is a sum of squares")
+    return Evidence(
+        Verdict.PROVED,
+        "symbolic",
+        "sigma = k (u - u_in) = dpsi/du = -dpsi/du_in; psi = |L^T (u - u_in)|^2/2 with k = L L^T is a sum of squares",
+    )

@@ -70,7 +70,9 @@ class BoundaryScout:
         if flow is None:
             slips = self._gradient()
         else:
-            slips = np.stack([np.broadcast_to(compiled(c.subs(self.exact), self.forces)(*self.boundary.T), len(self.boundary)) for c in flow], axis=1)
+            slips = np.stack(
+                [np.broadcast_to(compiled(c.subs(self.exact), self.forces)(*self.boundary.T), len(self.boundary)) for c in flow], axis=1
+            )
         return slips / (np.linalg.norm(slips, axis=1, keepdims=True) + 1e-300)
 
     def _gradient(self) -> Any:

@@ -66,7 +66,16 @@ def _range(case: Case, x: sp.Symbol) -> list[Fraction]:
         if getattr(relation, "lts", None) == x and relation.gts.is_Rational:
             high = fraction(relation.gts) if high is None else min(high, fraction(relation.gts))
     if low is not None and high is not None:
-        shares = (Fraction(0), Fraction(1), Fraction(1, 2), Fraction(1, 100), Fraction(99, 100), Fraction(1, 4), Fraction(3, 4), Fraction(9, 10))
+        shares = (
+            Fraction(0),
+            Fraction(1),
+            Fraction(1, 2),
+            Fraction(1, 100),
+            Fraction(99, 100),
+            Fraction(1, 4),
+            Fraction(3, 4),
+            Fraction(9, 10),
+        )
         return [low + s * (high - low) for s in shares]
     if low is None and high is None:
         return [Fraction(0), *_SCALES, *(-s for s in _SCALES)]

@@ -51,7 +51,12 @@ class Profile:
         def others(*left_out: int) -> sp.Expr:
             return sp.Mul(*(p for k, p in enumerate(bases) if k not in left_out))
 
-        bend = sp.Add(*(a * (p * d2 - d1**2) * others(i) ** 2 for i, (a, p, d1, d2) in enumerate(zip(self.exponents, bases, first, second, strict=True))))
+        bend = sp.Add(
+            *(
+                a * (p * d2 - d1**2) * others(i) ** 2
+                for i, (a, p, d1, d2) in enumerate(zip(self.exponents, bases, first, second, strict=True))
+            )
+        )
         slope = sp.Add(*(a * d1 * others(i) for i, (a, d1) in enumerate(zip(self.exponents, first, strict=True))))
         return bend + slope**2 + others() ** 2
 
@@ -63,10 +68,14 @@ class Profile:
                 if not crossed or before.expr == after.expr:
                     continue
                 rest = {s: v for s, v in {**before.signs, **after.signs}.items() if s not in crossed}
-                yield before, after, (
-                    *(sp.Eq(s, 0) for s in crossed),
-                    *(sp.StrictGreaterThan(after.signs[s] * self.turn(s), 0) for s in crossed),
-                    *(sp.GreaterThan(v * s, 0) for s, v in rest.items()),
+                yield (
+                    before,
+                    after,
+                    (
+                        *(sp.Eq(s, 0) for s in crossed),
+                        *(sp.StrictGreaterThan(after.signs[s] * self.turn(s), 0) for s in crossed),
+                        *(sp.GreaterThan(v * s, 0) for s, v in rest.items()),
+                    ),
                 )
 
     def transversal(self) -> bool:
@@ -81,7 +90,9 @@ class Profile:
         """Whether every base has a derivative on its whole closed arc: no quotient or root in it degenerates there."""
         circle = (self.x, self.y)
         return all(
-            self.case.ask(self.turn(p) ** 2, Sense.NONNEGATIVE, *arc.conditions(), circle=circle).holds is True for arc in self.arcs for p in arc.expr
+            self.case.ask(self.turn(p) ** 2, Sense.NONNEGATIVE, *arc.conditions(), circle=circle).holds is True
+            for arc in self.arcs
+            for p in arc.expr
         )
 
     def continuous(self) -> bool:

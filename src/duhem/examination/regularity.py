@@ -13,8 +13,8 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.examination.case import Case
 from duhem.errors import InputError
+from duhem.examination.case import Case
 from duhem.expression import Neg, Norm, Pos, Where, fold
 from duhem.expression.branches import oriented
 

@@ -50,7 +50,9 @@ def _in_choice(case: Case, parameters: Values) -> Witness | None:
     for p, q, p_anchor, q_anchor in _suspects(value, centre):
         for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
             pull = 10.0**-digits
-            rounded = [[Fraction(round(float(c) * 10**digits), 10**digits) for c in x + pull * (a - x)] for x, a in ((p, p_anchor), (q, q_anchor))]
+            rounded = [
+                [Fraction(round(float(c) * 10**digits), 10**digits) for c in x + pull * (a - x)] for x, a in ((p, p_anchor), (q, q_anchor))
+            ]
             if (found := chord(case, parameters, *rounded)) is not None:
                 return found
     return None
@@ -149,7 +151,10 @@ def boundary_dent(case: Case, parameters: Values, direction: Sequence[Any], dps:
         low, high = (middle, high) if value([middle * c for c in ray]) <= 0 else (low, middle)
     x = [low * c for c in ray]
     step = low * context.mpf(10) ** (-dps // 3)
-    slope = [(value([x[0] + step, x[1]]) - value([x[0] - step, x[1]])) / (2 * step), (value([x[0], x[1] + step]) - value([x[0], x[1] - step])) / (2 * step)]
+    slope = [
+        (value([x[0] + step, x[1]]) - value([x[0] - step, x[1]])) / (2 * step),
+        (value([x[0], x[1] + step]) - value([x[0], x[1] - step])) / (2 * step),
+    ]
     length = context.hypot(*slope)
     if not length > 0:
         return None

@@ -12,8 +12,8 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.examination.case import Case
 from duhem.errors import InputError
+from duhem.examination.case import Case
 from duhem.expression import Neg, Norm, Pos, Where, fold
 from duhem.positivity import Sense
 
@@ -133,19 +133,28 @@ class _Calculus:
             return _UNKNOWN
         if p.is_Integer and p > 0 and p % 2 == 0:
             if base.affine or (base.convex and base.nonnegative) or (base.concave and base.nonpositive):
-                return Shape(convex=True, quasiconvex=True, nonnegative=True, rules=_used(base, rule="even powers of affine functions are convex"))
+                return Shape(
+                    convex=True, quasiconvex=True, nonnegative=True, rules=_used(base, rule="even powers of affine functions are convex")
+                )
             return Shape(nonnegative=True)
         if not base.nonnegative:
             return self.signed(node, _UNKNOWN)
         if self.case.nonnegative(p - 1):
             if base.convex:
-                return Shape(convex=True, quasiconvex=True, nonnegative=True, rules=_used(base, rule="x^p is convex and increasing on x >= 0 for p >= 1"))
+                return Shape(
+                    convex=True,
+                    quasiconvex=True,
+                    nonnegative=True,
+                    rules=_used(base, rule="x^p is convex and increasing on x >= 0 for p >= 1"),
+                )
             return Shape(quasiconvex=base.quasiconvex, nonnegative=True, rules=base.rules)
         if self.case.positive(p):
             if gauge := self._gauge(node.base, p):
                 return Shape(convex=True, quasiconvex=True, nonnegative=True, rules=gauge)
             concave = base.concave and self.case.nonnegative(1 - p)
-            return Shape(concave=concave, quasiconvex=base.quasiconvex, nonnegative=True, rules=_used(base, rule="x^p is increasing on x >= 0"))
+            return Shape(
+                concave=concave, quasiconvex=base.quasiconvex, nonnegative=True, rules=_used(base, rule="x^p is increasing on x >= 0")
+            )
         return Shape(nonnegative=True)
 
     def _gauge(self, base: sp.Expr, p: sp.Expr) -> tuple[str, ...] | None:
@@ -166,7 +175,7 @@ class _Calculus:
                 return None
             inner = self.of(sp.Mul(*(b for b, _ in powers)))
             even = q.is_Integer and q % 2 == 0
-            if not (inner.convex and inner.nonnegative or (even and inner.affine)):
+            if not ((inner.convex and inner.nonnegative) or (even and inner.affine)):
                 return None
             rules += inner.rules
         return tuple(dict.fromkeys(rules)) if self.case.nonnegative(q - 1) else None
@@ -180,7 +189,11 @@ class _Calculus:
         if form.total_degree() != 2:
             return None
         lift = sp.Dummy("t", real=True)
-        homogeneous = form.homogenize(lift).as_expr() if root else sum(c * sp.prod(x**k for x, k in zip(forces, m, strict=True)) for m, c in form.terms() if sum(m) == 2)
+        homogeneous = (
+            form.homogenize(lift).as_expr()
+            if root
+            else sum(c * sp.prod(x**k for x, k in zip(forces, m, strict=True)) for m, c in form.terms() if sum(m) == 2)
+        )
         answer = self.case.ask(homogeneous, Sense.NONNEGATIVE)
         return "a quadratic function with positive semidefinite matrix is convex" if answer.holds is True else None
 
@@ -216,11 +229,18 @@ class _Calculus:
         return self.maximum(node, *(x.negated() for x in args)).negated() if node.free_symbols & self.forces else self.constant(node)
 
     def exponential(self, node: Any, x: Shape) -> Shape:
-        return self.signed(node, Shape(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule="exp is convex and increasing")))
+        return self.signed(
+            node, Shape(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule="exp is convex and increasing"))
+        )
 
     def logarithm(self, node: Any, x: Shape) -> Shape:
         return self.opaque(node, x)
 
     def increasing(self, node: Any, x: Shape) -> Shape:
-        facts = Shape(quasiconvex=x.quasiconvex, nonnegative=x.nonnegative, nonpositive=x.nonpositive, rules=_used(x, rule="an increasing map keeps sublevel sets"))
+        facts = Shape(
+            quasiconvex=x.quasiconvex,
+            nonnegative=x.nonnegative,
+            nonpositive=x.nonpositive,
+            rules=_used(x, rule="an increasing map keeps sublevel sets"),
+        )
         return self.signed(node, facts)

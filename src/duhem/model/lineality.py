@@ -25,7 +25,9 @@ def invariant_directions(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[
     others = sorted(g.free_symbols - set(forces), key=str)
     rows = []
     for _ in range(len(forces) + 2):
-        point = {x: sp.Rational(rng.randint(-9, 9), rng.randint(1, 9)) for x in forces} | {p: sp.Rational(rng.randint(1, 9), 7) for p in others}
+        point = {x: sp.Rational(rng.randint(-9, 9), rng.randint(1, 9)) for x in forces} | {
+            p: sp.Rational(rng.randint(1, 9), 7) for p in others
+        }
         rows.append([c.subs(point) for c in gradient])
     candidates = [tuple(v / sp.gcd(tuple(v))) for v in sp.Matrix(rows).nullspace() if all(c.is_Rational for c in v)]
     return [v for v in candidates if sp.expand(sum(c * d for c, d in zip(v, gradient, strict=True))) == 0]
@@ -39,7 +41,11 @@ def _affine_parts(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
         node = stack.pop()
         if not node.free_symbols & set(forces):
             continue
-        if isinstance(node, sp.Expr) and all(not sp.diff(node, x).free_symbols & set(forces) for x in forces if node.is_polynomial(x)) and node.is_polynomial(*forces):
+        if (
+            isinstance(node, sp.Expr)
+            and all(not sp.diff(node, x).free_symbols & set(forces) for x in forces if node.is_polynomial(x))
+            and node.is_polynomial(*forces)
+        ):
             parts.setdefault(node)
         else:
             stack.extend(node.args)

@@ -8,6 +8,7 @@ x = (1 - t^2)/(1 + t^2), y = 2t/(1 + t^2); the point theta = pi is examined apar
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import pairwise
 
 import sympy as sp
 
@@ -51,7 +52,7 @@ def _on_circle(system: System) -> Answer:
 
 
 def _is_circle(relation: Relation, x: sp.Symbol, y: sp.Symbol) -> bool:
-    return relation.op == "==" and sp.expand(relation.poly - x**2 - y**2 + 1) == 0 or relation.poly == 0
+    return (relation.op == "==" and sp.expand(relation.poly - x**2 - y**2 + 1) == 0) or relation.poly == 0
 
 
 def _half_angle(poly: sp.Expr, x: sp.Symbol, y: sp.Symbol, t: sp.Symbol) -> sp.Expr:
@@ -100,7 +101,7 @@ def _samples(spans: list[tuple[sp.Rational, sp.Rational]]) -> Iterable[sp.Ration
     """One rational strictly between each pair of neighbouring roots, and one beyond each end."""
     if not spans:
         return [sp.S.Zero]
-    inner = [(a[1] + b[0]) / 2 for a, b in zip(spans, spans[1:], strict=False)]
+    inner = [(a[1] + b[0]) / 2 for a, b in pairwise(spans)]
     return [spans[0][0] - 1, *inner, spans[-1][1] + 1]
 
 

@@ -87,7 +87,13 @@ def by_rules(question: Question) -> Answer:
     if any(p.exp.could_extract_minus_sign() and p.base.is_nonzero is not True for p in expr.atoms(sp.Pow)):
         return Answer(None, "sign-rules", reason="a denominator may vanish")
     for form in (expr, sp.factor_terms(expr)):
-        plain = form.is_nonnegative if question.sense is Sense.NONNEGATIVE else form.is_positive if question.sense is Sense.POSITIVE else form.is_zero
+        plain = (
+            form.is_nonnegative
+            if question.sense is Sense.NONNEGATIVE
+            else form.is_positive
+            if question.sense is Sense.POSITIVE
+            else form.is_zero
+        )
         if plain:
             return Answer(True, "sign-rules")
     return Answer(None, "sign-rules")

@@ -46,7 +46,9 @@ def by_enclosure(question: Question, seconds: float, most: int = 200_000) -> Ans
         if goal is True:
             continue
         if goal is False and all(v is True for v in verdicts):
-            return Answer(False, _METHOD, point={x: sp.Rational(v.numerator, v.denominator) for x, v in _middle(current, question, angle).items()})
+            return Answer(
+                False, _METHOD, point={x: sp.Rational(v.numerator, v.denominator) for x, v in _middle(current, question, angle).items()}
+            )
         if not current:
             return Answer(None, _METHOD, reason="the margin is below the working precision")
         queue.extend(_halves(current))
@@ -126,4 +128,3 @@ def _halves(box: Box) -> list[Box]:
     low, high = box[widest]
     middle = (low + high) / 2
     return [{**box, widest: (low, middle)}, {**box, widest: (middle, high)}]
-
