@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
+from duhem.catalogue import load
 from duhem.criterion import Criterion
 from duhem.derivation.energy import state_equations
 from duhem.derivation.equation import Derivation, Equation
@@ -18,16 +20,19 @@ from duhem.errors import InputError
 __all__ = ["derive"]
 
 
-def derive(law: Criterion, parameters: Mapping[str, Any] | None = None, stiffness: str = "orthotropic") -> Derivation:
+def derive(law: Criterion | str | Path, parameters: Mapping[str, Any] | None = None, stiffness: str = "orthotropic") -> Derivation:
     """Everything that follows symbolically from the law's formula (Antoni et al. 2007, section 2, Eqs. 1 and 21-36).
 
+    ``law`` is a criterion, or what :func:`duhem.load` finds by a name or path.
     ``parameters`` fixes some of them; ``stiffness`` is ``orthotropic`` (one k per force), ``isotropic`` (one k) or
     ``full`` (any symmetric positive definite matrix), in stress per length.  sigma_n <= 0 in compression.  What has no
-    closed form is left out and listed with its reason.  Raises InputError for an unknown parameter or stiffness.
+    closed form is left out and listed with its reason.  Raises InputError for an unknown law,
+    parameter or stiffness.
     """
-    if not isinstance(law, Criterion):
-        raise InputError(f"{type(law).__name__} has no formula to derive from", remedy="give a duhem.Criterion")
-    law = fixed(law, parameters)
+    chosen = load(law)
+    if not isinstance(chosen, Criterion):
+        raise InputError(f"{type(chosen).__name__} has no formula to derive from", remedy="give a duhem.Criterion")
+    law = fixed(chosen, parameters)
     names = Names.of(law, stiffness)
     left_out: list[tuple[str, str]] = []
     return Derivation(law.name, tuple(_equations(law, names, left_out)), tuple(left_out), names)

@@ -41,10 +41,21 @@ def read_ball(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Ball | None:
         gauge, centre, radius, full_rank = assemble(tree, radius)
     except (UnreadError, TooManyBranchesError, sp.PolynomialError, ArithmeticError, ValueError, TypeError, NotImplementedError):
         return None
-    unknown = dict.fromkeys(sp.factor_terms(r) for r in [*reader.requires, full_rank, radius] if not r.is_positive)
-    if any(r.is_nonpositive for r in unknown):
+    needed = dict.fromkeys(_core(r) for r in [*reader.requires, full_rank, radius] if not r.is_positive)
+    needed.pop(sp.S.One, None)
+    if any(r.is_nonpositive for r in needed):
         return None
-    return Ball(gauge, centre, radius, tuple(unknown))
+    implied = {shape for r in needed for shape in (sp.Abs(r), r**2, r**-2)}
+    return Ball(gauge, centre, radius, tuple(r for r in needed if r not in implied))
+
+
+def _core(expr: sp.Expr) -> sp.Expr:
+    """A shorter expression that is positive exactly where ``expr`` is: positive factors and odd or broken powers dropped."""
+    factored = sp.factor(expr) if expr.is_Add else sp.factor_terms(expr)
+    expr = sp.Mul(*[x for x in sp.Mul.make_args(factored) if not x.is_positive])
+    while isinstance(expr, sp.Pow) and expr.exp.is_Rational and not expr.exp.p % 2 == 0:
+        expr = expr.base
+    return expr
 
 
 class _Reader:
@@ -65,9 +76,15 @@ class _Reader:
             return self._raised(sp.Add(*[x**2 for x in a.args]), bound, sp.Integer(2))
         if isinstance(a, sp.Pow) and not a.exp.has(*self.forces) and not self._is_polynomial(a):
             self._positive(a.exp)
+            self._check_never_negative(a.base)
             return self._raised(a.base, bound, 1 / a.exp)
         tree, p, offset = self.power(a)
-        return tree, self._root(bound - offset, p)
+        return tree, self._root(self._positive(bound - offset), p)
+
+    def _check_never_negative(self, base: sp.Expr) -> None:
+        """A power is increasing only on what is never negative."""
+        if not base.is_nonnegative and not self.power(base)[2].is_nonnegative:
+            raise UnreadError
 
     def _isolated(self, a: sp.Expr, bound: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
         """The same inequality with constants and positive factors moved to the right."""

@@ -13,6 +13,7 @@ import sympy as sp
 from duhem.examination import Case
 from duhem.examination.choices import choices
 from duhem.examination.witness import Values, decimal_pair, describe, values_at
+from duhem.expression import Where
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.expression.branches import Branch
 from duhem.expression.text import formula
@@ -24,7 +25,7 @@ __all__ = ["smoothness"]
 def smoothness(case: Case) -> Evidence | None:
     """A boundary point on a seam where the one-sided normals differ (two forces, or laws that reduce to two)."""
     pieces = case.pieces
-    if len(case.simple.forces) != 2 or pieces is None or len(pieces) < 2:
+    if len(case.simple.forces) != 2 or pieces is None or len(pieces) < 2 or (case.simple.g.has(Where) and not case.continuous):
         return None
     for parameters in choices(case, most=6):
         for before, after, seam in _neighbours(pieces):

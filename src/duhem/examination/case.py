@@ -32,6 +32,11 @@ class Case:
         """Questions asked from now on share this many seconds; those after are left open."""
         self._deadline = time.monotonic() + seconds
 
+    @property
+    def exhausted(self) -> bool:
+        """Whether the time allowed has run out."""
+        return time.monotonic() >= self._deadline
+
     @cached_property
     def problem(self) -> Problem:
         """The law as stated, with N = |sigma_n|."""

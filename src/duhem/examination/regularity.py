@@ -117,8 +117,9 @@ class _Calculus:
             return _OPAQUE
         if p.is_Integer and p > 0:
             return Regularity(True, _NONE if p > 1 and base.cancelling else base.kinks, base.vanishing, base.tips)
-        if node.base.is_extended_nonnegative and self.case.positive(p - 1):
-            cancels = base.cancelling
-            return Regularity(True, _NONE if cancels else base.kinks, base.vanishing, base.tips)
+        if not (node.base.is_extended_nonnegative or self.case.nonnegative(node.base)):
+            return _OPAQUE  # undefined where the base is negative
+        if self.case.positive(p - 1):
+            return Regularity(True, _NONE if base.cancelling else base.kinks, base.vanishing, base.tips)
         zero = base.vanishing if self.case.positive(p) else _NONE
         return Regularity(True, base.kinks, zero, base.tips | {node.base})

@@ -31,6 +31,8 @@ _ANGLES, _RADII, _SECTIONS = 720, 48, 24
 def nonconvex_chord(case: Case, hints: Sequence[Mapping[sp.Symbol, Any]] = (), most: int = 40) -> Witness | None:
     """An exactly checked chord that leaves K, or None if the scouting found none."""
     for parameters in choices(case, hints, most):
+        if case.exhausted:
+            break
         if (found := _in_choice(case, parameters)) is not None:
             return found
     return None

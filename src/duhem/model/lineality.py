@@ -41,11 +41,7 @@ def _affine_parts(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
         node = stack.pop()
         if not node.free_symbols & set(forces):
             continue
-        if (
-            isinstance(node, sp.Expr)
-            and all(not sp.diff(node, x).free_symbols & set(forces) for x in forces if node.is_polynomial(x))
-            and node.is_polynomial(*forces)
-        ):
+        if isinstance(node, sp.Expr) and node.is_polynomial(*forces) and sp.Poly(node, *forces).total_degree() <= 1:
             parts.setdefault(node)
         else:
             stack.extend(node.args)

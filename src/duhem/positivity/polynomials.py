@@ -139,34 +139,23 @@ def _quotient(expr: sp.Expr, ring: PolyRing) -> _Quotient:
     def mul(node: sp.Basic, *terms: _Quotient) -> _Quotient:
         return _Quotient(times(t.num for t in terms), tuple(f for t in terms for f in t.den))
 
-    def power(node: sp.Basic, base: _Quotient, exponent: int) -> _Quotient:
-        if exponent >= 0:
-            return _Quotient(base.num**exponent, base.den * exponent)
+    def power(node: Any, base: _Quotient, _: _Quotient) -> _Quotient:
+        n = int(node.exp)
+        if n >= 0:
+            return _Quotient(base.num**n, base.den * n)
         if not base.num:
             raise NotAlgebraicError("division by zero")
-        constant = base.num.is_ground
-        if constant:
-            return _Quotient(times(base.den) ** -exponent * (1 / base.num.LC) ** -exponent, ())
-        return _Quotient(times(base.den) ** -exponent, (base.num,) * -exponent)
+        turned = times(base.den) ** -n
+        if base.num.is_ground:
+            return _Quotient(turned * (1 / base.num.LC) ** -n, ())
+        return _Quotient(turned, (base.num,) * -n)
 
-    def leaf(node: Any) -> Any:
-        if node.is_Integer and not node.is_Symbol:
-            number = ring.domain(int(node))
-            return _Number(ring.ground_new(number), (), int(node))
+    def leaf(node: Any) -> _Quotient:
         if node.is_Rational:
             return _Quotient(ring.ground_new(ring.domain(int(node.p), int(node.q))), ())
-        return _Quotient(ring(node) if not node.is_Symbol else ring.gens[ring.symbols.index(node)], ())
+        return _Quotient(ring.gens[ring.symbols.index(node)], ())
 
-    def pow_row(node: sp.Basic, base: _Quotient, exponent: Any) -> _Quotient:
-        return power(node, base, exponent.value)
-
-    result: _Quotient = fold(expr, {sp.Add: add, sp.Mul: mul, sp.Pow: pow_row}, leaf)
-    return result
-
-
-@dataclass(frozen=True)
-class _Number(_Quotient):
-    value: int
+    return fold(expr, {sp.Add: add, sp.Mul: mul, sp.Pow: power}, leaf)
 
 
 _OPS = {sp.GreaterThan: ">=", sp.StrictGreaterThan: ">", sp.LessThan: ">=", sp.StrictLessThan: ">", sp.Eq: "==", sp.Ne: "!="}

@@ -1,0 +1,306 @@
+"""A second opinion on witnesses: outward-rounded intervals of mpmath with derivatives carried along.
+
+Shares nothing with duhem but the tree of the formula and its node classes: another arithmetic (mpmath.iv, not Arb),
+another interpreter, derivatives by forward differentiation instead of symbolically.  Rational points enter exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from functools import reduce
+from typing import Any
+
+import mpmath
+import sympy as sp
+from mpmath.ctx_iv import MPIntervalContext
+
+from duhem import Criterion, Witness
+from duhem.expression import Neg, Norm, Pos, Where
+
+__all__ = ["Interval", "confirmed", "gradient", "value"]
+
+_DIGITS = 80
+_IV = MPIntervalContext()
+_IV.dps = _DIGITS
+_MP = mpmath.MPContext()
+_MP.dps = 50
+
+Interval = Any  # mpmath's ivmpf
+Span = tuple[Fraction, Fraction]
+
+
+def _rational(x: Fraction) -> Interval:
+    return _IV.mpf(x.numerator) / x.denominator
+
+
+def _span(low: Fraction, high: Fraction) -> Interval:
+    return _IV.mpf([_rational(low).a, _rational(high).b])
+
+
+def _hull(*parts: Interval) -> Interval:
+    return _IV.mpf([min(p.a for p in parts), max(p.b for p in parts)])
+
+
+class _Jet:
+    """A value and its partial derivatives (generalised at kinks: the hull of the one-sided ones)."""
+
+    def __init__(self, value: Interval, slopes: Sequence[Interval]) -> None:
+        self.value, self.slopes = value, tuple(slopes)
+
+    def through(self, value: Interval, slope: Interval) -> _Jet:
+        """Chain rule for a function with this ``value`` and derivative ``slope`` here."""
+        return _Jet(value, [slope * s for s in self.slopes])
+
+    def __add__(self, other: _Jet) -> _Jet:
+        return _Jet(self.value + other.value, [a + b for a, b in zip(self.slopes, other.slopes, strict=True)])
+
+    def __mul__(self, other: _Jet) -> _Jet:
+        return _Jet(
+            self.value * other.value,
+            [a * other.value + self.value * b for a, b in zip(self.slopes, other.slopes, strict=True)],
+        )
+
+    def hull(self, other: _Jet) -> _Jet:
+        return _Jet(_hull(self.value, other.value), [_hull(a, b) for a, b in zip(self.slopes, other.slopes, strict=True)])
+
+
+class OpenError(Exception):
+    """An interval leaves open what the formula needs to know: a root of or a division by something that may be 0."""
+
+
+def _power(base: _Jet, exponent: Fraction, jets: bool) -> _Jet:
+    if exponent == 0:
+        return base.through(_IV.mpf(1), _IV.mpf(0))
+    x = base.value
+    if exponent.denominator == 1:
+        n = exponent.numerator
+        if n < 0:
+            if 0 in x:
+                raise OpenError
+            return base.through(1 / x**-n, n / x ** (1 - n))
+        return base.through(x**n, n * x ** (n - 1) if n > 1 else _IV.mpf(1))
+    if x.b < 0 or (x.a <= 0 and (exponent < 0 or (jets and exponent < 1))):
+        raise OpenError
+    x = _IV.mpf([max(x.a, 0), x.b])
+    p = _rational(exponent)
+
+    def raised(q: Interval) -> Interval:
+        top = _IV.exp(q * _IV.log(_IV.mpf([x.b, x.b]))) if x.b > 0 else _IV.mpf(0)
+        bottom = _IV.exp(q * _IV.log(_IV.mpf([x.a, x.a]))) if x.a > 0 else _IV.mpf(0)
+        return _hull(top, bottom)
+
+    return base.through(raised(p), p * raised(p - 1) if jets else _IV.mpf(0))
+
+
+def _ramp(x: _Jet, left: int, right: int) -> _Jet:
+    """left * x where x < 0, right * x where x > 0."""
+    if x.value.a >= 0:
+        return x.through(right * x.value, _IV.mpf(right))
+    if x.value.b <= 0:
+        return x.through(left * x.value, _IV.mpf(left))
+    ends = [left * x.value.a, right * x.value.b, _IV.mpf(0)]
+    return x.through(_hull(*map(_IV.mpf, ends)), _IV.mpf([min(left, right), max(left, right)]))
+
+
+def _choose(a: _Jet, b: _Jet, first: bool | None) -> _Jet:
+    return a.hull(b) if first is None else a if first else b
+
+
+def _compare(relation: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> bool | None:
+    gap = (_jet(relation.gts, values, jets) + _jet(-relation.lts, values, jets)).value
+    strict = isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan)
+    if gap.a > 0 or (not strict and gap.a >= 0):
+        return True
+    if gap.b < 0 or (strict and gap.b <= 0):
+        return False
+    return None
+
+
+def _jet(node: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> _Jet:
+    some = next(iter(values.values()))
+    if node.is_Symbol:
+        return values[node]
+    if node.is_Rational:
+        return some.through(_rational(Fraction(int(node.p), int(node.q))), _IV.mpf(0))
+    if isinstance(node, Where):
+        condition, a, b = node.args
+        side = _compare(condition, values, jets)
+        if side is not None:
+            return _jet(a if side else b, values, jets)
+        return _jet(a, values, jets).hull(_jet(b, values, jets))
+    if node.is_Pow:
+        if not node.exp.is_Rational:
+            exponent = _jet(node.exp, values, False).value
+            base = _jet(node.base, values, jets)
+            if jets or base.value.a <= 0:
+                raise OpenError
+            return base.through(_IV.exp(exponent * _IV.log(base.value)), _IV.mpf(0))
+        return _power(_jet(node.base, values, jets), Fraction(int(node.exp.p), int(node.exp.q)), jets)
+    parts = [_jet(a, values, jets) for a in node.args]
+    if node.is_Add:
+        return reduce(_Jet.__add__, parts)
+    if node.is_Mul:
+        return reduce(_Jet.__mul__, parts)
+    if isinstance(node, sp.Abs):
+        return _ramp(parts[0], -1, 1)
+    if isinstance(node, Pos):
+        return _ramp(parts[0], 0, 1)
+    if isinstance(node, Neg):
+        return _ramp(parts[0], -1, 0)
+    if isinstance(node, Norm):
+        return _power(reduce(_Jet.__add__, [_power(p, Fraction(2), jets) for p in parts]), Fraction(1, 2), jets)
+    if isinstance(node, sp.Max | sp.Min):
+        largest = isinstance(node, sp.Max)
+
+        def pick(a: _Jet, b: _Jet) -> _Jet:
+            gap = a.value - b.value
+            return _choose(a, b, largest if gap.a >= 0 else not largest if gap.b <= 0 else None)
+
+        return reduce(pick, parts)
+    if isinstance(node, sp.exp):
+        grown = _IV.exp(parts[0].value)
+        return parts[0].through(grown, grown)
+    if isinstance(node, sp.cos | sp.sin) and not jets:
+        return parts[0].through(_IV.cos(parts[0].value) if isinstance(node, sp.cos) else _IV.sin(parts[0].value), _IV.mpf(0))
+    if isinstance(node, sp.tanh):
+        twice = _IV.exp(2 * parts[0].value)
+        t = 1 - 2 / (twice + 1)
+        return parts[0].through(t, 1 - t**2)
+    raise NotImplementedError(f"no second opinion on {type(node).__name__}")
+
+
+def _evaluate(law: Criterion, expr: sp.Expr, at: Mapping[str, Span], jets: bool) -> _Jet:
+    table = law.symbols()
+    values = {}
+    for name, span in at.items():
+        seed = [_IV.mpf(int(name == force)) for force in law.forces]
+        values[table[name]] = _Jet(_span(*span), seed)
+    return _jet(expr, values, jets)
+
+
+def _point(at: Mapping[str, Fraction]) -> dict[str, Span]:
+    return {name: (x, x) for name, x in at.items()}
+
+
+def value(law: Criterion, at: Mapping[str, Fraction], expr: sp.Expr | None = None) -> Interval:
+    """Interval with g (or ``expr``) at exact values of every name."""
+    return _evaluate(law, law.g if expr is None else expr, _point(at), jets=False).value
+
+
+def gradient(law: Criterion, at: Mapping[str, Span]) -> tuple[Interval, ...]:
+    """Intervals with the partial derivatives of g by the forces, anywhere in the box."""
+    return _evaluate(law, law.g, at, jets=True).slopes
+
+
+# -- witnesses --------------------------------------------------------------------------------------------------------
+
+
+def confirmed(law: Criterion, claim: str, witness: Witness) -> bool:
+    """Whether the witness, read as exact rationals, violates ``claim`` of ``law`` by this module's own arithmetic."""
+    fixed = {name: domain.value for name, domain in law.parameters.items() if domain.value is not None}
+    parameters = {name: Fraction(int(v.p), int(v.q)) for name, v in fixed.items()} | {n: Fraction(v) for n, v in witness.parameters.items()}
+    if set(parameters) != set(law.parameters) or not _admissible(law, parameters):
+        return False
+    points = {role: parameters | {n: Fraction(x) for n, x in point.items()} for role, point in witness.points.items()}
+    names = set(law.symbols())
+    if any(set(p) != names for p in points.values()):
+        return False
+    if law.pressure is not None and not (len({p[law.pressure] for p in points.values()}) == 1 and next(iter(points.values()))[law.pressure] < 0):
+        return False
+    return _CHECKS[claim](law, points, witness)
+
+
+def _admissible(law: Criterion, parameters: Mapping[str, Fraction]) -> bool:
+    table = law.symbols()
+    exact = {table[n]: sp.Rational(v.numerator, v.denominator) for n, v in parameters.items()}
+    inside = all(exact[table[n]] in domain for n, domain in law.parameters.items())
+    return inside and all(c.subs(exact) == sp.true for c in law.constraints)
+
+
+Points = Mapping[str, Mapping[str, Fraction]]
+
+
+def _inside(law: Criterion, at: Mapping[str, Fraction]) -> bool:
+    return bool(value(law, at).b <= 0)
+
+
+def _outside(law: Criterion, at: Mapping[str, Fraction]) -> bool:
+    return bool(value(law, at).a > 0)
+
+
+def _chord(law: Criterion, points: Points, witness: Witness) -> bool:
+    p, q, middle = (points[role] for role in ("p", "q", "midpoint"))
+    halfway = all(2 * middle[n] == p[n] + q[n] for n in middle)
+    return halfway and _inside(law, p) and _inside(law, q) and _outside(law, middle)
+
+
+def _origin(law: Criterion, points: Points, witness: Witness) -> bool:
+    (at,) = points.values()
+    return all(at[f] == 0 for f in law.forces) and _outside(law, at)
+
+
+def _box(law: Criterion, points: Points) -> dict[str, Span] | None:
+    """The box around the segment from inside to outside, on which the boundary lies; None if an end is on the wrong side."""
+    a, b = points["inside"], points["outside"]
+    if not (_inside(law, a) and _outside(law, b)):
+        return None
+    return {n: (min(a[n], b[n]), max(a[n], b[n])) for n in a}
+
+
+def _slip(law: Criterion, box: Mapping[str, Span]) -> tuple[Interval, ...]:
+    if law.flow is None:
+        return gradient(law, box)
+    return tuple(_evaluate(law, component, box, jets=False).value for component in law.flow)
+
+
+def _power_at(law: Criterion, points: Points, witness: Witness) -> bool:
+    box = _box(law, points)
+    if box is None:
+        return False
+    power = sum((_span(*box[f]) * d for f, d in zip(law.forces, _slip(law, box), strict=True)), _IV.mpf(0))
+    return bool(power.b < 0)
+
+
+def _towards(law: Criterion, points: Points, witness: Witness) -> bool:
+    box = _box(law, points)
+    tau = points["tau"]
+    if box is None or not _inside(law, tau):
+        return False
+    lean = sum(((_rational(tau[f]) - _span(*box[f])) * d for f, d in zip(law.forces, _slip(law, box), strict=True)), _IV.mpf(0))
+    return bool(lean.a > 0)
+
+
+def _corner(law: Criterion, points: Points, witness: Witness) -> bool:
+    """Around the corner K fills a sector whose opening is not 180 degrees: the difference is the angle of the normals.
+
+    Laws in more than two forces are looked at in the plane of the first two.
+    """
+    (at,) = points.values()
+    x, y = law.forces[:2]
+    size = max(abs(at[x]), abs(at[y]), Fraction(1, 10**6))
+    reach = _MP.mpf(size.numerator) / size.denominator / 10**5
+
+    def level(angle: Any) -> bool:
+        shift = [Fraction(int(_MP.nint(reach * c * 10**40)), 10**40) for c in (_MP.cos(angle), _MP.sin(angle))]
+        return bool(value(law, {**at, x: at[x] + shift[0], y: at[y] + shift[1]}).mid <= 0)
+
+    turns = [2 * _MP.pi * k / 720 for k in range(721)]
+    inside = [level(t) for t in turns]
+    changes = [k for k in range(720) if inside[k] != inside[k + 1]]
+    if len(changes) != 2:
+        return False
+    ends = []
+    for k in changes:
+        low, high = turns[k], turns[k + 1]
+        for _ in range(40):
+            middle = (low + high) / 2
+            low, high = (middle, high) if level(middle) == inside[k] else (low, middle)
+        ends.append(low)
+    sector = math.degrees(float(ends[1] - ends[0]))
+    bend = abs(180 - sector)
+    return bend > 0.01 and math.isclose(bend, witness.measures["corner_degrees"], rel_tol=0.02, abs_tol=0.02)
+
+
+_CHECKS = {"convexity": _chord, "origin": _origin, "dissipation": _power_at, "normality": _towards, "smoothness": _corner}
