@@ -203,3 +203,8 @@ def test_fixed_values_are_checked_against_the_constraints() -> None:
     for values in ({"mu_a": 2, "mu_b": 1}, {"mu_a": 2, "mu_b": "5/2"}):
         with pytest.raises(InputError, match="no parameter values"):
             check_domain(law.fix(values))
+
+
+def test_a_constraint_that_a_fixed_value_settles_is_dropped() -> None:
+    law = reads(HEAD + 'g = "abs(sigma_a) - m*abs(sigma_n)"\nconstraints = ["m > -1", "m < 2"]\n[parameters]\nm = { min = 0 }\n')
+    assert [str(c) for c in law.fix({"m": "1/2"}).constraints] == ["m < 2"]

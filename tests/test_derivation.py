@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -31,6 +32,12 @@ LAWS = (
 OWN_FLOW = ("radial-flow", "rotated-flow")
 R = sp.Rational
 DPS = 40
+
+
+@pytest.fixture(autouse=True)
+def _digits() -> Iterator[None]:
+    with mpmath.workdps(DPS):
+        yield
 
 
 @cache
@@ -79,21 +86,19 @@ def boundary_point(law: Criterion, values: dict[sp.Symbol, sp.Rational], random:
     def g(t: Any) -> Any:
         return mpmath_.evaluate(law.g, {**values, **{s: t * mpmath.mpf(int(v.p)) / int(v.q) for s, v in ray.items()}}, DPS)
 
-    with mpmath.workdps(DPS):
-        low, high = mpmath.mpf(10) ** -9, mpmath.mpf(10) ** 6
-        assert g(low) <= 0 < g(high)
-        for _ in range(170):
-            middle = (low + high) / 2
-            low, high = (middle, high) if g(middle) <= 0 else (low, middle)
-        return {s: low * mpmath.mpf(int(v.p)) / int(v.q) for s, v in ray.items()}
+    low, high = mpmath.mpf(10) ** -9, mpmath.mpf(10) ** 6
+    assert g(low) <= 0 < g(high)
+    for _ in range(140):
+        middle = (low + high) / 2
+        low, high = (middle, high) if g(middle) <= 0 else (low, middle)
+    return {s: low * mpmath.mpf(int(v.p)) / int(v.q) for s, v in ray.items()}
 
 
 def slope(expr: sp.Expr, point: dict[sp.Symbol, Any], along: sp.Symbol) -> Any:
     """Central difference with a step of 1e-13 in 40 digits."""
-    with mpmath.workdps(DPS):
-        h = mpmath.mpf(10) ** -13
-        x = mpmath.mpf(int(point[along].p)) / int(point[along].q) if isinstance(point[along], sp.Rational) else point[along]
-        return (at(expr, point | {along: x + h}) - at(expr, point | {along: x - h})) / (2 * h)
+    h = mpmath.mpf(10) ** -13
+    x = mpmath.mpf(int(point[along].p)) / int(point[along].q)
+    return (at(expr, point | {along: x + h}) - at(expr, point | {along: x - h})) / (2 * h)
 
 
 # State laws
@@ -110,7 +115,8 @@ def test_state_laws_are_slopes_of_the_free_energy(name: str, kind: str) -> None:
         assert abs(at(d["thermodynamic_forces"].rhs[i], point) + slope(psi, point, p)) < 1e-20
         assert d["state_law"].lhs[i] == d.names.forces[i]
     elastic = {e: point[u] - point[p] for e, u, p in zip(d.names.elastic, d.names.total, d.names.inelastic, strict=True)}
-    assert all(at(a, point) == at(b, point | elastic) for a, b in zip(d["state_law"].rhs, d["state_law_elastic"].rhs, strict=True))
+    both = zip(d["state_law"].rhs, d["state_law_elastic"].rhs, strict=True)
+    assert all(abs(at(a, point) - at(b, point | elastic)) < 1e-35 for a, b in both)
 
 
 def test_stiffness_kinds_differ_as_they_say() -> None:
@@ -169,9 +175,10 @@ def test_branches_equal_the_formula(name: str) -> None:
 def test_indicator_and_set_are_the_formula(name: str) -> None:
     law, d, random = load(name), derived(name), Random(6)
     values = parameters(law, 6)
-    seen = set()
+    rim, seen = [boundary_point(law, values, random) for _ in range(4)], set()
     for _ in range(60):
-        point = {**values, **{s: v / 3 for s, v in anywhere(law.force_symbols(), random).items()}}
+        share = mpmath.mpf(random.randint(1, 30)) / 20
+        point = {**values, **{s: share * v for s, v in random.choice(rim).items()}}
         inside = bool(at(law.g, point) <= 0)
         seen.add(inside)
         (zero, condition), (infinite, _) = d["indicator"].rhs.args
@@ -205,7 +212,7 @@ def test_dissipation_is_the_power_of_the_flow_on_the_boundary(name: str) -> None
         point = {**values, **stress}
         flow = [at(c, point) for c in (law.flow or d["normal"].rhs)]
         power = mpmath.mpf(3) / 2 * mpmath.fsum(s * f for s, f in zip(stress.values(), flow, strict=True))
-        assert abs(at(d["dissipation"].rhs, point) - power) < 1e-13 * (1 + abs(power))  # the sum above is in double precision
+        assert abs(at(d["dissipation"].rhs, point) - power) < 1e-25 * (1 + abs(power))
 
 
 @pytest.mark.parametrize("name", ["antoni2007", "capped", "cohesive", "coulomb", "orthotropic"])
@@ -223,8 +230,8 @@ def test_potential_at_the_normal_is_the_dissipation(name: str) -> None:
         normal = [at(c, point) for c in d["normal"].rhs]
         phi = at(d["dissipation_potential"].rhs, {**values, **dict(zip(d.names.rates, normal, strict=True))})
         power = mpmath.fsum(s * c for s, c in zip(stress.values(), normal, strict=True))
-        assert abs(phi - power) < 1e-13 * (1 + abs(power))
-        for form in (d[k].lhs for k in d.keys() if k.startswith("potential_domain")):
+        assert abs(phi - power) < 1e-25 * (1 + abs(power))
+        for form in (d[k].lhs for k in d.titles if k.startswith("potential_domain")):
             assert abs(at(form, dict(zip(d.names.rates, normal, strict=True)))) < 1e-30
 
 
@@ -240,7 +247,7 @@ def test_own_flow_is_stated_instead_of_normality() -> None:
     ("name", "count"), [("box", 4), ("tresca", 6), ("polygon", 12), ("antoni2007", 0), ("superellipse", 0), ("hosford", 0)]
 )
 def test_corners_are_counted_right(name: str, count: int) -> None:
-    assert sum(key.startswith("corner") for key in derived(name).keys()) == count
+    assert sum(key.startswith("corner") for key in derived(name).titles) == count
 
 
 @pytest.mark.parametrize("name", ["box", "tresca", "polygon"])
@@ -248,15 +255,18 @@ def test_cones_at_corners_are_normal_to_the_set(name: str) -> None:
     """At every corner, the extreme elements of the cone are normals of K: no point of the boundary lies beyond."""
     law, d, random = load(name), derived(name), Random(10)
     values = parameters(law, 10)
-    cloud = [boundary_point(law, values, random) for _ in range(40)]
+    cloud = [boundary_point(law, values, random) for _ in range(16)]
     support = d["dissipation_potential"].rhs
     one, two = sp.Symbol("lambda_1", nonnegative=True), sp.Symbol("lambda_2", nonnegative=True)
-    for key in (k for k in d.keys() if k.startswith("corner")):
+    for key in (k for k in d.titles if k.startswith("corner")):
         reached = []
         for pair in ({one: R(1), two: R(0)}, {one: R(0), two: R(1)}, {one: R(2), two: R(3)}):
             rate = dict(zip(d.names.rates, (at(c, {**values, **pair}) for c in d[key].rhs), strict=True))
             phi = at(support, {**values, **rate})
-            assert all(mpmath.fsum(s * r for s, r in zip(x.values(), rate.values(), strict=True)) <= phi * (1 + 1e-12) for x in cloud)
+            assert all(
+                mpmath.fsum(s * r for s, r in zip(x.values(), rate.values(), strict=True)) <= phi * (1 + mpmath.mpf(10) ** -30)
+                for x in cloud
+            )
             reached.append(phi)
         # The support function is linear on the normal cone of one point, and on no larger set.
         assert abs(2 * reached[0] + 3 * reached[1] - reached[2]) < 1e-25
@@ -279,7 +289,7 @@ REFERENCE = [  # mu = (0.2, 0.08, 0.12, 0.15), |sigma_n| = 1: trial stress, stif
     (("0.3", "0.2"), (1, 1), ("0.16948295870263982786", "0.063711769834024715701")),
     (("-0.3", "0.2"), (1, 1), ("-0.0626859952990218239", "0.074555673728327216011")),
     (("-0.3", "-0.2"), (1, 4), ("-0.076140510365716901921", "-0.046028201830649999767")),
-    (("0.3", "-0.01"), (1, 1), ("0.19987561241122522753", "-0.0052894704439702478874")),
+    (("0.3", "-0.01"), (1, 1), ("0.1998756124412152275284", "-0.0052894704439702478874")),
 ]
 
 
@@ -290,8 +300,6 @@ def test_reference_steps_satisfy_the_optimality_conditions(trial: Any, stiffness
     coefficients = ("mu_a_plus", "1/5"), ("mu_a_minus", "2/25"), ("mu_b_plus", "3/25"), ("mu_b_minus", "3/20")
     point = {s[name]: R(value) for name, value in coefficients} | {s["sigma_n"]: R(-1)}
     point |= dict(zip(d.names.forces, map(mpmath.mpf, stress), strict=True)) | dict(zip(d.names.trial, map(R, trial), strict=True))
-    with mpmath.workdps(DPS):
-        point |= dict(zip(d.names.forces, map(mpmath.mpf, stress), strict=True))
     point |= dict(zip(d.names.stiffness.diagonal(), map(R, stiffness), strict=True))
     residual = d["step_stationarity"].lhs
     at_zero, at_one = ([at(c, point | {d.names.step: R(t)}) for c in residual] for t in (0, 1))
@@ -343,7 +351,7 @@ def test_equation_1_is_elastic_then_perfectly_plastic() -> None:
 @pytest.mark.parametrize("name", LAWS)
 def test_intervals_are_where_g_vanishes_on_the_line(name: str) -> None:
     law, d = load(name), derived(name)
-    for key in (k for k in d.keys() if k.startswith("interval")):
+    for key in (k for k in d.titles if k.startswith("interval")):
         force, ends = d[key].lhs, d[key].rhs
         for seed in range(20, 23):
             values = parameters(law, seed) | dict.fromkeys(law.force_symbols(), R(0))
@@ -354,7 +362,7 @@ def test_intervals_are_where_g_vanishes_on_the_line(name: str) -> None:
 def test_an_interval_that_holds_for_some_parameters_only_is_left_out() -> None:
     law = Criterion("tilted", "norm(x, y) + mu*(x + y) - nu", {"mu": POSITIVE, "nu": POSITIVE}, ("x", "y"), None)
     d = derive(law)  # the root nu/(mu - 1) is an end only for mu < 1
-    assert not any(key.startswith("interval") for key in d.keys())
+    assert not any(key.startswith("interval") for key in d.titles)
     assert any("reduction to x alone" in part for part, _ in d.left_out)
 
 

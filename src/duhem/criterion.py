@@ -205,7 +205,7 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         law,
         g=moved(law.g),
         parameters=domains,
-        constraints=tuple(moved(c) for c in law.constraints),
+        constraints=tuple(c for c in map(moved, law.constraints) if c != sp.true),
         flow=None if law.flow is None else tuple(moved(c) for c in law.flow),
     )
 

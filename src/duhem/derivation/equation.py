@@ -55,10 +55,10 @@ class Derivation:
         for equation in self.equations:
             if equation.name == name:
                 return equation
-        raise KeyError(f"{name}; this derivation has: {', '.join(self.keys())}")
+        raise KeyError(f"{name}; this derivation has: {', '.join(self.titles)}")
 
     def __contains__(self, name: object) -> bool:
-        return name in self.keys()
+        return name in self.titles
 
     def __iter__(self) -> Iterator[Equation]:
         return iter(self.equations)
@@ -66,7 +66,8 @@ class Derivation:
     def __len__(self) -> int:
         return len(self.equations)
 
-    def keys(self) -> tuple[str, ...]:
+    @property
+    def titles(self) -> tuple[str, ...]:
         """Names of the equations, in order."""
         return tuple(equation.name for equation in self.equations)
 

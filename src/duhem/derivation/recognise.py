@@ -53,7 +53,7 @@ def _core(expr: sp.Expr) -> sp.Expr:
     """A shorter expression that is positive exactly where ``expr`` is: positive factors and odd or broken powers dropped."""
     factored = sp.factor(expr) if expr.is_Add else sp.factor_terms(expr)
     expr = sp.Mul(*[x for x in sp.Mul.make_args(factored) if not x.is_positive])
-    while isinstance(expr, sp.Pow) and expr.exp.is_Rational and not expr.exp.p % 2 == 0:
+    while isinstance(expr, sp.Pow) and expr.exp.is_Rational and expr.exp.p % 2 != 0:
         expr = expr.base
     return expr
 

@@ -1,0 +1,32 @@
+"""The question of one slip increment, checked: trial stresses, pressures, stiffness and parameter values that fit the law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from duhem.criterion import Criterion
+from duhem.projection.result import Array
+
+__all__ = ["Increment"]
+
+
+@dataclass(frozen=True)
+class Increment:
+    """N validated increments of one law.
+
+    ``g``: the criterion with parameter values in place, over the force symbols and the pressure symbol.
+    ``trial`` (N, d) in Pa; ``pressure`` (N,) sigma_n <= 0 in Pa (zeros for a law without pressure);
+    ``stiffness`` (d, d) symmetric positive definite in Pa/m, ``diagonal`` whether it is diagonal;
+    ``parameters`` every parameter of the law by name, as floats.
+    """
+
+    law: Criterion
+    g: sp.Expr
+    trial: Array
+    pressure: Array
+    stiffness: Array
+    diagonal: bool
+    parameters: Mapping[str, float]

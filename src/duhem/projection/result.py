@@ -1,0 +1,75 @@
+"""What a slip increment returns: stresses, slips and multipliers, each point with a status of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Array", "Projection", "Residuals", "Solution", "Status"]
+
+Array = NDArray[np.float64]
+
+
+class Status(IntEnum):
+    """How a point came out; the two failures are never returned as if they were answers."""
+
+    STICK = 0
+    SLIP = 1
+    INACCURATE = 2
+    FAILED = 3
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What a method hands back, unchecked: stress (N, d), slip (N, d), multiplier (N,), failed (N,) where it gave up."""
+
+    stress: Array
+    slip: Array
+    multiplier: Array
+    failed: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """Optimality of each point (N,), recomputed from the law after every solve, relative to the scale of the increment.
+
+    ``feasibility`` max(g, 0); ``multiplier_sign`` max(-lambda, 0); ``complementarity`` |lambda g|; ``stationarity``
+    distance of trial - k slip from the stress and of slip from lambda times the normal cone; ``variational`` the largest
+    (sigma_tr - sigma) . k^-1 (tau - sigma) over points tau of K that are known.
+    """
+
+    feasibility: Array
+    multiplier_sign: Array
+    complementarity: Array
+    stationarity: Array
+    variational: Array
+
+    def worst(self) -> Array:
+        """The largest of the five at each point."""
+        return np.max(
+            np.stack([self.feasibility, self.multiplier_sign, self.complementarity, self.stationarity, self.variational]), axis=0
+        )
+
+
+@dataclass(frozen=True)
+class Projection:
+    """The closest-point step of N increments: stress sigma = argmin over K of (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2.
+
+    ``slip`` = k^-1 (sigma_tr - sigma) = lambda dg/dsigma (in m for stiffness in Pa/m); ``multiplier`` lambda >= 0;
+    ``dissipation`` sigma . slip >= 0; ``status`` one :class:`Status` a point; ``method`` the one that was taken, ``why`` the
+    reason; ``tangent`` d sigma/d u (N, d, d) and ``tangent_pressure`` d sigma/d sigma_n (N, d) where asked for.
+    """
+
+    stress: Array
+    slip: Array
+    multiplier: Array
+    dissipation: Array
+    status: NDArray[np.int8]
+    method: str
+    why: str
+    residuals: Residuals
+    tangent: Array | None = None
+    tangent_pressure: Array | None = None

@@ -1,0 +1,87 @@
+"""A fixed part of the campaign: no wrong answer, and few open ones; the whole is ``python tests/campaign.py``."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cache
+
+import pytest
+import sympy as sp
+
+from campaign import FAMILIES, Outcome, T, Trial, judge, nonnegative_on_the_line, trials
+
+# The families whose laws take seconds each (questions left to z3, or four branches) come in smaller numbers.
+QUICK = [trial for trial in trials(90, seed=2) if trial.family not in ("even quartic", "quadrants")][:56]
+SLOW = [trial for trial in trials(27, seed=2) if trial.family in ("even quartic", "quadrants")]
+
+
+@cache
+def outcome(place: int, quick: bool) -> Outcome:
+    return judge((QUICK if quick else SLOW)[place])
+
+
+def _name(trial: Trial) -> str:
+    return f"{trial.law.name}-{trial.margin}"
+
+
+@pytest.mark.parametrize("place", range(len(QUICK)), ids=lambda k: _name(QUICK[k]))
+def test_quick_laws(place: int) -> None:
+    assert outcome(place, True).wrong == {}
+
+
+@pytest.mark.parametrize("place", range(len(SLOW)), ids=lambda k: _name(SLOW[k]))
+def test_slow_laws(place: int) -> None:
+    assert outcome(place, False).wrong == {}
+
+
+def test_few_claims_stay_open() -> None:
+    marks = [text for place in range(len(QUICK)) for text in outcome(place, True).claims.values()]
+    assert marks.count("open") <= len(marks) // 20
+
+
+def test_the_campaign_repeats_itself() -> None:
+    assert [t.law for t in trials(18, seed=3)] == [t.law for t in trials(18, seed=3)]
+    assert [t.law.g for t in trials(18, seed=3)] != [t.law.g for t in trials(18, seed=4)]
+
+
+def test_every_family_has_true_and_false_laws() -> None:
+    seen = {family: set() for family in FAMILIES}  # type: dict[str, set[bool]]
+    for trial in trials(180, seed=5):
+        seen[trial.family] |= set(trial.truth.values())
+    assert seen == dict.fromkeys(FAMILIES, {True, False})
+
+
+# -- the campaign's own arithmetic ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("p", "true"),
+    [
+        (T**2, True),
+        (T**2 - sp.Rational(1, 10**30), False),
+        ((T - 1) ** 2 * (T**2 + 1), True),
+        ((T - 1) ** 3 * (T + 1), False),
+        ((T**2 - 2) ** 2, True),
+        (-(T**2), False),
+        (T**3, False),
+        (sp.Integer(0), True),
+        (sp.Integer(-1), False),
+        (sp.Integer(2), True),
+    ],
+)
+def test_nonnegativity_is_decided_exactly(p: sp.Expr, true: bool) -> None:
+    assert nonnegative_on_the_line(sp.Poly(p, T, domain="QQ")) is true
+
+
+def test_thresholds_lie_where_the_theory_says() -> None:
+    """x^4 + c x^2 y^2 + y^4 is convex on 0 <= c <= 6; 1 + e cos k theta as a gauge for e <= 1/(k^2 - 1)."""
+    from campaign import _bend, _half_angle, _on_line
+
+    x, y = sp.symbols("x y", real=True)
+    for c, convex in ((0, True), (6, True), (3, True), (Fraction(6) + Fraction(1, 10**12), False), (Fraction(-1, 10**12), False)):
+        form = x**4 + sp.Rational(*Fraction(c).as_integer_ratio()) * x**2 * y**2 + y**4
+        assert nonnegative_on_the_line(_on_line(_bend(form, form))) is convex
+    for k in range(2, 6):
+        for excess, convex in ((Fraction(0), True), (Fraction(1, 10**12), False), (Fraction(-1, 10**12), True)):
+            series = {0: (Fraction(1), Fraction(0)), k: (Fraction(1, k * k - 1) + excess, Fraction(0))}
+            assert nonnegative_on_the_line(_half_angle(series, lambda j: Fraction(1 - j * j))) is convex
