@@ -164,11 +164,15 @@ def quartic(rng: random.Random, name: str) -> Trial:
     return _star("quartic form", name, f"{_form_text(coefficients, 4)} - {size}**4", convex, margin, {"mu": POSITIVE} if "mu" in size else None)
 
 
+_DEGREES = (8, 6, 4, 2)
+
+
 def even_quartic(rng: random.Random, name: str) -> Trial:
     """P + Q N^2 <= N^4 with P a positive definite quartic form and Q a quadratic one.
 
     On the ray (1, t) the boundary lies at u = x^2, the one positive root of P(1, t) u^2 + Q(1, t) u = 1.  Its curvature
-    there is k8 u^2 + k6 u + k4, whose sign can only change at real zeros of the resultant: one exact sample a cell.
+    there has the sign of k8 u^3 + k6 u^2 + k4 u + k2, which can only change at real zeros of the resultant: one exact
+    sample a cell.
     """
     x, y, u = sp.symbols("x y u", real=True)
     while True:
@@ -181,8 +185,8 @@ def even_quartic(rng: random.Random, name: str) -> Trial:
             continue
         level = sp.Poly(_on_line(four).as_expr() * u**2 + _on_line(two).as_expr() * u - 1, u, T)
         whole = sp.Poly(_bend(four + two, four + two), x, y)
-        by_degree = {d: _on_line(sum(k * x**i * y**j for (i, j), k in whole.terms() if i + j == d)) for d in (8, 6, 4)}
-        bend = sp.Poly(sum(by_degree[d].as_expr() * u ** ((d - 4) // 2) for d in (8, 6, 4)), u, T)
+        by_degree = {d: _on_line(sum(k * x**i * y**j for (i, j), k in whole.terms() if i + j == d)) for d in _DEGREES}
+        bend = sp.Poly(sum(by_degree[d].as_expr() * u ** ((d - 2) // 2) for d in _DEGREES), u, T)
         between = _poly(level.resultant(bend).as_expr())
         if not between.is_zero:
             break
@@ -202,20 +206,21 @@ def _samples(p: sp.Poly) -> list[sp.Rational]:
 
 
 def _sign_on_boundary(p: sp.Poly, q: sp.Poly, bend: Mapping[int, sp.Poly], t: sp.Rational) -> int:
-    """Exact sign of k8 u^2 + k6 u + k4 at u = (-q + sqrt(q^2 + 4 p))/(2 p)."""
+    """Exact sign of k8 u^3 + k6 u^2 + k4 u + k2 at u = (-q + sqrt(q^2 + 4 p))/(2 p), as alpha + beta sqrt(...) by Horner."""
     a, b = p.eval(t), q.eval(t)
-    k8, k6, k4 = (bend[d].eval(t) for d in (8, 6, 4))
-    # u^2 = (1 - b u)/a leaves c1 u + c0, and u = (-b + root)/(2 a) leaves one square root.
-    c1, c0 = k6 - k8 * b / a, k4 + k8 / a
-    return _sign_with_root(c0 - c1 * b / (2 * a), c1 / (2 * a), b**2 + 4 * a)
+    radicand = b**2 + 4 * a
+    real, root = -b / (2 * a), 1 / (2 * a)
+    alpha, beta = sp.S.Zero, sp.S.Zero
+    for d in _DEGREES:
+        alpha, beta = alpha * real + beta * root * radicand + bend[d].eval(t), alpha * root + beta * real
+    return _sign_with_root(alpha, beta, radicand)
 
 
 def _sign_with_root(alpha: sp.Rational, beta: sp.Rational, radicand: sp.Rational) -> int:
-    """Exact sign of alpha + beta sqrt(radicand)."""
-    if (alpha >= 0) == (beta >= 0):
-        return int(sp.sign(alpha + beta)) if alpha * beta == 0 and (alpha + beta) * radicand == 0 else (1 if alpha > 0 or beta > 0 else -1)
-    gap = alpha**2 - beta**2 * radicand
-    return int(sp.sign(gap) * sp.sign(alpha if alpha != 0 else -beta))
+    """Exact sign of alpha + beta sqrt(radicand), radicand > 0."""
+    if alpha * beta >= 0:
+        return int(sp.sign(alpha + beta))
+    return int(sp.sign(alpha) * sp.sign(alpha**2 - beta**2 * radicand))
 
 
 # -- Fourier series in the polar angle --------------------------------------------------------------------------------
@@ -536,9 +541,10 @@ def _compared(trial: Trial, found: Verification, claim: str) -> str:
     if result.verdict is Verdict.PROVED:
         return "right" if true else f"proved by {result.method} although false"
     if result.verdict is Verdict.REFUTED:
-        if true:
-            return f"refuted by {result.method} although true"
         assert result.witness is not None
+        if true:
+            holds = "holds here too: is the truth right?" if confirmed(trial.law, claim, result.witness) else "does not re-evaluate"
+            return f"refuted by {result.method} although true; the witness {holds}"
         return "right" if confirmed(trial.law, claim, result.witness) else f"the witness of {result.method} does not re-evaluate"
     return "open"
 

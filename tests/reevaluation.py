@@ -21,7 +21,8 @@ from duhem.expression import Neg, Norm, Pos, Where
 
 __all__ = ["Interval", "confirmed", "gradient", "value"]
 
-_DIGITS = 80
+_DIGITS = 100
+_HALVINGS = 60
 _IV = MPIntervalContext()
 _IV.dps = _DIGITS
 _MP = mpmath.MPContext()
@@ -242,10 +243,21 @@ def _origin(law: Criterion, points: Points, witness: Witness) -> bool:
 
 
 def _box(law: Criterion, points: Points) -> dict[str, Span] | None:
-    """The box around the segment from inside to outside, on which the boundary lies; None if an end is on the wrong side."""
+    """A box around a crossing of the boundary between inside and outside; None if an end is on the wrong side.
+
+    The segment is halved further, by this module's own signs, so that the box is as small as the quantity needs.
+    """
     a, b = points["inside"], points["outside"]
     if not (_inside(law, a) and _outside(law, b)):
         return None
+    for _ in range(_HALVINGS):
+        middle = {n: (a[n] + b[n]) / 2 for n in a}
+        if _inside(law, middle):
+            a = middle
+        elif _outside(law, middle):
+            b = middle
+        else:
+            break
     return {n: (min(a[n], b[n]), max(a[n], b[n])) for n in a}
 
 

@@ -16,6 +16,7 @@ from typing import Any, overload
 import sympy as sp
 from sympy.core.relational import Relational
 
+from duhem.closed_form import Shape, converted
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import exact_number, parse_expression, parse_relation
@@ -101,7 +102,8 @@ class Criterion:
 
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over
     :meth:`symbols`; text is parsed safely, nothing in it is executed.  ``flow`` is the slip direction field, one
-    expression per force; None means associated (normality rule, Antoni et al. 2007, Eq. 36).
+    expression per force; None means associated (normality rule, Antoni et al. 2007, Eq. 36).  ``closed_form`` states the
+    shape of K where the slip increment onto it has one.
     """
 
     name: str
@@ -113,6 +115,7 @@ class Criterion:
     flow: tuple[sp.Expr, ...] | None = None
     summary: str = ""
     source: str = ""
+    closed_form: Shape | None = None
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -124,6 +127,8 @@ class Criterion:
         put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}") for c in self.constraints))
         if self.flow is not None:
             put(self, "flow", tuple(_expression(c, known, f"flow of {self.name}") for c in self.flow))
+        if self.closed_form is not None:
+            put(self, "closed_form", converted(self.closed_form, lambda x: _expression(x, known, f"closed form of {self.name}")))
         self._check_content()
 
     def __hash__(self) -> int:
@@ -207,6 +212,7 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         parameters=domains,
         constraints=tuple(c for c in map(moved, law.constraints) if c != sp.true),
         flow=None if law.flow is None else tuple(moved(c) for c in law.flow),
+        closed_form=None if law.closed_form is None else converted(law.closed_form, moved),
     )
 
 
@@ -235,6 +241,7 @@ def criterion(
     constraints: Sequence[str] = (),
     flow: Sequence[Any] | None = None,
     source: str = "",
+    closed_form: Shape | None = None,
 ) -> Callable[[Callable[..., Any]], Criterion]: ...
 
 
@@ -248,6 +255,7 @@ def criterion(
     constraints: Sequence[str] = (),
     flow: Sequence[Any] | None = None,
     source: str = "",
+    closed_form: Shape | None = None,
 ) -> Criterion | Callable[[Callable[..., Any]], Criterion]:
     """Turn a function of the declared names into a registered :class:`Criterion`.
 
@@ -272,6 +280,7 @@ def criterion(
             flow=None if flow is None else tuple(flow),
             summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
             source=source,
+            closed_form=closed_form,
         )
         _registered[law.name] = law
         return law

@@ -18,6 +18,7 @@ from duhem.errors import InputError
 from duhem.examination import Case
 from duhem.examination.regularity import regularity
 from duhem.expression.text import formula
+from duhem.positivity import Question, Sense, decide
 from duhem.verdict import Evidence, Verdict, Witness
 
 __all__ = ["ClaimResult", "LeftOut", "Verification", "verify"]
@@ -118,6 +119,7 @@ def verify(
     check_domain(criterion)
     wanted = _wanted(claims)
     case = Case(criterion)
+    _check_quotients(case)
     settled: dict[str, Evidence] = {}
     results = []
     for name in CLAIMS:
@@ -134,6 +136,21 @@ def verify(
             if on_claim is not None:
                 on_claim(result)
     return Verification(criterion, tuple(results), _left_out(criterion, wanted, settled), _remarks(case))
+
+
+def _check_quotients(case: Case) -> None:
+    """Raise InputError where the formula divides by something that is 0 for admitted parameter values."""
+    problem, forces = case.problem, set(case.law.force_symbols())
+    remedy = "keep its domain away from there (positive = true, or a least value above 0)"
+    if problem.g.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        raise InputError(f"{formula(case.law.g)} is undefined at the fixed values", where=case.law.name, remedy=remedy)
+    bases = {p.base for p in problem.g.atoms(sp.Pow) if p.exp.could_extract_minus_sign() and not p.base.free_symbols & forces}
+    for base in sorted(bases, key=str):
+        answer = decide(Question(base**2, Sense.POSITIVE, problem.given))
+        point = {x: v for x, v in (answer.point or {}).items() if x in base.free_symbols}
+        if answer.holds is False and base.free_symbols <= point.keys() and base.subs(point) == 0:
+            at = ", ".join(f"{x} = {v}" for x, v in point.items())
+            raise InputError(f"g divides by {formula(base)}, which is 0 at {at}", where=case.law.name, remedy=remedy)
 
 
 def _wanted(claims: Iterable[str] | None) -> tuple[str, ...]:

@@ -13,11 +13,15 @@ Source: N. Antoni, J.-L. Ligier, P. Saffré, J. Pastor (2007), Int. J. Eng. Sci.
 
 from sympy import Abs, Expr
 
+from duhem.closed_form import Quadrants
 from duhem.criterion import criterion
 from duhem.expression import Neg, Norm, Pos
 
 
-@criterion(source="Antoni, Ligier, Saffré and Pastor (2007), Eq. (35)")
+QUARTERS = Quadrants("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus")
+
+
+@criterion(source="Antoni, Ligier, Saffré and Pastor (2007), Eq. (35)", closed_form=QUARTERS)
 def antoni2007(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu_a_plus: Expr, mu_a_minus: Expr, mu_b_plus: Expr, mu_b_minus: Expr) -> Expr:
     """Asymmetric orthotropic friction: four quarter ellipses."""
     along_a = Pos(sigma_a) / mu_a_plus + Neg(sigma_a) / mu_a_minus

@@ -13,11 +13,15 @@ Source: N. Antoni, J.-L. Ligier, P. Saffré, J. Pastor (2007), Int. J. Eng. Sci.
 
 from sympy import Abs, Expr
 
+from duhem.closed_form import Interval
 from duhem.criterion import criterion
 from duhem.expression import Neg, Pos
 
 
-@criterion(forces=["sigma_t"], source="Antoni, Ligier, Saffré and Pastor (2007), Eq. (1)")
+SEGMENT = Interval("mu_plus", "mu_minus")
+
+
+@criterion(forces=["sigma_t"], source="Antoni, Ligier, Saffré and Pastor (2007), Eq. (1)", closed_form=SEGMENT)
 def antoni2007_1d(sigma_t: Expr, sigma_n: Expr, mu_plus: Expr, mu_minus: Expr) -> Expr:
     """Asymmetric friction along a line: an interval."""
     return Pos(sigma_t) / mu_plus + Neg(sigma_t) / mu_minus - Abs(sigma_n)

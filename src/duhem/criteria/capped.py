@@ -12,11 +12,12 @@ Source: E. Orowan (1943), Proc. Inst. Mech. Eng. 150, 140-167.
 
 from sympy import Abs, Expr, Min
 
+from duhem.closed_form import Disk
 from duhem.criterion import criterion
 from duhem.expression import Norm
 
 
-@criterion(source="Orowan (1943)")
+@criterion(source="Orowan (1943)", closed_form=Disk(load="min(mu*abs(sigma_n), tau_max)"))
 def capped(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu: Expr, tau_max: Expr) -> Expr:
     """Coulomb friction capped by a shear strength."""
     return Norm(sigma_a, sigma_b) - Min(mu * Abs(sigma_n), tau_max)

@@ -12,11 +12,12 @@ Source: C. A. Coulomb (1776), Mém. Acad. R. Sci. 7, 343-382.
 
 from sympy import Abs, Expr
 
+from duhem.closed_form import Disk
 from duhem.criterion import criterion
 from duhem.expression import Norm
 
 
-@criterion(source="Coulomb (1776)")
+@criterion(source="Coulomb (1776)", closed_form=Disk(load="cohesion + mu*abs(sigma_n)"))
 def cohesive(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu: Expr, cohesion: Expr) -> Expr:
     """Coulomb friction with cohesion."""
     return Norm(sigma_a, sigma_b) - (cohesion + mu * Abs(sigma_n))

@@ -14,11 +14,12 @@ Source: C. A. Coulomb (1785), Théorie des machines simples; J. J. Moreau (1970)
 
 from sympy import Abs, Expr
 
+from duhem.closed_form import Disk
 from duhem.criterion import criterion
 from duhem.expression import Norm
 
 
-@criterion(source="Coulomb (1785)")
+@criterion(source="Coulomb (1785)", closed_form=Disk("mu"))
 def coulomb(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu: Expr) -> Expr:
     """Isotropic Coulomb friction: a disk."""
     return Norm(sigma_a, sigma_b) - mu * Abs(sigma_n)

@@ -12,11 +12,12 @@ Source: R. Michałowski and Z. Mróz (1978), Arch. Mech. 30, 259-276; A. Curnier
 
 from sympy import Abs, Expr
 
+from duhem.closed_form import Quadrants
 from duhem.criterion import criterion
 from duhem.expression import Norm
 
 
-@criterion(source="Michałowski and Mróz (1978)")
+@criterion(source="Michałowski and Mróz (1978)", closed_form=Quadrants("mu_a", "mu_a", "mu_b", "mu_b"))
 def orthotropic(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu_a: Expr, mu_b: Expr) -> Expr:
     """Orthotropic friction: an ellipse."""
     return Norm(sigma_a / mu_a, sigma_b / mu_b) - Abs(sigma_n)

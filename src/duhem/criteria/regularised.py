@@ -13,11 +13,17 @@ Source: A. J. Abbo and S. W. Sloan (1995), Comput. Struct. 54, 427-441 (the hype
 
 from sympy import Abs, Expr
 
+from duhem.closed_form import Disk
 from duhem.criterion import criterion
 from duhem.expression import Norm
 
 
-@criterion(source="Abbo and Sloan (1995)")
+DISK = Disk(
+    load="sqrt(mu*abs(sigma_n)*(mu*abs(sigma_n) + 2*c))", slope="sqrt(mu*abs(sigma_n)*(mu*abs(sigma_n) + 2*c))/(mu*abs(sigma_n) + c)"
+)
+
+
+@criterion(source="Abbo and Sloan (1995)", closed_form=DISK)
 def regularised(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu: Expr, c: Expr) -> Expr:
     """Coulomb friction with its tip smoothed by a hyperbola."""
     return Norm(sigma_a, sigma_b, c) - (mu * Abs(sigma_n) + c)

@@ -13,11 +13,16 @@ Source: R. T. Rockafellar (1970), Convex Analysis, section 13 (support function 
 
 from sympy import Abs, Expr
 
+from duhem.closed_form import Quadrants
 from duhem.criterion import REAL, criterion
 from duhem.expression import Norm
 
 
-@criterion(parameters={"shift": REAL}, constraints=["shift < mu_a", "-mu_a < shift"], source="Rockafellar (1970)")
+OFF_CENTRE = Quadrants("mu_a", "mu_a", "mu_b", "mu_b", centre_a="shift*abs(sigma_n)")
+INSIDE = ["shift < mu_a", "-mu_a < shift"]  # the origin
+
+
+@criterion(parameters={"shift": REAL}, constraints=INSIDE, source="Rockafellar (1970)", closed_form=OFF_CENTRE)
 def shifted_ellipse(sigma_a: Expr, sigma_b: Expr, sigma_n: Expr, mu_a: Expr, mu_b: Expr, shift: Expr) -> Expr:
     """Asymmetric friction by translation: an ellipse off centre."""
     return Norm((sigma_a - shift * Abs(sigma_n)) / mu_a, sigma_b / mu_b) - Abs(sigma_n)

@@ -18,10 +18,9 @@ __all__ = ["origin", "origin_refuted"]
 
 def origin(case: Case) -> Evidence | None:
     """g(0) <= 0 for every pressure and parameter."""
-    at_zero = _at_zero(case)
-    if at_zero.has(sp.nan, sp.zoo, sp.oo):
+    if case.at_origin is None:
         return None
-    answer = case.ask(-at_zero, Sense.NONNEGATIVE)
+    answer = case.ask(-case.at_origin, Sense.NONNEGATIVE)
     if answer.holds is not True:
         return None
     stated = case.law.g.xreplace(dict.fromkeys(case.law.force_symbols(), sp.S.Zero))
@@ -31,7 +30,7 @@ def origin(case: Case) -> Evidence | None:
 def origin_refuted(case: Case) -> Evidence | None:
     """Parameters at which g(0) > 0."""
     zero = [Fraction(0)] * len(case.simple.forces)
-    hint = case.ask(-_at_zero(case), Sense.NONNEGATIVE).point
+    hint = None if case.at_origin is None else case.ask(-case.at_origin, Sense.NONNEGATIVE).point
     for parameters in choices(case, [hint] if hint else []):
         values = values_at(case, parameters, zero)
         sign, enclosure = sign_at(case.problem.g, values)
@@ -45,7 +44,3 @@ def origin_refuted(case: Case) -> Evidence | None:
             return Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
     return None
 
-
-def _at_zero(case: Case) -> sp.Expr:
-    """g at zero force, all forces at once: a 0/0 there stays undefined instead of taking one direction's limit."""
-    return case.simple.g.xreplace(dict.fromkeys(case.simple.forces, sp.S.Zero))

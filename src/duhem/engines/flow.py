@@ -38,6 +38,8 @@ def normality(case: Case) -> Evidence | None:
     for piece in pieces:
         gradient = [sp.diff(piece.expr, x) for x in problem.forces]
         on_boundary = (*piece.conditions(), sp.Eq(piece.expr, 0))
+        if case.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *on_boundary).holds is not True:
+            return None  # where grad g = 0 every flow would look parallel to it
         for i, j in itertools.combinations(range(len(gradient)), 2):
             minor = problem.flow[i] * gradient[j] - problem.flow[j] * gradient[i]
             if case.ask(minor, Sense.ZERO, *on_boundary).holds is not True:

@@ -103,9 +103,13 @@ def dissipation(case: Case) -> Evidence | None:
         return None
     used: set[str] = set()
     for piece in pieces:
-        flow = problem.flow or tuple(sp.diff(piece.expr, x) for x in problem.forces)
+        gradient = tuple(sp.diff(piece.expr, x) for x in problem.forces)
+        on_boundary = (*piece.conditions(), sp.Eq(piece.expr, 0))
+        flow = problem.flow or gradient
+        if flow is gradient and case.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *on_boundary).holds is not True:
+            return None  # where grad g = 0 it says nothing of the normal
         power = sp.Add(*(x * d for x, d in zip(problem.forces, flow, strict=True)))
-        answer = case.ask(sp.factor_terms(sp.expand(power)), Sense.NONNEGATIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
+        answer = case.ask(sp.factor_terms(sp.expand(power)), Sense.NONNEGATIVE, *on_boundary)
         if answer.holds is not True:
             return None
         used.add(answer.method)

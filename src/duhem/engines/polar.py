@@ -38,7 +38,7 @@ def smoothness(case: Case) -> Evidence | None:
 
 def origin(case: Case) -> Evidence | None:
     """A star-shaped set contains the point it is star-shaped about."""
-    if profile(case) is None:
+    if case.at_origin is not None or profile(case) is None:
         return None
     return Evidence(Verdict.PROVED, "polar-form", "K is star-shaped about 0 (closure at 0 where the formula is 0/0)")
 

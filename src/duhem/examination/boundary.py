@@ -47,7 +47,7 @@ class BoundaryScout:
             return np.zeros(d)
         points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-2, 2, (4000, 1))
         heights = self.value(points)
-        best = points[int(np.nanargmin(heights))]
+        best = points[int(np.argmin(np.where(np.isfinite(heights), heights, np.inf)))]
         return np.round(best, 9) if self.value(np.round(best, 9)) <= 0 else None
 
     def _shoot(self) -> tuple[Any, Any, Any]:
@@ -88,9 +88,10 @@ class BoundaryScout:
         """The three boundary points whose flow leans most towards some other sampled point, with that point."""
         slips = self.unit_flow()
         reach = slips @ self.boundary.T - np.sum(slips * self.boundary, axis=1)[:, None]
+        reach = np.where(np.isfinite(reach), reach, -np.inf)
         sizes = np.linalg.norm(self.boundary[None, :, :] - self.boundary[:, None, :], axis=2) + 1e-300
-        for k in np.argsort(-np.nanmax(reach / sizes, axis=1))[:3]:
-            best = int(np.nanargmax(reach[k]))
+        for k in np.argsort(-np.max(reach / sizes, axis=1))[:3]:
+            best = int(np.argmax(reach[k]))
             if reach[k, best] > 0:
                 yield int(k), [Fraction(float(c) * (1 - 2.0**-20)).limit_denominator(10**6) for c in self.boundary[best]]
 
@@ -100,6 +101,7 @@ class BoundaryScout:
             return
         normals, slips = self._gradient(), self.unit_flow()
         turn = np.arctan2(normals[:, 0] * slips[:, 1] - normals[:, 1] * slips[:, 0], np.sum(normals * slips, axis=1))
+        turn = np.where(np.isfinite(turn), turn, 0.0)
         for k in np.argsort(-np.abs(turn))[:3]:
             for share in (1.0, 0.5, 0.25, 0.1):
                 angle = Fraction(float(share * turn[k])).limit_denominator(10**12)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import time
 from functools import cached_property
+from itertools import combinations
 
 import sympy as sp
 
 from duhem.criterion import Criterion
 from duhem.expression import Where
-from duhem.expression.branches import Branch, TooManyBranchesError, branches, seams
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.model import Problem, Star, star_form, state
 from duhem.positivity import Answer, Question, Sense, decide
 
@@ -54,9 +55,9 @@ class Case:
 
     @cached_property
     def pieces(self) -> tuple[Branch, ...] | None:
-        """Smooth branches of the simple problem's g; None if there are too many."""
+        """Smooth branches of the simple problem's g with an inside; None if there are too many."""
         try:
-            return branches(self.simple.g)
+            return thick(branches(self.simple.g))
         except TooManyBranchesError:
             return None
 
@@ -65,9 +66,28 @@ class Case:
         """Whether g is proved defined and continuous everywhere, so that the boundary of K lies on g = 0."""
         if self.pieces is None or any(self.ask(p.expr**2, Sense.NONNEGATIVE, *p.conditions()).holds is not True for p in self.pieces):
             return False
-        return not self.simple.g.has(Where) or all(
-            self.ask(after.expr - before.expr, Sense.ZERO, *(sp.Eq(s, 0) for s in crossed), *shared).holds is True
-            for before, after, crossed, shared in seams(self.pieces)
+        return self.joined(self.simple.g)
+
+    @cached_property
+    def at_origin(self) -> sp.Expr | None:
+        """g at zero force, all forces at once; None where that is 0/0 or otherwise undefined."""
+        value = self.simple.g.xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
+        return None if value.has(sp.nan, sp.zoo, sp.oo) else value
+
+    def joined(self, *exprs: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> bool:
+        """Whether the expressions never jump: built in without ``where``, else shown for every two branches where they meet."""
+        together = sp.Tuple(*exprs)
+        if not together.has(Where):
+            return True
+        try:
+            pieces = branches(together)
+        except TooManyBranchesError:
+            return False
+        return all(
+            self.ask(p - q, Sense.ZERO, *one.conditions(), *two.conditions(), circle=circle).holds is True
+            for one, two in combinations(pieces, 2)
+            for p, q in zip(one.expr, two.expr, strict=True)
+            if p != q
         )
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:

@@ -28,6 +28,9 @@ def choices(case: Case, hints: Sequence[Mapping[sp.Symbol, Any]] = (), most: int
         key = tuple(values.values())
         if key in seen or not inside_domain(case, {**values_at(case, values, [Fraction(0)] * len(case.simple.forces))}):
             return False
+        exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in values.items()}
+        if case.simple.g.subs(exact).has(sp.nan, sp.zoo, sp.oo):
+            return False
         seen.add(key)
         return True
 

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from duhem.examination.case import Case
-from duhem.expression import Where
-from duhem.expression.branches import Branch, TooManyBranchesError, branches
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.positivity import Sense
 
 __all__ = ["Profile", "profile"]
@@ -31,6 +30,7 @@ class Profile:
     case: Case
     x: sp.Symbol
     y: sp.Symbol
+    bases: tuple[sp.Expr, ...]
     arcs: tuple[Branch, ...]
     exponents: tuple[sp.Rational, ...]
     method: str
@@ -96,15 +96,8 @@ class Profile:
         )
 
     def continuous(self) -> bool:
-        """Whether the gauge is continuous across seams: built in unless the formula has a ``where``."""
-        if not self.case.simple.g.has(Where):
-            return True
-        circle = (self.x, self.y)
-        return all(
-            self.case.ask(p - q, Sense.ZERO, *where, circle=circle).holds is True
-            for before, after, where in self.seams()
-            for p, q in zip(before.expr, after.expr, strict=True)
-        )
+        """Whether the gauge is continuous across seams: built in unless a base has a ``where``."""
+        return self.case.joined(*self.bases, circle=(self.x, self.y))
 
 
 def profile(case: Case) -> Profile | None:
@@ -112,10 +105,12 @@ def profile(case: Case) -> Profile | None:
     problem, star = case.simple, case.star
     if star is None or len(problem.forces) != 2:
         return None
+    if case.at_origin is not None and not case.nonnegative(-case.at_origin):
+        return None  # the form says nothing of the origin itself, where a formula may jump
     x, y = problem.forces
     factors = star.factors()
     try:
-        arcs = branches(sp.Tuple(*(p for p, _ in factors)), _MOST_ARCS)
+        arcs = thick(branches(sp.Tuple(*(p for p, _ in factors)), _MOST_ARCS))
     except TooManyBranchesError:
         return None
     used = set()
@@ -125,5 +120,5 @@ def profile(case: Case) -> Profile | None:
             if answer.holds is not True:
                 return None
             used.add(answer.method)
-    found = Profile(case, x, y, arcs, tuple(a for _, a in factors), "polar-curvature")
+    found = Profile(case, x, y, tuple(p for p, _ in factors), arcs, tuple(a for _, a in factors), "polar-curvature")
     return found if found.transversal() and found.continuous() else None

@@ -17,7 +17,7 @@ import sympy as sp
 from duhem.expression.fold import fold
 from duhem.expression.vocabulary import Neg, Pos, Where
 
-__all__ = ["Branch", "TooManyBranchesError", "branches", "oriented", "seams"]
+__all__ = ["Branch", "TooManyBranchesError", "branches", "oriented", "seams", "thick"]
 
 
 class TooManyBranchesError(Exception):
@@ -26,7 +26,10 @@ class TooManyBranchesError(Exception):
 
 @dataclass(frozen=True)
 class Branch:
-    """``expr`` holds where each switch has its sign: +1 for switch >= 0, -1 for switch <= 0."""
+    """``expr`` holds where each switch has its sign: +1 for switch >= 0, -1 for switch <= 0, 0 for switch = 0.
+
+    A sign 0 makes the branch thin, a set without inside; only ``where`` gives such branches a value of their own.
+    """
 
     signs: Mapping[sp.Expr, int]
     expr: Any
@@ -34,7 +37,7 @@ class Branch:
     def conditions(self, strict: bool = False) -> tuple[sp.Basic, ...]:
         """The region as relations; ``strict`` gives its interior."""
         relation = sp.StrictGreaterThan if strict else sp.GreaterThan
-        return tuple(relation(sign * switch, 0) for switch, sign in self.signs.items())
+        return tuple(relation(sign * switch, 0) if sign else sp.Eq(switch, 0) for switch, sign in self.signs.items())
 
 
 def oriented(switch: sp.Expr) -> tuple[sp.Expr, int]:
@@ -61,11 +64,13 @@ def oriented(switch: sp.Expr) -> tuple[sp.Expr, int]:
 def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
     """All sign-consistent branches of ``expr``; raises TooManyBranchesError above ``most``."""
 
+    wheres = expr.has(Where)  # then what holds only where a switch is 0 must be kept
+
     def join(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
-        return _capped((_merge(node.func, parts) for parts in product(*values)), most)
+        return _capped((b for parts in product(*values) for b in _rebuilt(node, parts, wheres)), most)
 
     def kink(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
-        return _capped((b for parts in product(*values) for b in _split(node, parts)), most)
+        return _capped((b for parts in product(*values) for b in _split(node, parts, wheres)), most)
 
     table: dict[type, Callable[..., tuple[Branch, ...]]] = {node: kink for node in (sp.Abs, Pos, Neg, sp.Max, sp.Min, Where)}
 
@@ -74,6 +79,11 @@ def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
             return super().get(key, join)
 
     return fold(expr, _Table(table), lambda leaf: (Branch({}, leaf),))
+
+
+def thick(pieces: Iterable[Branch]) -> tuple[Branch, ...]:
+    """The branches with an inside; enough where the formula is known not to jump."""
+    return tuple(b for b in pieces if 0 not in b.signs.values())
 
 
 def _capped(found: Iterable[Branch | None], most: int) -> tuple[Branch, ...]:
@@ -87,22 +97,36 @@ def _capped(found: Iterable[Branch | None], most: int) -> tuple[Branch, ...]:
     return tuple(kept.values())
 
 
-def _signs(parts: Iterable[Branch]) -> dict[sp.Expr, int] | None:
+def _signs(parts: Iterable[Branch], thin: bool) -> dict[sp.Expr, int] | None:
+    """Signs that hold together; opposite ones leave switch = 0, which counts only if ``thin`` branches do."""
     signs: dict[sp.Expr, int] = {}
     for part in parts:
         for switch, sign in part.signs.items():
             if signs.setdefault(switch, sign) != sign:
-                return None
+                if not thin:
+                    return None
+                signs[switch] = 0
     return signs
 
 
-def _merge(build: Any, parts: tuple[Branch, ...]) -> Branch | None:
-    signs = _signs(parts)
-    return None if signs is None else Branch(signs, build(*(p.expr for p in parts)))
+def _rebuilt(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
+    signs = _signs(parts, thin)
+    if signs is None:
+        return
+    expr = node.func(*(p.expr for p in parts))
+    if not expr.has(sp.Abs):
+        yield Branch(signs, expr)
+        return
+    for inner in branches(expr):  # a norm that is left with one argument has become an absolute value
+        if (joint := _signs([Branch(signs, expr), inner], thin)) is not None:
+            yield Branch(joint, inner.expr)
 
 
-def _with(signs: Mapping[sp.Expr, int], more: Iterable[tuple[sp.Expr, int]], expr: sp.Expr) -> Branch | None:
-    """The branch further restricted by sign * switch >= 0; None where that contradicts or cannot hold inside."""
+def _with(signs: Mapping[sp.Expr, int], more: Iterable[tuple[sp.Expr, int]], expr: sp.Expr, thin: bool = False) -> Branch | None:
+    """The branch further restricted by sign * switch >= 0; None where that contradicts.
+
+    Where it leaves only switch = 0 the answer is None too, unless ``thin`` branches count.
+    """
     joint = dict(signs)
     for switch, sign in more:
         core, flip = oriented(switch)
@@ -111,17 +135,21 @@ def _with(signs: Mapping[sp.Expr, int], more: Iterable[tuple[sp.Expr, int]], exp
             if (core > 0 and wanted < 0) or (core < 0 and wanted > 0):
                 return None
             continue
-        if (wanted > 0 and core.is_nonpositive) or (wanted < 0 and core.is_nonnegative):
-            return None
-        if (wanted > 0 and core.is_nonnegative) or (wanted < 0 and core.is_nonpositive):
+        if (wanted > 0 and core.is_extended_nonpositive) or (wanted < 0 and core.is_extended_nonnegative):
+            if not thin or core.is_nonzero:
+                return None
+            joint[core] = 0
+        elif (wanted > 0 and core.is_extended_nonnegative) or (wanted < 0 and core.is_extended_nonpositive):
             continue
-        if joint.setdefault(core, wanted) != wanted:
-            return None
+        elif joint.setdefault(core, wanted) != wanted:
+            if not thin:
+                return None
+            joint[core] = 0
     return Branch(joint, expr)
 
 
-def _split(node: sp.Basic, parts: tuple[Branch, ...]) -> Iterable[Branch | None]:
-    signs = _signs(parts)
+def _split(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
+    signs = _signs(parts, thin)
     if signs is None:
         return
     values = [p.expr for p in parts]
@@ -142,8 +170,9 @@ def _split(node: sp.Basic, parts: tuple[Branch, ...]) -> Iterable[Branch | None]
             yield Branch(signs, then if condition is sp.true else otherwise)
             return
         gap = sp.expand(condition.gts - condition.lts)
-        yield _with(signs, [(gap, 1)], then)
-        yield _with(signs, [(gap, -1)], otherwise)
+        closed = isinstance(condition, sp.GreaterThan | sp.LessThan)  # which side owns the equality
+        yield _with(signs, [(gap, 1)], then, thin=closed)
+        yield _with(signs, [(gap, -1)], otherwise, thin=not closed)
 
 
 def seams(pieces: Sequence[Branch]) -> Iterator[tuple[Branch, Branch, list[sp.Expr], list[sp.Basic]]]:

@@ -43,11 +43,10 @@ class Problem:
 
     @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
-        """Free symbols besides the forces, N included, in declaration order."""
-        table = [s for s in self.law.symbols().values() if s not in self.forces]
-        free = self.g.free_symbols.union(*(c.free_symbols for c in self.flow or ()))
-        own = [s for s in table if s in free]
-        return (*own, self.magnitude) if self.magnitude is not None and self.magnitude in free else tuple(own)
+        """The law's parameters that no slice fixes, in declaration order, then N."""
+        table = self.law.symbols()
+        own = [*(table[name] for name in self.law.parameters), *([] if self.magnitude is None else [self.magnitude])]
+        return tuple(s for s in own if s not in self.slice)
 
     def gradient(self) -> tuple[sp.Expr, ...]:
         """Partial derivatives of g by the forces; valid on smooth branches only."""
@@ -77,7 +76,7 @@ class Problem:
 
     def dimensionless(self) -> Problem:
         """Positive parameters set to 1 where a change of units absorbs them (Buckingham's pi theorem)."""
-        candidates = [s for s in (self.magnitude, *reversed(self.parameters)) if s is not None and s in self.g.free_symbols]
+        candidates = [s for s in reversed(self.parameters) if s in self.g.free_symbols]
         ones = removable((self.g,), self.given, [s for s in dict.fromkeys(candidates) if s.is_positive])
         if not ones:
             return self
@@ -130,7 +129,7 @@ def without_outer_map(g: sp.Expr) -> sp.Expr:
             core = g.base
         elif isinstance(g, sp.tanh | sp.atan):
             core = g.args[0]
-        elif isinstance(g, sp.log):
+        elif isinstance(g, sp.log) and g.args[0].is_extended_nonnegative:
             core = g.args[0] - 1
         elif g.is_Add and len(g.args) == 2:
             core = _undone(*g.args)

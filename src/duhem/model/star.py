@@ -32,7 +32,8 @@ class Star:
             for factor in sp.Mul.make_args(sp.factor_terms(expr)):
                 base, power = (factor.base, factor.exp) if factor.is_Pow and factor.exp.is_Rational else (factor, sp.S.One)
                 found[base] = found.get(base, sp.S.Zero) + power * exponent
-        return tuple((b, e) for b, e in found.items() if e != 0 and not (b.is_number and b.is_positive))
+        # A base that cancels between A and B stays, with exponent 0: that it is positive must still be shown.
+        return tuple((b, e) for b, e in found.items() if not (b.is_number and b.is_positive))
 
 
 def star_form(problem: Problem) -> Star | None:

@@ -21,6 +21,11 @@ def decide(question: Question, seconds: float = 5.0) -> Answer:
 
     Kinks are opened into branches, products of unrelated factors into their factors; each part must hold.
     """
+    if sp.false in question.given:
+        return Answer(True, "vacuous")
+    if sp.true in question.given:
+        given = tuple(r for r in question.given if r is not sp.true)
+        question = Question(question.expr, question.sense, given, question.circle)
     quick = by_rules(question)
     if quick.holds:
         return quick
@@ -51,9 +56,7 @@ def _by_branches(question: Question, seconds: float) -> Answer:
     for piece in pieces:
         expr, *sides = piece.expr
         given = tuple(type(r)(*pair) for r, pair in zip(question.given, sides, strict=True)) + piece.conditions()
-        if sp.false in given:
-            continue
-        answer = decide(Question(expr, question.sense, tuple(r for r in given if r is not sp.true), question.circle), seconds)
+        answer = decide(Question(expr, question.sense, given, question.circle), seconds)
         if answer.holds is not True:
             return answer
         method = answer.method

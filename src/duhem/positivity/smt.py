@@ -48,6 +48,8 @@ def by_smt(system: System, seconds: float) -> Answer:
         if result == z3.sat:
             return Answer(False, "smt-z3", point=_model(solver.model(), names, z3))
         reason = f"z3: {solver.reason_unknown()}"
+        if "interrupted" in reason:  # z3 takes Ctrl-C for itself
+            raise KeyboardInterrupt
     return Answer(None, "smt-z3", reason=reason)
 
 

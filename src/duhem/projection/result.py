@@ -49,9 +49,7 @@ class Residuals:
 
     def worst(self) -> Array:
         """The largest of the five at each point."""
-        return np.max(
-            np.stack([self.feasibility, self.multiplier_sign, self.complementarity, self.stationarity, self.variational]), axis=0
-        )
+        return np.max(np.stack([self.feasibility, self.multiplier_sign, self.complementarity, self.stationarity, self.variational]), axis=0)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,65 @@
+"""Shapes of K(sigma_n) onto which the closest point is known in closed form; a law declares the one it has.
+
+Every entry is an expression (or text) over the law's pressure and parameters.  Semi-axes are written ``coefficient x
+load`` with the load common to all directions, so that a product such as mu |sigma_n| need not be rounded before a trial
+stress is compared with it.  ``slope`` is the rate at which the law's own g grows with the gauge named in each class, at
+the boundary: it turns the multiplier of the gauge into the multiplier of g.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import sympy as sp
+
+__all__ = ["Disk", "Interval", "Quadrants", "Shape", "converted"]
+
+Entry = str | sp.Expr
+_LOAD = "abs(sigma_n)"
+
+
+@dataclass(frozen=True)
+class Interval:
+    """One force: -minus load <= sigma <= plus load.  Gauge: pos(sigma)/plus + neg(sigma)/minus."""
+
+    plus: Entry
+    minus: Entry
+    load: Entry = _LOAD
+    slope: Entry = "1"
+
+
+@dataclass(frozen=True)
+class Disk:
+    """Two forces: |sigma| <= coefficient load.  Gauge: |sigma|."""
+
+    coefficient: Entry = "1"
+    load: Entry = _LOAD
+    slope: Entry = "1"
+
+
+@dataclass(frozen=True)
+class Quadrants:
+    """Two forces: a quarter ellipse per quadrant with semi-axes coefficient x load, about a centre (both in stress).
+
+    Gauge: norm((sigma_a - centre_a)/a, (sigma_b - centre_b)/b) with a = a_plus where sigma_a >= centre_a, else a_minus,
+    and b likewise (Antoni et al. 2007, Eq. 35).
+    """
+
+    a_plus: Entry
+    a_minus: Entry
+    b_plus: Entry
+    b_minus: Entry
+    load: Entry = _LOAD
+    centre_a: Entry = "0"
+    centre_b: Entry = "0"
+    slope: Entry = "1"
+
+
+Shape = Interval | Disk | Quadrants
+
+
+def converted(shape: Any, change: Callable[[Any], Any]) -> Any:
+    """The shape with every entry changed."""
+    return replace(shape, **{entry.name: change(getattr(shape, entry.name)) for entry in fields(shape)})

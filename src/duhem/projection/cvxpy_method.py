@@ -1,0 +1,237 @@
+"""The reference method: the closest-point step as a cone program, for any law that is DCP, in any number of forces.
+
+    minimise (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2   subject to   g(sigma, sigma_n) <= 0
+
+is posed in y = L^-1 sigma/R with k = kappa L L^T and R the size of K towards the trial stress, one R a point:
+
+    minimise theta |y|^2/2 - u . y   subject to   gamma h(L y, q) <= 0,   L^-1 sigma_tr = R u/theta,  |u| = 1
+
+so that all numbers are O(1) in any unit and at any distance of the trial (h, q: :mod:`duhem.projection.scaled_formula`).
+The multiplier lambda is the dual value of the constraint, taken back to the law's own units.
+The problem is compiled once and solved for one block of points after the other by changing its parameters (DPP; Agrawal
+et al. 2019, "Differentiable convex optimization layers").  It is slow and made to be trusted: nothing here is
+the inner loop of anything, and its answers count only after their residuals are recomputed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.expression.cvxpy_ import dcp_fault, expression
+from duhem.expression.number import exact_number
+from duhem.expression.numpy_ import compiled
+from duhem.projection import conic_solvers
+from duhem.projection.increment import Increment
+from duhem.projection.result import Array, Solution
+from duhem.projection.scaled_formula import ScaledFormula, scaled
+
+__all__ = ["applies", "solve"]
+
+Indices = NDArray[np.intp]
+
+_ELSEWHERE = "or take method='newton', which needs g smooth and K convex only"
+
+
+def applies(increment: Increment) -> str | None:
+    """None if the cone program can be posed, else the part of the formula that the DCP rules reject, and what to do."""
+    if increment.law.flow is not None:
+        return f"{increment.law.name} has a flow of its own, and the closest-point step is that of the normality rule; leave the flow out"
+    fault = _fault(increment, increment.g)
+    if fault is None or all(_fault(increment, g) is None for g, _ in _by_pressure(increment)):
+        return None
+    return f"{fault}; {_ELSEWHERE}"
+
+
+def solve(
+    increment: Increment, *, solver: str = "CLARABEL", tolerance: float | None = None, batch: int = 1, warm_start: bool = False
+) -> Solution:
+    """The increments' stress (Pa), slip k^-1 (sigma_tr - sigma) (m for k in Pa/m) and multiplier lambda, as the solver left them.
+
+    ``solver``: any cone solver CVXPY finds installed.  ``tolerance``: its stopping tolerance on the O(1) problem, by
+    default the tightest it meets reliably.  ``batch``: points per problem; more is faster a point, and less accurate,
+    because a solver stops on the sum.  ``warm_start``: start from the last block's answer.
+    A trial with g <= 0 is its own projection, without a solver.  Where a block fails, its points are tried one by one;
+    ``failed`` marks those that still have no answer (nan).
+    Raises InputError for a law that is not DCP, an unknown solver, one that lacks a cone the law needs, a bad option.
+    """
+    if reason := applies(increment):
+        raise InputError(reason, where=increment.law.name)
+    if isinstance(batch, bool) or not isinstance(batch, (int, np.integer)) or batch < 1:
+        raise InputError(f"batch {batch!r} is not a count of points", where="batch", remedy="give a whole number >= 1")
+    name = conic_solvers.checked(solver)
+    options = conic_solvers.settings(name, tolerance) | {"warm_start": warm_start}
+    count, dimension = increment.trial.shape
+    stress, multiplier = increment.trial.copy(), np.zeros(count)
+    for g, chosen in _groups(increment):
+        scene = _Scene.of(increment, g, chosen)
+        stress[scene.outside], multiplier[scene.outside] = scene.answers(name, options, int(batch))
+    slip = np.linalg.solve(increment.stiffness, (increment.trial - stress).T).T
+    return Solution(stress, slip, multiplier, ~np.isfinite(np.column_stack([stress, slip, multiplier])).all(axis=1))
+
+
+# -- which formula for which points ------------------------------------------------------------------------------------
+
+
+def _fault(increment: Increment, g: sp.Expr) -> str | None:
+    import cvxpy as cp
+
+    known: dict[sp.Symbol, Any] = {f: cp.Variable() for f in increment.law.force_symbols()}
+    if (pressure := _pressure(increment)) is not None:
+        known[pressure] = cp.Parameter(nonpos=True)
+    return dcp_fault(g, known)
+
+
+def _pressure(increment: Increment) -> sp.Symbol | None:
+    name = increment.law.pressure
+    return None if name is None else increment.law.symbols()[name]
+
+
+def _groups(increment: Increment) -> Iterator[tuple[sp.Expr, Indices]]:
+    """One formula for all points, or one a pressure where only a known pressure makes it DCP (``where`` on the pressure)."""
+    if _fault(increment, increment.g) is None:
+        yield increment.g, np.arange(len(increment.trial))
+    else:
+        yield from _by_pressure(increment)
+
+
+def _by_pressure(increment: Increment) -> Iterator[tuple[sp.Expr, Indices]]:
+    symbol = _pressure(increment)
+    for value in np.unique(increment.pressure):
+        yield increment.g.xreplace({symbol: exact_number(float(value))}), np.flatnonzero(increment.pressure == value)
+
+
+# -- the scaled problem ------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """The points of one formula whose trial lies outside K, in scaled units."""
+
+    forces: tuple[sp.Symbol, ...]
+    formula: ScaledFormula
+    factor: Array  # L (d, d), k = kappa L L^T
+    kappa: float
+    outside: Indices
+    direction: Array  # u (n, d)
+    distance: Array  # |L^-1 sigma_tr| (n,)
+    size: Array  # R (n,), powers of two
+    data: dict[sp.Symbol, Array]
+    slope: float  # 1/gamma, a power of two
+
+    @classmethod
+    def of(cls, increment: Increment, g: sp.Expr, chosen: Indices) -> _Scene:
+        forces, pressure = increment.law.force_symbols(), _pressure(increment)
+        symbols = (*forces, *([] if pressure is None else [pressure]))
+        program = compiled(g, symbols)
+
+        def at(stress: Array, where: Indices) -> Array:
+            return program(*stress.T, *([] if pressure is None else [increment.pressure[where]]))
+
+        outside = chosen[~(at(increment.trial[chosen], chosen) <= 0)]
+        trial = increment.trial[outside]
+        kappa = _power_of_two(np.max(np.diag(increment.stiffness)))
+        factor = np.linalg.cholesky(increment.stiffness / kappa)
+        unit = _power_of_two(np.max(np.abs(trial), axis=1, initial=0.0))  # keeps squares from overflowing
+        whitened = np.linalg.solve(factor, (trial / unit[:, None]).T).T
+        length = np.sqrt(np.sum(whitened**2, axis=1))
+        direction, distance = whitened / length[:, None], length * unit
+        size = _size(lambda r: at(r[:, None] * (direction @ factor.T), outside), distance)
+        formula = scaled(g, forces, pressure)
+        data = formula.values(increment.pressure[outside], size)
+        h = compiled(formula.expr, (*forces, *data))
+        rise = h(*(2 * direction @ factor.T).T, *data.values()) - h(*(direction @ factor.T).T, *data.values())
+        steep = rise[np.isfinite(rise) & (rise > 0)]
+        slope = float(_power_of_two(np.median(steep))) if steep.size else 1.0
+        return cls(forces, formula, factor, float(kappa), outside, direction, distance, size, data, slope)
+
+    def answers(self, solver: str, options: dict[str, Any], batch: int) -> tuple[Array, Array]:
+        """Stress (n, d) and multiplier (n,), nan where the solver has no answer."""
+        count, dimension = self.direction.shape
+        y, dual = np.full((count, dimension), np.nan), np.full(count, np.nan)
+        sound = np.flatnonzero(np.all([np.isfinite(v) for v in [self.size, self.distance, *self.data.values()]], axis=0))
+        pending = [sound[i : i + batch] for i in range(0, len(sound), batch)]
+        for width in dict.fromkeys((batch, 1)):
+            if not pending:
+                break
+            posed = _Posed.of(self, width)
+            posed.check(solver)
+            rest = []
+            for block in pending:
+                answer = posed.answer(self, block, solver, options)
+                if answer is None:
+                    rest += [block[i : i + 1] for i in range(len(block))]
+                else:
+                    y[block], dual[block] = answer
+            pending = rest
+        with np.errstate(all="ignore"):
+            stress = self.size[:, None] * (y @ self.factor.T)
+            multiplier = dual / self.slope * (self.distance / self.kappa) * self.size ** (1.0 - self.formula.degree)
+        return stress, multiplier
+
+
+def _power_of_two(x: Any) -> Any:
+    """The power of two just above |x| (1 for 0), so that scaling by it is exact."""
+    return np.ldexp(1.0, np.where(np.asarray(x) == 0, 0, np.clip(np.frexp(x)[1], -1000, 1000)))
+
+
+def _size(along: Any, distance: Array) -> Array:
+    """The power of two R with along(R) <= 0 < along(2 R), by bisection on its exponent; that below ``distance`` where there is none."""
+    high = np.clip(np.frexp(distance)[1], -1000, 1000)
+    low = np.full_like(high, -1010)
+    start = low.copy()
+    top = high - 1
+    while np.any(high - low > 1):
+        middle = (low + high) // 2
+        inside = along(np.ldexp(1.0, middle)) <= 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return np.ldexp(1.0, np.where(low == start, top, low))
+
+
+@dataclass(frozen=True)
+class _Posed:
+    """The compiled problem of a block of points, and the parameters that make it theirs."""
+
+    problem: Any
+    y: Any
+    constraint: Any
+    curvature: Any  # theta, repeated over the components
+    pull: Any  # u
+    data: dict[sp.Symbol, Any]
+    width: int
+
+    @classmethod
+    def of(cls, scene: _Scene, width: int) -> _Posed:
+        import cvxpy as cp
+
+        dimension = len(scene.forces)
+        y = cp.Variable((width, dimension))
+        curvature, pull = cp.Parameter((width, dimension), nonneg=True), cp.Parameter((width, dimension))
+        data = {q: cp.Parameter(width, **_sign(q)) for q in scene.data}
+        stress = {f: sum(c * y[:, j] for j, c in enumerate(row) if c) for f, row in zip(scene.forces, scene.factor, strict=True)}
+        constraint = expression(scene.formula.expr, {**stress, **data}) / scene.slope <= 0
+        objective = cp.sum(cp.multiply(curvature, cp.square(y))) / 2 - cp.sum(cp.multiply(pull, y))
+        return cls(cp.Problem(cp.Minimize(objective), [constraint]), y, constraint, curvature, pull, data, width)
+
+    def check(self, solver: str) -> None:
+        """Raises InputError where the solver lacks a cone."""
+        import cvxpy as cp
+
+        self._fill(self.y.shape, {})
+        try:
+            self.problem.get_problem_data(solver, **self._mode())
+        except cp.error.SolverError as error:
+            raise InputError(
+                f"{solver} cannot solve this problem ({str(error).splitlines()[0]})", where="solver", remedy="take CLARABEL"
+            ) from None
+
+    def _fill(self, *_: Any) -> None: ...
+
+    def _mode(self) -> dict[str, Any]:
+        return {} if self.problem.is_dpp() else {"ignore_dpp": True}

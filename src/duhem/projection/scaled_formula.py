@@ -1,0 +1,154 @@
+"""A criterion in units of its own size: g(R s, sigma_n) = R^degree h(s, q), whatever units the stresses come in.
+
+The parts of g that no force enters (mu |sigma_n|, a cohesion, a yield stress) become data q with a weight each, so that
+q(R) = q / R^weight carries all units and h is one formula for every pressure and every scale R > 0 (Buckingham 1914).
+Where g has no such degree (exp(sigma_a/c), say), h(s; R, sigma_n) = g(R s, sigma_n) with degree 0, R a datum like others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from duhem.expression import NODES, Neg, Norm, Pos, Table, fold
+from duhem.expression.numpy_ import compiled
+from duhem.expression.pnorm import PNorm, recognised
+from duhem.projection.result import Array
+
+__all__ = ["Datum", "ScaledFormula", "scaled"]
+
+
+@dataclass(frozen=True)
+class Datum:
+    """A part of g without forces, and the power of R that is its unit."""
+
+    expr: sp.Expr
+    weight: sp.Expr
+
+
+@dataclass(frozen=True)
+class ScaledFormula:
+    """``expr`` = h over the force symbols and the symbols of ``data``; ``degree`` the power of R that is its unit."""
+
+    expr: sp.Expr
+    degree: float
+    data: Mapping[sp.Symbol, Datum]
+    pressure: sp.Symbol | None
+
+    def values(self, pressure: Array, scale: Array) -> dict[sp.Symbol, Array]:
+        """The data at each point, in units of ``scale`` = R > 0 (N,); ``pressure`` sigma_n (N,) in Pa.  Overflow shows as inf."""
+        known = {} if self.pressure is None else {self.pressure: pressure}
+        with np.errstate(all="ignore"):
+            return {
+                q: np.broadcast_to(compiled(d.expr, known)(*known.values()) / scale ** float(d.weight), scale.shape)
+                for q, d in self.data.items()
+            }
+
+
+def scaled(g: sp.Expr, forces: Iterable[sp.Symbol], pressure: sp.Symbol | None) -> ScaledFormula:
+    """``g``, a formula over ``forces`` and ``pressure`` with numbers for parameters, as h and the data of h."""
+    acting = frozenset(forces)
+    try:
+        weigher = _Weigher(acting, pressure)
+        part = fold(recognised(g), weigher.table(), weigher.leaf)
+        if part.weight is not None:
+            return ScaledFormula(part.expr, float(part.weight), weigher.data, pressure)
+    except _NoDegree:
+        pass
+    size = sp.Dummy("R", positive=True)
+    data = {size: Datum(sp.S.One, sp.S.NegativeOne)}
+    if pressure is not None and g.has(pressure):
+        data[pressure] = Datum(pressure, sp.S.Zero)
+    return ScaledFormula(g.xreplace({f: size * f for f in acting}), 0.0, data, pressure)
+
+
+class _NoDegree(Exception):
+    """The formula is not homogeneous in the forces, whatever its data weigh."""
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A sub-expression of h and its weight; no weight where no force enters: it takes the one its place asks for."""
+
+    expr: Any
+    weight: sp.Expr | None
+
+
+class _Weigher:
+    """Builds h from the leaves up and collects its data."""
+
+    def __init__(self, forces: frozenset[sp.Symbol], pressure: sp.Symbol | None) -> None:
+        self.forces, self.pressure = forces, pressure
+        self.data: dict[sp.Symbol, Datum] = {}
+
+    def leaf(self, node: Any) -> _Part:
+        return _Part(node, sp.S.One if node in self.forces else None)
+
+    def table(self) -> Table[_Part]:
+        rows: Table[_Part] = {PNorm: self.pnorm, sp.Mul: self.product, sp.Pow: self.power}
+        alike = dict.fromkeys((sp.Add, sp.Max, sp.Min, Norm), self.alike)
+        same = dict.fromkeys((sp.Abs, Pos, Neg), self.same)
+        return {**dict.fromkeys(NODES, self.free), **alike, **same, **rows}
+
+    def free(self, node: sp.Basic, *parts: _Part) -> _Part:
+        """Any other node: fine where no force or only a dimensionless one enters."""
+        if any(p.weight not in (None, 0) for p in parts):
+            raise _NoDegree
+        weight = None if all(p.weight is None for p in parts) else sp.S.Zero
+        return _Part(node if weight is None else node.func(*(p.expr for p in parts)), weight)
+
+    def alike(self, node: Any, *parts: _Part) -> _Part:
+        return self._gather(node.func, node, parts)
+
+    def pnorm(self, node: Any, p: _Part, *parts: _Part) -> _Part:
+        return self._gather(lambda *args: PNorm(p.expr, *args), node, parts)
+
+    def _gather(self, build: Any, node: Any, parts: tuple[_Part, ...]) -> _Part:
+        weights = {p.weight for p in parts if p.weight is not None}
+        if not weights:
+            return _Part(node, None)
+        if len(weights) > 1:
+            raise _NoDegree
+        weight = weights.pop()
+        still = [p.expr for p in parts if p.weight is None]
+        return _Part(build(*(p.expr for p in parts if p.weight is not None), *([self.datum(build(*still), weight)] if still else [])), weight)
+
+    def same(self, node: Any, part: _Part) -> _Part:
+        return _Part(node, None) if part.weight is None else _Part(node.func(part.expr), part.weight)
+
+    def product(self, node: Any, *parts: _Part) -> _Part:
+        moving = [p for p in parts if p.weight is not None]
+        if not moving:
+            return _Part(node, None)
+        factor = sp.Mul(*(p.expr for p in parts if p.weight is None))
+        weight = sp.S.Zero if factor.is_number else self._pressure_degree(factor)
+        kept = factor if factor.is_number else self.datum(factor, weight)
+        return _Part(sp.Mul(kept, *(p.expr for p in moving)), sp.Add(weight, *(p.weight for p in moving)))
+
+    def _pressure_degree(self, factor: sp.Expr) -> sp.Expr:
+        """|sigma_n|^n has weight n; any other factor (a coefficient that depends on pressure) is a pure number, weight 0."""
+        exponent = factor.as_independent(self.pressure)[1].as_base_exp()
+        return exponent[1] if exponent[0] in (self.pressure, -self.pressure) else sp.S.Zero
+
+    def power(self, node: Any, base: _Part, exponent: _Part) -> _Part:
+        if base.weight is None and exponent.weight is None:
+            return _Part(node, None)
+        if base.weight is None or not exponent.expr.is_number:
+            raise _NoDegree
+        return _Part(base.expr**exponent.expr, base.weight * exponent.expr)
+
+    def datum(self, expr: sp.Expr, weight: sp.Expr) -> sp.Expr:
+        """The symbol that stands for ``expr``, of the same sign; zero stays zero."""
+        if expr.is_zero or (expr.is_number and weight == 0):
+            return expr
+        for known, datum in self.data.items():
+            if datum == Datum(expr, weight):
+                return known
+        signs = {"nonnegative": True} if expr.is_nonnegative else {"nonpositive": True} if expr.is_nonpositive else {}
+        new = sp.Dummy("q", real=True, **signs)
+        self.data[new] = Datum(expr, weight)
+        return new

@@ -1,0 +1,295 @@
+"""Small faults put into a law, and into duhem itself: each must show.
+
+Mutants of the four-quadrant ellipse: the inadmissible ones are refuted with witnesses that hold in another arithmetic,
+those that happen to be admissible are recognised as such.  Mutants of the deciders and engines: each must change an
+answer of the truth table below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+import sympy as sp
+
+import duhem.engines.implicit as implicit
+import duhem.engines.polar as polar
+import duhem.examination.case as case_module
+import duhem.examination.choices as choices_module
+import duhem.examination.search as search
+import duhem.examination.shape as shape_module
+import duhem.examination.witness as witness_module
+import duhem.model.problem as problem_module
+import duhem.positivity.cells as cells
+from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
+from duhem.examination import Case
+from duhem.examination.profile import Profile
+from duhem.examination.regularity import Regularity
+from duhem.positivity import Answer, Question, Sense, decide
+from reevaluation import confirmed
+
+PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
+
+# -- mutants of the law -----------------------------------------------------------------------------------------------
+
+MU = ("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus")
+A = "(pos(sigma_a)/mu_a_plus + neg(sigma_a)/mu_a_minus)"
+B = "(pos(sigma_b)/mu_b_plus + neg(sigma_b)/mu_b_minus)"
+N = "abs(sigma_n)"
+GRADIENT = (
+    "pos(sigma_a)/mu_a_plus**2 - neg(sigma_a)/mu_a_minus**2",
+    "pos(sigma_b)/mu_b_plus**2 - neg(sigma_b)/mu_b_minus**2",
+)
+CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation")
+ADMISSIBLE = dict.fromkeys(CLAIMS, True)
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A changed law and the truth about it; claims left out have no agreed truth for a law so broken."""
+
+    name: str
+    g: str
+    truth: Mapping[str, bool]
+    flow: tuple[str, str] | None = None
+
+    def law(self) -> Criterion:
+        return Criterion(name=self.name, g=self.g, parameters=dict.fromkeys(MU, POSITIVE), flow=self.flow)  # type: ignore[arg-type]
+
+
+DENTED = {"origin": True, "convexity": False, "normality": False, "dissipation": True}
+EQUIVALENT = [
+    Mutant("the law itself", f"norm({A}, {B}) - {N}", ADMISSIBLE),
+    Mutant("a sign lost inside a square", f"norm(pos(sigma_a)/mu_a_plus - neg(sigma_a)/mu_a_minus, {B}) - {N}", ADMISSIBLE),
+    Mutant("both signs swapped inside a square", f"norm(neg(sigma_a)/mu_a_minus - pos(sigma_a)/mu_a_plus, {B}) - {N}", ADMISSIBLE),
+    Mutant("no square root", f"{A}**2 + {B}**2 - {N}", ADMISSIBLE),
+    Mutant("no square root on either side", f"{A}**2 + {B}**2 - {N}**2", ADMISSIBLE),
+    Mutant("mu for 1/mu everywhere", f"norm(pos(sigma_a)*mu_a_plus + neg(sigma_a)*mu_a_minus, {B}) - {N}", ADMISSIBLE),
+    Mutant("mu for 1/mu in one sense", f"norm(pos(sigma_a)*mu_a_plus + neg(sigma_a)/mu_a_minus, {B}) - {N}", ADMISSIBLE),
+    Mutant("one sense left out", f"norm(pos(sigma_a)/mu_a_plus, {B}) - {N}", ADMISSIBLE),
+    Mutant("coefficients of the axes exchanged", f"norm(pos(sigma_a)/mu_b_plus + neg(sigma_a)/mu_b_minus, pos(sigma_b)/mu_a_plus + neg(sigma_b)/mu_a_minus) - {N}", ADMISSIBLE),
+    Mutant("cubes for squares", f"({A}**3 + {B}**3)**(1/3) - {N}", ADMISSIBLE),
+    Mutant("a sum for a norm: corners", f"{A} + {B} - {N}", {**ADMISSIBLE, "smoothness": False}),
+    Mutant("a maximum for a norm: corners", f"max({A}, {B}) - {N}", {**ADMISSIBLE, "smoothness": False}),
+    Mutant("the normal written out as the flow", f"norm({A}, {B}) - {N}", ADMISSIBLE, GRADIENT),
+    Mutant("the normal to another length", f"norm({A}, {B}) - {N}", ADMISSIBLE, (f"3*({GRADIENT[0]})", f"3*({GRADIENT[1]})")),
+]
+INADMISSIBLE = [
+    Mutant("the sign of the pressure", f"norm({A}, {B}) - sigma_n", {"origin": False}),
+    Mutant("the sign of g", f"{N} - norm({A}, {B})", {"origin": False, "convexity": False, "normality": False, "dissipation": False}),
+    Mutant("a difference of squares", f"{A}**2 - {B}**2 - {N}**2", {"origin": True, "convexity": False, "normality": False}),
+    Mutant("a minimum for a norm", f"min({A}, {B}) - {N}", {"origin": True, "convexity": False, "normality": False}),
+    Mutant("square roots for squares", f"(sqrt({A}) + sqrt({B}))**2 - {N}", DENTED),
+    Mutant("an inward seam", f"norm({A}, {B}) - {A}/2 - {N}", DENTED),
+    Mutant("an inward seam on one side", f"norm({A}, {B}) - pos(sigma_a)/(2*mu_a_plus) - {N}", {"origin": True, "convexity": False, "normality": False}),
+    Mutant("a coefficient of the wrong quadrant", f"where(sigma_a > 0, norm({A}, abs(sigma_b)/mu_b_plus), norm({A}, {B})) - {N}",
+           {"origin": True, "convexity": False, "normality": False}),
+    Mutant("the coefficients of the two senses exchanged in one half", f"where(sigma_a > 0, norm({A}, {B}), norm({A}, pos(sigma_b)/mu_b_minus + neg(sigma_b)/mu_b_plus)) - {N}",
+           {"origin": True, "convexity": False, "normality": False}),
+    Mutant("mu for 1/mu in one quadrant", f"where(sigma_b > 0, norm(abs(sigma_a)/mu_a_plus, {B}), norm(abs(sigma_a)*mu_a_plus, {B})) - {N}",
+           {"origin": True, "convexity": False, "normality": False}),
+    Mutant("shifted away from the origin", f"norm((sigma_a - 2*mu_a_plus*{N})/mu_a_plus, {B}) - {N}",
+           {"origin": False, "convexity": True, "smoothness": True, "normality": True, "dissipation": False}),
+    Mutant("the senses mixed between the axes", f"norm(pos(sigma_a)/mu_a_plus + neg(sigma_b)/mu_b_minus, pos(sigma_b)/mu_b_plus + neg(sigma_a)/mu_a_minus) - {N}",
+           {**ADMISSIBLE, "smoothness": False}),
+    Mutant("a sign lost in the flow", f"norm({A}, {B}) - {N}", {**ADMISSIBLE, "normality": False, "dissipation": False},
+           (GRADIENT[0].replace("-", "+"), GRADIENT[1])),
+    Mutant("the flow reversed", f"norm({A}, {B}) - {N}", {**ADMISSIBLE, "normality": False, "dissipation": False}, (f"-({GRADIENT[0]})", f"-({GRADIENT[1]})")),
+    Mutant("squares lost in the flow", f"norm({A}, {B}) - {N}", {**ADMISSIBLE, "normality": False},
+           ("pos(sigma_a)/mu_a_plus - neg(sigma_a)/mu_a_minus", "pos(sigma_b)/mu_b_plus - neg(sigma_b)/mu_b_minus")),
+    Mutant("coefficients exchanged in the flow", f"norm({A}, {B}) - {N}", {**ADMISSIBLE, "normality": False},
+           ("pos(sigma_a)/mu_b_plus**2 - neg(sigma_a)/mu_b_minus**2", "pos(sigma_b)/mu_a_plus**2 - neg(sigma_b)/mu_a_minus**2")),
+    Mutant("the flow radial", f"norm({A}, {B}) - {N}", {**ADMISSIBLE, "normality": False}, ("sigma_a", "sigma_b")),
+    Mutant("the flow turned by a right angle", f"norm({A}, {B}) - {N}", {**ADMISSIBLE, "normality": False, "dissipation": False}, (f"-({GRADIENT[1]})", GRADIENT[0])),
+    Mutant("the flow along the boundary of a disk", f"norm({A}, {B}) - {N}", {**ADMISSIBLE, "normality": False}, ("-sigma_b", "sigma_a")),
+    Mutant("one component of the flow left out", f"norm({A}, {B}) - {N}", {**ADMISSIBLE, "normality": False}, (GRADIENT[0], "0")),
+    Mutant("a flow hidden by a flat g", f"pos(norm({A}, {B}) - {N})**2", {"origin": True, "convexity": True, "normality": False}, ("-sigma_b", "sigma_a")),
+    Mutant("a flat g away from the origin", f"pos(norm((sigma_a - 2*mu_a_plus*{N})/mu_a_plus, {B}) - {N})**2",
+           {"origin": False, "convexity": True, "normality": True, "dissipation": False}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("mutant", [*EQUIVALENT, *INADMISSIBLE], ids=lambda m: m.name)
+def test_mutants_of_the_law(mutant: Mutant) -> None:
+    law = mutant.law()
+    found = verify(law, claims=mutant.truth)
+    assert {claim: found[claim].verdict for claim in mutant.truth} == {claim: PROVED if true else REFUTED for claim, true in mutant.truth.items()}
+    for result in found.results:
+        assert result.witness is None or confirmed(law, result.claim, result.witness), result.claim
+
+
+def test_each_list_holds_what_it_says() -> None:
+    standard = ("origin", "convexity", "normality", "dissipation")
+    assert all(m.truth[c] for m in EQUIVALENT for c in standard)
+    assert all(not all(m.truth.values()) for m in INADMISSIBLE)
+
+
+# -- mutants of duhem -------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Row:
+    """``true`` False with ``hard``: the claim is false, and it is enough that it is not proved."""
+
+    law: Criterion
+    claim: str
+    true: bool
+    hard: bool = False
+
+
+def _law(g: str, constraints: tuple[str, ...] = (), flow: tuple[str, str] | None = None, *positive: str) -> Criterion:
+    return Criterion(name=g, g=g, constraints=constraints, flow=flow, parameters=dict.fromkeys(positive, POSITIVE))  # type: ignore[arg-type]
+
+
+def _built_in(name: str, **at: str) -> Criterion:
+    return load(name).fix(at)
+
+
+WAVES = "norm(sigma_a, sigma_b)**4 + {}*(sigma_a**4 - 6*sigma_a**2*sigma_b**2 + sigma_b**4) - abs(sigma_n)*norm(sigma_a, sigma_b)**3"
+LENS = ("mu_a**2 <= 2*mu_b**2", "mu_b**2 <= 2*mu_a**2")
+HIPPOPEDE = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*norm(mu_a*sigma_a, mu_b*sigma_b)"
+
+TABLE = [
+    Row(_built_in("antoni2007"), "convexity", True),
+    Row(_built_in("antoni2007"), "smoothness", True),
+    Row(_built_in("quartic", c="6"), "convexity", True),
+    Row(_built_in("quartic", c="7"), "convexity", False),
+    Row(_law(WAVES.format("1/15")), "convexity", True),
+    Row(_law(WAVES.format("(1/15 + 1/10000000)")), "convexity", False, hard=True),
+    Row(_built_in("matchstick"), "convexity", False),
+    Row(_law(HIPPOPEDE, LENS, None, "mu_a", "mu_b"), "convexity", True),
+    Row(_built_in("radial-flow"), "normality", False),
+    Row(_built_in("radial-flow", mu_a="1/5", mu_b="1/5"), "normality", True),
+    Row(_law("norm(sigma_a, sigma_b) - abs(sigma_a)/1000 - abs(sigma_n)"), "convexity", False, hard=True),
+    Row(_law("norm(sigma_a, sigma_b) + abs(sigma_a)/1000 - abs(sigma_n)"), "convexity", True),
+    Row(_law("norm(pos(sigma_a) + neg(sigma_b), pos(sigma_b) + neg(sigma_a)) - abs(sigma_n)"), "smoothness", False),
+    Row(_law("sqrt(abs(sigma_a)) + sqrt(abs(sigma_b)) - sqrt(abs(sigma_n))"), "convexity", False),
+    Row(_law("min(norm(sigma_a, 2*sigma_b), norm(2*sigma_a, sigma_b)) - abs(sigma_n)"), "convexity", False),
+    Row(_law("sigma_b**2 - sigma_a**2*(1 + sigma_a/abs(sigma_n))"), "smoothness", False, hard=True),
+    Row(_law("sin(norm(sigma_a, sigma_b)/abs(sigma_n)) - 1/2"), "dissipation", False, hard=True),
+    Row(_law("norm(sigma_a - 2*abs(sigma_n), sigma_b) - abs(sigma_n)"), "origin", False),
+]
+APART = "((sigma_a - 3*abs(sigma_n))**2 + sigma_b**2 - abs(sigma_n)**2)*((sigma_a + 3*abs(sigma_n))**2 + sigma_b**2 - abs(sigma_n)**2)"
+
+
+def _faults() -> list[str]:
+    """Rows of the table that are answered wrongly, left open though they were decided, or refuted by a witness that does not hold."""
+    found = []
+    for row in TABLE:
+        result = verify(row.law, claims=[row.claim])[row.claim]
+        if result.verdict is PROVED:
+            good = row.true
+        elif result.verdict is REFUTED:
+            assert result.witness is not None
+            good = not row.true and confirmed(row.law, row.claim, result.witness)
+        else:
+            good = row.hard
+        if not good:
+            found.append(f"{row.law.name}: {row.claim} {result.verdict} by {result.method}")
+    answer = implicit.convexity(Case(_law(APART)))  # two disks apart: the scouts never let the claim reach this engine
+    return found + (["two disks apart: convexity proved"] if answer is not None else [])
+
+
+def test_the_table_is_right() -> None:
+    assert _faults() == []
+
+
+Patch = Callable[[pytest.MonkeyPatch], None]
+
+
+def _deciding(change: Callable[[Question, Answer], Answer]) -> Patch:
+    def patch(monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(case_module, "decide", lambda question, seconds=5.0: change(question, decide(question, seconds)))
+
+    return patch
+
+
+def _strictness_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    def weaker(question: Question, seconds: float = 5.0) -> Answer:
+        sense = Sense.NONNEGATIVE if question.sense is Sense.POSITIVE else question.sense
+        return decide(Question(question.expr, sense, question.given, question.circle), seconds)
+
+    monkeypatch.setattr(case_module, "decide", weaker)
+
+
+def _hypotheses_negated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The region of an arc or a branch taken on its other side."""
+    from duhem.expression.branches import Branch
+
+    whole = Branch.conditions
+
+    def other(self: Branch, strict: bool = False) -> tuple[sp.Basic, ...]:
+        return whole(Branch({s: -sign for s, sign in self.signs.items()}, self.expr), strict)
+
+    monkeypatch.setattr(Branch, "conditions", other)
+
+
+def _set(target: Any, name: str, value: Any) -> Patch:
+    return lambda monkeypatch: monkeypatch.setattr(target, name, value)
+
+
+def _chord(skipped: tuple[str, ...]) -> Patch:
+    """The exact check of a chord with the signs of some of its points not looked at."""
+
+    def patch(monkeypatch: pytest.MonkeyPatch) -> None:
+        look = witness_module.sign_at
+
+        def chord(case: Case, parameters: Any, p: Any, q: Any) -> Witness | None:
+            middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
+            points = {"p": p, "q": q, "midpoint": middle}
+            at = {role: witness_module.values_at(case, parameters, x) for role, x in points.items()}
+            for role, values in at.items():
+                sign, _ = look(case.problem.g, values)
+                if role not in skipped and (sign is None or (sign > 0) != (role == "midpoint")):
+                    return None
+            return Witness(
+                witness_module.describe(case, at["p"], forces=False), {role: witness_module.describe(case, v) for role, v in at.items()}, {}, "a chord"
+            )
+
+        monkeypatch.setattr(search, "chord", chord)
+
+    return patch
+
+
+_curvature, _turn = Profile.curvature, Profile.turn
+_of_add = shape_module._Calculus.add
+
+
+def _quasiconvex_sums(self: Any, node: Any, *terms: Any) -> Any:
+    from dataclasses import replace
+
+    return replace(_of_add(self, node, *terms), quasiconvex=all(t.quasiconvex for t in terms))
+
+
+MUTATIONS: dict[str, Patch] = {
+    "the seam condition dropped": _set(polar, "_jumps", lambda form, sense: True),
+    "the curvature with its sign flipped": _set(Profile, "curvature", lambda self, arc: -_curvature(self, arc)),
+    "the curvature without gamma": _set(Profile, "curvature", lambda self, arc: _curvature(self, arc) - sp.Mul(*(p**2 for p in arc.expr))),
+    "the curvature with gamma twice": _set(Profile, "curvature", lambda self, arc: _curvature(self, arc) + sp.Mul(*(p**2 for p in arc.expr))),
+    "theta turned the wrong way in the slopes": _set(Profile, "slope", lambda self, arc: -sum(a * _turn(self, p) / p for p, a in zip(arc.expr, self.exponents, strict=True))),
+    "a chord whose midpoint is not looked at": _chord(("midpoint",)),
+    "a chord whose ends are not looked at": _chord(("p", "q")),
+    "a witness outside the domain": lambda m: [m.setattr(where, "inside_domain", lambda case, values: True) for where in (witness_module, choices_module)] and None,
+    "everything proved": _deciding(lambda question, answer: Answer(True, "mutant")),
+    "unknown taken for proved": _deciding(lambda question, answer: Answer(True, "mutant") if answer.holds is None else answer),
+    "false taken for proved": _deciding(lambda question, answer: Answer(True, "mutant") if answer.holds is False else answer),
+    "proved taken for false": _deciding(lambda question, answer: Answer(False, "mutant", {}) if answer.holds is True else answer),
+    "equalities not looked at": _deciding(lambda question, answer: Answer(True, "mutant") if question.sense is Sense.ZERO else answer),
+    "strict signs taken for weak ones": _strictness_lost,
+    "branches looked at on the wrong side": _hypotheses_negated,
+    "one sample for a whole line": _set(cells, "_samples", lambda spans: [sp.S.Zero]),
+    "kinks taken to cancel everywhere": _set(Regularity, "cancelling", property(lambda self: True)),
+    "sums of quasiconvex functions taken for quasiconvex": _set(shape_module._Calculus, "add", _quasiconvex_sums),
+    "a minimum taken for a maximum": _set(shape_module._Calculus, "minimum", shape_module._Calculus.maximum),
+    "the star shape not looked at": _set(implicit, "_star", lambda case, piece: True),
+    "every parameter set to 1": _set(problem_module, "removable", lambda expressions, relations, candidates: list(candidates)),
+    "a force taken for irrelevant": _set(problem_module, "invariant_directions", lambda g, forces: [(0,) * (len(forces) - 1) + (1,)]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MUTATIONS)
+def test_mutants_of_duhem_are_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    MUTATIONS[name](monkeypatch)
+    assert _faults() != []
