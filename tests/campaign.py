@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import combinations, islice
+from itertools import islice, pairwise
 from typing import Any
 
 import sympy as sp
@@ -51,7 +51,7 @@ def nonnegative_on_the_line(p: sp.Poly) -> bool:
     """p >= 0 on all of R: a positive leading coefficient and no real root of odd multiplicity (Sturm counts)."""
     if p.is_zero:
         return True
-    constant, factors = p.sqf_list()
+    _, factors = p.sqf_list()
     if p.degree() % 2 or p.LC() < 0:
         return False
     return all(k % 2 == 0 or f.count_roots() == 0 for f, k in factors)
@@ -161,7 +161,8 @@ def quartic(rng: random.Random, name: str) -> Trial:
             break
     convex = nonnegative_on_the_line(_on_line(_bend(moved, moved)))
     size = rng.choice(["(mu*abs(sigma_n))", "abs(sigma_n)", "(3/7*abs(sigma_n))"])
-    return _star("quartic form", name, f"{_form_text(coefficients, 4)} - {size}**4", convex, margin, {"mu": POSITIVE} if "mu" in size else None)
+    g = f"{_form_text(coefficients, 4)} - {size}**4"
+    return _star("quartic form", name, g, convex, margin, {"mu": POSITIVE} if "mu" in size else None)
 
 
 _DEGREES = (8, 6, 4, 2)
@@ -200,7 +201,7 @@ def _samples(p: sp.Poly) -> list[sp.Rational]:
     spans = sorted(span for span, _ in p.intervals(eps=sp.Rational(1, 10**6))) if p.degree() > 0 else []
     if not spans:
         return [sp.S.Zero]
-    inner = [(a[1] + b[0]) / 2 for a, b in zip(spans, spans[1:], strict=False)]
+    inner = [(a[1] + b[0]) / 2 for a, b in pairwise(spans)]
     found = [spans[0][0] - 1, *inner, spans[-1][1] + 1]
     return [t for t in found if p.eval(t) != 0]
 
@@ -233,8 +234,8 @@ def _half_angle(series: Series, weight: Callable[[int], Fraction] = lambda k: F(
     n = max(series)
     total = _poly(0)
     for k, (a, b) in series.items():
-        turned = sp.Poly(sp.expand((1 + sp.I * T) ** (2 * k)), T)
-        real, imaginary = (_poly(part(turned.as_expr())) for part in (lambda e: sp.expand((e + sp.conjugate(e)) / 2), lambda e: sp.expand((e - sp.conjugate(e)) / (2 * sp.I))))
+        turned = sp.expand((1 + sp.I * T) ** (2 * k))
+        real, imaginary = _poly(sp.re(turned)), _poly(sp.im(turned))
         w = weight(k)
         term = real * sp.Rational(*(a * w).as_integer_ratio()) + imaginary * sp.Rational(*(b * w).as_integer_ratio())
         total += term * _poly(1 + T**2) ** (n - k)
@@ -263,11 +264,11 @@ def _touching(rng: random.Random) -> Series:
     p(z) = (z - 1)(z^2 + alpha z + beta); the first harmonic of |p|^2 vanishes for alpha = 1 + d + d^2, beta = alpha + d.
     """
     d = F(rng.randint(-8, 8), rng.randint(2, 5))
-    alpha = 1 + d + d * d
+    alpha = F(1) + d + d * d
     beta = alpha + d
     c = [-beta, beta - alpha, alpha - 1, F(1)]
-    mean = sum(v * v for v in c)
-    h = {k: 2 * sum(c[i] * c[i + k] for i in range(4 - k)) / mean for k in (1, 2, 3)}
+    mean = sum((v * v for v in c), F(0))
+    h = {k: 2 * sum((c[i] * c[i + k] for i in range(4 - k)), F(0)) / mean for k in (1, 2, 3)}
     assert h[1] == 0
     return {0: (F(1), F(0)), 2: (h[2] / (1 - 4), F(0)), 3: (h[3] / (1 - 9), F(0))}
 
@@ -306,16 +307,17 @@ def gauge(rng: random.Random, name: str) -> Trial:
         if positive_on_the_line(_half_angle(series)) and _positive_at_pi(series):
             break
     convex = nonnegative_on_the_line(_half_angle(series, lambda k: F(1 - k * k)))
-    n, r = max(series), "norm(sigma_a, sigma_b)"
+    r = "norm(sigma_a, sigma_b)"
     if rng.random() < 0.5:
         g = " + ".join([r] + [f"{_term(k, *c)}/{r}**{k - 1}" for k, c in series.items() if k]) + f" - {N}"
     else:
-        g = " + ".join([f"{r}**{max(n, 1)}"] + [f"{_term(k, *c)}*{r}**{max(n, 1) - k}" for k, c in series.items() if k]) + f" - {N}*{r}**{max(n, 1) - 1}"
+        n = max(max(series), 1)
+        g = " + ".join([f"{r}**{n}"] + [f"{_term(k, *c)}*{r}**{n - k}" for k, c in series.items() if k]) + f" - {N}*{r}**{n - 1}"
     return _star("gauge series", name, g, convex, margin)
 
 
 def _positive_at_pi(series: Series) -> bool:
-    return sum(a * (-1) ** k for k, (a, _) in series.items()) > 0
+    return sum((a * (-1) ** k for k, (a, _) in series.items()), F(0)) > 0
 
 
 def radius(rng: random.Random, name: str) -> Trial:
@@ -382,7 +384,8 @@ def quadrants(rng: random.Random, name: str) -> Trial:
 
     one, two, three, four = (text(*q) for q in quarter)
     g = f"where(sigma_a >= 0, where(sigma_b >= 0, {one}, {four}), where(sigma_b >= 0, {two}, {three})) - {N}"
-    meet = quarter[0][0] == quarter[3][0] and quarter[1][0] == quarter[2][0] and quarter[0][1] == quarter[1][1] and quarter[3][1] == quarter[2][1]
+    on_a = quarter[0][0] == quarter[3][0] and quarter[1][0] == quarter[2][0]
+    meet = on_a and quarter[0][1] == quarter[1][1] and quarter[3][1] == quarter[2][1]
     truth = {"origin": True, "convexity": meet, "normality": meet, "smoothness": meet and all(q[2] > 1 for q in quarter)}
     return Trial("quadrants", Criterion(name=name, g=g), truth | ({"dissipation": True} if meet else {}), "continuous" if meet else "jump")
 
@@ -409,13 +412,17 @@ def _area(polygon: Sequence[Point]) -> Fraction:
     return sum((p[0] * q[1] - p[1] * q[0] for p, q in zip(polygon, [*polygon[1:], *polygon[:1]], strict=True)), F(0)) / 2
 
 
+def _left_turn(p: Point, q: Point, r: Point) -> bool:
+    return (q[0] - p[0]) * (r[1] - p[1]) > (q[1] - p[1]) * (r[0] - p[0])
+
+
 def _hull(points: Sequence[Point]) -> list[Point]:
     """Convex hull, counter-clockwise (Andrew 1979)."""
 
     def half(ordered: Sequence[Point]) -> list[Point]:
         chain: list[Point] = []
         for p in ordered:
-            while len(chain) > 1 and (chain[-1][0] - chain[-2][0]) * (p[1] - chain[-2][1]) <= (chain[-1][1] - chain[-2][1]) * (p[0] - chain[-2][0]):
+            while len(chain) > 1 and not _left_turn(chain[-2], chain[-1], p):
                 chain.pop()
             chain.append(p)
         return chain[:-1]
@@ -471,7 +478,8 @@ def union(rng: random.Random, name: str) -> Trial:
     both = _polygon([*one, *two])
     convex = _area(_hull([*p, *q])) == _area(p) + _area(q) - _area(both)
     truth = {"origin": True, "convexity": convex, "normality": convex, "smoothness": False, "dissipation": True}
-    return Trial("union of polygons", Criterion(name=name, g=f"min({_forms(one)}, {_forms(two)})"), truth, "convex" if convex else "not convex")
+    law = Criterion(name=name, g=f"min({_forms(one)}, {_forms(two)})")
+    return Trial("union of polygons", law, truth, "convex" if convex else "not convex")
 
 
 def two_ellipses(rng: random.Random, name: str) -> Trial:
@@ -483,9 +491,9 @@ def two_ellipses(rng: random.Random, name: str) -> Trial:
         second = _matrix(rng)
     else:  # stretch the first along one direction, or along both
         along, across = grow, F(1) if kind == "touching" else grow
-        stretch = (along * c * c + across * s * s, (along - across) * c * s, along * s * s + across * c * c)
+        u, v, w = along * c * c + across * s * s, (along - across) * c * s, along * s * s + across * c * c
         a, b, d, e = first
-        second = (a * stretch[0] + b * stretch[1], a * stretch[1] + b * stretch[2], d * stretch[0] + e * stretch[1], d * stretch[1] + e * stretch[2])
+        second = (a * u + b * v, a * v + b * w, d * u + e * v, d * v + e * w)
 
     def square(m: Sequence[Fraction]) -> tuple[Fraction, Fraction, Fraction]:
         return m[0] ** 2 + m[2] ** 2, m[0] * m[1] + m[2] * m[3], m[1] ** 2 + m[3] ** 2
@@ -567,9 +575,8 @@ def _table(outcomes: Sequence[Outcome]) -> str:
         right, left_open = marks.count("right"), marks.count("open")
         slowest, total = max((o.seconds for o in mine), default=0.0), sum(o.seconds for o in mine)
         share = 100 * left_open / len(marks) if marks else 0.0
-        lines.append(
-            f"{family:18} {len(mine):5} {len(marks):7} {right:6} {left_open:5} {share:7.1f} {len(marks) - right - left_open:6} {slowest:10.2f} {total:8.1f}"
-        )
+        counts = f"{len(mine):5} {len(marks):7} {right:6} {left_open:5} {share:7.1f} {len(marks) - right - left_open:6}"
+        lines.append(f"{family:18} {counts} {slowest:10.2f} {total:8.1f}")
     return "\n".join(lines)
 
 

@@ -208,8 +208,10 @@ def confirmed(law: Criterion, claim: str, witness: Witness) -> bool:
     names = set(law.symbols())
     if any(set(p) != names for p in points.values()):
         return False
-    if law.pressure is not None and not (len({p[law.pressure] for p in points.values()}) == 1 and next(iter(points.values()))[law.pressure] < 0):
-        return False
+    if law.pressure is not None:
+        pressures = {p[law.pressure] for p in points.values()}
+        if len(pressures) != 1 or min(pressures) >= 0:
+            return False
     return _CHECKS[claim](law, points, witness)
 
 

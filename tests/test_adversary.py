@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from duhem import POSITIVE, Criterion, Domain, Verdict, verify
+from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
 
 UNIT = Domain.between(0, 1)
 CLAIMS = {"o": "origin", "c": "convexity", "s": "smoothness", "n": "normality", "d": "dissipation", "u": "duality"}

@@ -49,7 +49,7 @@ def test_every_family_has_true_and_false_laws() -> None:
     seen: dict[str, set[bool]] = {family: set() for family in FAMILIES}
     for trial in trials(108, seed=2):
         seen[trial.family] |= set(trial.truth.values())
-    assert seen == dict.fromkeys(FAMILIES, {True, False})
+    assert seen == {family: {True, False} for family in FAMILIES}
 
 
 # -- the campaign's own arithmetic ------------------------------------------------------------------------------------

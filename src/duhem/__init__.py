@@ -17,8 +17,12 @@ __all__ = [
     "Derivation",
     "Domain",
     "DuhemError",
+    "History",
     "InputError",
     "MissingExtraError",
+    "Path",
+    "Projection",
+    "Status",
     "Verdict",
     "Verification",
     "Witness",
@@ -26,6 +30,8 @@ __all__ = [
     "criterion",
     "derive",
     "load",
+    "project",
+    "simulate",
     "verify",
 ]
 
@@ -34,6 +40,8 @@ if TYPE_CHECKING:
     from duhem.criterion import POSITIVE, REAL, Criterion, Domain, criterion
     from duhem.derivation import Derivation, derive
     from duhem.errors import DuhemError, InputError, MissingExtraError
+    from duhem.path import History, Path, simulate
+    from duhem.projection import Projection, Status, project
     from duhem.verdict import Verdict, Witness
     from duhem.verification import Verification, verify
 
@@ -42,6 +50,8 @@ _HOMES = {
     "criterion": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
     "derivation": ("Derivation", "derive"),
     "errors": ("DuhemError", "InputError", "MissingExtraError"),
+    "path": ("History", "Path", "simulate"),
+    "projection": ("Projection", "Status", "project"),
     "verdict": ("Verdict", "Witness"),
     "verification": ("Verification", "verify"),
 }

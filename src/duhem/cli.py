@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING
 
 import click
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["cli"]
 
-HELD, REFUTED, UNDECIDED, FAILED, INTERRUPTED = 0, 1, 3, 4, 130
+HELD, REFUTED, USAGE, UNDECIDED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 
 def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -98,6 +99,107 @@ def derive(law: str, form: str) -> None:
 
     derived = derivation.derive(chosen)
     _say({"text": derived.text, "latex": derived.latex, "markdown": derived.markdown}[form]())
+
+
+class _Vectors(click.Command):
+    """A command whose options named in ``vectors`` take all the numbers that follow, signs included."""
+
+    vectors = ("--trial", "--stiffness")
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        joined: list[str] = []
+        for arg in args:
+            open_ = bool(joined) and (joined[-1] in self.vectors or joined[-1].startswith(tuple(f"{v}=" for v in self.vectors)))
+            if open_ and _is_number(arg):
+                joined[-1] += f"{' ' if '=' in joined[-1] else '='}{arg}"
+            else:
+                joined.append(arg)
+        return super().parse_args(ctx, joined)
+
+
+@cli.command(cls=_Vectors)
+@_law_argument
+@click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help="Value of a parameter. Repeatable.")
+@click.option("--trial", metavar="A B ...", required=True, help="Trial stress k (u - u_in), one number a force.")
+@click.option("--pressure", metavar="N", help="Normal stress sigma_n <= 0 in compression.")
+@click.option("--stiffness", metavar="K ...", default="1", show_default=True, help="One number, one a force, or the matrix row by row.")
+@click.option(
+    "--method", type=click.Choice(["auto", "closed-form", "newton", "cvxpy"]), default="auto", show_default=True, help="How to solve."
+)
+@click.option("--tangent", is_flag=True, help="Add the consistent tangents.")
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
+)
+def project(
+    law: str, settings: Sequence[str], trial: str, pressure: str | None, stiffness: str, method: str, tangent: bool, form: str
+) -> int:
+    """One slip increment of LAW: the closest point of K to a trial stress.
+
+    Prints stress, slip and multiplier with the residuals of the optimality conditions, recomputed from the law's formula.
+    Ends with 4 if they say that the point is not solved.
+    """
+    fixed = _fixed(_law(law), settings)
+    target, rows = _numbers(trial, "--trial"), _numbers(stiffness, "--stiffness")
+    load = None if pressure is None else _number(pressure, "--pressure")
+
+    from duhem.projection import Status
+    from duhem.projection import project as closest
+    from duhem.report import increment
+
+    d = len(fixed.forces)
+    k = [rows[i : i + d] for i in range(0, d * d, d)] if len(rows) == d * d and d > 1 else rows if len(rows) > 1 else rows[0]
+    done = closest(fixed, target, load, k, method=method, tangent=tangent)
+    _say({"text": increment.text, "json": increment.json}[form](fixed, target, load, done))
+    return HELD if done.status[0] in (Status.STICK, Status.SLIP) else FAILED
+
+
+@cli.command()
+@click.argument("scene", type=click.Path(dir_okay=False))
+@click.option("--out", metavar="FILE", help="Write the history as .csv or .parquet; left out, the scene's table, else standard output.")
+@click.option("--plot", metavar="FILE", help="Draw stress path, hysteresis and energies (.png, .pdf, .svg).")
+@click.option("--explain", is_flag=True, help="Print what the scene needs and what is left out, and stop.")
+@click.option("--resume", is_flag=True, help="Go on with a run that was stopped.")
+def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resume: bool) -> int:
+    """Drive a law along the loading path of SCENE, a TOML file.
+
+    A run that is interrupted keeps what is done in FILE.partial, and --resume goes on from there.
+    """
+    from duhem import scene as scenes
+
+    try:
+        chosen = scenes.read(scene)
+    except scenes.SceneFaults as fault:
+        for each in fault.faults:
+            click.echo(f"duhem: {each}", err=True)
+        return USAGE
+    table, figure = out or chosen.table, plot or chosen.plot
+    scenes.check_outputs(table, figure, resume)
+    if explain:
+        for part in chosen.parts(table, figure):
+            _say(f"{'needed' if part.needed else 'left out'}: {part.part} ({part.reason})")
+        return HELD
+    with _Progress("simulating") as progress:
+        began = last = monotonic()
+
+        def on_step(done: int, steps: int) -> None:
+            nonlocal last
+            if (now := monotonic()) - last > 0.2 and now - began > 1.0:
+                last = now
+                progress.show(f"{done} of {steps} steps")
+
+        try:
+            history = scenes.perform(chosen, table, resume, on_step)
+        except scenes.Stopped as stop:
+            progress.show("")
+            click.echo(f"duhem: {stop}", err=True)
+            return INTERRUPTED
+    if table is None:
+        _say(history.to_text().removesuffix("\n"))
+    if figure is not None:
+        from duhem.path.plots import save
+
+        save(history, figure, law=chosen.law, **chosen.problem().increment.parameters)
+    return HELD
 
 
 @cli.command("list")
@@ -194,6 +296,32 @@ def _fixed(law: Criterion, settings: Sequence[str]) -> Criterion:
     return fixed
 
 
+def _is_number(text: str) -> bool:
+    from duhem.expression.number import exact_number
+
+    try:
+        exact_number(text)
+    except InputError:
+        return text.lower().lstrip("+-") in ("nan", "inf", "infinity")  # numbers, though not usable ones
+    return True
+
+
+def _numbers(text: str, where: str) -> list[float]:
+    from duhem.expression.number import exact_number
+
+    try:
+        return [float(exact_number(word)) for word in text.replace(",", " ").split()] or [float(exact_number(text))]
+    except InputError as fault:
+        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
+
+
+def _number(text: str, where: str) -> float:
+    numbers = _numbers(text, where)
+    if len(numbers) > 1:
+        raise InputError(f"{len(numbers)} numbers are given", where=where, remedy="give one")
+    return numbers[0]
+
+
 def _claims(text: str) -> tuple[str, ...]:
     from duhem.claims import CLAIMS
 
@@ -216,8 +344,11 @@ def _code(verdicts: Sequence[Verdict], strict: bool) -> int:
 class _Progress:
     """One line on standard error that overwrites itself and vanishes; nothing at all where that is no terminal."""
 
+    def __init__(self, what: str = "verifying") -> None:
+        self.what = what
+
     def __enter__(self) -> _Progress:
-        self.show("verifying")
+        self.show(self.what)
         return self
 
     def __exit__(self, *_: object) -> None:

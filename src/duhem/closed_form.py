@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 
 __all__ = ["Disk", "Interval", "Quadrants", "Shape", "converted"]
 
-Entry = str | sp.Expr
+Entry: TypeAlias = str | sp.Expr
 _LOAD = "abs(sigma_n)"
 
 

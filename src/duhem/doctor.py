@@ -15,6 +15,7 @@ CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "pyt
 EXTRAS = {
     "plot": ("matplotlib",),
     "notebooks": ("ipykernel", "nbclient", "nbformat", "matplotlib"),
+    "fast": ("numba",),
     "second": ("cvc5",),
     "test": ("import-linter", "mypy", "pytest", "pytest-xdist", "pyyaml", "ruff"),
 }

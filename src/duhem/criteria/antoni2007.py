@@ -17,7 +17,6 @@ from duhem.closed_form import Quadrants
 from duhem.criterion import criterion
 from duhem.expression import Neg, Norm, Pos
 
-
 QUARTERS = Quadrants("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus")
 
 

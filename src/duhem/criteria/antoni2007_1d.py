@@ -17,7 +17,6 @@ from duhem.closed_form import Interval
 from duhem.criterion import criterion
 from duhem.expression import Neg, Pos
 
-
 SEGMENT = Interval("mu_plus", "mu_minus")
 
 

@@ -17,7 +17,6 @@ from duhem.closed_form import Disk
 from duhem.criterion import criterion
 from duhem.expression import Norm
 
-
 DISK = Disk(
     load="sqrt(mu*abs(sigma_n)*(mu*abs(sigma_n) + 2*c))", slope="sqrt(mu*abs(sigma_n)*(mu*abs(sigma_n) + 2*c))/(mu*abs(sigma_n) + c)"
 )

@@ -17,7 +17,6 @@ from duhem.closed_form import Quadrants
 from duhem.criterion import REAL, criterion
 from duhem.expression import Norm
 
-
 OFF_CENTRE = Quadrants("mu_a", "mu_a", "mu_b", "mu_b", centre_a="shift*abs(sigma_n)")
 INSIDE = ["shift < mu_a", "-mu_a < shift"]  # the origin
 

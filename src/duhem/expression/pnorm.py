@@ -50,7 +50,7 @@ def _norm(node: Any) -> sp.Expr:
 
 def _base(term: sp.Expr, p: sp.Expr) -> sp.Expr | None:
     """x with |x|^p = term, if the term is a positive number times powers p and -p."""
-    number, rest = term.as_coeff_Mul()
+    number, rest = term.as_independent(*term.free_symbols, as_Add=False)
     if not number.is_positive:
         return None
     x = number ** (1 / p)

@@ -1,66 +1,121 @@
-"""The conic solvers CVXPY finds installed, by name: what they accept, what they return, nothing believed."""
+"""The conic solvers CVXPY finds installed, by name: what they accept, what they return, nothing believed.
+
+The problems are O(1).  The place of a minimum is known to about the square root of the gap in its value, so the gap is
+asked to be far smaller than the infeasibility: an interior-point method that must bring both to 1e-12 stalls instead,
+and may then return an early iterate, wrong in the third digit, as "almost solved".  Short steps keep its iterates near
+the central path, which is worth two to four digits of the place; where it stalls, other steps may not.
+"""
 
 from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from duhem.errors import InputError
 
-__all__ = ["checked", "ran", "settings"]
+__all__ = ["Rungs", "checked", "ran", "rungs"]
 
-# How each solver spells its stopping tolerance.
-TOLERANCES: dict[str, tuple[str, ...]] = {
-    "CLARABEL": ("tol_gap_abs", "tol_gap_rel", "tol_feas"),
-    "CUCLARABEL": ("tol_gap_abs", "tol_gap_rel", "tol_feas"),
-    "CVXOPT": ("abstol", "reltol", "feastol"),
-    "ECOS": ("abstol", "reltol", "feastol"),
-    "OSQP": ("eps_abs", "eps_rel"),
-    "QOCO": ("abstol", "reltol"),
-    "SCS": ("eps_abs", "eps_rel"),
-}
+Options = Mapping[str, Any]
+Rungs = tuple[tuple[Options, ...], ...]  # tolerances from the tightest on; for each, the ways to try it
 
-# Asked of a solver where the caller asks for nothing: as tight as each still answers reliably, its cost aside.
-TIGHT: dict[str, dict[str, Any]] = {
-    "CLARABEL": {"tolerance": 1e-12},
-    "CUCLARABEL": {"tolerance": 1e-12},
-    "ECOS": {"tolerance": 1e-10},
-    "SCS": {"tolerance": 1e-9, "max_iters": 100_000},
+LEAST_INFEASIBILITY = 1e-8  # no tighter one is asked for; what is met is mostly tighter by far
+ALMOST = 10.0  # a stalled answer is taken if it misses what was asked by no more than this factor
+_PLAIN: Options = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class _Dialect:
+    """How one solver spells its tolerances, which to ask for where the caller names none, and in which ways."""
+
+    gap: tuple[str, ...]
+    infeasibility: tuple[str, ...] = ()
+    almost_gap: tuple[str, ...] = ()
+    almost_infeasibility: tuple[str, ...] = ()
+    ladder: tuple[float, ...] = (1e-10, 1e-8)
+    ways: tuple[Options, ...] = (_PLAIN,)
+
+    def rung(self, tolerance: float) -> tuple[Options, ...]:
+        infeasibility = max(tolerance, LEAST_INFEASIBILITY)
+        stop = {
+            **dict.fromkeys(self.gap, tolerance),
+            **dict.fromkeys(self.infeasibility, infeasibility),
+            **dict.fromkeys(self.almost_gap, tolerance * ALMOST),
+            **dict.fromkeys(self.almost_infeasibility, infeasibility * ALMOST),
+        }
+        return tuple({**stop, **way} for way in self.ways)
+
+
+_CLARABEL = _Dialect(
+    ("tol_gap_abs", "tol_gap_rel"),
+    ("tol_feas",),
+    ("reduced_tol_gap_abs", "reduced_tol_gap_rel"),
+    ("reduced_tol_feas",),
+    ladder=(1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8),
+    ways=tuple({"max_step_fraction": step, "min_terminate_step_length": 1e-8} for step in (0.7, 0.9, 0.5)),
+)
+_DIALECTS = {
+    "CLARABEL": _CLARABEL,
+    "CVXOPT": _Dialect(("abstol", "reltol"), ("feastol",)),
+    "ECOS": _Dialect(("abstol", "reltol"), ("feastol",)),
+    "OSQP": _Dialect(("eps_abs", "eps_rel"), ways=({"max_iter": 100_000},)),
+    "QOCO": _Dialect(("abstol", "reltol")),
+    "SCS": _Dialect(("eps_abs", "eps_rel"), ways=({"max_iters": 100_000},)),
 }
 
 
 def checked(solver: str) -> str:
     """The name as CVXPY writes it; raises InputError, saying what is installed, for any other."""
-    import cvxpy as cp
-
-    installed = cp.installed_solvers()
+    installed = _cp().installed_solvers()
     if str(solver).upper() not in installed:
-        raise InputError(f"the solver {solver!r} is not installed", where="solver", remedy=f"take one of {', '.join(installed)}")
+        raise InputError(f"the solver {solver!r} is not installed", where="solver", remedy=f"installed are {', '.join(installed)}")
     return str(solver).upper()
 
 
-def settings(solver: str, tolerance: float | None) -> dict[str, Any]:
-    """The solver's own options for a stopping tolerance (relative, on an O(1) problem); None asks for its tightest reliable one."""
-    options = dict(TIGHT.get(solver, {}))
-    asked = options.pop("tolerance", None) if tolerance is None else tolerance
-    if asked is None:
-        return options
-    if not (math.isfinite(asked) and asked > 0):
-        raise InputError(f"the tolerance {asked} is not a positive number", where="tolerance", remedy="give one such as 1e-9")
-    if solver not in TOLERANCES:
+def rungs(solver: str, tolerance: float | None) -> Rungs:
+    """The solver's own options for a stopping tolerance; where none is given, for one after the other until it answers."""
+    dialect = _DIALECTS.get(solver)
+    if tolerance is None:
+        return tuple(map(dialect.rung, dialect.ladder)) if dialect else ((_PLAIN,),)
+    if not (math.isfinite(tolerance) and tolerance > 0):
+        raise InputError(f"the tolerance {tolerance} is not a positive number", where="tolerance", remedy="give one such as 1e-9")
+    if dialect is None:
         raise InputError(f"how {solver} spells its tolerance is not known", where="tolerance", remedy="leave it out")
-    return options | dict.fromkeys(TOLERANCES[solver], asked)
+    return (dialect.rung(tolerance),)
 
 
-def ran(problem: Any, solver: str, options: dict[str, Any]) -> bool:
-    """Solve in place; whether the variables now hold numbers, which says nothing of how good they are."""
-    import cvxpy as cp
+def ran(problem: Any, tries: Rungs, *, solver: str, warm_start: bool) -> bool:
+    """Solve in place; whether the variables now hold numbers, which says nothing of how good they are.
 
+    Raises InputError where the solver lacks a cone that the problem needs.
+    """
+    cp = _cp()
+    posing = {} if problem.is_dpp() else {"ignore_dpp": True}
+    if problem.status is None:  # not solved before: the compilation that solving would do, and keep, in any case
+        try:
+            problem.get_problem_data(solver, **posing)
+        except cp.error.SolverError:
+            raise InputError(
+                f"{solver} does not take the cones or the quadratic objective of this law", where="solver", remedy="take CLARABEL"
+            ) from None
+    return any(_answered(problem, {"solver": solver, "warm_start": warm_start, **posing, **way}) for rung in tries for way in rung)
+
+
+def _answered(problem: Any, options: Options) -> bool:
+    cp = _cp()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": every answer is judged by its residuals
         try:
-            problem.solve(solver=solver, warm_start=False, **options)
+            problem.solve(**options)
         except cp.error.SolverError:
             return False
     return problem.status in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE)
+
+
+def _cp() -> Any:
+    import cvxpy as cp
+
+    return cp

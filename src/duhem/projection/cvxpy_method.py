@@ -15,8 +15,9 @@ the inner loop of anything, and its answers count only after their residuals are
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from duhem.expression.cvxpy_ import dcp_fault, expression
 from duhem.expression.number import exact_number
 from duhem.expression.numpy_ import compiled
 from duhem.projection import conic_solvers
+from duhem.projection.conic_solvers import Rungs
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
@@ -50,15 +52,15 @@ def applies(increment: Increment) -> str | None:
 
 
 def solve(
-    increment: Increment, *, solver: str = "CLARABEL", tolerance: float | None = None, batch: int = 1, warm_start: bool = False
+    increment: Increment, *, solver: str = "CLARABEL", tolerance: float | None = None, batch: int = 32, warm_start: bool = False
 ) -> Solution:
     """The increments' stress (Pa), slip k^-1 (sigma_tr - sigma) (m for k in Pa/m) and multiplier lambda, as the solver left them.
 
     ``solver``: any cone solver CVXPY finds installed.  ``tolerance``: its stopping tolerance on the O(1) problem, by
-    default the tightest it meets reliably.  ``batch``: points per problem; more is faster a point, and less accurate,
-    because a solver stops on the sum.  ``warm_start``: start from the last block's answer.
-    A trial with g <= 0 is its own projection, without a solver.  Where a block fails, its points are tried one by one;
-    ``failed`` marks those that still have no answer (nan).
+    default the tightest it meets.  ``batch``: points stacked into one problem, several times faster a point; where a
+    block misses the tightest tolerance, its points are solved one by one.  ``warm_start``: start from the last answer.
+    A trial with g <= 0 is its own projection, without a solver.  ``failed`` marks the points without an answer (nan):
+    K empty, no multiplier (dg/dsigma = 0 on all of K, as for some laws at sigma_n = 0), or beyond double precision.
     Raises InputError for a law that is not DCP, an unknown solver, one that lacks a cone the law needs, a bad option.
     """
     if reason := applies(increment):
@@ -66,22 +68,28 @@ def solve(
     if isinstance(batch, bool) or not isinstance(batch, (int, np.integer)) or batch < 1:
         raise InputError(f"batch {batch!r} is not a count of points", where="batch", remedy="give a whole number >= 1")
     name = conic_solvers.checked(solver)
-    options = conic_solvers.settings(name, tolerance) | {"warm_start": warm_start}
-    count, dimension = increment.trial.shape
+    run, rungs = partial(conic_solvers.ran, solver=name, warm_start=warm_start), conic_solvers.rungs(name, tolerance)
+    count = len(increment.trial)
     stress, multiplier = increment.trial.copy(), np.zeros(count)
     for g, chosen in _groups(increment):
-        scene = _Scene.of(increment, g, chosen)
-        stress[scene.outside], multiplier[scene.outside] = scene.answers(name, options, int(batch))
-    slip = np.linalg.solve(increment.stiffness, (increment.trial - stress).T).T
-    return Solution(stress, slip, multiplier, ~np.isfinite(np.column_stack([stress, slip, multiplier])).all(axis=1))
+        slipping = _Slipping.of(increment, g, chosen)
+        stress[slipping.outside], multiplier[slipping.outside] = slipping.answers(run, rungs, int(batch))
+    slip = np.asarray(np.linalg.solve(increment.stiffness, (increment.trial - stress).T).T, dtype=np.float64)
+    failed = np.logical_not(np.all(np.isfinite(np.column_stack([stress, slip, multiplier])), axis=1))
+    return Solution(stress, slip, multiplier, np.atleast_1d(failed))
+
+
+def _cp() -> Any:
+    import cvxpy as cp
+
+    return cp
 
 
 # -- which formula for which points ------------------------------------------------------------------------------------
 
 
 def _fault(increment: Increment, g: sp.Expr) -> str | None:
-    import cvxpy as cp
-
+    cp = _cp()
     known: dict[sp.Symbol, Any] = {f: cp.Variable() for f in increment.law.force_symbols()}
     if (pressure := _pressure(increment)) is not None:
         known[pressure] = cp.Parameter(nonpos=True)
@@ -111,7 +119,7 @@ def _by_pressure(increment: Increment) -> Iterator[tuple[sp.Expr, Indices]]:
 
 
 @dataclass(frozen=True)
-class _Scene:
+class _Slipping:
     """The points of one formula whose trial lies outside K, in scaled units."""
 
     forces: tuple[sp.Symbol, ...]
@@ -126,7 +134,7 @@ class _Scene:
     slope: float  # 1/gamma, a power of two
 
     @classmethod
-    def of(cls, increment: Increment, g: sp.Expr, chosen: Indices) -> _Scene:
+    def of(cls, increment: Increment, g: sp.Expr, chosen: Indices) -> _Slipping:
         forces, pressure = increment.law.force_symbols(), _pressure(increment)
         symbols = (*forces, *([] if pressure is None else [pressure]))
         program = compiled(g, symbols)
@@ -141,6 +149,7 @@ class _Scene:
         unit = _power_of_two(np.max(np.abs(trial), axis=1, initial=0.0))  # keeps squares from overflowing
         whitened = np.linalg.solve(factor, (trial / unit[:, None]).T).T
         length = np.sqrt(np.sum(whitened**2, axis=1))
+        length[length == 0] = 1.0  # a trial at the origin, and the origin outside K: any unit will do
         direction, distance = whitened / length[:, None], length * unit
         size = _size(lambda r: at(r[:, None] * (direction @ factor.T), outside), distance)
         formula = scaled(g, forces, pressure)
@@ -151,25 +160,23 @@ class _Scene:
         slope = float(_power_of_two(np.median(steep))) if steep.size else 1.0
         return cls(forces, formula, factor, float(kappa), outside, direction, distance, size, data, slope)
 
-    def answers(self, solver: str, options: dict[str, Any], batch: int) -> tuple[Array, Array]:
+    def answers(self, run: Callable[..., bool], rungs: Rungs, batch: int) -> tuple[Array, Array]:
         """Stress (n, d) and multiplier (n,), nan where the solver has no answer."""
         count, dimension = self.direction.shape
         y, dual = np.full((count, dimension), np.nan), np.full(count, np.nan)
         sound = np.flatnonzero(np.all([np.isfinite(v) for v in [self.size, self.distance, *self.data.values()]], axis=0))
-        pending = [sound[i : i + batch] for i in range(0, len(sound), batch)]
-        for width in dict.fromkeys((batch, 1)):
-            if not pending:
+        blocks = [sound[i : i + batch] for i in range(0, len(sound), batch)]
+        for width, tries in ((min(batch, len(sound)), rungs[:1]), (1, rungs)):
+            if not blocks:
                 break
-            posed = _Posed.of(self, width)
-            posed.check(solver)
-            rest = []
-            for block in pending:
-                answer = posed.answer(self, block, solver, options)
+            posed, left = _Posed.of(self, width), []
+            for block in blocks:
+                answer = posed.answer(self, block, partial(run, tries=tries))
                 if answer is None:
-                    rest += [block[i : i + 1] for i in range(len(block))]
+                    left += [block[i : i + 1] for i in range(len(block))]
                 else:
                     y[block], dual[block] = answer
-            pending = rest
+            blocks = left
         with np.errstate(all="ignore"):
             stress = self.size[:, None] * (y @ self.factor.T)
             multiplier = dual / self.slope * (self.distance / self.kappa) * self.size ** (1.0 - self.formula.degree)
@@ -207,31 +214,29 @@ class _Posed:
     width: int
 
     @classmethod
-    def of(cls, scene: _Scene, width: int) -> _Posed:
-        import cvxpy as cp
-
-        dimension = len(scene.forces)
+    def of(cls, slipping: _Slipping, width: int) -> _Posed:
+        cp = _cp()
+        dimension = len(slipping.forces)
         y = cp.Variable((width, dimension))
         curvature, pull = cp.Parameter((width, dimension), nonneg=True), cp.Parameter((width, dimension))
-        data = {q: cp.Parameter(width, **_sign(q)) for q in scene.data}
-        stress = {f: sum(c * y[:, j] for j, c in enumerate(row) if c) for f, row in zip(scene.forces, scene.factor, strict=True)}
-        constraint = expression(scene.formula.expr, {**stress, **data}) / scene.slope <= 0
+        data = {q: cp.Parameter(width, **_sign(q)) for q in slipping.data}
+        stress = {f: sum(c * y[:, j] for j, c in enumerate(row) if c) for f, row in zip(slipping.forces, slipping.factor, strict=True)}
+        constraint = expression(slipping.formula.expr, {**stress, **data}) / slipping.slope <= 0
         objective = cp.sum(cp.multiply(curvature, cp.square(y))) / 2 - cp.sum(cp.multiply(pull, y))
         return cls(cp.Problem(cp.Minimize(objective), [constraint]), y, constraint, curvature, pull, data, width)
 
-    def check(self, solver: str) -> None:
-        """Raises InputError where the solver lacks a cone."""
-        import cvxpy as cp
+    def answer(self, slipping: _Slipping, block: Indices, run: Callable[[Any], bool]) -> tuple[Array, Array] | None:
+        """y and the dual value at the points of the block, or None where the solver gives up."""
+        points = np.resize(block, self.width)  # a last short block is filled up with points it already has
+        theta = slipping.size[points] / slipping.distance[points]
+        self.curvature.value = np.broadcast_to(theta[:, None], self.y.shape)
+        self.pull.value = slipping.direction[points]
+        for q, parameter in self.data.items():
+            parameter.value = slipping.data[q][points]
+        if not run(self.problem):
+            return None
+        return self.y.value[: len(block)], self.constraint.dual_value[: len(block)]
 
-        self._fill(self.y.shape, {})
-        try:
-            self.problem.get_problem_data(solver, **self._mode())
-        except cp.error.SolverError as error:
-            raise InputError(
-                f"{solver} cannot solve this problem ({str(error).splitlines()[0]})", where="solver", remedy="take CLARABEL"
-            ) from None
 
-    def _fill(self, *_: Any) -> None: ...
-
-    def _mode(self) -> dict[str, Any]:
-        return {} if self.problem.is_dpp() else {"ignore_dpp": True}
+def _sign(symbol: sp.Symbol) -> dict[str, bool]:
+    return {"nonneg": True} if symbol.is_nonnegative else {"nonpos": True} if symbol.is_nonpositive else {}

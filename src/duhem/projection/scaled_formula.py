@@ -114,8 +114,8 @@ class _Weigher:
         if len(weights) > 1:
             raise _NoDegree
         weight = weights.pop()
-        still = [p.expr for p in parts if p.weight is None]
-        return _Part(build(*(p.expr for p in parts if p.weight is not None), *([self.datum(build(*still), weight)] if still else [])), weight)
+        moving, still = ([p.expr for p in parts if (p.weight is None) is free] for free in (False, True))
+        return _Part(build(*moving, *([self.datum(build(*still), weight)] if still else [])), weight)
 
     def same(self, node: Any, part: _Part) -> _Part:
         return _Part(node, None) if part.weight is None else _Part(node.func(part.expr), part.weight)
@@ -131,8 +131,8 @@ class _Weigher:
 
     def _pressure_degree(self, factor: sp.Expr) -> sp.Expr:
         """|sigma_n|^n has weight n; any other factor (a coefficient that depends on pressure) is a pure number, weight 0."""
-        exponent = factor.as_independent(self.pressure)[1].as_base_exp()
-        return exponent[1] if exponent[0] in (self.pressure, -self.pressure) else sp.S.Zero
+        base, exponent = factor.as_independent(self.pressure, as_Add=False)[1].as_base_exp()
+        return exponent if base in (self.pressure, sp.Mul(-1, self.pressure)) else sp.S.Zero
 
     def power(self, node: Any, base: _Part, exponent: _Part) -> _Part:
         if base.weight is None and exponent.weight is None:

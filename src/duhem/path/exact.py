@@ -1,0 +1,152 @@
+"""Exact paths, by events: elementary functions where the law's shape has them, a high order method where it has not.
+
+Each step of the path, however long, is one piece: straight with constant or changing pressure, or an arc.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from duhem.closed_form import Disk, Interval
+from duhem.errors import InputError
+from duhem.path.closest import Numbers, numbers
+from duhem.path.problem import Ledger, Problem
+from duhem.path.straight import Move, on_ellipse, on_interval
+from duhem.projection.result import Array
+
+__all__ = ["advance", "elementary", "why"]
+
+Piece = Callable[[Array, int], tuple[Array, Move]]  # stress at the start and number of the row to reach
+
+
+def elementary(problem: Problem) -> str | None:
+    """None where elementary functions do for the whole path, else the reason why not."""
+    shape = numbers(problem.increment)
+    if shape is None:
+        return f"{problem.increment.law.name} declares no closed form"
+    if min(shape.coefficients) <= 0.0 or not shape.load.all():
+        return "K has no interior"
+    if isinstance(problem.increment.law.closed_form, Interval):
+        pressure = problem.increment.pressure
+        return None if problem.path.constant_pressure or _affine(shape.load, pressure) else "the load is not linear in the pressure"
+    if not problem.increment.diagonal:
+        return "the stiffness couples the forces"
+    if not problem.path.constant_pressure:
+        return "the pressure changes along the path"
+    if problem.path.arc is not None and not _round(problem, shape):
+        return "the path is an arc, and the disk or the stiffness is not isotropic"
+    return None
+
+
+def _affine(load: Array, pressure: Array) -> bool:
+    """Whether the loads lie on one line over the pressures."""
+    i, j = int(np.argmin(pressure)), int(np.argmax(pressure))
+    line = load[i] + (load[j] - load[i]) * (pressure - pressure[i]) / (pressure[j] - pressure[i])
+    return bool((np.abs(load - line) <= 1e-14 * np.abs(load).max()).all())
+
+
+def _round(problem: Problem, shape: Numbers) -> bool:
+    k = np.diagonal(problem.stiffness)
+    return isinstance(problem.increment.law.closed_form, Disk) and bool(k[0] == k[1])
+
+
+def why(problem: Problem) -> str:
+    """What the pieces are integrated by."""
+    reason = elementary(problem)
+    if reason is None:
+        return "Adler's equation on each arc" if problem.path.arc is not None else "elementary functions on each straight piece"
+    return f"Dormand-Prince of order 8 with events: {reason}"
+
+
+def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
+    """Fill the ledger row by row; yields the number of rows done."""
+    piece = _by_shape(problem) if elementary(problem) is None else _by_equation(problem)
+    path, c = problem.path, problem.compliance
+    while ledger.done < len(path.values):
+        i = ledger.done
+        before = ledger.stress[i - 1]
+        stress, moved = piece(before, i)
+        du = path.values[i] - path.values[i - 1]
+        slip = np.zeros_like(du) if moved.free >= 1.0 else du - c @ (stress - before)
+        ledger.step(problem, stress, slip, (moved.multiplier, moved.dissipation, moved.work, 0.0))
+        yield ledger.done
+
+
+def _by_shape(problem: Problem) -> Piece:
+    shape, path = numbers(problem.increment), problem.path
+    assert shape is not None
+    values, arc, mu = path.values, path.arc, shape.coefficients
+    k = np.diagonal(problem.stiffness).tolist()
+
+    def interval(stress: Array, i: int) -> tuple[Array, Move]:
+        loads = (float(shape.load[i - 1]), float(shape.load[i]))
+        moved = on_interval(float(stress[0]), float(values[i, 0] - values[i - 1, 0]), loads, mu, k[0])
+        return np.array(moved.stress), _shared(moved, float(shape.share[i]), 0.0)
+
+    def round_arc(stress: Array, i: int) -> tuple[Array, Move]:
+        assert arc is not None
+        start = float(arc.angle[i - 1])
+        limit = mu[0] * float(shape.load[i])
+        moved = on_disk((float(stress[0]), float(stress[1])), arc.radius, start, float(arc.angle[i]) - start, limit, k[0])
+        return np.array(moved.stress), _shared(moved, mu[0] * float(shape.share[i]), 0.0)
+
+    def ellipse(stress: Array, i: int) -> tuple[Array, Move]:
+        centre = shape.centre[i]
+        du = values[i] - values[i - 1]
+        first = stress - centre
+        moved = on_ellipse((first[0], first[1]), (du[0], du[1]), float(shape.load[i]), mu, (k[0], k[1]))
+        end = np.array(moved.stress) + centre
+        if moved.free >= 1.0:
+            end = stress + problem.stiffness @ du
+        at_rest = problem.compliance @ (end - stress)
+        return end, _shared(moved, float(shape.share[i]), float(centre @ (du - at_rest)), float(centre @ du))
+
+    if isinstance(problem.increment.law.closed_form, Interval):
+        return interval
+    if arc is None:
+        return ellipse
+    from duhem.path.arc import on_disk
+
+    return round_arc
+
+
+def _shared(moved: Move, share: float, dissipation: float, work: float = 0.0) -> Move:
+    """The multiplier of the law's own g, and the energies about the centre made whole."""
+    return Move(moved.stress, moved.multiplier * share, moved.dissipation + dissipation, moved.work + work, moved.free)
+
+
+def _by_equation(problem: Problem) -> Piece:
+    from duhem.path.smooth import boundary, move
+
+    path, increment = problem.path, problem.increment
+    if increment.law.pressure is not None and not increment.pressure.all():
+        row = int(np.flatnonzero(increment.pressure == 0.0)[0])
+        raise InputError(
+            "the exact path does not pass through a vanishing pressure", where=f"pressure[{row}]", remedy='use method="implicit"'
+        )
+    on = boundary(increment)
+
+    def piece(stress: Array, i: int) -> tuple[Array, Move]:
+        du = path.values[i] - path.values[i - 1]
+        arc = path.arc
+
+        def straight(tau: float) -> tuple[Array, Array]:
+            return tau * du, du
+
+        def round_(tau: float) -> tuple[Array, Array]:
+            assert arc is not None
+            start, sweep = float(arc.angle[i - 1]), float(arc.angle[i] - arc.angle[i - 1])
+            half, angle = 0.5 * tau * sweep, start + tau * sweep
+            way = start + half + 0.5 * np.pi
+            chord = 2.0 * arc.radius * np.sin(half) * np.array([np.cos(way), np.sin(way)])
+            return chord, arc.radius * sweep * np.array([-np.sin(angle), np.cos(angle)])
+
+        if not du.any() and arc is None and increment.pressure[i] == increment.pressure[i - 1]:
+            return stress, Move(tuple(stress.tolist()), 0.0, 0.0, 0.0, 1.0)
+        loads = (float(increment.pressure[i - 1]), float(increment.pressure[i]))
+        moved = move(on, stress, straight if arc is None else round_, loads)
+        return np.array(moved.stress), moved
+
+    return piece

@@ -1,0 +1,96 @@
+"""What a loading path leaves behind: arrays over its knots, as a table, a file, or the start of a further run."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from duhem.errors import InputError, MissingExtraError
+from duhem.projection.result import Array
+
+__all__ = ["History"]
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """The states of a law at the m knots of a path, knot 0 being the start.
+
+    ``displacement`` u, ``slip`` u_in (m, d) in m; ``stress`` sigma (m, d), ``pressure`` sigma_n (m,) in Pa;
+    ``multiplier`` lambda >= 0 (m,), accumulated; ``psi`` = u_e . k u_e / 2 (m,) in Pa m, u_e = u - u_in;
+    ``dissipation`` the integral of sigma . du_in, ``work`` that of sigma . du, ``numerical`` the sum of du_e . k du_e / 2,
+    the energy an implicit step loses, all accumulated from knot 0; ``balance`` the residual of each step,
+    d work - d psi - d dissipation - d numerical (Antoni et al. 2007, Eqs. 22-31, isothermal).
+    ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated.
+    """
+
+    law: str
+    forces: tuple[str, ...]
+    pressure_name: str | None
+    time: Array
+    displacement: Array
+    slip: Array
+    stress: Array
+    pressure: Array
+    multiplier: Array
+    psi: Array
+    dissipation: Array
+    work: Array
+    numerical: Array
+    balance: Array
+    method: str
+    why: str
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def columns(self) -> tuple[str, ...]:
+        """The names of the table's columns, in order."""
+        tails = [f.removeprefix("sigma_") for f in self.forces]
+        named = [f"u_{t}" for t in tails] + [f"u_in_{t}" for t in tails] + list(self.forces)
+        load = [self.pressure_name] if self.pressure_name else []
+        return ("time", *named, *load, "lambda", "psi", "dissipation", "work", "numerical", "balance")
+
+    def to_array(self) -> Array:
+        """The table as one array (m, columns)."""
+        load = [self.pressure] if self.pressure_name else []
+        sums = [self.multiplier, self.psi, self.dissipation, self.work, self.numerical, self.balance]
+        return np.column_stack([self.time, self.displacement, self.slip, self.stress, *load, *sums])
+
+    def to_dict(self) -> dict[str, Array]:
+        """Columns by name, as ``pandas.DataFrame`` takes them."""
+        return dict(zip(self.columns(), self.to_array().T, strict=True))
+
+    def to_text(self) -> str:
+        """The table as comma-separated text; every number is read back to the last bit."""
+        return "".join(",".join(row) + "\n" for row in [self.columns(), *(map(repr, row) for row in self.to_array().tolist())])
+
+    def to_csv(self, file: str | os.PathLike[str], *, above: str = "") -> None:
+        """Write :meth:`to_text`, under a line ``above`` if one is given.  Raises InputError if the file cannot be written."""
+        beside = f"{os.fspath(file)}.writing"  # a run cut short here leaves no half table under the name asked for
+        try:
+            with open(beside, "w", encoding="utf-8", newline="") as stream:
+                stream.write((f"{above}\n" if above else "") + self.to_text())
+            os.replace(beside, file)
+        except OSError as fault:
+            raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
+
+    def to_parquet(self, file: str | os.PathLike[str]) -> None:
+        """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``)."""
+        try:
+            import pyarrow
+            from pyarrow import parquet
+        except ImportError:
+            raise MissingExtraError("pyarrow", "parquet") from None
+        try:
+            parquet.write_table(pyarrow.table(self.to_dict()), os.fspath(file))
+        except OSError as fault:
+            raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
+
+    def plot(self, file: str | os.PathLike[str], **options: Any) -> None:
+        """Draw stress path, hysteresis loops and energies into a file (:func:`duhem.path.plots.save`; extra ``plot``)."""
+        from duhem.path.plots import save
+
+        save(self, file, **options)

@@ -1,0 +1,64 @@
+"""The implicit step, first order: the closest point of K at the end of the step to the stress without slip.
+
+sigma = argmin over K(sigma_n) of (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2, sigma_tr = sigma_before + k du (Moreau,
+1977, the catching-up algorithm).  Its energy is exact in the sense sigma . du = dpsi + sigma . du_in + du_e . k du_e / 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from duhem.path.closest import Closest, closest
+from duhem.path.problem import Ledger, Problem, times
+from duhem.projection.result import Array
+
+__all__ = ["advance", "why"]
+
+_MOST_AHEAD = 4096
+
+
+def why(problem: Problem) -> str:
+    """How the closest point is found."""
+    return closest(problem.increment, problem.projection)[1]
+
+
+def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
+    """Fill the ledger row by row; yields the number of rows done.
+
+    Stretches without slip are taken in blocks: each trial is taken from the row that last slipped,
+    as long as no row before it slips.
+    """
+    at, _ = closest(problem.increment, problem.projection)
+    values, k, m = problem.path.values, problem.stiffness, len(problem.path.values)
+    ahead, anchor = 1, ledger.anchor
+    while ledger.done < m:
+        first, last = ledger.done, min(ledger.done + ahead, m)
+        trial = ledger.stress[anchor] + times(values[first:last] - values[anchor], k)
+        rows = np.arange(first, last)
+        stress, slip, multiplier = at(trial, rows)
+        slips = np.flatnonzero((slip != 0.0).any(axis=1) | (multiplier > 0.0))
+        free = int(slips[0]) if slips.size else last - first
+        if free:
+            ledger.sticks(problem, first, first + free, trial[:free])
+        if slips.size:
+            i = first + free
+            du = values[i] - values[i - 1]
+            gains = (float(multiplier[free]), *energies(k, stress[free], slip[free], du))
+            ledger.step(problem, stress[free], slip[free], gains)
+            anchor = i
+        ahead = 1 if slips.size else min(2 * ahead, _MOST_AHEAD)
+        yield ledger.done
+
+
+def energies(k: Array, stress: Array, slip: Array, du: Array) -> tuple[float, float, float]:
+    """Dissipation sigma . du_in, work sigma . du and du_e . k du_e / 2 of one implicit step, in Pa m."""
+    elastic = du - slip
+    return float(stress @ slip), float(stress @ du), float(0.5 * elastic @ k @ elastic)
+
+
+def single(at: Closest, trial: Array, row: int) -> tuple[Array, Array, float]:
+    """The closest point to one trial stress."""
+    stress, slip, multiplier = at(trial[None], np.array([row]))
+    return stress[0], slip[0], float(multiplier[0])

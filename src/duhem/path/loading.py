@@ -1,0 +1,241 @@
+"""Loading paths: knots of a prescribed displacement or stress with a normal stress, joined by straight lines or an arc."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from os import PathLike
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from duhem.errors import InputError
+from duhem.projection.result import Array
+
+__all__ = ["CONTROLS", "Arc", "Control", "Path"]
+
+Control = Literal["displacement", "stress"]
+CONTROLS: tuple[Control, ...] = ("displacement", "stress")
+MOST_KNOTS = 20_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """A circle through the knots: centre (2,), radius > 0 and the angle (m,) of each knot, in radians."""
+
+    centre: Array
+    radius: float
+    angle: Array
+
+    def at(self, angle: Array) -> Array:
+        """Points of the circle (m, 2)."""
+        return np.asarray(self.centre + self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1))
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """What is prescribed, at m >= 2 knots and straight in between (on a circle where ``arc`` is given).
+
+    ``values`` (m, d): displacements in m, or stresses in Pa for ``control="stress"``; ``pressure`` (m,) the normal stress
+    sigma_n <= 0 in compression in Pa, None for a law without; ``time`` (m,) in s, increasing: the laws are rate
+    independent, so it only labels the knots.  Raises InputError for arrays that do not fit each other.
+    """
+
+    values: Array
+    pressure: Array | None
+    time: Array
+    control: Control = "displacement"
+    arc: Arc | None = None
+
+    @classmethod
+    def linear(
+        cls, points: ArrayLike, *, pressure: ArrayLike | None = None, time: ArrayLike | None = None, control: Control = "displacement"
+    ) -> Path:
+        """Straight from point to point: ``points`` (m, d), or (m,) for one force; ``pressure`` one number or (m,)."""
+        if control not in CONTROLS:
+            raise InputError(f"unknown control {control!r}", where="path", remedy=f"choose {' or '.join(CONTROLS)}")
+        values = _numbers(points, "points")
+        values = values[:, None] if values.ndim == 1 else values
+        if values.ndim != 2 or not 2 <= len(values) <= MOST_KNOTS or not values.shape[1]:
+            raise InputError(f"points has the shape {np.shape(points)}", where="path", remedy="give (m, d) with at least two rows")
+        m = len(values)
+        times = np.arange(m, dtype=np.float64) if time is None else _numbers(time, "time")
+        if times.shape != (m,):
+            raise InputError(f"time has the shape {times.shape} for {m} points", where="path", remedy="give one time a point")
+        if (back := np.flatnonzero(np.diff(times) <= 0.0)).size:
+            i = int(back[0]) + 1
+            raise InputError(f"time[{i}] = {times[i]} does not come after {times[i - 1]}", where="path", remedy="give increasing times")
+        return cls(values, _pressure(pressure, m), times, control)
+
+    @classmethod
+    def cycle(
+        cls,
+        amplitude: ArrayLike,
+        *,
+        cycles: int = 1,
+        mean: ArrayLike = 0.0,
+        pressure: ArrayLike | None = None,
+        control: Control = "displacement",
+    ) -> Path:
+        """0, then ``cycles`` times from mean + amplitude to mean - amplitude and back: ``amplitude`` (d,) or a number."""
+        swing = np.atleast_1d(_numbers(amplitude, "amplitude"))
+        middle = np.broadcast_to(_numbers(mean, "mean"), swing.shape)
+        _count(cycles, "cycles", 1)
+        corners = [np.zeros_like(swing), middle + swing, *[middle - swing, middle + swing] * cycles]
+        return cls.linear(np.array(corners), pressure=pressure, control=control)
+
+    @classmethod
+    def circle(
+        cls,
+        radius: float,
+        *,
+        points: int = 64,
+        turns: float = 1.0,
+        start: float = 0.0,
+        centre: ArrayLike = (0.0, 0.0),
+        pressure: ArrayLike | None = None,
+        chords: bool = False,
+    ) -> Path:
+        """Displacements round a circle, ``points`` steps a turn, from the angle ``start`` (rad); ``turns`` < 0 is clockwise.
+
+        ``chords`` makes it the polygon of its knots instead.
+        """
+        _count(points, "points", 1)
+        if not (np.isfinite(radius) and radius > 0.0 and np.isfinite(turns) and turns != 0.0 and np.isfinite(start)):
+            raise InputError("radius, turns and start make no circle", where="path", remedy="give a radius > 0 and turns other than 0")
+        steps = max(1, round(abs(turns) * points))
+        middle = _numbers(centre, "centre")
+        if middle.shape != (2,):
+            raise InputError(f"centre has the shape {middle.shape}", where="path", remedy="give two numbers")
+        arc = Arc(middle, float(radius), start + 2.0 * np.pi * turns * np.arange(steps + 1) / steps)
+        polygon = cls.linear(arc.at(arc.angle), pressure=pressure)
+        return polygon if chords else replace(polygon, arc=arc)
+
+    @classmethod
+    def random(
+        cls, *, seed: int, points: int, scale: ArrayLike = 1.0, dimension: int = 2, pressure: ArrayLike | None = None
+    ) -> Path:
+        """From 0 through ``points`` normal deviates times ``scale`` (a number or (d,)); the same seed gives the same path.
+
+        ``pressure`` as in :meth:`linear`, or a pair (least, greatest) to draw each knot's from.
+        """
+        _count(points, "points", 1)
+        _count(dimension, "dimension", 1)
+        _count(seed, "seed", 0)
+        draw = np.random.default_rng(seed)
+        deviates = draw.standard_normal((points, dimension)) * _numbers(scale, "scale")
+        if pressure is not None and np.ndim(pressure) == 1 and np.size(pressure) == 2 and points != 1:
+            low, high = np.sort(_numbers(pressure, "pressure")).tolist()
+            pressure = draw.uniform(low, high, points + 1)
+        return cls.linear(np.vstack([np.zeros(dimension), deviates]), pressure=pressure)
+
+    @classmethod
+    def from_csv(
+        cls,
+        file: str | PathLike[str],
+        *,
+        columns: Sequence[str] | None = None,
+        pressure: str | float | None = "sigma_n",
+        time: str = "time",
+        control: Control = "displacement",
+    ) -> Path:
+        """A table with a header: ``columns`` (left out: every ``u_...`` that is no ``u_in_...``), pressure and time if there.
+
+        ``pressure`` names a column or is one number; a name that the header lacks means no pressure.
+        """
+        header, rows = _table(file)
+        names = tuple(columns) if columns is not None else tuple(h for h in header if h.startswith("u_") and not h.startswith("u_in_"))
+        if not names or (absent := [n for n in names if n not in header]):
+            lacks = f"no column {', '.join(absent)}" if names else "no column named u_..."
+            raise InputError(f"the table has {lacks}", where=f"{file}:1", remedy=f"its columns are {', '.join(header)}")
+        at = {name: rows[:, i] for i, name in enumerate(header)}
+        load = at.get(pressure) if isinstance(pressure, str) else pressure
+        try:
+            return cls.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=at.get(time), control=control)
+        except InputError as fault:
+            raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None
+
+    def refined(self, substeps: int) -> Path:
+        """The same path with every step cut into ``substeps`` equal ones."""
+        _count(substeps, "substeps", 1)
+        if substeps == 1:
+            return self
+        if (len(self.time) - 1) * substeps >= MOST_KNOTS:
+            raise InputError(f"{(len(self.time) - 1) * substeps} steps are too many", where="substeps", remedy="take fewer")
+        time, values = _between(self.time, substeps), _between(self.values, substeps)
+        arc = None if self.arc is None else replace(self.arc, angle=_between(self.arc.angle, substeps))
+        if arc is not None:
+            values = arc.at(arc.angle)
+            values[::substeps] = self.values
+        pressure = None if self.pressure is None else _between(self.pressure, substeps)
+        return replace(self, time=time, values=values, pressure=pressure, arc=arc)
+
+    @property
+    def constant_pressure(self) -> bool:
+        """Whether K stays the same along the path."""
+        return self.pressure is None or bool((self.pressure == self.pressure[0]).all())
+
+
+def _between(knots: Array, n: int) -> Array:
+    """Each interval cut into n; the knots themselves stay as they are to the last bit."""
+    part = (np.arange(n) / n).reshape((1, n) + (1,) * (knots.ndim - 1))
+    inner = knots[:-1, None] + part * (knots[1:] - knots[:-1])[:, None]
+    return np.concatenate([inner.reshape(-1, *knots.shape[1:]), knots[-1:]])
+
+
+def _numbers(given: Any, what: str) -> Array:
+    try:
+        raw = np.asarray(given)
+        if raw.dtype.kind not in "iuf":
+            raise ValueError
+        array = raw.astype(np.float64)
+    except (ValueError, TypeError):
+        raise InputError(f"{what} is not made of numbers", where="path", remedy="give finite numbers") from None
+    if (bad := np.argwhere(~np.isfinite(array))).size:
+        at = tuple(bad[0].tolist())
+        raise InputError(f"{what}{list(at) if at else ''} is {array[at]}", where="path", remedy="give finite numbers")
+    return array
+
+
+def _pressure(given: ArrayLike | None, m: int) -> Array | None:
+    if given is None:
+        return None
+    array = _numbers(given, "pressure")
+    if array.shape not in ((), (m,)):
+        raise InputError(f"pressure has the shape {array.shape} for {m} points", where="path", remedy="give one number, or one a point")
+    if (bad := np.flatnonzero(np.atleast_1d(array) > 0.0)).size:
+        value = np.atleast_1d(array)[bad[0]]
+        raise InputError(
+            f"pressure{f'[{bad[0]}]' if array.ndim else ''} is {value} > 0", where="path", remedy="sigma_n <= 0 in compression"
+        )
+    return np.array(np.broadcast_to(array, (m,)))
+
+
+def _count(given: Any, what: str, least: int) -> None:
+    whole = isinstance(given, (int, np.integer)) and not isinstance(given, bool)
+    if not whole or not least <= given < MOST_KNOTS:
+        raise InputError(f"{what} = {given!r}", where="path", remedy=f"give a whole number from {least} to {MOST_KNOTS - 1}")
+
+
+def _table(file: str | PathLike[str]) -> tuple[list[str], Array]:
+    """Header and rows of a CSV file; InputError names the line of whatever is no number."""
+    try:
+        with open(file, encoding="utf-8-sig", newline="") as stream:
+            lines = [row for row in csv.reader(stream) if row]
+    except (OSError, UnicodeDecodeError, csv.Error) as fault:
+        reason = getattr(fault, "strerror", None) or str(fault)
+        raise InputError(f"the table cannot be read: {reason}", where=f"{file}", remedy="check its name and that it is CSV") from None
+    if len(lines) < 3:
+        raise InputError("the table has fewer than two rows", where=f"{file}", remedy="give a header and at least two rows")
+    header = [name.strip() for name in lines[0]]
+    rows = np.empty((len(lines) - 1, len(header)))
+    for i, row in enumerate(lines[1:]):
+        try:
+            rows[i] = [float(cell) for cell in row]
+        except ValueError:
+            raise InputError(
+                f"{','.join(row)[:60]!r} is not {len(header)} numbers", where=f"{file}:{i + 2}", remedy="write numbers separated by commas"
+            ) from None
+    return header, rows

@@ -1,0 +1,68 @@
+"""A run that was stopped, kept as a table beside the one asked for, so that it can go on to the same last digit."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from duhem.errors import InputError
+from duhem.path.history import History
+from duhem.path.problem import Problem
+
+__all__ = ["beside", "keep", "recall"]
+
+_MARK = "# duhem part of run "
+
+
+def beside(file: str | os.PathLike[str]) -> Path:
+    """Where the part of the table ``file`` is kept."""
+    return Path(f"{os.fspath(file)}.partial")
+
+
+def keep(history: History, file: str | os.PathLike[str], fingerprint: str) -> Path:
+    """Write what is done; ``fingerprint`` is that of the run."""
+    place = beside(file)
+    history.to_csv(place, above=f"{_MARK}{fingerprint}")
+    return place
+
+
+def recall(file: str | os.PathLike[str], problem: Problem, fingerprint: str) -> History | None:
+    """The part kept of the run ``fingerprint``, or None if there is none.  InputError if it is of another run or damaged."""
+    place = beside(file)
+    try:
+        text = place.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return None
+    except (OSError, UnicodeDecodeError):
+        raise InputError("the part of a run cannot be read", where=f"{place}", remedy="check its permissions, or delete it") from None
+    mark, _, table = text.partition("\n")
+    if mark != f"{_MARK}{fingerprint}":
+        raise InputError("this is the part of another run", where=f"{place}", remedy="delete it, or undo the changes to the scene")
+    header, *lines = table.splitlines()
+    try:
+        rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
+        column = dict(zip(header.split(","), rows.T, strict=True))
+        return _history(problem, column)
+    except (ValueError, KeyError, IndexError):
+        raise InputError("the part of a run is damaged", where=f"{place}", remedy="delete it and start afresh") from None
+
+
+def _history(problem: Problem, column: dict[str, np.ndarray]) -> History:
+    law, n = problem.increment.law, len(column["time"])
+    tails = [force.removeprefix("sigma_") for force in law.forces]
+    return History(
+        law=law.name,
+        forces=law.forces,
+        pressure_name=law.pressure,
+        time=column["time"],
+        displacement=np.stack([column[f"u_{t}"] for t in tails], axis=1),
+        slip=np.stack([column[f"u_in_{t}"] for t in tails], axis=1),
+        stress=np.stack([column[f] for f in law.forces], axis=1),
+        pressure=column[law.pressure] if law.pressure else np.zeros(n),
+        multiplier=column["lambda"],
+        **{name: column[name] for name in ("psi", "dissipation", "work", "numerical", "balance")},
+        method="",
+        why="",
+    )

@@ -1,0 +1,195 @@
+"""Exact motion for any law with a smooth boundary: the slipping stress as an ordinary differential equation.
+
+sigma' = k (u' - lambda' g_sigma),  lambda' = (g_sigma . k u' + g_n sigma_n')/(g_sigma . k g_sigma) > 0,
+
+solved to rounding by Dormand and Prince's method of order 8 (Hairer, Norsett and Wanner, 1993, section II.10).  It stops and
+starts again where the formula has a kink (a seam between quadrants) and where slip begins or ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from duhem.errors import DuhemError, InputError
+from duhem.expression import Neg, Norm, Pos
+from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.pnorm import PNorm, recognised
+from duhem.path.straight import Move
+from duhem.projection.increment import Increment
+from duhem.projection.result import Array
+
+__all__ = ["Boundary", "Drive", "boundary", "corner", "move"]
+
+_SMOOTHING = (Norm, PNorm)
+_RTOL = 5e-14
+_MOST_EVENTS = 1000
+_GLANCE = 1e-10
+_SAMPLES = np.linspace(0.0, 1.0, 65)
+
+Drive = Callable[[float], tuple[Array, Array]]  # tau in [0, 1] -> displacement since tau = 0, and its rate
+
+
+def corner(increment: Increment) -> str | None:
+    """A part of g that may make a corner, in words; None if there is none and the boundary is smooth away from 0."""
+    forces = set(increment.law.force_symbols())
+
+    def found(node: Any, smoothed: bool) -> Iterator[str]:
+        if not node.free_symbols & forces:
+            return
+        if isinstance(node, (sp.Max, sp.Min, sp.core.relational.Relational)) or node.func.__name__ == "Where":
+            yield str(node)
+            return
+        if isinstance(node, (sp.Abs, Pos, Neg)) and not smoothed:
+            yield str(node)
+            return
+        inner = isinstance(node, _SMOOTHING) or (isinstance(node, sp.Pow) and bool(node.exp > 1))
+        for arg in node.args:
+            yield from found(arg, inner or (smoothed and isinstance(node, (sp.Mul, sp.Add, sp.Abs, Pos, Neg))))
+
+    if len(forces) == 1:
+        return None
+    return next(found(recognised(increment.g), False), None)
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """g, its derivatives and its seams as programs over (forces, pressure)."""
+
+    g: Program
+    gradient: tuple[Program, ...]
+    rate: Program
+    seams: tuple[Program, ...]
+    stiffness: Array
+
+    def value(self, stress: Array, pressure: float) -> float:
+        return float(self.g(*stress, pressure))
+
+    def normal(self, stress: Array, pressure: float) -> Array:
+        return np.array([float(part(*stress, pressure)) for part in self.gradient])
+
+
+def boundary(increment: Increment) -> Boundary:
+    """The programs of a law with numbers in place.  InputError where g may have a corner."""
+    if (sharp := corner(increment)) is not None:
+        raise InputError(
+            f"the exact path needs a smooth boundary, and {increment.law.name} may have a corner in {sharp}",
+            where="method",
+            remedy='use method="implicit" or "extrapolated"',
+        )
+    forces = increment.law.force_symbols()
+    name = increment.law.pressure
+    pressure = increment.law.symbols()[name] if name else sp.Dummy("sigma_n", nonpositive=True)
+    order = (*forces, pressure)
+    kinks = {node.args[0] for node in increment.g.atoms(Pos, Neg, sp.Abs) if node.free_symbols & set(forces)}
+    return Boundary(
+        g=compiled(increment.g, order),
+        gradient=tuple(compiled(_derivative(increment.g, f), order) for f in forces),
+        rate=compiled(_derivative(increment.g, pressure), order),
+        seams=tuple(compiled(s, order) for s in sorted(kinks, key=str)),
+        stiffness=increment.stiffness,
+    )
+
+
+def _derivative(g: sp.Expr, x: sp.Symbol) -> sp.Expr:
+    """dg/dx with the sign of each argument of |.| as a quotient, which the vocabulary can say."""
+    slope = sp.diff(g, x)
+    return slope.replace(lambda e: isinstance(e, sp.sign), lambda e: e.args[0] / sp.Abs(e.args[0]))
+
+
+def move(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, float]) -> Move:
+    """From ``stress`` in K over the step tau in [0, 1], the pressure going straight from the first to the second."""
+    from scipy.integrate import solve_ivp
+
+    k, rate = on.stiffness, pressures[1] - pressures[0]
+    size = float(np.abs(stress).max() + np.abs(k @ drive(1.0)[0]).max()) or 1.0
+    length = size / float(np.abs(k).max())
+    d = len(stress)
+
+    def load(tau: float) -> float:
+        return pressures[0] + tau * rate
+
+    def parts(tau: float, s: Array) -> tuple[Array, Array, Array, float]:
+        du = drive(tau)[1]
+        n = on.normal(s, load(tau))
+        kn = k @ n
+        return du, n, kn, float(kn @ du) + float(on.rate(*s, load(tau))) * rate
+
+    def slipping(tau: float, state: Array) -> Array:
+        du, n, kn, push = parts(tau, state[:d])
+        multiplier = push / float(n @ kn)
+        power = state[:d]
+        return np.concatenate([k @ du - multiplier * kn, [multiplier, multiplier * float(power @ n), float(power @ du)]])
+
+    def unloads(tau: float, state: Array) -> float:
+        return parts(tau, state[:d])[3]
+
+    unloads.terminal, unloads.direction = True, -1.0  # type: ignore[attr-defined]
+
+    def seam(program: Program, sign: float) -> Callable[[float, Array], float]:
+        def event(tau: float, state: Array) -> float:
+            return sign * float(program(*state[:d], load(tau)))
+
+        event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
+        return event
+
+    tau, state, free = 0.0, np.concatenate([stress, np.zeros(3)]), 0.0
+    atol = np.concatenate([np.full(d, 1e-16 * size), [1e-16 * length, 1e-16 * size * length, 1e-16 * size * length]])
+    released = False
+    for _ in range(_MOST_EVENTS):
+        if not released or unloads(tau, state) <= 0.0:
+            stop = _leaving(on, state[:d], drive, load, tau)
+            if stop > tau:
+                du = drive(stop)[0] - drive(tau)[0]
+                dsigma = k @ du
+                state = state.copy()
+                state[-1] += float((state[:d] + 0.5 * dsigma) @ du)
+                state[:d] += dsigma
+                free, tau = free + stop - tau, stop
+            if tau >= 1.0:
+                break
+        n = on.normal(state[:d], load(tau))
+        state[:d] -= on.value(state[:d], load(tau)) * n / float(n @ n)
+        ahead = state[:d] + _GLANCE * (1.0 - tau) * slipping(tau, state)[:d]  # on a seam, it is watched from where the stress goes
+        signs = [float(np.sign(float(p(*ahead, load(tau))))) for p in on.seams]
+        watched = [seam(p, -s) for p, s in zip(on.seams, signs, strict=True) if s != 0.0]
+        run = solve_ivp(slipping, (tau, 1.0), state, method="DOP853", rtol=_RTOL, atol=atol, events=[unloads, *watched])
+        if run.status < 0 or not np.isfinite(run.y[:, -1]).all():
+            raise DuhemError(f"the slipping stress could not be followed: {run.message}", remedy='use method="implicit"')
+        tau, state = float(run.t[-1]), run.y[:, -1].copy()
+        if tau >= 1.0:
+            break
+        released = not run.t_events[0].size
+    else:
+        raise DuhemError(f"more than {_MOST_EVENTS} events in one step", remedy="take smaller steps")
+    return Move(tuple(state[:d].tolist()), float(state[d]), float(state[d + 1]), float(state[d + 2]), free)
+
+
+def _leaving(on: Boundary, stress: Array, drive: Drive, load: Callable[[float], float], tau: float) -> float:
+    """The first time from ``tau`` at which the stress without slip leaves K; 1 if it does not."""
+    from scipy.optimize import brentq
+
+    start = drive(tau)[0]
+
+    def excess(t: float) -> float:
+        return on.value(stress + on.stiffness @ (drive(t)[0] - start), load(t))
+
+    slack = abs(on.value(stress, load(tau)))
+    times = tau + (1.0 - tau) * _SAMPLES**2  # dense where the last contact was
+    inside = tau
+    for t in times[1:].tolist():
+        if excess(t) > 0.0:
+            if inside == tau and excess(tau) >= 0.0:
+                return tau
+            if inside == tau and slack <= 1e-13 * float(np.abs(stress).max() * np.abs(on.normal(stress, load(tau))).max()):
+                probe = tau + 1e-6 * (t - tau)
+                if excess(probe) > 0.0:
+                    return tau
+                inside = probe
+            return float(brentq(excess, inside, t, xtol=1e-16, rtol=8.9e-16))
+        inside = t
+    return 1.0

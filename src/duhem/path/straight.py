@@ -1,0 +1,181 @@
+"""Exact motion of the stress over a straight step: elementary functions, one scalar equation per quarter ellipse.
+
+With sigma = e (a cos theta, b sin theta), e > 0 the load, diagonal k and a constant displacement rate u', the slipping
+stress obeys
+
+    theta' = V sin(theta_v - theta)/(A sin^2 theta + B cos^2 theta),   A = e a^2/k_a,  B = e b^2/k_b,
+    V (cos theta_v, sin theta_v) = (a u'_a, b u'_b),
+
+so that D ln tan(|delta|/2) + (B - A) cos(theta_v + theta) + V tau is constant, delta = theta_v - theta, D = A sin^2 theta_v
++ B cos^2 theta_v; the multiplier is D ln(sin delta_0/sin delta_1) + (B - A)/2 sin(2 theta_v) (theta_1 - theta_0).
+For A = B this is Krieg and Krieg (1977), J. Pressure Vessel Technol. 99, 510-515.  A straight step never unloads: in the
+metric of k^-1 the speed of the stress does not grow (Moreau, 1977).
+
+Angles are kept as unit vectors, and differences of angles as tangents of their halves, so that nothing cancels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan, copysign, exp, expm1, hypot, inf, log, log1p, sqrt
+
+__all__ = ["Move", "Pair", "on_ellipse", "on_interval"]
+
+Pair = tuple[float, float]
+_MOST_ITERATIONS = 200
+
+
+@dataclass(frozen=True)
+class Move:
+    """What a step did: final stress (relative to the centre), multiplier, and the integrals of |load| lambda and sigma . du.
+
+    ``free`` is the part of the step, from 0 to 1, that passed without slip.
+    """
+
+    stress: tuple[float, ...]
+    multiplier: float
+    dissipation: float
+    work: float
+    free: float
+
+
+def on_ellipse(stress: Pair, du: Pair, load: float, coefficients: Sequence[float], k: Pair) -> Move:
+    """From ``stress`` in K (about its centre) along ``du``; coefficients (a_plus, a_minus, b_plus, b_minus) > 0, load > 0."""
+    q = (k[0] * du[0], k[1] * du[1])
+    free, w = _exit(stress, q, load, coefficients)
+    if w is None:
+        end = (stress[0] + q[0], stress[1] + q[1])
+        return Move(end, 0.0, 0.0, _mean_work(stress, q, du, 1.0), 1.0)
+    work = _mean_work(stress, q, du, free)
+    left, multiplier, power = 1.0 - free, 0.0, 0.0
+    while left > 0.0:
+        signs = [copysign(1.0, w[i] if w[i] != 0.0 else du[i]) for i in (0, 1)]
+        a, b = (coefficients[2 * i + (signs[i] < 0.0)] for i in (0, 1))
+        w, used, gained, done = _in_quarter(w, (a * du[0], b * du[1]), load * a * a / k[0], load * b * b / k[1], signs, left)
+        multiplier += gained
+        power += done
+        left -= used
+    mu = [coefficients[2 * i + (w[i] < 0.0)] for i in (0, 1)]
+    return Move((mu[0] * load * w[0], mu[1] * load * w[1]), multiplier, load * multiplier, work + load * power, free)
+
+
+def _mean_work(stress: Pair, q: Pair, du: Pair, part: float) -> float:
+    return part * sum((stress[i] + 0.5 * part * q[i]) * du[i] for i in (0, 1))
+
+
+def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair | None]:
+    """Where s + tau q leaves K, 0 <= tau < 1, and the direction (cos theta, sin theta) there; None if it stays inside."""
+    seams = sorted(tau for i in (0, 1) if q[i] != 0.0 and 0.0 < (tau := -s[i] / q[i]) < 1.0)
+    start = 0.0
+    for end in [*seams, 1.0]:
+        middle = 0.5 * (start + end)
+        m = [mu[2 * i + (s[i] + middle * q[i] < 0.0)] for i in (0, 1)]
+        p = [s[i] / (m[i] * e) for i in (0, 1)]
+        r = [q[i] / (m[i] * e) for i in (0, 1)]
+        if hypot(p[0] + end * r[0], p[1] + end * r[1]) > 1.0:
+            a, b = r[0] * r[0] + r[1] * r[1], p[0] * r[0] + p[1] * r[1]
+            size = hypot(*p)
+            c = (size - 1.0) * (size + 1.0)
+            root = sqrt(max(b * b - a * c, 0.0))
+            tau = (root - b) / a if b <= 0.0 else -c / (b + root)
+            tau = min(max(tau, start), end)
+            x, y = p[0] + tau * r[0], p[1] + tau * r[1]
+            length = hypot(x, y)
+            if tau < 1.0 and (x * r[0] + y * r[1]) > 0.0:
+                return tau, (x / length, y / length)
+        start = end
+    return 1.0, None
+
+
+def _in_quarter(w: Pair, v: Pair, big_a: float, big_b: float, signs: Sequence[float], left: float) -> tuple[Pair, float, float, float]:
+    """Slip in one quarter for a time ``left`` or up to its end: new w, time used, multiplier, integral of u'.(a cos, b sin)."""
+    speed = hypot(*v)
+    v = (v[0] / speed, v[1] / speed)
+    cross, dot = w[0] * v[1] - w[1] * v[0], w[0] * v[0] + w[1] * v[1]
+    if cross == 0.0 or (start := abs(cross) / (1.0 + dot) if dot > 0.0 else (1.0 - dot) / abs(cross)) < 1e-150:
+        return w, left, speed * left, speed * left
+    sense = copysign(1.0, cross)
+    rest = big_b - big_a
+    at_v = big_a * v[1] * v[1] + big_b * v[0] * v[0]
+    s0, c0 = v[1] * w[0] + v[0] * w[1], v[0] * w[0] - v[1] * w[1]
+
+    def turned(y: float) -> tuple[float, float, float]:
+        """Tangent, cosine and sine of half the angle travelled once ln tan(|delta|/2) has changed by y <= 0."""
+        h = -start * expm1(y) / (1.0 + start * start * exp(y))
+        c = 1.0 / sqrt(1.0 + h * h)
+        return h, c, h * c
+
+    def spent(y: float) -> float:
+        """The time this takes, times the speed."""
+        _, c, s = turned(y)
+        return -at_v * y + 2.0 * rest * sense * s * (s0 * c + sense * c0 * s)
+
+    def rotated(y: float) -> Pair:
+        _, c, s = turned(y)
+        cos, sin = (c - s) * (c + s), 2.0 * s * c * sense
+        return cos * w[0] - sin * w[1], sin * w[0] + cos * w[1]
+
+    axis = (0.0, signs[1]) if signs[0] * signs[1] * sense > 0.0 else (signs[0], 0.0)
+    beyond = sense * (axis[0] * v[1] - axis[1] * v[0])
+    least = -inf
+    total = speed * left
+    if beyond > 0.0:
+        along = axis[0] * v[0] + axis[1] * v[1]
+        seam = beyond / (1.0 + along) if along > 0.0 else (1.0 - along) / beyond
+        least = min(log(seam / start), 0.0)
+    if least > -inf and (time := max(spent(least), 0.0)) <= total:
+        y, new, used = least, axis, min(time / speed, left)
+    else:
+        y = _solved(spent, lambda y: _slope(rotated(y), big_a, big_b), total, max(least, -total / min(big_a, big_b)))
+        new, used = _unit(rotated(y)), left
+    travelled = 2.0 * atan(turned(y)[0])
+    e1 = exp(y)
+    fall = -y - log1p(start * start * -expm1(2.0 * y) / (1.0 + start * start * e1 * e1))
+    gained = max(at_v * fall + rest * v[0] * v[1] * sense * travelled, 0.0)
+    return new, used, gained, gained + 0.5 * rest * (new[1] - w[1]) * (new[1] + w[1])
+
+
+def _slope(w: Pair, big_a: float, big_b: float) -> float:
+    return big_a * w[1] * w[1] + big_b * w[0] * w[0]
+
+
+def _solved(spent, slope, total: float, low: float) -> float:  # type: ignore[no-untyped-def]
+    """y in [low, 0] with spent(y) = total; spent falls as y grows, with the derivative -slope(y).  Newton, kept in a bracket."""
+    high, y = 0.0, 0.0
+    f = -total
+    for _ in range(_MOST_ITERATIONS):
+        new = y + f / slope(y)
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - y) <= 2e-16 * abs(new) or new == y:
+            return new
+        y = new
+        f = spent(y) - total
+        if f > 0.0:
+            low = y
+        else:
+            high = y
+    return y
+
+
+def _unit(w: Pair) -> Pair:
+    length = hypot(*w)
+    return w[0] / length, w[1] / length
+
+
+def on_interval(stress: float, du: float, loads: Pair, coefficients: Sequence[float], k: float) -> Move:
+    """One force between -minus load and plus load, the load going straight from loads[0] to loads[1]."""
+    q, rate = k * du, loads[1] - loads[0]
+    limits = [(coefficients[0], 1.0), (coefficients[1], -1.0)]
+    for mu, sign in limits:
+        gap, closing = mu * loads[0] - sign * stress, sign * q - mu * rate
+        if closing > 0.0 and gap < closing:
+            free = max(gap, 0.0) / closing
+            left = 1.0 - free
+            met = loads[0] + free * rate
+            slip = left * (sign * du - mu * rate / k)
+            mean = mu * 0.5 * (met + loads[1])
+            work = free * (stress + 0.5 * free * q) * du + left * sign * mean * du
+            return Move((sign * mu * loads[1],), mu * slip, mean * slip, work, free)
+    return Move((stress + q,), 0.0, 0.0, (stress + 0.5 * q) * du, 1.0)

@@ -1,0 +1,158 @@
+"""The set K of each point in working units: lengths of its own size, stresses whitened by the stiffness.
+
+With the stiffness k = kappa L L^T (kappa its mean eigenvalue) and a size R of K a point, stresses are sigma = R x and
+x = L u; distances |u| are then the k^-1 metric up to a factor, and K has extent 1 in the direction of the trial.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.expression.numpy_ import Program, compiled
+from duhem.projection.increment import Increment
+from duhem.projection.jets import Choices, Formula, formula
+from duhem.projection.result import Array
+from duhem.projection.scaled_formula import ScaledFormula
+
+__all__ = ["Body", "Index", "Piece", "body", "crossing", "whitening"]
+
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A smooth piece at a point, its level a signed distance to first order, in whitened units.
+
+    ``level`` (M,), unit ``normal`` (M, d), ``curvature`` (M, d, d) the Hessian over the slope; ``slope`` (M,) = |grad h|;
+    ``choices`` (M, kinks) name the piece.
+    """
+
+    level: Array
+    normal: Array
+    curvature: Array
+    slope: Array
+    choices: Choices
+
+
+@dataclass(frozen=True)
+class Body:
+    """K = {h <= 0} of N points; ``root`` is L; ``data`` what h holds besides the forces, (N,) each; ``size`` R (N,)."""
+
+    scaled: ScaledFormula
+    value: Program
+    jets: Formula
+    data: tuple[Array, ...]
+    size: Array
+    root: Array
+
+    def resized(self, pressure: Array, size: Array) -> Body:
+        """The same bodies measured by other sizes."""
+        values = self.scaled.values(pressure, size)
+        return Body(self.scaled, self.value, self.jets, tuple(values[q] for q in self.scaled.data), size, self.root)
+
+    def of(self, at: Index) -> Body:
+        """The bodies of the points ``at`` alone."""
+        return Body(self.scaled, self.value, self.jets, tuple(q[at] for q in self.data), self.size[at], self.root)
+
+    def whitened(self, x: Array) -> Array:
+        """u = L^-1 x."""
+        return np.asarray(np.linalg.solve(self.root, x.T).T)
+
+    def level(self, x: Array, at: Index) -> Array:
+        """h at the stresses ``x`` (M, d) of the points ``at``; where h is undefined, outside."""
+        found = self.value(*x.T, *(q[at] for q in self.data))
+        return np.where(np.isnan(found), np.inf, found)
+
+    def piece(self, x: Array, at: Index, choices: Choices | None = None, second: bool = True) -> Piece:
+        """The smooth piece that holds at ``x``, or the one that ``choices`` name."""
+        jet, taken = self.jets(x, [q[at] for q in self.data], choices, second)
+        assert jet.gradient is not None
+        with np.errstate(all="ignore"):
+            gradient = jet.gradient @ self.root
+            slope = np.linalg.norm(gradient, axis=1)
+            unit = 1.0 / slope
+            curvature = np.zeros((len(at), 0, 0))
+            if jet.hessian is not None:
+                curvature = (self.root.T @ jet.hessian @ self.root) * unit[:, None, None]
+            return Piece(jet.value * unit, gradient * unit[:, None], curvature, slope, taken)
+
+
+def body(scaled: ScaledFormula, forces: tuple[sp.Symbol, ...], pressure: Array, size: Array, root: Array) -> Body:
+    """The bodies of one law, measured by ``size`` (N,)."""
+    data = tuple(scaled.data)
+    empty = Body(scaled, compiled(scaled.expr, (*forces, *data)), formula(scaled.expr, forces, data), (), size, root)
+    return empty.resized(pressure, size)
+
+
+def whitening(increment: Increment) -> tuple[float, Array]:
+    """Mean eigenvalue kappa of the stiffness and L with k = kappa L L^T; diagonal stiffness keeps L diagonal."""
+    k = increment.stiffness
+    mean = float(np.trace(k) / len(k))
+    return mean, np.diag(np.sqrt(np.diag(k) / mean)) if increment.diagonal else np.asarray(np.linalg.cholesky(k / mean))
+
+
+def crossing(level: Callable[[Array, Index], Array], inside: Array, outside: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """The share t in (0, 1) at which inside + t (outside - inside) leaves K, to the last digit from within; (M,) each.
+
+    A bracket is found downwards from 1 by ever longer steps, then closed by Chandrupatla's method (1997), which falls
+    back on bisection.  The second array tells where none was found: no point of the ray is inside.
+    """
+    ray = outside - inside
+    everyone = np.arange(len(ray))
+
+    def at(t: Array, who: Index) -> Array:
+        return level(inside[who] + t[:, None] * ray[who], who)
+
+    high, f_high = np.ones(len(ray)), at(np.ones(len(ray)), everyone)
+    low, f_low = np.zeros(len(ray)), np.full(len(ray), np.nan)
+    who, step = everyone, 0.5
+    while who.size and step > 1e-200:
+        t = high[who] * step
+        f = at(t, who)
+        found = f <= 0
+        low[who[found]], f_low[who[found]] = t[found], f[found]
+        who = who[~found]
+        high[who], f_high[who] = t[~found], f[~found]
+        step *= step
+    none = np.isnan(f_low)
+    return _closed(at, low, f_low, high, f_high, everyone[~none]), none
+
+
+def _closed(at: Callable[[Array, Index], Array], low: Array, f_low: Array, high: Array, f_high: Array, who: Index) -> Array:
+    a, fa, b, fb = low.copy(), f_low.copy(), high.copy(), f_high.copy()  # b the newest, a the other end, c the one before
+    c, fc = a.copy(), fa.copy()
+    share = np.full(len(low), 0.5)
+    with np.errstate(all="ignore"):
+        for _ in range(200):
+            who = who[np.abs(high[who] - low[who]) > 2.3e-16 * high[who]]
+            who = who[(f_low[who] != 0)]
+            if not who.size:
+                break
+            t = a[who] + share[who] * (b[who] - a[who])
+            middle = low[who] + 0.5 * (high[who] - low[who])
+            t = np.where((t <= low[who]) | (t >= high[who]), middle, t)
+            f = at(t, who)
+            same = np.sign(f) == np.sign(fa[who])
+            c[who] = np.where(same, a[who], b[who])
+            fc[who] = np.where(same, fa[who], fb[who])
+            b[who] = np.where(same, b[who], a[who])
+            fb[who] = np.where(same, fb[who], fa[who])
+            a[who], fa[who] = t, f
+            into = f <= 0
+            low[who[into]], f_low[who[into]] = t[into], f[into]
+            high[who[~into]], f_high[who[~into]] = t[~into], f[~into]
+            xi = (a[who] - b[who]) / (c[who] - b[who])
+            phi = (fa[who] - fb[who]) / (fc[who] - fb[who])
+            quadratic = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
+            guess = fa[who] / (fb[who] - fa[who]) * fc[who] / (fb[who] - fc[who]) + (c[who] - a[who]) / (b[who] - a[who]) * fa[who] / (
+                fc[who] - fa[who]
+            ) * fb[who] / (fc[who] - fb[who])
+            least = 1.2e-16 * high[who] / np.abs(b[who] - a[who])
+            guess = np.clip(guess, least, 1 - least)
+            share[who] = np.where(quadratic & np.isfinite(guess), guess, 0.5)
+    return low

@@ -1,0 +1,51 @@
+"""A point well inside K for every point of an increment: the origin wherever it is inside, as it is for admissible laws."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.body import Body, Index
+from duhem.projection.result import Array
+
+__all__ = ["centres"]
+
+_MARGIN = 1e-11  # in sizes of K
+_MAGNITUDES = 4.0 ** np.arange(2, -22, -1)
+_DIRECTIONS = 48
+
+
+def centres(body: Body, at: Index) -> tuple[Array, NDArray[np.bool_]]:
+    """Centres (M, d) in units of the size, and where there is none: K has no inner point that sampling finds."""
+    d = len(body.root)
+    centre = np.zeros((len(at), d))
+    outside = ~_inner(body, centre, at)
+    if outside.any():
+        who = np.flatnonzero(outside)
+        centre[who] = _mean_of_samples(body, at[who])
+        outside[who] = ~_inner(body, centre[who], at[who])
+    return centre, outside
+
+
+def _inner(body: Body, x: Array, at: Index) -> NDArray[np.bool_]:
+    d = len(body.root)
+    inside = np.ones(len(at), dtype=bool)
+    for e in np.concatenate([np.eye(d), -np.eye(d)]):
+        inside &= body.level(x + _MARGIN * e, at) <= 0
+    return inside
+
+
+def _mean_of_samples(body: Body, at: Index) -> Array:
+    """The mean of the sampled points that lie in K: inside it, K being convex."""
+    d = len(body.root)
+    directions = np.random.default_rng(0).standard_normal((_DIRECTIONS, d))
+    total, count = np.zeros((len(at), d)), np.zeros(len(at))
+    for direction in np.concatenate([directions, np.eye(d), -np.eye(d)]):
+        seen = np.zeros(len(at), dtype=bool)
+        for magnitude in _MAGNITUDES:  # the farthest sample inside on each ray
+            x = np.broadcast_to(magnitude * direction / np.linalg.norm(direction), (len(at), d))
+            inside = (body.level(x, at) <= 0) & ~seen
+            total[inside] += x[inside]
+            count += inside
+            seen |= inside
+    return total / np.maximum(count, 1)[:, None]

@@ -1,0 +1,288 @@
+"""The projection onto any convex K with a formula: supporting half-spaces from outside, Newton's method to finish.
+
+From each trial point a polyhedron around K is built: the nearest point of the polyhedron is pulled back to the boundary
+of K towards its centre, and the half-space that supports K there is added.  |s - u| grows towards the distance of K
+whatever the shape (Y. Haugazeau 1968; J. E. Kelley 1960), and on polytopes it ends.  At growing intervals Newton's method
+on the optimality conditions is tried from where the polyhedron stands: on the piece that holds there, and where pieces
+of different formulas press, on their meet.  What it finds is taken only if it satisfies the optimality conditions,
+which for a convex K are sufficient; so no iteration is trusted, only its result.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.body import Body, Index, body, crossing, whitening
+from duhem.projection.centre import centres
+from duhem.projection.halfspaces import HalfSpaces
+from duhem.projection.implicit_tangent import tangent
+from duhem.projection.increment import Increment
+from duhem.projection.jets import Choices
+from duhem.projection.lineality import lineality
+from duhem.projection.result import Array, Solution
+from duhem.projection.scaled_formula import scaled
+from duhem.projection.stationarity import Stationary, refine
+
+__all__ = ["applies", "solve", "tangent"]
+
+_TRIES = frozenset({0, 1, 2, 3, 4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 60, 75, 90, 110, 130})
+_ROUNDS = 140
+_ANGLE = 1e-12  # of slip against the normal cone, relative to 1 + |s - u|
+_LOOSE = 1e-10  # the same where the rounding of the point alone turns the normal by more
+_NEAR = 2e-13  # distances that count as rounding, relative to the numbers at hand
+_SETTLED = 1e-15  # the polyhedron is this close to K, relative likewise: nothing more can be learnt from outside
+_EDGE_STEPS = 60
+_PATIENCE = 8  # rounds without coming closer after which the same is concluded
+_STRAIGHT = 1e-5  # over shorter ways a bend could hide in rounding
+_BESIDE = 1e-10  # how far the normals at a settled, sharp edge may be taken from beside it
+_DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
+_TIP = 1e-14  # a component this small is rounding of the others
+_SMALL = (2.0**-30, 2.0**-40)  # pressures close to none, relative to the trial
+_SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting half-space
+
+
+def applies(increment: Increment) -> str | None:
+    """None: every convex law with a formula, in any number of forces.  Convexity itself is the caller's affair."""
+    return None
+
+
+def solve(increment: Increment) -> Solution:
+    """The projection of every trial stress, to rounding; ``failed`` where no point could be shown to be optimal.
+
+    The law is taken as convex.  At corners the slip is a sum over the pieces that meet, and so is the multiplier.
+    """
+    trial, n = increment.trial, len(increment.trial)
+    stress, slip, multiplier, failed = trial.copy(), np.zeros_like(trial), np.zeros(n), np.zeros(n, dtype=bool)
+    forces = increment.law.force_symbols()
+    symbol = increment.law.symbols()[increment.law.pressure] if increment.law.pressure else None
+    formula = scaled(increment.g, forces, symbol)
+    stiffness, root = whitening(increment)
+    whole = body(formula, forces, increment.pressure, _power_of_two(np.max(np.abs(trial), axis=1)), root)
+    level = whole.level(trial / whole.size[:, None], np.arange(n))
+    failed |= ~np.all(np.isfinite(trial), axis=1) | ~np.all([np.isfinite(q) for q in (increment.pressure, *whole.data)], axis=0)
+    who = np.flatnonzero((level > 0) & ~failed)
+    if not who.size:
+        return Solution(stress, slip, multiplier, failed)
+    sized, centre, none = _measured(whole.of(who), trial[who], increment.pressure[who])
+    failed[who[none]] = True
+    _at_the_tip(increment, who[none], stress, slip, multiplier, failed)
+    who, inner, centre = who[~none], sized.of(np.flatnonzero(~none)), centre[~none]
+    if not who.size:
+        return Solution(stress, slip, multiplier, failed)
+    size = inner.size
+    found = _project(inner, trial[who] / size[:, None], centre)
+    _snap(inner, found.x)
+    with np.errstate(over="ignore", invalid="ignore"):
+        stress[who] = found.x * size[:, None]
+        slip[who] = (found.normal @ np.linalg.inv(root)) * (size / stiffness)[:, None]
+        multiplier[who] = found.weight * (size / stiffness) * size ** (1.0 - formula.degree)
+    failed[who] |= found.failed
+    return Solution(stress, slip, multiplier, failed)
+
+
+def _measured(k: Body, trial: Array, pressure: Array) -> tuple[Body, Array, NDArray[np.bool_]]:
+    """The bodies by their own sizes, a centre of each (M, d) in these, and where there is none."""
+    everyone, origin = np.arange(len(trial)), np.zeros_like(trial)
+    for _ in range(2):  # the first centre is sought around the origin, in sizes of the trial if the origin is outside
+        x = trial / k.size[:, None]
+        share, missed = crossing(k.level, origin, x)
+        near = np.max(np.abs(origin + share[:, None] * (x - origin)), axis=1)
+        grown = np.where(missed, 1.0, _power_of_two(near))
+        k, origin = k.resized(pressure, k.size * grown), origin / grown[:, None]
+        centre, none = centres(k, everyone)
+        if not (centre != origin).any():
+            break
+        origin = centre
+    return k, centre, none | missed
+
+
+def _at_the_tip(increment: Increment, at: Index, stress: Array, slip: Array, multiplier: Array, failed: NDArray[np.bool_]) -> None:
+    """No pressure, and K the tip of a cone alone: stress 0, and the multiplier is the limit of small pressures, if it has one."""
+    at = at[(increment.pressure[at] == 0.0)] if increment.law.pressure else at[:0]
+    if not at.size:
+        return
+    size = np.max(np.abs(increment.trial[at]), axis=1)
+    small, smaller = (solve(replace(increment, trial=increment.trial[at], pressure=-size * f)) for f in _SMALL)
+    reach = [np.max(np.abs(s.stress), axis=1) for s in (small, smaller)]
+    shrinks = ~small.failed & ~smaller.failed & (reach[1] < 0.5 * reach[0]) & (reach[0] < 1e-3 * size)
+    at, settled = at[shrinks], np.isclose(small.multiplier, smaller.multiplier, rtol=1e-6, atol=0.0)[shrinks]
+    stress[at], failed[at] = 0.0, False
+    slip[at] = np.linalg.solve(increment.stiffness, increment.trial[at].T).T
+    multiplier[at] = np.where(settled, smaller.multiplier[shrinks], np.inf)
+
+
+def _snap(k: Body, x: Array) -> None:
+    """Components that are rounding become 0 where only that keeps the point inside: the tip of a cone, a face through 0."""
+    clean = np.where(np.abs(x) <= _TIP * _reach(k, x)[:, None], 0.0, x)
+    at = np.flatnonzero(np.any(clean != x, axis=1))
+    better = at[(k.level(x[at], at) > 0) & (k.level(clean[at], at) <= 0)]
+    x[better] = clean[better]
+
+
+def _power_of_two(size: Array) -> Array:
+    """The power of two below: scaling by it is exact."""
+    sound = np.isfinite(size) & (size > 0)
+    return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)
+
+
+@dataclass(frozen=True)
+class _Found:
+    """``x`` (M, d) on the boundary; ``normal`` (M, d) = s - u as sum of multipliers and normals; ``weight`` (M,) the sum of
+    the multipliers of the unscaled gradients."""
+
+    x: Array
+    normal: Array
+    weight: Array
+    failed: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class _Cuts:
+    """Where each half-space touches K: points (N, m, d), slopes (N, m) and pieces (N, m, kinks)."""
+
+    x: Array
+    slope: Array
+    choices: Choices
+
+
+def _project(k: Body, trial: Array, centre: Array) -> _Found:
+    """Across the endless directions of K first; where the result does not stand the full formula, in all directions."""
+    endless = lineality(k)
+    if not endless.shape[1]:
+        return _search(k, trial, centre)
+    along = k.whitened(trial - centre) @ endless @ endless.T @ k.root.T
+    found = _search(k, trial - along, centre)
+    x = found.x + along
+    level = k.piece(x, np.arange(len(x)), second=False).level
+    doubtful = ~found.failed & ~(np.abs(level) <= _DEPTH * _reach(k, x))
+    found.x[:] = x
+    if doubtful.any():
+        who = np.flatnonzero(doubtful)
+        again = _search(k.of(who), trial[who], centre[who])
+        for kept, new in ((found.x, again.x), (found.normal, again.normal), (found.weight, again.weight), (found.failed, again.failed)):
+            kept[who] = new
+    return found
+
+
+def _reach(k: Body, x: Array) -> Array:
+    """The size of the numbers a point is made of: its rounding is a few 1e-16 of it."""
+    return 1.0 + np.asarray(np.linalg.norm(k.whitened(x), axis=1))
+
+
+def _search(k: Body, trial: Array, centre: Array) -> _Found:
+    n, d = trial.shape
+    s = k.whitened(trial)
+    outer = HalfSpaces.around(s)
+    m = outer.held.shape[1]
+    cuts = _Cuts(np.zeros((n, m, d)), np.ones((n, m)), np.zeros((n, m, k.jets.kinks), dtype=np.int8))
+    found = _Found(trial.copy(), np.zeros((n, d)), np.zeros(n), np.ones(n, dtype=bool))
+    closest, since = np.full(n, np.inf), np.zeros(n, dtype=int)
+    left, sharp = np.arange(n), np.zeros(n, dtype=bool)
+    for round_ in range(_ROUNDS):
+        if not left.size:
+            break
+        y = outer.point[left] @ k.root.T
+        x = _pulled(k, y, centre[left], left)
+        found.x[left] = x
+        gap = np.linalg.norm(k.whitened(x - y), axis=1)
+        since[left] = np.where(gap < 0.5 * closest[left], 0, since[left] + 1)
+        closest[left] = np.minimum(gap, closest[left])
+        settled = (gap <= _SETTLED * _reach(k, x)) | ((since[left] > _PATIENCE) & (gap <= _NEAR * _reach(k, x)))
+        _accept_polyhedron(found, k, left, x, gap, settled, outer, cuts)
+        sharp[left] = ~found.failed[left]
+        now = settled | (round_ in _TRIES)
+        tried = np.flatnonzero(found.failed[left] & now)
+        _accept(found, k, refine(k, s[left[tried]], x[tried], left[tried]), left[tried], outer, cuts)
+        _try_meets(found, k, s, left[found.failed[left] & now], outer, cuts)
+        touch = k.piece(x, left, second=False)
+        open_ = found.failed[left] & ~settled & np.all(np.isfinite(touch.normal), axis=1)
+        left, x = left[open_], x[open_]
+        slot = outer.free_slot(left)
+        cuts.x[left, slot], cuts.slope[left, slot], cuts.choices[left, slot] = x, touch.slope[open_], touch.choices[open_]
+        normal = touch.normal[open_]
+        outer.add(left, slot, normal, np.einsum("nd,nd->n", normal, k.whitened(x)))
+    edge = np.flatnonzero(sharp & ~found.failed)  # round after all, perhaps, at a scale far below the rounding of the others
+    _accept(found, k, refine(k, s[edge], found.x[edge], edge, steps=_EDGE_STEPS), edge, outer, cuts)
+    return found
+
+
+def _pulled(k: Body, y: Array, centre: Array, at: Index) -> Array:
+    """The points of the boundary between the centre and ``y``; ``y`` itself where it lies in K."""
+    x = y.copy()
+    out = np.flatnonzero(k.level(y, at) > 0)
+    share, _ = crossing(lambda z, who: k.level(z, at[out[who]]), centre[out], y[out])
+    x[out] = centre[out] + share[:, None] * (y[out] - centre[out])
+    return x
+
+
+def _accept(found: _Found, k: Body, state: Stationary, at: Index, outer: HalfSpaces, cuts: _Cuts) -> None:
+    """Take the points that satisfy the optimality conditions of a convex K."""
+    reach = _reach(k, state.x)
+    scale, depth = 1.0 + state.away, _DEPTH * reach
+    rounding = 1e-15 * reach * np.max(np.abs(state.curvature), axis=(1, 2, 3), initial=0.0)
+    good = (state.turn <= np.clip(rounding, _ANGLE, _LOOSE)) & (np.max(np.abs(state.level), axis=1) <= depth)
+    good &= np.all(state.multiplier >= -_ANGLE * scale[:, None], axis=1)
+    who = np.flatnonzero(good)
+    if not who.size:
+        return
+    state, at, depth = state.take(who), at[who], depth[who]
+    holds = k.piece(state.x, at, second=False)
+    feasible = np.abs(holds.level) <= depth
+    known = k.whitened(cuts.x[at].reshape(-1, state.x.shape[1])).reshape(cuts.x[at].shape) - k.whitened(state.x)[:, None, :]
+    sticks = np.max(np.where(outer.held[at][:, :, None], np.einsum("nmd,njd->nmj", known, state.normal), -np.inf), axis=(1, 2))
+    feasible &= sticks <= _SUPPORT * (1.0 + np.max(np.abs(known), axis=(1, 2)))
+    state, at = state.take(feasible), at[feasible]
+    multiplier = np.maximum(state.multiplier, 0.0)
+    found.x[at] = state.x
+    found.normal[at] = np.einsum("nj,njd->nd", multiplier, state.normal)
+    found.weight[at] = np.sum(multiplier / state.slope, axis=1)
+    found.failed[at] = False
+
+
+def _accept_polyhedron(
+    found: _Found, k: Body, at: Index, x: Array, gap: Array, settled: NDArray[np.bool_], outer: HalfSpaces, cuts: _Cuts
+) -> None:
+    """Take the nearest point of the polyhedron where it lies on K, and every half-space that presses touches K right there."""
+    if not at.size:
+        return
+    active = outer.active[at] & (outer.multipliers[at] > 0)
+    d = x.shape[1]
+    apart = np.linalg.norm(k.whitened((cuts.x[at] - x[:, None, :]).reshape(-1, d)).reshape(len(at), -1, d), axis=2)
+    reach = _reach(k, x)[:, None]
+    close = (apart <= _NEAR * reach) & (gap[:, None] <= _NEAR * reach) | (apart <= _BESIDE * reach) & settled[:, None]
+    for i, slot in zip(*np.nonzero(active & ~close & settled[:, None]), strict=True):
+        close[i, slot] = _flat(k, at[i : i + 1], x[i], cuts.x[at[i], slot], apart[i, slot])
+    good = active.any(axis=1) & np.all(close | ~active, axis=1)
+    at, x = at[good], x[good]
+    multiplier = np.where(outer.active[at], outer.multipliers[at], 0.0)
+    found.x[at] = x
+    found.normal[at] = np.einsum("nm,nmd->nd", multiplier, outer.normals[at])
+    found.weight[at] = np.sum(multiplier / cuts.slope[at], axis=1)
+    found.failed[at] = False
+
+
+def _flat(k: Body, at: Index, x: Array, touch: Array, apart: float) -> bool:
+    """Whether the boundary is straight between two points, so that the normal at one is normal at the other: a cone's side."""
+    reach = float(_reach(k, x[None])[0])
+    if apart < _STRAIGHT * reach:
+        return False
+    between = x + np.array([[0.5], [0.0625], [0.0078125]]) * (touch - x)
+    level = k.piece(between, np.repeat(at, 3), second=False).level
+    return bool(np.all(np.abs(level) <= 1e-15 * reach + _LOOSE * apart * np.array([0.25, 0.05, 0.005])))
+
+
+def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, cuts: _Cuts) -> None:
+    """Newton where the pieces of the pressing half-spaces meet, for the points that more than one piece presses on."""
+    groups: dict[int, list[tuple[int, list[int]]]] = {}
+    for p in at:
+        slots = np.flatnonzero(outer.active[p] & (outer.multipliers[p] > 0))
+        distinct = {cuts.choices[p, i].tobytes(): int(i) for i in slots}
+        if len(distinct) > 1:
+            groups.setdefault(len(distinct), []).append((int(p), list(distinct.values())))
+    for members in groups.values():
+        who = np.array([p for p, _ in members])
+        choices = np.stack([cuts.choices[p, slots] for p, slots in members])
+        _accept(found, k, refine(k, s[who], outer.point[who] @ k.root.T, who, choices), who, outer, cuts)

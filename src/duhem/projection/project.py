@@ -1,0 +1,114 @@
+"""The closest-point step for any associated law: checked, solved by the cheapest method that applies, and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.catalogue import load
+from duhem.criterion import Criterion
+from duhem.errors import InputError
+from duhem.projection.increment import Increment
+from duhem.projection.residuals import residuals
+from duhem.projection.result import Array, Projection, Residuals, Solution, Status
+from duhem.projection.validation import increment as checked
+
+__all__ = ["ACCURACY", "METHODS", "project"]
+
+METHODS = {"closed-form": "closed_form", "newton": "newton", "cvxpy": "cvxpy_method"}  # cheapest first
+ACCURACY = 1e-7  # a point with a larger residual is inaccurate
+_BLOCK = 16_384
+
+
+def project(
+    law: Criterion | str | Path,
+    trial: ArrayLike,
+    pressure: ArrayLike | None = None,
+    stiffness: ArrayLike = 1.0,
+    parameters: Mapping[str, Any] | None = None,
+    method: str = "auto",
+    tangent: bool = False,
+    **options: Any,
+) -> Projection:
+    """One slip increment: sigma = argmin over K(sigma_n) of (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2.
+
+    The implicit step of u_in' = lambda' dg/dsigma, lambda' >= 0, g <= 0, lambda' g = 0 (Antoni et al. 2007, Eq. 36), with
+    sigma_tr = k (u - u_in) of the end of the step.  ``trial`` (N, d) or (d,) in Pa; ``pressure`` sigma_n <= 0 in
+    compression, one number or (N,), in Pa; ``stiffness`` k > 0 in Pa/m, one number, (d,) or symmetric (d, d);
+    ``parameters`` a number for each parameter that the law leaves open.  ``method``: ``closed-form``, ``newton``,
+    ``cvxpy``, or ``auto`` for the first of these that applies.  ``tangent`` adds d sigma/d u and d sigma/d sigma_n.
+    ``options`` go to the method.
+
+    Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
+    returned as if it were.  Raises InputError for input that cannot be used, naming the first bad entry, and for a
+    law with a flow of its own, which the closest point does not integrate.
+    """
+    question = checked(load(law), trial, pressure, stiffness, parameters)
+    name, why = _chosen(question, method)
+    module = import_module(f"duhem.projection.{METHODS[name]}")
+    if tangent and not hasattr(module, "tangent"):
+        raise InputError(f"method {name} has no tangent", where="tangent", remedy="leave tangent out, or take a law with a closed form")
+    try:
+        solution: Solution = module.solve(question, **options)
+    except TypeError as fault:
+        if "keyword argument" not in str(fault):
+            raise
+        raise InputError(f"method {name} takes no such option: {fault}", remedy="leave it out") from None
+    found = residuals(question, solution)
+    slopes = module.tangent(question, solution) if tangent else (None, None)
+    return Projection(
+        stress=solution.stress,
+        slip=solution.slip,
+        multiplier=solution.multiplier,
+        dissipation=np.einsum("ij,ij->i", solution.stress, solution.slip),
+        status=_status(solution, found),
+        method=name,
+        why=why,
+        residuals=found,
+        tangent=slopes[0],
+        tangent_pressure=slopes[1],
+    )
+
+
+def _chosen(question: Increment, method: str) -> tuple[str, str]:
+    """The method and why it was taken."""
+    if method != "auto":
+        if method not in METHODS:
+            raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose auto, {', '.join(METHODS)}")
+        reason = import_module(f"duhem.projection.{METHODS[method]}").applies(question)
+        if reason is not None:
+            raise InputError(f"method {method} does not apply: {reason}", where="method")
+        return method, "asked for"
+    reasons: list[str] = []
+    for name, module in METHODS.items():
+        reason = import_module(f"duhem.projection.{module}").applies(question)
+        if reason is None:
+            return name, "; ".join([*reasons, "the cheapest method that applies"])
+        reasons.append(f"not {name}: {reason}")
+    raise InputError(f"no method applies: {'; '.join(reasons)}", where="method", remedy="rewrite the law in one of these forms")
+
+
+def _status(solution: Solution, found: Residuals) -> NDArray[np.int8]:
+    """What each point counts as, block by block."""
+    status = np.empty(len(solution.multiplier), dtype=np.int8)
+    for start in range(0, status.size, _BLOCK):
+        block = slice(start, start + _BLOCK)
+        slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
+        worst = _worst(found, block)
+        finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)
+        finite &= np.isfinite(solution.multiplier[block])
+        judged = np.where(slips, Status.SLIP, Status.STICK)
+        judged = np.where(worst <= ACCURACY, judged, Status.INACCURATE)
+        status[block] = np.where(solution.failed[block] | ~finite, Status.FAILED, judged)
+    return status
+
+
+def _worst(found: Residuals, block: slice) -> Array:
+    """The largest residual, nan where one is."""
+    each = [getattr(found, name)[block] for name in Residuals.__dataclass_fields__]
+    return np.asarray(np.maximum.reduce(each))

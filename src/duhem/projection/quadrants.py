@@ -1,0 +1,263 @@
+"""The four-quadrant ellipse: which quarter each point belongs to, in blocks, with only the slipping points worked on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.quarter_ellipse import formulas
+from duhem.projection.result import Array
+
+__all__ = ["BLOCK", "CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project"]
+
+BLOCK = 16_384
+_FORMULAS = formulas()
+SAFE = 2.0**300  # squares of what lies between 1/SAFE and SAFE neither overflow nor vanish
+CLOSE = 2.0**-45  # relative; closer than this, F of two words is not good to the last digits
+SURE = 1e-14  # a result this far within its quadrant, as a direction, is not there by rounding
+SEAM = 1e-6  # a result this far beyond its quadrant, as a direction, is none
+_DIGITS = 120
+
+
+@dataclass(frozen=True)
+class Quarters:
+    """Constants of the quarters, indexed by 2 (sigma_b < 0) + (sigma_a < 0): computed exactly, rounded once.
+
+    ``mu`` (4, 2): coefficients; ``axes`` (4, 2, 2): rows v_1, v_2 of the principal axes of D k^-1 D, D = diag(mu), with
+    ``axes_low`` what rounding took off; ``ratio`` r = c_2/c_1, ``rest`` 1 - r, and 1/c_1 = ``compliance`` 2^``power``.
+    ``flat``: a coefficient is zero there.  ``first``: the place of v_1 if the axes are those of the law, else -1.
+    """
+
+    mu: Array
+    axes: Array
+    axes_low: Array
+    ratio: Array
+    rest: Array
+    compliance: Array
+    power: NDArray[np.intc]
+    flat: NDArray[np.bool_]
+    first: NDArray[np.intp]
+    stiffness: Array
+
+    @classmethod
+    def of(cls, coefficients: Sequence[float], stiffness: Array) -> Quarters:
+        """From (a_plus, a_minus, b_plus, b_minus) >= 0 and the (2, 2) stiffness in Pa/m."""
+        a, b = coefficients[:2], coefficients[2:]
+        mu = np.array([(a[i & 1], b[i >> 1]) for i in range(4)])
+        rows = [_quarter(pair, stiffness) for pair in mu.tolist()]
+        axes, low, ratio, rest, compliance, power, first = (np.array([row[i] for row in rows]) for i in range(7))
+        return cls(mu, axes, low, ratio, rest, compliance, power.astype(np.intc), (mu == 0.0).any(axis=1), first, np.asarray(stiffness))
+
+    @property
+    def diagonal(self) -> bool:
+        """Whether the result stays in the quadrant of its trial."""
+        return bool((self.first >= 0).all())
+
+    @property
+    def round(self) -> bool:
+        """Whether the closest point lies on the ray of the trial."""
+        return bool((self.rest == 0.0).all())
+
+
+def _quarter(mu: Sequence[float], stiffness: Array) -> tuple[object, ...]:
+    """Axes, their low parts, r, 1 - r, 1/c_1 as fraction and exponent, and the place of axis 1, for one quarter."""
+    k11, k12, k22 = (Fraction(float(stiffness[i, j])) for i, j in ((0, 0), (0, 1), (1, 1)))
+    m1, m2 = (Fraction(m) for m in mu)
+    det = k11 * k22 - k12 * k12
+    if k12 == 0:
+        a, b = m1 * m1 / k11, m2 * m2 / k22  # 1/c_1 is the smaller of the two
+        first = 0 if a <= b else 1
+        small, large = min(a, b), max(a, b)
+        ratio = small / large if large else Fraction(1)
+        return np.eye(2)[[first, 1 - first]], np.zeros((2, 2)), float(ratio), float(1 - ratio), *_parts(small), first
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = _DIGITS
+
+    def number(x: Fraction) -> object:
+        return context.mpf(x.numerator) / x.denominator
+
+    p, q, s = number(m1 * m1 * k22 / det), number(-m1 * m2 * k12 / det), number(m2 * m2 * k11 / det)
+    half = (p - s) / 2  # type: ignore[operator]
+    large = (p + s) / 2 + context.hypot(half, q)  # type: ignore[operator]
+    small = (p * s - q * q) / large  # type: ignore[operator]
+    angle = context.atan2(2 * q, p - s) / 2  # type: ignore[operator]
+    cos, sin = context.cos(angle), context.sin(angle)
+    exact = [[-sin, cos], [cos, sin]]  # v_2 belongs to the larger eigenvalue of D k^-1 D
+    high = np.array([[float(x) for x in row] for row in exact])
+    low = np.array([[float(x - y) for x, y in zip(row, rounded, strict=True)] for row, rounded in zip(exact, high.tolist(), strict=True)])
+    return high, low, float(small / large), float((large - small) / large), float(context.frexp(small)[0]), int(context.frexp(small)[1]), -1
+
+
+def _parts(x: Fraction) -> tuple[float, int]:
+    """Fraction and exponent of a number that may lie beyond the range of a float."""
+    power = x.numerator.bit_length() - x.denominator.bit_length()
+    return float(x / Fraction(2) ** power), power
+
+
+def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
+    """Fill ``stress`` (n, 2), ``slip`` (n, 2) and ``multiplier`` (n,) of the gauge for one block of trial stresses.
+
+    ``load`` (n,) >= 0, in the unit of the stresses.  Points inside keep their trial stress, slip and multiplier zero.
+    """
+    with np.errstate(all="ignore"):
+        _project(trial, load, quarters, stress, slip, multiplier)
+
+
+def _exponents(trial: Array, load: Array) -> NDArray[np.intc] | None:
+    """Binary exponents by which to scale each point, or None where no point of the block needs it."""
+    if trial.size and (trial.max() > SAFE or trial.min() < -SAFE or load.max() > SAFE or load.min() < 1.0 / SAFE):
+        return np.asarray(np.frexp(np.maximum(np.abs(trial).max(axis=1), load))[1])
+    return None
+
+
+def _project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
+    stress[:], slip[:], multiplier[:] = trial, 0.0, 0.0
+    quadrant = (trial[:, 0] < 0.0) + 2 * (trial[:, 1] < 0.0)
+    scale = _exponents(trial, load)
+    scaled, e = (trial, load) if scale is None else (np.ldexp(trial, -scale[:, None]), np.ldexp(load, -scale))
+    p1, p2 = scaled[:, 0] / quarters.mu[:, 0].take(quadrant), scaled[:, 1] / quarters.mu[:, 1].take(quadrant)
+    outside = np.flatnonzero(~(p1 * p1 + p2 * p2 <= e * e * (1.0 - 1e-13)))
+    if quarters.flat.any():
+        flat = quarters.flat.take(quadrant.take(outside))
+        _flat(outside[flat], trial, load, quarters, quadrant, stress, slip, multiplier)
+        outside = outside[~flat]
+    if not outside.size:
+        return
+    solve = _straight if quarters.diagonal else _oblique
+    kept, w, z, used = solve(scaled.take(outside, axis=0), e.take(outside), quadrant.take(outside), quarters)
+    at = outside.take(kept)
+    z = z * quarters.compliance.take(used)
+    power = quarters.power.take(used) + (0 if scale is None else scale.take(at))
+    factor = np.ldexp(1.0, power) if scale is None and np.abs(quarters.power).max() < 900 else None
+    multiplier[at] = np.ldexp(z, power) if factor is None else z * factor
+    load = load.take(at)
+    for i in (0, 1):
+        mu = quarters.mu[:, i].take(used)
+        stress[at, i] = mu * load * w[i]
+        slipped = z * (w[i] / mu)
+        slip[at, i] = np.ldexp(slipped, power) if factor is None else slipped * factor
+
+
+def _ratios(t: Array, quadrant: NDArray[np.intp], e: Array, quarters: Quarters) -> tuple[Array, Array, Array, Array, Array]:
+    """p_1, p_2 as double words in the law's axes, and F."""
+    t1, t2 = np.abs(t[:, 0]), np.abs(t[:, 1])
+    mu1, mu2 = quarters.mu[:, 0].take(quadrant), quarters.mu[:, 1].take(quadrant)
+    p1, l1 = _FORMULAS.quotient(t1, mu1)
+    p2, l2 = _FORMULAS.quotient(t2, mu2)
+    f = _FORMULAS.excess(p1, l1, p2, l2, e)
+    if (close := np.flatnonzero(np.abs(f) <= CLOSE * e * e)).size:
+        f[close] = _FORMULAS.close_excess(*(x.take(close) for x in (t1, mu1, t2, mu2, e)))
+    return p1, l1, p2, l2, f
+
+
+Found = tuple[NDArray[np.intp], tuple[Array, Array], Array, NDArray[np.intp]]
+
+
+def _straight(t: Array, e: Array, quadrant: NDArray[np.intp], quarters: Quarters) -> Found:
+    """Slipping points, signed directions in the law's axes, z and quadrants, where these axes are principal."""
+    p1, l1, p2, l2, f = _ratios(t, quadrant, e, quarters)
+    kept = np.flatnonzero(f > 0.0)
+    if kept.size < f.size:
+        p1, p2, l1, l2, f, e = (x.take(kept) for x in (p1, p2, l1, l2, f, e))
+        t, quadrant = t.take(kept, axis=0), quadrant.take(kept)
+    ratio = quarters.ratio.take(quadrant)
+    swapped = quarters.first.take(quadrant) == 1
+    if quarters.round:
+        length = np.hypot(p1, p2)
+        w1, w2 = p1 / length, p2 / length
+    else:
+        first, second = np.where(swapped, p2, p1), np.where(swapped, p1, p2)
+        v1, v2 = _FORMULAS.direction(first, second, np.where(swapped, l1, l2), e, ratio, quarters.rest.take(quadrant))
+        w1, w2 = np.where(swapped, v2, v1), np.where(swapped, v1, v2)
+    z = _FORMULAS.multiplier(f, np.where(swapped, w2, w1), np.where(swapped, w1, w2), e, ratio)
+    return kept, (np.copysign(w1, t[:, 0]), np.copysign(w2, t[:, 1])), z, quadrant
+
+
+def _oblique(t: Array, e: Array, quadrant: NDArray[np.intp], quarters: Quarters) -> Found:
+    """The same where the stiffness couples the axes: quadrants are tried from the trial's on until one holds its result.
+
+    So close to a seam that rounding decides, the quadrant that holds it best is taken.
+    """
+    kept = np.flatnonzero(_ratios(t, quadrant, e, quarters)[-1] > 0.0)
+    n = kept.size
+    w1, w2, z = np.zeros(n), np.zeros(n), np.zeros(n)
+    used, miss = np.zeros(n, dtype=np.intp), np.full(n, np.inf)
+    for flip in range(4):
+        open_ = np.flatnonzero(miss > -SURE)
+        if not open_.size:
+            break
+        at = kept.take(open_)
+        tried = quadrant.take(at) ^ flip
+        a, b, c = _in_quarter(t.take(at, axis=0), e.take(at), tried, quarters)
+        beyond = [np.where(tried >> i & 1, x, -x) for i, x in enumerate((a, b))]
+        for i in (0, 1):  # an axis with one coefficient for both senses is no seam
+            beyond[i][quarters.mu[:, i].take(tried) == quarters.mu[:, i].take(tried ^ (1 << i))] = -np.inf
+        missed = np.where(np.isfinite(c) & (c > 0.0), np.maximum(*beyond), np.inf)
+        better = missed < miss.take(open_)
+        to = open_[better]
+        w1[to], w2[to], z[to], used[to], miss[to] = (x[better] for x in (a, b, c, tried, missed))
+    seam = miss > 0.0  # rounding put a result on a seam just beyond it, seen from either side
+    for i, w in enumerate((w1, w2)):
+        mu = quarters.mu[:, i]
+        over = seam & ((w < 0.0) != (used >> i & 1 == 1)) & (mu.take(used) != mu.take(used ^ (1 << i)))
+        w[over] = 0.0
+    z[miss > SEAM] = np.nan
+    return kept, (w1, w2), z, used
+
+
+def _in_quarter(t: Array, e: Array, quadrant: NDArray[np.intp], quarters: Quarters) -> tuple[Array, Array, Array]:
+    """Directions in the law's axes and z, as if the ellipse of ``quadrant`` filled the plane."""
+    p1, l1, p2, l2, f = _ratios(t, quadrant, e, quarters)
+    x = [(np.copysign(p, s), np.where(np.signbit(s), -low, low)) for p, low, s in ((p1, l1, t[:, 0]), (p2, l2, t[:, 1]))]
+    rotated = []
+    for i in (0, 1):
+        axis, low = quarters.axes[:, i].take(quadrant, axis=0), quarters.axes_low[:, i].take(quadrant, axis=0)
+        (a, a_low), (b, b_low) = (_FORMULAS.product(axis[:, j], x[j][0]) for j in (0, 1))
+        high = a + b
+        v = high - a
+        rounding = (a - (high - v)) + (b - v)
+        rounding = rounding + (a_low + b_low) + sum(axis[:, j] * x[j][1] + low[:, j] * x[j][0] for j in (0, 1))
+        rotated.append((high + rounding, rounding - ((high + rounding) - high)))
+    (y1, _), (y2, y2_low) = rotated
+    ratio = quarters.ratio.take(quadrant)
+    w1, w2 = _FORMULAS.direction(np.abs(y1), np.abs(y2), np.where(np.signbit(y2), -y2_low, y2_low), e, ratio, quarters.rest.take(quadrant))
+    z = _FORMULAS.multiplier(f, w1, w2, e, ratio)
+    w1, w2 = np.copysign(w1, y1), np.copysign(w2, y2)
+    axes = quarters.axes.take(quadrant, axis=0)
+    return axes[:, 0, 0] * w1 + axes[:, 1, 0] * w2, axes[:, 0, 1] * w1 + axes[:, 1, 1] * w2, z
+
+
+def _flat(
+    at: NDArray[np.intp],
+    trial: Array,
+    load: Array,
+    quarters: Quarters,
+    quadrant: NDArray[np.intp],
+    stress: Array,
+    slip: Array,
+    multiplier: Array,
+) -> None:
+    """Quadrants in which K is a segment or a point: each axis by itself."""
+    for i in (0, 1):
+        mu = quarters.mu[:, i].take(quadrant.take(at))
+        stress[at, i], slip[at, i], part = clamped(trial[at, i], mu, load.take(at), float(quarters.stiffness[i, i]))
+        multiplier[at] += part
+
+
+def clamped(trial: Array, mu: Array, load: Array, stiffness: float) -> tuple[Array, Array, Array]:
+    """Stress, slip and multiplier of one force held in |sigma| <= mu load, exact about which points slip."""
+    size = np.abs(trial)
+    scale = np.frexp(np.maximum(size, load))[1]
+    size, e = np.ldexp(size, -scale), np.ldexp(load, -scale)
+    limit, low = _FORMULAS.product(mu, e)
+    excess = (size - limit) - low
+    slips = excess > 0.0
+    slipped = np.where(slips, np.ldexp(excess, scale) / stiffness, 0.0)
+    stress = np.where(slips, np.copysign(mu * load, trial), trial)
+    return stress, np.copysign(slipped, trial), mu * slipped

@@ -1,0 +1,171 @@
+"""What a caller may ask of a slip increment: everything is checked here, once, and the first bad entry is named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.criterion import Criterion
+from duhem.errors import InputError
+from duhem.expression.number import exact_number
+from duhem.projection.increment import Increment
+from duhem.projection.metric import factors
+from duhem.projection.result import Array
+
+__all__ = ["increment"]
+
+
+def increment(
+    law: Criterion, trial: ArrayLike, pressure: ArrayLike | None, stiffness: ArrayLike, parameters: Mapping[str, Any] | None
+) -> Increment:
+    """The checked question; InputError names the argument and the index of the first entry that cannot be used."""
+    if law.flow is not None:
+        raise InputError(
+            f"{law.name} has a flow of its own, and the closest point is the slip increment of associated laws only",
+            where="law",
+            remedy="integrate its flow rule instead, or project onto the same criterion without [flow]",
+        )
+    values = _parameters(law, parameters)
+    d = len(law.forces)
+    stresses = _trial(trial, d, law)
+    pressures = _pressure(pressure, law)
+    try:
+        n = np.broadcast_shapes((stresses.shape[0],), pressures.shape)[0]
+    except ValueError:
+        raise InputError(
+            f"{stresses.shape[0]} trial stresses and {pressures.shape[0]} pressures do not broadcast",
+            where="pressure",
+            remedy="give one pressure, or one a trial stress",
+        ) from None
+    k = _stiffness(stiffness, d)
+    return Increment(
+        law=law,
+        g=_formula(law, values),
+        trial=np.broadcast_to(stresses, (n, d)),
+        pressure=np.broadcast_to(pressures, (n,)),
+        stiffness=k,
+        diagonal=bool((k == np.diag(np.diagonal(k))).all()),
+        parameters={name: int(value.p) / int(value.q) for name, value in values.items()},
+    )
+
+
+def _parameters(law: Criterion, given: Mapping[str, Any] | None) -> dict[str, sp.Rational]:
+    exact = {}
+    for name, value in (given or {}).items():
+        try:
+            exact[name] = exact_number(value)
+        except InputError as fault:
+            raise InputError(fault.what, where=f"parameter {name}", remedy=fault.remedy) from None
+    fixed = law.fix(exact)
+    values = {name: domain.value for name, domain in fixed.parameters.items()}
+    if missing := [name for name, value in values.items() if value is None]:
+        raise InputError(f"no value is given for {', '.join(missing)}", where=f"parameters of {law.name}", remedy=_example(missing))
+    known = {law.symbols()[name]: value for name, value in values.items()}
+    for relation in law.constraints:
+        if relation.xreplace(known) == sp.false:
+            at = ", ".join(f"{name} = {values[str(name)]}" for name in sorted(map(str, relation.free_symbols)))
+            raise InputError(f"{relation} does not hold at {at}", where=f"parameters of {law.name}", remedy="choose values that satisfy it")
+    for name, value in values.items():
+        if value is not None and not _representable(value):
+            raise InputError(f"{name} = {value} is beyond double precision", where=f"parameters of {law.name}", remedy="rescale the units")
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _formula(law: Criterion, values: Mapping[str, sp.Rational]) -> sp.Expr:
+    g = law.g.xreplace({law.symbols()[name]: value for name, value in values.items()})
+    if g.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        at = ", ".join(f"{name} = {value}" for name, value in values.items())
+        raise InputError(
+            f"g is not defined at {at}", where=f"parameters of {law.name}", remedy="a coefficient of zero? give a positive one"
+        )
+    return g
+
+
+def _representable(value: sp.Rational) -> bool:
+    try:
+        number = int(value.p) / int(value.q)
+    except OverflowError:
+        return False
+    return (number == 0.0) == (value == 0)
+
+
+def _example(names: list[str]) -> str:
+    return f"give parameters={{{', '.join(f'{name!r}: ...' for name in names)}}}"
+
+
+def _array(given: Any, where: str) -> Array:
+    try:
+        raw = np.asarray(given)
+        if raw.dtype.kind not in "iuf":
+            raise ValueError
+        array = raw.astype(np.float64, copy=False)
+    except (ValueError, TypeError):
+        raise InputError("these are not real numbers of a rectangular shape", where=where, remedy="give a NumPy array of floats") from None
+    if (at := _first(~np.isfinite(array))) is not None:
+        raise InputError(f"{_at(where, at)} is {array[at]}", remedy="give finite numbers")
+    return array
+
+
+def _first(bad: NDArray[np.bool_]) -> tuple[int, ...] | None:
+    """The index of the first True, () for a lone number, None where there is none."""
+    return tuple(int(i) for i in np.unravel_index(int(np.argmax(bad)), bad.shape)) if bad.any() else None
+
+
+def _at(where: str, index: tuple[int, ...]) -> str:
+    return f"{where}[{', '.join(map(str, index))}]" if index else where
+
+
+def _trial(given: ArrayLike, d: int, law: Criterion) -> Array:
+    trial = _array(given, "trial")
+    if trial.ndim == 1:
+        trial = trial[None]
+    if trial.ndim != 2 or trial.shape[1] != d:
+        raise InputError(
+            f"trial has the shape {np.shape(given)}", where="trial", remedy=f"give (N, {d}) or ({d},), columns {', '.join(law.forces)}"
+        )
+    return trial
+
+
+def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
+    if law.pressure is None:
+        if given is not None:
+            raise InputError(f"{law.name} has no pressure", where="pressure", remedy="leave it out")
+        return np.zeros(1)
+    if given is None:
+        raise InputError(f"{law.name} needs the pressure {law.pressure}", where="pressure", remedy="give one number or one a trial stress")
+    pressure = _array(given, "pressure")
+    if pressure.ndim > 1:
+        raise InputError(f"pressure has the shape {pressure.shape}", where="pressure", remedy="give one number or the shape (N,)")
+    if (at := _first(pressure > 0.0)) is not None:
+        raise InputError(
+            f"{_at('pressure', at)} is {pressure[at]} > 0",
+            remedy=f"{law.pressure} <= 0 in compression; an open contact carries no friction",
+        )
+    return np.atleast_1d(pressure)
+
+
+def _stiffness(given: ArrayLike, d: int) -> Array:
+    k = _array(given, "stiffness")
+    if k.shape not in ((), (d,), (d, d)):
+        raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=f"give one number, ({d},) or ({d}, {d})")
+    matrix = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (d,)))
+    if (bad := _first(np.diagonal(matrix) <= 0.0)) is not None:
+        i = bad[0]
+        index = () if k.ndim == 0 else (i,) * k.ndim
+        raise InputError(
+            f"{_at('stiffness', index)} is {matrix[i, i]}, not positive", remedy="give a symmetric positive definite stiffness"
+        )
+    scale = np.sqrt(np.diagonal(matrix))
+    unit = matrix / scale[:, None] / scale[None]
+    if (bad := _first(np.abs(unit - unit.T) > 4.0 * np.finfo(float).eps)) is not None:
+        i, j = bad
+        raise InputError(
+            f"stiffness[{i}, {j}] is {matrix[i, j]} and stiffness[{j}, {i}] is {matrix[j, i]}", remedy="give a symmetric stiffness"
+        )
+    symmetric = np.tril(matrix) + np.tril(matrix, -1).T
+    factors(symmetric)  # exact, so that it tells a singular matrix from an ill-conditioned one
+    return symmetric

@@ -1,0 +1,441 @@
+"""The generic projector against closed forms, brute force, high precision and its own optimality conditions.
+
+``python tests/test_projection_newton.py`` runs the campaign of yield surfaces in full: 10^4 directions a law and step.
+"""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+
+import mpmath as mp
+import numpy as np
+import pytest
+import sympy as sp
+
+import duhem
+from duhem.criterion import Criterion
+from duhem.projection import newton
+from duhem.projection.halfspaces import HalfSpaces
+from duhem.projection.increment import Increment
+from duhem.projection.jets import formula
+from duhem.projection.lineality import lineality
+
+R = sp.Rational
+ANTONI = {"mu_a_plus": R(1, 5), "mu_a_minus": R(2, 25), "mu_b_plus": R(3, 25), "mu_b_minus": R(3, 20)}
+CONVEX = [
+    ("antoni2007", ANTONI),
+    ("antoni2007-1d", {"mu_plus": R(1, 5), "mu_minus": R(1, 10)}),
+    ("box", {"mu_a": R(1, 5), "mu_b": R(3, 10)}),
+    ("polygon", {"mu": R(1, 5)}),
+    ("coulomb", {"mu": R(1, 5)}),
+    ("orthotropic", {"mu_a": R(1, 5), "mu_b": R(1, 1000)}),
+    ("limacon", {"mu": R(1, 5), "e": R(1, 2)}),
+    ("lobes", {"mu": R(1, 5), "e": R(1, 10)}),
+    ("lobes", {"mu": R(1, 5), "e": R(-1, 10)}),
+    ("matchstick", {"mu_a": R(1, 5), "mu_b": R(3, 20)}),
+    ("quartic", {"mu": R(1, 5), "c": R(0)}),
+    ("quartic", {"mu": R(1, 5), "c": R(6)}),
+    ("drucker1949", {"k": R(1, 10), "c": R(9, 4)}),
+    ("drucker1949", {"k": R(1, 10), "c": R(-27, 8)}),
+    ("capped", {"mu": R(1, 5), "tau_max": R(1, 10)}),
+    ("cohesive", {"mu": R(1, 5), "cohesion": R(1, 10)}),
+    ("regularised", {"mu": R(1, 5), "c": R(1, 10)}),
+    ("shifted-ellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "shift": R(1, 10)}),
+    ("von-mises", {"yield_stress": R(1, 10)}),
+    ("tresca", {"yield_stress": R(1, 10)}),
+    ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(101, 100)}),
+    ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(3, 2)}),
+    ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(50)}),
+    ("hosford", {"yield_stress": R(1, 10), "m": R(11, 10)}),
+    ("hosford", {"yield_stress": R(1, 10), "m": R(8)}),
+]
+
+
+def increment(law, trial, pressure=0.0, stiffness=1.0, **values):
+    law = duhem.load(law)
+    trial = np.atleast_2d(np.asarray(trial, dtype=float))
+    n, d = trial.shape
+    k = np.asarray(stiffness, dtype=float)
+    k = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (d,)))
+    g = law.g.xreplace({law.symbols()[name]: R(value) for name, value in values.items()})
+    diagonal = bool(np.all(k == np.diag(np.diag(k))))
+    pressures = np.broadcast_to(np.asarray(pressure, dtype=float), (n,)).copy()
+    return Increment(law, g, trial, pressures, k, diagonal, {name: float(value) for name, value in values.items()})
+
+
+def level(question, stress):
+    """g, by SymPy's own function, and so not by the code under test."""
+    law = question.law
+    names = [*law.force_symbols(), *([law.symbols()[law.pressure]] if law.pressure else [])]
+    words = [{"Pos": lambda x: np.maximum(x, 0), "Neg": lambda x: np.maximum(-x, 0), "Norm": lambda *x: np.sqrt(sum(y * y for y in x))}]
+    g = sp.lambdify(names, question.g, [*words, "numpy"])
+    with np.errstate(over="ignore"):
+        return g(*stress.T, *([question.pressure] if law.pressure else []))
+
+
+def radii(question, directions):
+    """How far K reaches along directions, by bisection; inf where it does not end."""
+    low, high = np.zeros(len(directions)), np.full(len(directions), 1e3)
+    endless = level(question, directions * high[:, None]) <= 0
+    for _ in range(100):
+        middle = (low + high) / 2
+        inside = level(question, directions * middle[:, None]) <= 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return np.where(endless, np.inf, low)
+
+
+def stiffnesses(d, rng):
+    q, _ = np.linalg.qr(rng.standard_normal((d, d)))
+    full = (q * np.geomspace(1.0, 1e6, d)) @ q.T
+    return {"unit": np.eye(d), "diagonal": np.diag(np.geomspace(1.0, 1e3, d)), "full": (full + full.T) / 2}
+
+
+def shortfall(question, got, points):
+    """The worst of: stationarity, and the variational inequality over known points of K; relative, in the metric of k."""
+    root = np.linalg.inv(np.linalg.cholesky(question.stiffness)).T
+    size = np.linalg.norm(got.stress @ root, axis=1) + np.linalg.norm(question.trial @ root, axis=1)
+    pushed = got.slip @ question.stiffness
+    stationarity = np.linalg.norm((question.trial - pushed - got.stress) @ root, axis=1) / size
+    excess = (got.slip @ points.T).max(axis=1) - (got.slip * got.stress).sum(axis=1)
+    reach = np.linalg.norm(got.stress @ root, axis=1) + np.linalg.norm(points @ root, axis=1).max()
+    with np.errstate(invalid="ignore"):
+        variational = np.nan_to_num(excess / (np.linalg.norm(pushed @ root, axis=1) * reach))
+    return max(stationarity.max(), variational.max())
+
+
+@pytest.mark.parametrize(("law", "values"), CONVEX, ids=lambda x: x if isinstance(x, str) else "-".join(str(v) for v in x.values()))
+@pytest.mark.parametrize("kind", ["unit", "diagonal", "full"])
+def test_every_convex_law_from_near_and_far(law, values, kind):
+    rng = np.random.default_rng(5)
+    d, n = len(duhem.load(law).forces), 30
+    directions = rng.standard_normal((n, d))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    reach = radii(increment(law, directions, -1.0, **values), directions)
+    away = 10.0 ** rng.uniform(-7, 6, n)
+    trial = directions * (np.where(np.isinf(reach), 1.0, reach) * (1 + away))[:, None]
+    question = increment(law, trial, -1.0, stiffnesses(d, rng)[kind], **values)
+    got = newton.solve(question)
+    assert not got.failed.any()
+    assert (got.multiplier >= 0).all() and (got.multiplier > 0).sum() > n / 2
+    on = directions[np.isfinite(reach)] * reach[np.isfinite(reach), None]
+    assert shortfall(question, got, on) < 1e-11
+    excess = radii(question, got.stress) - 1  # the stress lies on the boundary: its own ray ends there
+    far = np.abs(got.stress).max(axis=1)
+    small = (got.multiplier > 0) & (far < 10)
+    assert np.abs(excess[small]).max() < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("trial", "stiffness", "stress"),
+    [
+        ((0.3, 0.2), (1.0, 1.0), (0.16948295870263982786, 0.063711769834024715701)),
+        ((-0.3, 0.2), (1.0, 1.0), (-0.0626859952990218239, 0.074555673728327216011)),
+        ((-0.3, -0.2), (1.0, 4.0), (-0.076140510365716901921, -0.046028201830649999767)),
+    ],
+)
+def test_reference_values(trial, stiffness, stress):
+    got = newton.solve(increment("antoni2007", trial, -1.0, stiffness, **ANTONI))
+    np.testing.assert_allclose(got.stress[0], stress, rtol=1e-14)
+
+
+def test_quarter_ellipses_against_a_scalar_root_in_high_precision():
+    rng = np.random.default_rng(2)
+    trial, k = rng.standard_normal((30, 2)), (1.0, 7.0)
+    got = newton.solve(increment("antoni2007", trial, -1.0, k, **ANTONI))
+    with mp.workdps(40):
+        for t, stress, slip, multiplier in zip(trial, got.stress, got.slip, got.multiplier, strict=True):
+            mu = [ANTONI[f"mu_{i}_{'plus' if x >= 0 else 'minus'}"] for i, x in zip("ab", t, strict=True)]
+            c = [mp.mpf(ki) / (mp.mpf(int(m.p)) / int(m.q)) ** 2 for ki, m in zip(k, mu, strict=True)]
+            y = [mp.mpf(x) * int(m.q) / int(m.p) for x, m in zip(t, mu, strict=True)]
+
+            z = mp.mpf(0)
+            for _ in range(200):  # Newton from the left of a convex, decreasing function is monotone
+                f = sum((yi / (1 + ci * z)) ** 2 for yi, ci in zip(y, c, strict=True)) - 1
+                z += f / sum(2 * ci * yi**2 / (1 + ci * z) ** 3 for yi, ci in zip(y, c, strict=True))
+            assert z > 0 and abs(f) < mp.mpf(10) ** -35
+            exact = [mp.mpf(x) / (1 + ci * z) for x, ci in zip(t, c, strict=True)]
+            for i in range(2):
+                assert abs(stress[i] - exact[i]) < 1e-15
+                assert abs(slip[i] - (mp.mpf(t[i]) - exact[i]) / k[i]) < 1e-14
+            assert abs(multiplier - z) < 1e-14
+
+
+def test_disk_by_radial_return_and_box_by_clamping():
+    trial = np.random.default_rng(3).standard_normal((200, 2))
+    got = newton.solve(increment("coulomb", trial, -1.0, mu=R(1, 2)))
+    length = np.linalg.norm(trial, axis=1)
+    np.testing.assert_allclose(got.stress, trial * np.minimum(1, 0.5 / length)[:, None], atol=4e-16)
+    np.testing.assert_allclose(got.multiplier, np.maximum(length - 0.5, 0), atol=4e-16)
+    got = newton.solve(increment("box", trial, -1.0, (1.0, 3.0), mu_a=R(1, 2), mu_b=R(1, 4)))
+    clamped = np.clip(trial, [-0.5, -0.25], [0.5, 0.25])
+    np.testing.assert_allclose(got.stress, clamped, rtol=4e-16)
+    slip = (trial - clamped) / [1.0, 3.0]
+    np.testing.assert_allclose(got.slip, slip, atol=1e-15)
+    np.testing.assert_allclose(got.multiplier, np.abs(slip) @ [0.5, 0.25], atol=1e-15)  # g = |sigma_i|/mu_i: branch by branch
+
+
+@pytest.mark.parametrize("kind", ["octahedron", "cube"])
+def test_polytopes_in_six_forces(kind):
+    names = tuple(f"s{i}" for i in range(6))
+    parts = [f"abs({x})" for x in names]
+    g = " + ".join(parts) if kind == "octahedron" else f"max({', '.join(parts)})"
+    law = Criterion("solid", f"{g} - 1", forces=names, pressure=None)
+    trial = np.random.default_rng(1).standard_normal((25, 6)) * 3
+    got = newton.solve(increment(law, trial))
+    assert not got.failed.any()
+    for t, stress in zip(trial, got.stress, strict=True):
+        sizes = np.sort(np.abs(t))[::-1]
+        shifts = (np.cumsum(sizes) - 1) / np.arange(1, 7)
+        shift = max(shifts.max(), 0.0)  # the projection onto the ball of the 1-norm shrinks every component by this
+        exact = np.sign(t) * np.maximum(np.abs(t) - shift, 0) if kind == "octahedron" else np.clip(t, -1, 1)
+        np.testing.assert_allclose(stress, exact, atol=2e-14)
+
+
+def test_curved_edges_and_their_normal_cones():
+    """Where two cylinders meet the stress is on both and the slip between their normals."""
+    law = Criterion("edges", "max(norm(s1, s2), norm(s2, s3)) - 1", forces=("s1", "s2", "s3"), pressure=None)
+    trial = np.array([[2.0, 0.3, 1.9], [3.0, -1.0, 2.5]])
+    got = newton.solve(increment(law, trial))
+    for stress, slip, multiplier in zip(got.stress, got.slip, got.multiplier, strict=True):
+        assert abs(np.hypot(stress[0], stress[1]) - 1) < 1e-15 and abs(np.hypot(stress[1], stress[2]) - 1) < 1e-15
+        first, third = slip[0] / stress[0], slip[2] / stress[2]  # multipliers of the two normals
+        assert first > 0 and third > 0
+        assert abs(slip[1] - (first + third) * stress[1]) < 1e-14
+        assert abs(multiplier - first - third) < 1e-14
+    np.testing.assert_allclose(got.stress + got.slip, trial, atol=1e-14)
+
+
+def test_tip_of_a_cone():
+    law = Criterion("cone", "norm(s1, s2) + s3 - 1", forces=("s1", "s2", "s3"), pressure=None)
+    got = newton.solve(increment(law, [[0.3, -0.2, 5.0], [1.0, 2.0, 1e4]]))
+    assert not got.failed.any()
+    np.testing.assert_allclose(got.stress, [[0, 0, 1], [0, 0, 1]], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("g", "trial", "stress"),
+    [
+        ("s1 + 2*s2 - 1", [3.0, 4.0], [1.0, 0.0]),
+        ("max(s1, s2)", [3.0, -2.0], [0.0, -2.0]),  # the origin is its corner
+        ("max(s1, s2)", [3.0, 2.0], [0.0, 0.0]),
+        ("abs(s1) - 1", [-3.0, 1e5], [-1.0, 1e5]),
+        ("max(s1 + 5, abs(s2)) - 1", [0.0, 3.0], [-4.0, 1.0]),  # the origin is outside
+    ],
+)
+def test_unbounded_sets_and_odd_origins(g, trial, stress):
+    got = newton.solve(increment(Criterion("set", g, forces=("s1", "s2"), pressure=None), trial))
+    assert not got.failed.any()
+    np.testing.assert_allclose(got.stress[0], stress, atol=1e-13)
+
+
+def test_inside_on_and_just_outside():
+    trial = np.array([[0.0, 0.0], [0.1, -0.02], [0.2, 0.0], [np.nextafter(0.2, 1), 0.0], [0.2 * (1 + 1e-12), 0.0], [0.0, -0.15]])
+    got = newton.solve(increment("antoni2007", trial, -1.0, **ANTONI))
+    assert not got.failed.any()
+    np.testing.assert_array_equal(got.stress[:3], trial[:3])
+    assert (got.slip[:2] == 0).all() and (got.multiplier[:2] == 0).all()
+    np.testing.assert_allclose(got.stress[3:5], [[0.2, 0.0]] * 2, rtol=4e-16)
+    np.testing.assert_allclose(got.multiplier[4], 0.2 * 1e-12 * 0.2, rtol=1e-3)
+
+
+def test_seams_of_the_flagship():
+    trial = np.array([[0.5, 0.0], [0.5, 1e-18], [0.5, -1e-18], [0.0, 0.4], [-1e-300, -0.4]])
+    got = newton.solve(increment("antoni2007", trial, -1.0, **ANTONI))
+    np.testing.assert_allclose(got.stress, [[0.2, 0], [0.2, 0], [0.2, 0], [0, 0.12], [0, -0.15]], atol=1e-16)
+
+
+def test_no_pressure_leaves_the_origin_alone():
+    trial = np.array([[0.3, -0.4], [1e-3, 0.0]])
+    got = newton.solve(increment("antoni2007", trial, 0.0, (2.0, 1.0), **ANTONI))
+    assert not got.failed.any()
+    np.testing.assert_array_equal(got.stress, 0.0)
+    slip = trial / [2.0, 1.0]
+    np.testing.assert_allclose(got.slip, slip, rtol=1e-15)
+    mu = np.where(slip >= 0, [0.2, 0.12], [0.08, 0.15])
+    np.testing.assert_allclose(got.multiplier, np.linalg.norm(mu * slip, axis=1), rtol=1e-8)  # the dissipation potential at |sigma_n| = 1
+
+
+@pytest.mark.parametrize("away", [1e9, 1e12, 1e15])
+def test_trials_very_far_away(away):
+    trial = np.random.default_rng(4).standard_normal((20, 2)) * away
+    got = newton.solve(increment("antoni2007", trial, -1.0, (2.0, 1.0), **ANTONI))
+    assert not got.failed.any()
+    slip = trial / [2.0, 1.0]  # so far away the stress maximises the dissipation of the slip
+    mu = np.where(slip >= 0, [0.2, 0.12], [0.08, 0.15])
+    force = mu * slip
+    np.testing.assert_allclose(got.stress, mu * force / np.linalg.norm(force, axis=1)[:, None], atol=100 / away + 1e-13)
+    np.testing.assert_allclose(got.multiplier, np.linalg.norm(force, axis=1), rtol=100 / away + 1e-14)
+
+
+def test_units_do_not_matter():
+    trial = np.random.default_rng(4).standard_normal((50, 3))
+    for law, values in (("hosford", {"m": R(100)}), ("drucker1949", {"c": R(9, 4)})):
+        name = "k" if law == "drucker1949" else "yield_stress"
+        here = newton.solve(increment(law, trial, **values, **{name: R(1, 4)}))
+        assert not here.failed.any()
+        for unit in (2.0**-100, 2.0**100):
+            there = newton.solve(increment(law, trial * unit, **values, **{name: R(unit) / 4}))
+            assert not there.failed.any()
+            np.testing.assert_allclose(there.stress / unit, here.stress, atol=1e-13)
+
+
+def test_bad_numbers_fail_alone():
+    trial = np.array([[0.0, np.nan], [np.inf, 0.0], [3.0, 4.0], [0.1, 0.1]])
+    got = newton.solve(increment("coulomb", trial, -1.0, mu=1))
+    np.testing.assert_array_equal(got.failed, [True, True, False, False])
+    np.testing.assert_allclose(got.stress[2:], [[0.6, 0.8], [0.1, 0.1]], rtol=1e-15)
+
+
+def test_sets_that_are_not_convex_end_in_stationary_points_or_failures():
+    law = Criterion("heart", "min(norm(s1 - 1, s2), norm(s1 + 1, s2)) - 1.2", forces=("s1", "s2"), pressure=None)
+    trial = np.random.default_rng(0).standard_normal((100, 2)) * 3
+    got = newton.solve(increment(law, trial))
+    kept = ~got.failed & (got.multiplier > 0)
+    assert kept.sum() > 50
+    centre = np.where(got.stress[:, :1] > 0, [[1.0, 0.0]], [[-1.0, 0.0]])
+    normal = (got.stress - centre)[kept] / 1.2
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1, atol=1e-14)
+    np.testing.assert_allclose(got.slip[kept], got.multiplier[kept, None] * normal, atol=1e-12)
+    np.testing.assert_allclose((got.stress + got.slip)[kept], trial[kept], atol=1e-11)
+
+
+def test_projection_does_not_expand_and_is_its_own_fixed_point():
+    rng = np.random.default_rng(6)
+    trial = rng.standard_normal((60, 3))
+    k = stiffnesses(3, rng)["diagonal"]
+    once = newton.solve(increment("hosford", trial, 0.0, k, m=R(20), yield_stress=R(1, 2)))
+    twice = newton.solve(increment("hosford", once.stress, 0.0, k, m=R(20), yield_stress=R(1, 2)))
+    np.testing.assert_allclose(twice.stress, once.stress, atol=1e-14)
+    metric = 1 / np.sqrt(np.diag(k))
+    for i, j in pairwise(range(60)):
+        assert np.linalg.norm((once.stress[i] - once.stress[j]) * metric) <= np.linalg.norm((trial[i] - trial[j]) * metric) * (1 + 1e-12)
+
+
+SMOOTH = [CONVEX[i] for i in (0, 6, 9, 16, 17, 24)]
+
+
+@pytest.mark.parametrize(("law", "values"), SMOOTH, ids=lambda x: x if isinstance(x, str) else "")
+def test_tangent_against_differences(law, values):
+    rng = np.random.default_rng(8)
+    d = len(duhem.load(law).forces)
+    q, _ = np.linalg.qr(rng.standard_normal((d, d)))
+    k = (q * np.geomspace(1.0, 8.0, d)) @ q.T
+    k = (k + k.T) / 2
+    trial, pressure = rng.standard_normal((12, d)), -rng.uniform(0.5, 2, 12)
+
+    def stress(move=0.0, load=0.0):
+        return newton.solve(increment(law, trial + move, pressure + load, k, **values)).stress
+
+    question = increment(law, trial, pressure, k, **values)
+    of_u, of_pressure = newton.tangent(question, newton.solve(question))
+    np.testing.assert_array_equal(of_u, np.swapaxes(of_u, 1, 2))
+    root = np.linalg.inv(np.linalg.cholesky(k))
+    eigenvalues = np.linalg.eigvalsh(root @ of_u @ root.T)
+    assert eigenvalues.min() > -1e-14 and eigenvalues.max() < 1 + 1e-14
+    h = 1e-4
+    for i in range(d):
+        e = k[i] * h  # h along u_i
+        slope = (8 * (stress(e) - stress(-e)) - (stress(2 * e) - stress(-2 * e))) / (12 * h)
+        near = np.abs(slope - of_u[:, i]).max(axis=1)
+        assert np.median(near) < 1e-9 and near.max() < 1e-4
+    if of_pressure is None:
+        assert duhem.load(law).pressure is None
+        return
+    slope = (8 * (stress(load=h) - stress(load=-h)) - (stress(load=2 * h) - stress(load=-2 * h))) / (12 * h)
+    near = np.abs(slope - of_pressure).max(axis=1)
+    assert np.median(near) < 1e-9 and near.max() < 1e-4
+
+
+def test_tangent_at_corners_and_inside():
+    question = increment("box", [[0.9, 0.8], [0.9, 0.1], [0.0, 0.1]], -1.0, (2.0, 3.0), mu_a=R(1, 2), mu_b=R(1, 4))
+    of_u, of_pressure = newton.tangent(question, newton.solve(question))
+    np.testing.assert_allclose(of_u, [np.zeros((2, 2)), np.diag([0.0, 3.0]), np.diag([2.0, 3.0])], atol=1e-15)
+    np.testing.assert_allclose(of_pressure, [[-0.5, -0.25], [-0.5, 0.0], [0.0, 0.0]], atol=1e-15)
+
+
+def test_jets_are_the_derivatives():
+    a, b, c = sp.symbols("a b c", real=True)
+    for text in ("exp(a*b) + log(2 + c**2)*sin(a)", "tanh(a - b)*atan(c) + cos(b)**3/(3 + a**2)", "(a**6 + b**6 + c**6)**(1/6)"):
+        expr = sp.parse_expr(text.replace("1/6", "Rational(1, 6)"), {"a": a, "b": b, "c": c})
+        x = np.random.default_rng(0).standard_normal((5, 3))
+        jet, _ = formula(expr, (a, b, c), ())(x, ())
+        for i, point in enumerate(x):
+            at = dict(zip((a, b, c), point, strict=True))
+            gradient = [float(expr.diff(s).subs(at)) for s in (a, b, c)]
+            hessian = [[float(expr.diff(s, t).subs(at)) for s in (a, b, c)] for t in (a, b, c)]
+            np.testing.assert_allclose(jet.gradient[i], gradient, rtol=1e-11, atol=1e-13)
+            np.testing.assert_allclose(jet.hessian[i], hessian, rtol=1e-11, atol=1e-12)
+
+
+def test_high_exponents_have_finite_slopes():
+    question = increment("hosford", [[1.0, 1e-4, -1.0], [1.0, 1.0, -1.0]], m=R(100), yield_stress=R(1, 1000))
+    jet, _ = formula(question.g, question.law.force_symbols(), ())(question.trial, ())
+    assert np.isfinite(jet.gradient).all() and np.isfinite(jet.hessian).all()
+    np.testing.assert_allclose(jet.gradient.sum(axis=1), 0, atol=1e-15)  # no pressure part
+
+
+def test_nearest_point_of_half_spaces_by_brute_force():
+    rng = np.random.default_rng(9)
+    normals = rng.standard_normal((5, 3))
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    start = rng.standard_normal((50, 3)) * 3
+    nearest = HalfSpaces.around(start)
+    everyone = np.arange(50)
+    for normal in normals:
+        nearest.add(everyone, nearest.free_slot(everyone), np.tile(normal, (50, 1)), np.ones(50))
+    for s, u in zip(start, nearest.point, strict=True):
+        assert (normals @ u <= 1 + 1e-13).all()
+        best = np.inf
+        for code in range(32):  # every set of active half-spaces
+            chosen = normals[[bool(code >> i & 1) for i in range(5)]]
+            v = s + np.linalg.pinv(chosen) @ (1 - chosen @ s) if len(chosen) else s
+            if (normals @ v <= 1 + 1e-12).all():
+                best = min(best, np.linalg.norm(s - v))
+        assert abs(np.linalg.norm(s - u) - best) < 1e-12
+
+
+def test_endless_directions():
+    from duhem.projection.body import body
+    from duhem.projection.scaled_formula import scaled
+
+    def found(question):
+        forces = question.law.force_symbols()
+        return lineality(body(scaled(question.g, forces, None), forces, question.pressure, np.ones(1), np.eye(len(forces))))
+
+    np.testing.assert_allclose(np.abs(found(increment("tresca", [[1.0, 0.0, 0.0]], yield_stress=1))), np.full((3, 1), 3**-0.5), atol=1e-12)
+    ball = Criterion("ball", "norm(s1, s2) - 1", forces=("s1", "s2"), pressure=None)
+    assert found(increment(ball, [[1.0, 0.0]])).shape == (2, 0)
+
+
+YIELD = [*(("hosford", {"m": R(m)}) for m in (6, 10, 20, 50, 100)), ("tresca", {})]
+
+
+def campaign(law, values, size, n, seed=0):
+    """Failures, worst residual relative to the yield stress, and seconds, over ``n`` random directions of |trial| = ``size``."""
+    trial = np.random.default_rng(seed).standard_normal((n, 3))
+    trial *= size / np.linalg.norm(trial, axis=1)[:, None]
+    limit = R(3, 2000)
+    question = increment(law, trial, yield_stress=limit, **values)
+    start = time.perf_counter()
+    got = newton.solve(question)
+    seconds = time.perf_counter() - start
+    corners = np.random.default_rng(1).standard_normal((400, 3))
+    corners *= radii(increment(law, corners, yield_stress=limit, **values), corners)[:, None]
+    residual = np.abs(trial - got.slip - got.stress).max() / float(limit)
+    return int(got.failed.sum()), max(residual, shortfall(question, got, corners)), seconds
+
+
+@pytest.mark.parametrize(("law", "values"), YIELD, ids=lambda x: x if isinstance(x, str) else str(x.get("m", "")))
+@pytest.mark.parametrize("size", [5e-3, 5e-2])
+def test_yield_surfaces_without_a_failure(law, values, size):
+    failures, worst, _ = campaign(law, values, size, 1000)
+    assert failures == 0
+    assert worst < 1e-10
+
+
+if __name__ == "__main__":
+    for law_, values_ in YIELD:
+        for size_ in (5e-3, 1e-2, 5e-2):
+            failures_, worst_, seconds_ = campaign(law_, values_, size_, 10_000)
+            print(f"{law_} {values_.get('m', '')} |trial| {size_}: {failures_} failures, worst {worst_:.1e}, {seconds_:.1f} s")

@@ -1,0 +1,256 @@
+"""Scene files, what they leave out, and the command that runs them."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import duhem
+from duhem import InputError, scene
+from duhem.cli import cli
+
+LINE = """\
+law = "antoni2007-1d"
+stiffness = 2.0
+
+[parameters]
+mu_plus = 0.33
+mu_minus = 0.29
+
+[path]
+kind = "cycle"
+amplitude = 1.0
+cycles = 2
+pressure = -1.0
+
+[method]
+substeps = 50
+"""
+
+PLANE = """\
+law = "antoni2007"
+stiffness = [1.0, 2.0]
+
+[parameters]
+mu_a_plus = 0.2
+mu_a_minus = 0.08
+mu_b_plus = 0.12
+mu_b_minus = 0.15
+
+[path]
+kind = "random"
+seed = 3
+points = 40
+scale = 0.3
+pressure = -1.0
+
+[method]
+integrator = "exact"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "line.toml").write_text(LINE)
+    (tmp_path / "plane.toml").write_text(PLANE)
+    return tmp_path
+
+
+def run(*arguments):
+    return CliRunner().invoke(cli, ["simulate", *map(str, arguments)], standalone_mode=False)
+
+
+def test_a_scene_is_the_call_it_stands_for():
+    mu = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+    path = duhem.Path.random(seed=3, points=40, scale=0.3, pressure=-1.0)
+    called = duhem.simulate("antoni2007", path, stiffness=[1.0, 2.0], parameters=mu, method="exact")
+    assert np.array_equal(scene.reads(PLANE).run().to_array(), called.to_array())
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        'kind = "linear"\npoints = [[0, 0], [1, 1]]\npressure = [-1.0, -2.0]',
+        'kind = "cycle"\namplitude = [1, 0.5]\npressure = -1',
+        'kind = "circle"\nradius = 0.5\npoints = 12\nturns = 2.0\npressure = -1.0',
+        'kind = "table"\nfile = "t.csv"',
+        'kind = "linear"\npoints = [[0, 0], [0.05, 0.05]]\ncontrol = "stress"\npressure = -1',
+    ],
+)
+def test_every_kind_of_path(tmp_path, path):
+    (tmp_path / "t.csv").write_text("time,u_a,u_b,sigma_n\n0,0,0,-1\n1,1,0.5,-2\n")
+    head, _, _ = PLANE.partition("[path]")
+    history = scene.reads(f"{head}[path]\n{path}\n", folder=tmp_path).run()
+    assert len(history) >= 2 and np.isfinite(history.to_array()).all()
+
+
+def test_every_mistake_is_listed_at_once_with_its_place_and_a_suggestion():
+    text = """\
+law = "antoni207"
+stifness = 1.0
+[path]
+kind = "circel"
+[method]
+integrator = "exakt"
+substeps = 0
+[output]
+table = "h.xls"
+"""
+    with pytest.raises(scene.SceneFaults) as caught:
+        scene.reads(text, where="s.toml")
+    found = [str(fault) for fault in caught.value.faults]
+    for place, word in [
+        ("s.toml:1:1", "did you mean antoni2007"),
+        ("s.toml:2:1", "did you mean 'stiffness'"),
+        ("s.toml:4:1", "did you mean 'circle'"),
+        ("s.toml:6:1", "did you mean 'exact'"),
+        ("s.toml:7:1", "substeps"),
+        ("s.toml:9:1", ".csv"),
+        ("s.toml", "no stiffness"),
+    ]:
+        assert any(text.startswith(place) and word in text for text in found), (place, word, found)
+    assert len(found) == 7
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "word"),
+    [
+        ("stiffness = [1.0, 2.0]", "stiffness = [1.0, -2.0]", 2, "not positive"),
+        ("stiffness = [1.0, 2.0]", 'stiffness = "stiff"', 2, "numbers"),
+        ("mu_a_plus = 0.2", "mu_a_plus = -0.2", 5, "outside its domain"),
+        ("mu_a_plus = 0.2", "mu_a_pluss = 0.2", 5, "did you mean 'mu_a_plus'"),
+        ("mu_b_minus = 0.15\n", "", 4, "needs a value for mu_b_minus"),
+        ("pressure = -1.0", "pressure = 1.0", 15, "> 0"),
+        ("pressure = -1.0\n", "", 10, "needs the pressure"),
+        ("points = 40", "points = -40", 13, "points"),
+        ("seed = 3", 'seed = "three"', 12, "seed"),
+        ("seed = 3", "sead = 3", 12, "did you mean 'seed'"),
+        ("[path]", "[path", 10, "TOML"),
+        ('kind = "random"', 'kind = ["random"]', 11, "kind"),
+    ],
+)
+def test_each_mistake_has_its_line(old, new, line, word):
+    with pytest.raises(scene.SceneFaults) as caught:
+        scene.reads(PLANE.replace(old, new, 1), where="s.toml")
+    assert any(fault.where.startswith(f"s.toml:{line}:") and word in str(fault) for fault in caught.value.faults), caught.value.faults
+
+
+def test_a_file_that_is_no_scene(tmp_path):
+    (tmp_path / "bad.toml").write_bytes(b"\xff\xfe")
+    for name in ("bad.toml", "none.toml"):
+        with pytest.raises(InputError, match=name):
+            scene.read(tmp_path / name)
+
+
+# -- the command --------------------------------------------------------------------------------------------------
+
+
+def test_the_command_writes_the_table_it_prints(folder):
+    printed = run(folder / "plane.toml")
+    assert printed.return_value == 0 and printed.stdout.startswith("time,u_a,u_b,u_in_a")
+    assert run(folder / "plane.toml", "--out", folder / "h.csv").return_value == 0
+    assert (folder / "h.csv").read_text() == printed.stdout
+    assert not (folder / "h.csv.partial").exists()
+
+
+def test_the_command_lists_mistakes_line_by_line(folder):
+    (folder / "bad.toml").write_text(PLANE.replace("seed", "sead").replace("exact", "exakt"))
+    failed = run(folder / "bad.toml")
+    assert failed.return_value == 2 and len(failed.stderr.splitlines()) == 3
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [(["--out", "h.xls"], ".csv"), (["--plot", "no/where/h.png"], "no such directory"), (["--resume"], "no table")],
+)
+def test_outputs_are_checked_before_the_run(folder, options, message, monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr(scene, "perform", lambda *_: pytest.fail("the run began"))
+    found = run(folder / "plane.toml", *options)
+    assert isinstance(found.exception, InputError) and message in str(found.exception)
+
+
+def test_an_interrupted_command_keeps_what_is_done_and_resumes(folder, monkeypatch):
+    table = folder / "h.csv"
+    run(folder / "plane.toml", "--out", folder / "whole.csv")
+    from duhem.path import exact
+
+    advance = exact.advance
+
+    def stopping(problem, ledger):
+        for done in advance(problem, ledger):
+            yield done
+            if done == 20:
+                raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(exact, "advance", stopping)
+        stopped = run(folder / "plane.toml", "--out", table)
+    assert stopped.return_value == 130 and "19 of 40" in stopped.stderr and "--resume" in stopped.stderr
+    assert not table.exists()
+    (folder / "other.toml").write_text(PLANE.replace("0.08", "0.09"))
+    other = run(folder / "other.toml", "--out", table, "--resume")
+    assert isinstance(other.exception, InputError) and "another run" in str(other.exception)
+    begun = []
+    monkeypatch.setattr(exact, "advance", lambda problem, ledger: (begun.append(ledger.done), advance(problem, ledger))[1])
+    assert run(folder / "plane.toml", "--out", table, "--resume").return_value == 0
+    assert begun == [20]
+    assert table.read_bytes() == (folder / "whole.csv").read_bytes()
+    assert not (folder / "h.csv.partial").exists()
+
+
+def test_explain_says_what_is_left_out_and_why(folder):
+    line = run(folder / "line.toml", "--explain").stdout
+    for words in (
+        "left out: solver (CVXPY or Newton) (one-dimensional: closed form)",
+        "left out: thermal block (isothermal",
+        "left out: K at every step (constant pressure: K is assembled once)",
+        "left out: matplotlib (nothing is plotted)",
+    ):
+        assert words in line
+    (folder / "general.toml").write_text(
+        PLANE.replace("[1.0, 2.0]", "[[1.0, 0.1], [0.1, 2.0]]").replace("pressure = -1.0", "pressure = [-1.0, -2.0]")
+    )
+    general = run(folder / "general.toml", "--explain", "--plot", folder / "p.png").stdout
+    for words in ("needed: ordinary differential equation", "needed: K at every step", "needed: matplotlib"):
+        assert words in general
+
+
+SOLVERS = ("duhem.projection.newton", "duhem.projection.cvxpy_method", "duhem.path.smooth")
+HEAVY = ("cvxpy", "clarabel", "scipy", "matplotlib", "pyarrow", "z3", *SOLVERS)
+
+
+def imported(folder, *arguments):
+    """Which of the heavy modules a run in a fresh process imports."""
+    code = (
+        "import sys; from duhem.cli import cli;"
+        "code = cli.main(['simulate', *sys.argv[1:]], standalone_mode=False);"
+        f"print(*[m for m in {HEAVY!r} if m in sys.modules], file=sys.stderr); sys.exit(code)"
+    )
+    environment = os.environ | {"PYTHONPATH": str(Path(duhem.__file__).parents[1])}
+    ran = subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, check=True, cwd=folder, env=environment
+    )
+    return set(ran.stderr.split())
+
+
+def test_what_is_left_out_is_not_imported_and_changes_no_number(folder):
+    assert imported(folder, "line.toml", "--out", "a.csv") == set()
+    assert imported(folder, "plane.toml", "--out", "b.csv") == set()
+    pytest.importorskip("matplotlib")
+    assert imported(folder, "line.toml", "--out", "c.csv", "--plot", "c.png") == {"matplotlib"}
+    assert (folder / "a.csv").read_bytes() == (folder / "c.csv").read_bytes()
+
+
+def test_the_line_is_the_plane_restricted_to_it():
+    """The one-dimensional closed form gives what the law of the plane gives under a motion along t_a."""
+    plane = PLANE.replace("0.2\n", "0.33\n").replace("0.08", "0.29").replace("[1.0, 2.0]", "2.0")
+    head, _, _ = plane.partition("[path]")
+    tail = LINE.partition("[path]")[2].replace("amplitude = 1.0", "amplitude = [1.0, 0.0]")
+    one, two = scene.reads(LINE).run(), scene.reads(f"{head}[path]{tail}").run()
+    assert np.abs(one.stress[:, 0] - two.stress[:, 0]).max() < 1e-15 and not two.stress[:, 1].any()
+    assert np.abs(one.dissipation - two.dissipation).max() < 1e-14
