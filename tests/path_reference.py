@@ -138,4 +138,3 @@ def _collocated(rate, y, h):
         if change > before / 2 and change > TINY * 1000 * scale and before < mp.inf:
             return None
     return None
-

@@ -245,9 +245,7 @@ def test_a_line_needs_no_solver_and_a_general_projection_finds_the_same():
     imported, dissipation = ran.stdout.splitlines()
     assert imported == ""
     path = Path.cycle(1.0, pressure=-1.0)
-    general = simulate(
-        "antoni2007-1d", path, stiffness=1.0, parameters={"mu_plus": 0.3, "mu_minus": 0.2}, substeps=9, projection="newton"
-    )
+    general = simulate("antoni2007-1d", path, stiffness=1.0, parameters={"mu_plus": 0.3, "mu_minus": 0.2}, substeps=9, projection="newton")
     assert general.dissipation[-1] == pytest.approx(float(dissipation), rel=1e-12)
 
 

@@ -9,12 +9,11 @@ from io import TextIOWrapper
 
 import click
 
-from duhem.cli import FAILED, HELD, INTERRUPTED, cli
+from duhem.cli import cli
+from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, USAGE
 from duhem.errors import DuhemError
 
 __all__ = ["main"]
-
-USAGE = 2
 
 
 def main() -> int:

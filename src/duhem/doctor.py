@@ -11,8 +11,9 @@ from importlib.metadata import PackageNotFoundError, version
 __all__ = ["CORE", "EXTRAS", "missing", "report"]
 
 # As in pyproject.toml, by the names of the distributions; a test compares the two.
-CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "python-flint", "sympy", "z3-solver")
+CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "python-flint", "scipy", "sympy", "z3-solver")
 EXTRAS = {
+    "parquet": ("pyarrow",),
     "plot": ("matplotlib",),
     "notebooks": ("ipykernel", "nbclient", "nbformat", "matplotlib"),
     "fast": ("numba",),

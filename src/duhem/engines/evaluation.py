@@ -43,4 +43,3 @@ def origin_refuted(case: Case) -> Evidence | None:
             )
             return Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
     return None
-

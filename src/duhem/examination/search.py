@@ -194,4 +194,4 @@ def boundary_dent(case: Case, parameters: Values, direction: Sequence[Any], dps:
 def _rational(point: Sequence[Any], tolerance: Any) -> list[Fraction]:
     """The point rounded to the coarsest decimals within the tolerance."""
     denominator = 10 ** max(1, int(-np.floor(float(sp.log(sp.Float(str(tolerance)), 10)))) + 1)
-    return [Fraction(round(c * denominator), denominator) for c in point]
+    return [Fraction(int(c.context.nint(c * denominator)), denominator) for c in point]

@@ -114,9 +114,7 @@ class Path:
         return polygon if chords else replace(polygon, arc=arc)
 
     @classmethod
-    def random(
-        cls, *, seed: int, points: int, scale: ArrayLike = 1.0, dimension: int = 2, pressure: ArrayLike | None = None
-    ) -> Path:
+    def random(cls, *, seed: int, points: int, scale: ArrayLike = 1.0, dimension: int = 2, pressure: ArrayLike | None = None) -> Path:
         """From 0 through ``points`` normal deviates times ``scale`` (a number or (d,)); the same seed gives the same path.
 
         ``pressure`` as in :meth:`linear`, or a pair (least, greatest) to draw each knot's from.

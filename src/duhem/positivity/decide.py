@@ -109,38 +109,47 @@ def _decide_system(system: System, seconds: float) -> Answer:
             return Answer(None, met.method, reason=f"it is open whether {obligation.goal.poly} {obligation.goal.op} 0")
     from duhem.positivity.smt import by_smt
 
-    used = ""
-    for goal in _factors(system):
-        part = System(goal, system.given, (), system.variables, system.circle)
+    def answered(goal: Relation, given: tuple[Relation, ...]) -> Answer:
+        part = System(goal, given, (), system.variables, system.circle)
         exact = by_cells(part)
-        answer = exact if exact.holds is not None else by_smt(part, seconds)
+        return exact if exact.holds is not None else by_smt(part, seconds)
+
+    used = ""
+    for goal, away in _factors(system):
+        answer = answered(goal, system.given)
+        if answer.holds is False and away:  # perhaps only where a factor that was left out vanishes
+            answer = answered(goal, (*system.given, *away))
         if answer.holds is not True:
             return answer
         used = used if used == "smt-z3" else answer.method
     return Answer(True, used or "identity")
 
 
-def _factors(system: System) -> tuple[Relation, ...]:
-    """Goals that together imply the system's: the core of the goal without factors whose sign is plain."""
+def _factors(system: System) -> tuple[tuple[Relation, tuple[Relation, ...]], ...]:
+    """Goals that together are the system's, each with what may be assumed for it.
+
+    Factors whose sign is plain are left out of the core; where one of them vanishes the core may have any sign (if the goal
+    is weak), so that it does not vanish may be assumed.
+    """
     goal = system.goal
     if goal.poly.is_number:
-        return () if bool(_holds(goal)) else (goal,)
+        return () if bool(_holds(goal)) else ((goal, ()),)
     if goal.op in ("==", "!="):
-        return (goal,)
+        return ((goal, ()),)
     coefficient, factors = sp.factor_list(goal.poly)
-    core, extra = sp.Integer(sp.sign(coefficient)), []
+    core, away = sp.Integer(sp.sign(coefficient)), []
     for factor, power in factors:
         if factor.is_positive:
             continue
         if power % 2 == 0 or factor.is_nonnegative:
-            if goal.op == ">":
-                extra.append(Relation(factor, "!="))
+            away.append(Relation(factor, "!="))
             continue
         core *= factor
     main = Relation(sp.expand(core), goal.op)
+    extra = tuple((relation, ()) for relation in away) if goal.op == ">" else ()
     if main.poly.is_number and _holds(main):
-        return tuple(extra)
-    return (*extra, main)
+        return extra
+    return (*extra, (main, tuple(away)))
 
 
 def _holds(relation: Relation) -> bool:

@@ -1,0 +1,30 @@
+"""The command line.  Nothing heavy is imported before a command needs it, so help and completion are immediate."""
+
+from __future__ import annotations
+
+import click
+
+from duhem import __version__
+from duhem.cli.derive import derive
+from duhem.cli.project import project
+from duhem.cli.simulate import simulate
+from duhem.cli.surroundings import doctor, init, list_laws
+from duhem.cli.verify import explain, verify
+
+__all__ = ["cli"]
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, prog_name="duhem", message="%(prog)s %(version)s")
+def cli() -> None:
+    """Decide whether a friction or yield law is thermodynamically admissible, and prove it.
+
+    A LAW is a built-in name (duhem list), a criterion file (duhem init NAME), or module:attribute.
+
+    Exit codes: 0 nothing refuted, 1 something refuted, 2 usage or file error, 3 undecided with --strict, 4 internal or
+    solver failure, 130 interrupted.
+    """
+
+
+for command in (verify, derive, project, simulate, list_laws, init, explain, doctor):
+    cli.add_command(command)

@@ -1,0 +1,107 @@
+"""What the commands read: a law, its parameters, numbers.  An error names the option and the remedy."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+from click.shell_completion import CompletionItem
+
+from duhem.errors import InputError
+
+if TYPE_CHECKING:
+    from duhem.criterion import Criterion
+
+__all__ = ["Vectors", "law_argument", "read_fixed_law", "read_law", "read_number", "read_numbers", "settings_option"]
+
+
+def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    from duhem import catalogue
+
+    named = [CompletionItem(name) for name in catalogue.names() if name.startswith(incomplete)]
+    return [*named, CompletionItem(incomplete, type="file")]
+
+
+law_argument = click.argument("law", shell_complete=_complete_law)
+
+
+law_argument = click.argument("law", shell_complete=_complete_law)
+settings_option = click.option(
+    "--set", "settings", metavar="NAME=VALUE", multiple=True, help="Fix a parameter, exactly: mu_a=0.15 or mu_a=3/20. Repeatable."
+)
+
+
+def read_law(text: str) -> Criterion:
+    from duhem import catalogue
+
+    if ":" in text and os.getcwd() not in sys.path:  # a law in a module beside the user, as with python -m
+        sys.path.insert(0, os.getcwd())
+    return catalogue.load(text)
+
+
+def read_fixed_law(text: str, settings: Sequence[str]) -> Criterion:
+    law = read_law(text)
+    from duhem.domain_check import check_domain
+    from duhem.expression.number import exact_number
+
+    values = {}
+    for setting in settings:
+        name, equals, value = (part.strip() for part in setting.partition("="))
+        where = f"--set {setting}"
+        if not (name and equals and value):
+            raise InputError("this is not of the form NAME=VALUE", where=where, remedy="write for example --set mu_a=0.15")
+        if name in values:
+            raise InputError(f"{name} is set twice", where=where, remedy="set it once")
+        try:
+            values[name] = exact_number(value)
+            law.fix({name: values[name]})
+        except InputError as fault:
+            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
+    fixed = law.fix(values)
+    check_domain(fixed, where=" ".join(f"--set {setting}" for setting in settings))
+    return fixed
+
+
+def _is_number(text: str) -> bool:
+    from duhem.expression.number import exact_number
+
+    try:
+        exact_number(text)
+    except InputError:
+        return text.lower().lstrip("+-") in ("nan", "inf", "infinity")  # numbers, though not usable ones
+    return True
+
+
+def read_numbers(text: str, where: str) -> list[float]:
+    from duhem.expression.number import exact_number
+
+    try:
+        return [float(exact_number(word)) for word in text.replace(",", " ").split()] or [float(exact_number(text))]
+    except InputError as fault:
+        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
+
+
+def read_number(text: str, where: str) -> float:
+    numbers = read_numbers(text, where)
+    if len(numbers) > 1:
+        raise InputError(f"{len(numbers)} numbers are given", where=where, remedy="give one")
+    return numbers[0]
+
+
+class Vectors(click.Command):
+    """A command whose options named in ``vectors`` take all the numbers that follow, signs included."""
+
+    vectors = ("--trial", "--stiffness")
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        joined: list[str] = []
+        for arg in args:
+            open_ = bool(joined) and (joined[-1] in self.vectors or joined[-1].startswith(tuple(f"{v}=" for v in self.vectors)))
+            if open_ and _is_number(arg):
+                joined[-1] += f"{' ' if '=' in joined[-1] else '='}{arg}"
+            else:
+                joined.append(arg)
+        return super().parse_args(ctx, joined)

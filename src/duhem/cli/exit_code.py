@@ -1,0 +1,7 @@
+"""Exit codes of the commands: one meaning each, fixed by the interface."""
+
+from __future__ import annotations
+
+__all__ = ["FAILED", "HELD", "INTERRUPTED", "REFUTED", "UNDECIDED", "USAGE"]
+
+HELD, REFUTED, USAGE, UNDECIDED, FAILED, INTERRUPTED = 0, 1, 2, 3, 4, 130

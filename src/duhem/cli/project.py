@@ -1,0 +1,49 @@
+"""``duhem project``: one slip increment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import click
+
+from duhem.cli.arguments import Vectors, law_argument, read_fixed_law, read_number, read_numbers, settings_option
+from duhem.cli.exit_code import FAILED, HELD
+from duhem.cli.output import say
+
+__all__ = ["project"]
+
+
+@click.command(cls=Vectors)
+@law_argument
+@settings_option
+@click.option("--trial", metavar="A B ...", required=True, help="Trial stress k (u - u_in), one number a force.")
+@click.option("--pressure", metavar="N", help="Normal stress sigma_n <= 0 in compression.")
+@click.option("--stiffness", metavar="K ...", default="1", show_default=True, help="One number, one a force, or the matrix row by row.")
+@click.option(
+    "--method", type=click.Choice(["auto", "closed-form", "newton", "cvxpy"]), default="auto", show_default=True, help="How to solve."
+)
+@click.option("--tangent", is_flag=True, help="Add the consistent tangents.")
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
+)
+def project(
+    law: str, settings: Sequence[str], trial: str, pressure: str | None, stiffness: str, method: str, tangent: bool, form: str
+) -> int:
+    """One slip increment of LAW: the closest point of K to a trial stress.
+
+    Prints stress, slip and multiplier with the residuals of the optimality conditions, recomputed from the law's formula.
+    Ends with 4 if they say that the point is not solved.
+    """
+    fixed = read_fixed_law(law, settings)
+    target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")
+    load = None if pressure is None else read_number(pressure, "--pressure")
+
+    from duhem.projection import Status
+    from duhem.projection import project as closest
+    from duhem.report import increment
+
+    d = len(fixed.forces)
+    k = [rows[i : i + d] for i in range(0, d * d, d)] if len(rows) == d * d and d > 1 else rows if len(rows) > 1 else rows[0]
+    done = closest(fixed, target, load, k, method=method, tangent=tangent)
+    say({"text": increment.text, "json": increment.json}[form](fixed, target, load, done))
+    return HELD if done.status[0] in (Status.STICK, Status.SLIP) else FAILED

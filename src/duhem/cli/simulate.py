@@ -1,0 +1,61 @@
+"""``duhem simulate``: a scene along its loading path."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+import click
+
+from duhem.cli.exit_code import HELD, INTERRUPTED, USAGE
+from duhem.cli.output import Progress, say
+
+__all__ = ["simulate"]
+
+
+@click.command()
+@click.argument("scene", type=click.Path(dir_okay=False))
+@click.option("--out", metavar="FILE", help="Write the history as .csv or .parquet; left out, the scene's table, else standard output.")
+@click.option("--plot", metavar="FILE", help="Draw stress path, hysteresis and energies (.png, .pdf, .svg).")
+@click.option("--explain", is_flag=True, help="Print what the scene needs and what is left out, and stop.")
+@click.option("--resume", is_flag=True, help="Go on with a run that was stopped.")
+def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resume: bool) -> int:
+    """Drive a law along the loading path of SCENE, a TOML file.
+
+    A run that is interrupted keeps what is done in FILE.partial, and --resume goes on from there.
+    """
+    from duhem import scene as scenes
+
+    try:
+        chosen = scenes.read(scene)
+    except scenes.SceneFaults as fault:
+        for each in fault.faults:
+            click.echo(f"duhem: {each}", err=True)
+        return USAGE
+    table, figure = out or chosen.table, plot or chosen.plot
+    scenes.check_outputs(table, figure, resume)
+    if explain:
+        for part in chosen.parts(table, figure):
+            say(f"{'needed' if part.needed else 'left out'}: {part.part} ({part.reason})")
+        return HELD
+    with Progress("simulating") as progress:
+        began = last = monotonic()
+
+        def on_step(done: int, steps: int) -> None:
+            nonlocal last
+            if (now := monotonic()) - last > 0.2 and now - began > 1.0:
+                last = now
+                progress.show(f"{done} of {steps} steps")
+
+        try:
+            history = scenes.perform(chosen, table, resume, on_step)
+        except scenes.Stopped as stop:
+            progress.show("")
+            click.echo(f"duhem: {stop}", err=True)
+            return INTERRUPTED
+    if table is None:
+        say(history.to_text().removesuffix("\n"))
+    if figure is not None:
+        from duhem.path.plots import save
+
+        save(history, figure, law=chosen.law, **chosen.problem().increment.parameters)
+    return HELD
