@@ -38,7 +38,7 @@ def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
 
 
 def test_verify_leaves_out_what_it_does_not_need() -> None:
-    unneeded = {"matplotlib", "cvxpy", "clarabel", "hypothesis", "scipy", "pytest"}
+    unneeded = {"matplotlib", "numpy", "cvxpy", "clarabel", "hypothesis", "scipy", "pytest"}
     assert imported("verify", "antoni2007") & unneeded == set()
 
 

@@ -1,50 +1,25 @@
-"""Scenes: a law, its numbers, a loading path, a method and what to write, in one TOML file.
-
-law = "antoni2007"                  # a built-in name, or the path of a criterion file beside the scene
-stiffness = [1e9, 2e9]              # Pa/m: a number, one a force, or a symmetric matrix
-
-[parameters]
-mu_a_plus = 0.2
-
-[path]                              # kind: linear, cycle, circle, random or table
-kind = "linear"
-points = [[0, 0], [1e-3, 5e-4]]     # m
-pressure = -1e6                     # Pa, <= 0 in compression; one number, or one a point
-
-[method]                            # optional
-integrator = "exact"                # implicit (the default), extrapolated or exact
-substeps = 10
-
-[output]                            # optional; the command line's --out and --plot come first
-table = "history.csv"
-plot = "history.png"
-"""
+"""Scenes from TOML: every mistake is listed, each with line, column and remedy."""
 
 from __future__ import annotations
 
-import hashlib
 import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from importlib.util import find_spec
 from pathlib import Path as File
 from typing import Any
 
 import numpy as np
 
 from duhem.catalogue import load
-from duhem.closed_form import Interval
 from duhem.criterion import Criterion
-from duhem.errors import InputError, MissingExtraError
-from duhem.path.history import History
+from duhem.errors import InputError
 from duhem.path.loading import CONTROLS, Path
-from duhem.path.problem import Problem
-from duhem.path.simulate import METHODS, Interrupted, plan, simulate
+from duhem.path.simulate import METHODS, plan
+from duhem.scene.scene import Scene
 
-__all__ = ["Part", "Scene", "SceneFaults", "Stopped", "check_outputs", "perform", "read", "reads"]
+__all__ = ["SceneFaults", "read", "reads"]
 
 _SECTIONS = {
     "": ("law", "stiffness", "stress", "parameters", "path", "method", "output"),
@@ -68,148 +43,6 @@ class SceneFaults(InputError):
     def __init__(self, faults: Sequence[InputError]) -> None:
         self.faults = tuple(faults)
         super().__init__("; ".join(map(str, self.faults)))
-
-
-@dataclass(frozen=True)
-class Part:
-    """A part of the program, whether the scene needs it, and why."""
-
-    part: str
-    needed: bool
-    reason: str
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """A checked scene; ``fingerprint`` tells runs of different scenes apart."""
-
-    law: Criterion
-    path: Path
-    stiffness: Any
-    parameters: Mapping[str, Any]
-    method: str = "implicit"
-    projection: str = "auto"
-    substeps: int = 1
-    stress: tuple[float, ...] | None = None
-    table: str | None = None
-    plot: str | None = None
-
-    def run(self, start: History | None = None, on_step: Callable[[int, int], None] | None = None) -> History:
-        """The history; ``start`` and ``on_step`` as in :func:`duhem.simulate`."""
-        return simulate(
-            self.law,
-            self.path,
-            stiffness=self.stiffness,
-            parameters=self.parameters,
-            method=self.method,
-            projection=self.projection,
-            substeps=self.substeps,
-            stress=self.stress,
-            start=start,
-            on_step=on_step,
-        )
-
-    def problem(self) -> Problem:
-        """The checked question of the run."""
-        return plan(
-            self.law,
-            self.path,
-            stiffness=self.stiffness,
-            parameters=self.parameters,
-            method=self.method,
-            projection=self.projection,
-            substeps=self.substeps,
-        )
-
-    @property
-    def fingerprint(self) -> str:
-        """Of all that determines the numbers, in hexadecimal."""
-        path = self.path
-        given = (self.law, sorted(self.parameters.items()), self.stiffness, self.method, self.projection, self.substeps, self.stress)
-        arrays = [path.values, path.time, *([] if path.pressure is None else [path.pressure]), *([path.arc.angle] if path.arc else [])]
-        digest = hashlib.sha256(repr((*given, path.control)).encode())
-        for array in arrays:
-            digest.update(array.tobytes())
-        return digest.hexdigest()[:32]
-
-    def parts(self, table: str | None = None, plot: str | None = None) -> tuple[Part, ...]:
-        """What a run of the scene needs and what it leaves out, with the reason."""
-        problem = self.problem()
-        return (
-            _integration(self, problem),
-            _solver(self, problem),
-            Part("thermal block", False, "isothermal: no temperature in the law"),
-            Part("flow check", False, "associated: slip is normal to K by construction"),
-            Part("K at every step", False, "constant pressure: K is assembled once")
-            if self.path.constant_pressure
-            else Part("K at every step", True, "the pressure changes along the path"),
-            Part("matplotlib", True, f"plot {plot}") if plot else Part("matplotlib", False, "nothing is plotted"),
-            Part("pyarrow", True, f"table {table}")
-            if table and table.endswith(".parquet")
-            else Part("pyarrow", False, "no Parquet file is written"),
-        )
-
-
-class Stopped(KeyboardInterrupt):
-    """A run that was interrupted; its text says what is kept and how to go on."""
-
-
-def check_outputs(table: str | None, plot: str | None, resume: bool) -> None:
-    """Whether the files can be written in these formats with what is installed, before a long run and not after it."""
-    if table is not None and not table.endswith((".csv", ".parquet")):
-        raise InputError("the table is neither .csv nor .parquet", where=table, remedy="end its name in .csv or .parquet")
-    if table is None and resume:
-        raise InputError("there is no table to go on with", where="--resume", remedy="name it with --out or in [output]")
-    parquet = table if table is not None and table.endswith(".parquet") else None
-    for file, module, extra in ((parquet, "pyarrow", "parquet"), (plot, "matplotlib", "plot")):
-        if file is not None and find_spec(module) is None:
-            raise MissingExtraError(module, extra)
-        if file is not None and not File(file).absolute().parent.is_dir():
-            raise InputError("there is no such directory", where=file, remedy="make it first")
-
-
-def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[int, int], None] | None = None) -> History:
-    """Run the scene and write ``table``; Stopped with the part kept beside it if interrupted, from which ``resume`` goes on."""
-    from duhem.path import partial
-
-    start = partial.recall(table, scene.problem(), scene.fingerprint) if table is not None and resume else None
-    try:
-        history = scene.run(start, on_step)
-    except Interrupted as stop:
-        steps = (len(scene.path.time) - 1) * scene.substeps
-        done = f"interrupted after {len(stop.history) - 1} of {steps} steps"
-        if table is None:
-            raise Stopped(f"{done}; name a table with --out to keep what is done") from None
-        kept = partial.keep(stop.history, table, scene.fingerprint)
-        raise Stopped(f"{done}, kept in {kept}; go on with --resume") from None
-    if table is not None:
-        (history.to_parquet if table.endswith(".parquet") else history.to_csv)(table)
-        partial.beside(table).unlink(missing_ok=True)
-    return history
-
-
-def _integration(scene: Scene, problem: Problem) -> Part:
-    name = "ordinary differential equation"
-    if scene.path.control == "stress":
-        return Part(name, False, "stress path: the displacement follows from it")
-    if scene.method != "exact":
-        return Part(name, False, f"{scene.method} steps: closest points only")
-    from duhem.path.exact import elementary, why
-
-    reason = elementary(problem)
-    return Part(name, False, why(problem)) if reason is None else Part(name, True, reason)
-
-
-def _solver(scene: Scene, problem: Problem) -> Part:
-    from duhem.projection import closed_form
-
-    name, reason = "solver (CVXPY or Newton)", closed_form.applies(problem.increment)
-    if scene.projection in ("newton", "cvxpy"):
-        return Part(name, True, f"projection {scene.projection} is asked for")
-    if reason is None:
-        one = isinstance(scene.law.closed_form, Interval)
-        return Part(name, False, "one-dimensional: closed form" if one else "the closest point has a closed form")
-    return Part(name, True, f"{reason.partition(':')[0]}")
 
 
 def read(file: str | os.PathLike[str]) -> Scene:
