@@ -71,6 +71,23 @@ def test_extreme_shapes_and_steps_stay_on_the_boundary(ratio, length):
         assert size <= 1 + 1e-14 and moved.multiplier >= 0.0 and 0.0 <= moved.free <= 1.0
 
 
+@pytest.mark.parametrize("along", [0, 1])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+@pytest.mark.parametrize("overshoot", [1.0, 1.5])
+def test_a_step_that_starts_tangent_to_the_boundary_slips(along, side, turn, overshoot):
+    """To an end of an axis of K (or beyond it), then straight along the tangent there: the corners of a rectangular path."""
+    mu, k, across = [0.25, 0.0625, 0.125, 0.5], [2.0, 1.0], 1 - along
+    end, turned = np.zeros(2), np.zeros(2)
+    end[along] = side * overshoot * mu[2 * along + (side < 0)] / k[along]
+    turned[across] = turn * 0.3
+    history = exact(mu, k, Path.linear([[0, 0], end, end + turned], pressure=-1.0))
+    (_, (stress, multiplier, _, _)) = drive(history.displacement, mu, 1.0, k)
+    assert multiplier > 0
+    assert np.abs(history.stress[-1] - [float(s) for s in stress]).max() <= 1e-14
+    assert history.multiplier[-1] == pytest.approx(float(multiplier), rel=1e-13)
+
+
 def test_krieg_and_krieg_on_the_disk():
     mu, k, du = 0.3, 2.0, np.array([0.4, 0.1])
     start = 0.3 * np.array([math.cos(2.0), math.sin(2.0)])

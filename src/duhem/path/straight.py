@@ -82,7 +82,7 @@ def _exit(s: Pair, q: Pair, e: float, mu: Sequence[float]) -> tuple[float, Pair 
             tau = min(max(tau, start), end)
             x, y = p[0] + tau * r[0], p[1] + tau * r[1]
             length = hypot(x, y)
-            if tau < 1.0 and (x * r[0] + y * r[1]) > 0.0:
+            if tau < 1.0:  # at a tangent start too: the straight line leaves the convex set at once
                 return tau, (x / length, y / length)
         start = end
     return 1.0, None
