@@ -23,6 +23,7 @@ __all__ = ["Interval", "confirmed", "gradient", "value"]
 
 _DIGITS = 100
 _HALVINGS = 60
+_TURNS = 240
 _IV = MPIntervalContext()
 _IV.dps = _DIGITS
 _MP = mpmath.MPContext()
@@ -300,9 +301,9 @@ def _corner(law: Criterion, points: Points, witness: Witness) -> bool:
         shift = [Fraction(int(_MP.nint(reach * c * 10**40)), 10**40) for c in (_MP.cos(angle), _MP.sin(angle))]
         return bool(value(law, {**at, x: at[x] + shift[0], y: at[y] + shift[1]}).mid <= 0)
 
-    turns = [2 * _MP.pi * k / 720 for k in range(721)]
+    turns = [2 * _MP.pi * k / _TURNS for k in range(_TURNS + 1)]
     inside = [level(t) for t in turns]
-    changes = [k for k in range(720) if inside[k] != inside[k + 1]]
+    changes = [k for k in range(_TURNS) if inside[k] != inside[k + 1]]
     if len(changes) != 2:
         return False
     ends = []

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -338,7 +339,7 @@ def _any_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def _backwards(self: Profile, arc: Any) -> Any:
-    return -sp.Add(*(a * _turn(self, p) / p for p, a in zip(arc.expr, self.exponents, strict=True)))
+    return -sp.Add(*(a * _turn(self, p) / p for p, a in zip(arc.expr, arc.exponents, strict=True)))
 
 
 def _with_gamma(times: int) -> Any:
@@ -361,7 +362,7 @@ MUTATIONS: dict[str, Patch] = {
     "equalities not looked at": _deciding(lambda question, answer: Answer(True, "mutant") if question.sense is Sense.ZERO else answer),
     "strict signs taken for weak ones": _strictness_lost,
     "branches looked at on the wrong side": _hypotheses_negated,
-    "one sample for a whole line": _set(cells, "_samples", lambda spans: [sp.S.Zero]),
+    "one sample for a whole line": _set(cells, "between", lambda roots: [Fraction(0)]),
     "kinks taken to cancel everywhere": _set(Regularity, "cancelling", property(lambda self: True)),
     "sums of quasiconvex functions taken for quasiconvex": _set(shape_module._Calculus, "add", _quasiconvex_sums),
     "a minimum taken for a maximum": _set(shape_module._Calculus, "minimum", shape_module._Calculus.maximum),

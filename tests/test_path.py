@@ -255,3 +255,22 @@ def test_assembling_k_once_or_at_every_step_is_the_same():
     # an extra knot after the end, under another pressure, makes K depend on the step
     moved = Path.linear(np.vstack([values, values[-1:]]), pressure=[*[-1.0] * len(values), -2.0])
     assert np.array_equal(simulate("antoni2007", moved, stiffness=K, parameters=MU).stress[:-1], still.stress)
+
+
+def test_a_law_without_closed_form_is_checked_once(monkeypatch):
+    """However many steps slip: parameters and stiffness are looked at before the first of them."""
+    from duhem.projection import validation
+
+    calls = []
+    right = validation.setting
+    for module in ("duhem.projection.project", "duhem.projection.validation"):
+        monkeypatch.setattr(f"{module}.setting", lambda *a: calls.append(a) or right(*a))
+    counts = []
+    for points in (5, 25):
+        calls.clear()
+        history = simulate(
+            "box", Path.random(seed=1, points=points, scale=2.0, pressure=-1.0), stiffness=K, parameters={"mu_a": 0.2, "mu_b": 0.1}
+        )
+        assert (np.diff(history.multiplier) > 0).sum() >= points - 2
+        counts.append(len(calls))
+    assert counts[0] == counts[1]

@@ -18,12 +18,16 @@ import duhem
 from duhem.__main__ import main
 from duhem.criterion import Criterion, Domain
 from duhem.errors import InputError
-from duhem.projection import Status, closed_form
+from duhem.projection import Status, closed_form, newton, projector
 from duhem.projection.increment import Increment
+from duhem.projection.metric import factors
+from duhem.projection.residuals import residuals
 from duhem.projection.result import Solution
+from duhem.projection.validation import increment as checked
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 nan, inf = float("nan"), float("inf")
+METHODS = ("closed-form", "newton", "cvxpy")
 
 
 # -- input -----------------------------------------------------------------------------------------------------------
@@ -245,6 +249,160 @@ def test_no_right_answer_is_called_inaccurate(seed: int) -> None:
     far = np.where(rng.random(200) < 0.5, 10 ** rng.uniform(-1, 16, 200), 1 + 10 ** rng.uniform(-16, 0, 200))
     done = duhem.project("antoni2007", way * (radius * load * far)[:, None], -load, (k + k.T) / 2, mu)
     assert set(done.status) == {Status.STICK, Status.SLIP}
+
+
+@pytest.mark.parametrize(
+    ("mu", "k", "trial", "pressure"),
+    [
+        (
+            (1e-6, 12.0, 1e-6, 12.0),
+            (2.0163991891162093e-04, 4.1648283358679095e04),
+            (30519.064159532085, -34611.77821855558),
+            -0.1955379819,
+        ),
+        ((12.0, 12.0, 1e-6, 1e-6), (1.0, 1.0), (1e7, 3e6), -1.0),
+        ((12.0, 12.0, 1e-6, 1e-6), (1.0, 1.0), (4.0, 2e-6), -1.0),
+    ],
+)
+@pytest.mark.parametrize("shift", [1e-2, 1e-4, 1e-5])
+def test_a_stress_shifted_along_a_flat_side_is_inaccurate(
+    mu: tuple[float, ...], k: tuple[float, float], trial: tuple[float, float], pressure: float, shift: float
+) -> None:
+    """On a flat side the normal hardly turns: a slip along it and balanced to 1e-8 of the trial says little of the place."""
+    question = checked(duhem.load("antoni2007"), trial, pressure, k, dict(zip(MU, mu, strict=True)))
+    right = closed_form.solve(question)
+    assert residuals(question, right).worst()[0] <= 1e-14
+    i = int(np.argmax(np.abs(right.stress[0]) / np.sqrt(k)))  # the long way, in the metric of k
+    stress = right.stress.copy()
+    stress[0, i] *= 1 - shift
+    axes = np.array([mu[2 * j + (stress[0, j] < 0)] for j in (0, 1)]) * -pressure
+    stress[0, 1 - i] = np.copysign(axes[1 - i] * np.sqrt(1 - (stress[0, i] / axes[i]) ** 2), stress[0, 1 - i])
+    normal = stress / axes**2
+    amount = (normal / k * (question.trial - stress)).sum() / (normal**2 / k * k).sum()
+    for slip in (amount * normal, (question.trial - stress) / k):  # along the normal, or in balance
+        length = np.linalg.norm(slip * np.sqrt(k)) / np.linalg.norm(normal * np.sqrt(k))
+        gradient = np.linalg.norm(normal * np.sqrt(k)) * length / np.linalg.norm(stress / axes**2 / -pressure * np.sqrt(k) * pressure**2)
+        wrong = Solution(stress, slip, np.array([gradient]), np.zeros(1, dtype=bool))
+        assert residuals(question, wrong).worst()[0] > min(shift / 100, 1e-6)
+
+
+PERTURBED: list[tuple[str, dict[str, Any], float | None]] = [
+    ("antoni2007", MU, -1.0),
+    ("antoni2007", dict(zip(MU, (12.0, 12.0, 1e-6, 2e-6), strict=True)), -1.0),
+    ("superellipse", {"mu_a": 0.2, "mu_b": 0.1, "p": "1.01"}, -1.0),
+    ("superellipse", {"mu_a": 0.2, "mu_b": 0.1, "p": 50}, -1.0),
+    ("box", {"mu_a": 0.2, "mu_b": 0.3}, -1.0),
+    ("hosford", {"yield_stress": 0.1, "m": "1.1"}, None),
+    ("tresca", {"yield_stress": 0.1}, None),
+]
+
+
+@pytest.mark.parametrize(("law", "parameters", "pressure"), PERTURBED, ids=lambda x: x if isinstance(x, str) else "")
+@pytest.mark.parametrize("condition", [1.0, 1e6])
+def test_no_stress_that_is_off_by_more_than_a_millionth_passes(
+    law: str, parameters: dict[str, Any], pressure: float | None, condition: float
+) -> None:
+    """Right answers pass; pushed aside on the boundary they do not, however sharp or flat it is there."""
+    rng = np.random.default_rng(3)
+    d = len(duhem.load(law).forces)
+    turn, _ = np.linalg.qr(rng.standard_normal((d, d)))
+    k = (turn * np.geomspace(1.0, condition, d)) @ turn.T
+    lower, inverse = factors((k + k.T) / 2)
+    size = 0.1 if pressure is None else 1.0
+    trial = size * rng.standard_normal((80, d)) * 10 ** rng.uniform(-1, 4, 80)[:, None]
+    question = checked(duhem.load(law), trial, pressure, (k + k.T) / 2, parameters)
+    right = newton.solve(question)
+    slips = np.flatnonzero((right.multiplier > 0) & ~right.failed & (residuals(question, right).worst() <= 1e-7))
+    assert len(slips) > 30
+    question = replace(question, trial=question.trial[slips], pressure=question.pressure[slips])
+    stress, multiplier = right.stress[slips], right.multiplier[slips]
+    reach = np.linalg.norm(stress @ inverse.T, axis=1)
+    seen = 0
+    for shift in (1e-3, 1e-5, 1e-6):
+        way = rng.standard_normal((len(slips), d))
+        moved = stress + shift * reach[:, None] * (way / np.linalg.norm(way, axis=1)[:, None]) @ lower.T
+        aside = newton.solve(replace(question, trial=moved)).stress
+        slip = np.linalg.solve(question.stiffness, (question.trial - aside).T).T
+        wrong = residuals(question, Solution(aside, slip, multiplier, np.zeros(len(slips), dtype=bool))).worst()
+        off = np.linalg.norm((aside - stress) @ inverse.T, axis=1) / reach > 1e-6
+        seen += int(off.sum())
+        assert not (wrong[off] <= 1e-7).any()
+    assert seen > 20
+
+
+POINTS: list[tuple[str | Criterion, dict[str, Any], tuple[float, float]]] = [
+    ("antoni2007", MU, (0, 0)),
+    ("polygon", {"mu": 0.2}, (0, 0)),
+    ("regularised", {"mu": 0.2, "c": 0.1}, (0, 0)),
+    ("quartic", {"mu": 0.2, "c": 1}, (0, 0)),
+    ("limacon", {"mu": 0.2, "e": 0.5}, (0, 0)),
+    ("matchstick", {"mu_a": 0.2, "mu_b": 0.15}, (0, 0)),
+    ("superellipse", {"mu_a": 0.2, "mu_b": 0.1, "p": "1.01"}, (0, 0)),
+    (Criterion("cone", "norm(sigma_a - 1/10, sigma_b) - abs(sigma_n)"), {}, (0.1, 0)),
+    (Criterion("bowl", "(sigma_a - 1/10)**2 + sigma_b**2 - sigma_n**2"), {}, (0.1, 0)),
+    (Criterion("pyramid", "max(abs(sigma_a - 1/7), abs(sigma_b + 1/3)) - abs(sigma_n)"), {}, (1 / 7, -1 / 3)),
+]
+
+
+DRAWN = ("polygon", "quartic", "limacon", "matchstick", "superellipse", "cone", "bowl", "pyramid")  # declare no closed form
+
+
+@pytest.mark.parametrize(("law", "parameters", "point"), POINTS, ids=lambda x: x if isinstance(x, str) else getattr(x, "name", ""))
+@pytest.mark.parametrize("method", METHODS)
+def test_where_k_is_one_point_every_slip_goes(
+    law: str | Criterion, parameters: dict[str, Any], point: tuple[float, float], method: str
+) -> None:
+    trial, k = np.array([[0.3, -0.4], [-2.0, 1e5], [2.0, 0.7]]), np.array([3.0, 1.0])
+    if getattr(law, "name", law) in {"closed-form": DRAWN, "cvxpy": ("quartic",), "newton": ()}[method]:
+        with pytest.raises(InputError):
+            duhem.project(law, trial, 0.0, k, parameters, method=method)
+        return
+    done = duhem.project(law, trial, 0.0, k, parameters, method=method)
+    assert (done.status == Status.SLIP).all()
+    assert np.abs(done.stress - point).max(axis=1) == pytest.approx(0.0, abs=1e-15 + 1e-14 * np.abs(trial * np.any(point)).max())
+    assert np.abs(done.slip - (trial - point) / k).max() <= 1e-13 * np.abs(trial).max()
+    assert (done.multiplier > 0).all() and np.isfinite(done.multiplier).all()
+
+
+def test_multipliers_where_k_is_one_point() -> None:
+    """At the tip of a cone the dissipation potential at unit pressure; where g has no slope, the length of the slip."""
+    trial = np.array([[0.3, -0.4], [-2.0, 30.0]])
+    exact = [np.hypot(0.2 * 0.3, 0.15 * 0.4), np.hypot(0.08 * 2.0, 0.12 * 30.0)]
+    for method, digits in (("closed-form", 1e-15), ("newton", 1e-8), ("cvxpy", 1e-6)):
+        assert duhem.project("antoni2007", trial, 0.0, 1.0, MU, method=method).multiplier == pytest.approx(exact, rel=digits)
+        smooth = duhem.project("regularised", trial, 0.0, 2.0, {"mu": 0.2, "c": 0.1}, method=method)
+        assert smooth.multiplier == pytest.approx(np.hypot(*trial.T) / 2, rel=1e-14)
+
+
+def test_a_wrong_point_at_no_pressure_is_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A line is no point: the origin is right for one slip only."""
+    law = Criterion("line", "abs(sigma_a - 2*sigma_b) - abs(sigma_n)")
+    trial = np.array([[1.0, -2.0], [1.0, -1.0], [1.0, 2.0]])
+    assert duhem.project(law, trial, 0.0, method="newton").stress == pytest.approx(trial - (trial @ [0.2, -0.4])[:, None] * [1, -2])
+
+    def origin(q: Increment) -> Solution:
+        return Solution(np.zeros_like(q.trial), q.trial.copy(), np.linalg.norm(q.trial, axis=1), np.zeros(len(q.trial), dtype=bool))
+
+    monkeypatch.setattr(newton, "solve", origin)
+    assert duhem.project(law, trial, 0.0, method="newton").status.tolist() == [Status.SLIP, Status.INACCURATE, Status.INACCURATE]
+
+
+# -- prepared --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_projector_gives_the_numbers_of_project(method: str) -> None:
+    trial = np.random.default_rng(2).normal(size=(6, 2))
+    prepared = projector("antoni2007", [1.0, 3.0], MU, method)
+    for pressure in (-1.0, -0.2):
+        at_once, later = duhem.project("antoni2007", trial, pressure, [1.0, 3.0], MU, method), prepared(trial, pressure)
+        for name in ("stress", "slip", "multiplier", "status"):
+            assert np.array_equal(getattr(at_once, name), getattr(later, name))
+        assert (at_once.method, at_once.why) == (later.method, later.why)
+    with pytest.raises(InputError, match=r"pressure is 1\.0 > 0"):
+        prepared(trial, 1.0)
+    with pytest.raises(InputError, match="trial has the shape"):
+        prepared([1.0, 2.0, 3.0], -1.0)
 
 
 # -- facts of the step -----------------------------------------------------------------------------------------------

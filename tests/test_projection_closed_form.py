@@ -25,7 +25,7 @@ from projection_oracle import Exact, closest
 EPS = 2.0**-52
 FIGURE_5 = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 MU = tuple(FIGURE_5.values())
-WITH_SHAPE = [name for name in catalogue.names() if duhem.load(name).closed_form is not None]
+WITH_SHAPE = [name for name in catalogue.names() if getattr(duhem.load(name), "closed_form", None) is not None]
 VALUES = {"mu_a": "0.3", "mu_b": "0.2", "shift": "0.1", "tau_max": "0.4", "c": "0.7", "cohesion": "0.5", "mu": "0.25"}
 
 

@@ -496,3 +496,22 @@ def test_a_formula_without_degree_keeps_its_unit_as_a_datum() -> None:
     h = evaluate(formula.expr, {a: np.array([0.25]), b: np.array([-0.5])} | formula.values(np.array([-2.0]), np.array([4.0])))
     np.testing.assert_allclose(h, math.exp(1 / 0.3) + 2.0 - 2.0, rtol=1e-14)
     assert formula.degree == 0
+
+
+# -- compiled once -----------------------------------------------------------------------------------------------------
+
+
+def test_a_problem_is_compiled_once_for_a_law_and_a_stiffness(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Other points and pressures only change its parameters, and the numbers do not depend on what was solved before."""
+    posed: list[Any] = []
+    right = cp.Problem
+    monkeypatch.setattr(cp, "Problem", lambda *a: posed.append(a) or right(*a))
+    k = [1.0, 2.718281828]  # asked for by no other test
+    first = duhem.project("antoni2007", [0.3, 0.2], -1.0, k, ANTONI, method="cvxpy")
+    assert len(posed) == 1
+    duhem.project("antoni2007", [-3.0, 0.7], -2.0, k, ANTONI, method="cvxpy")
+    again = duhem.project("antoni2007", [0.3, 0.2], -1.0, k, ANTONI, method="cvxpy")
+    assert len(posed) == 1
+    assert np.array_equal(first.stress, again.stress) and np.array_equal(first.multiplier, again.multiplier)
+    duhem.project("antoni2007", [0.3, 0.2], -1.0, [1.0, 2.5], ANTONI, method="cvxpy")
+    assert len(posed) == 2

@@ -161,6 +161,71 @@ def test_quarter_ellipses_against_a_scalar_root_in_high_precision():
             assert abs(multiplier - z) < 1e-14
 
 
+def by_bisection(low, high, rises):
+    """Where ``rises`` turns false, in 50 digits."""
+    low, high = mp.mpf(low), mp.mpf(high)
+    for _ in range(190):
+        middle = (low + high) / 2
+        low, high = (middle, high) if rises(middle) else (low, middle)
+    return low
+
+
+def on_superellipse(trial, k, mu, p):
+    """The closest point from the curve alone: |sigma_i|/mu_i = shares^(1/p), the shares a logistic function of one number."""
+
+    def at(s):
+        a, b = 1 / (1 + mp.exp(s)), 1 / (1 + mp.exp(-s))
+        return (mu[0] * a ** (1 / p), mu[1] * b ** (1 / p)), (-mu[0] * a ** (1 / p) * b, mu[1] * b ** (1 / p) * a)
+
+    def nearer(s):
+        return sum((abs(mp.mpf(t)) - x) / ki * dx for t, ki, x, dx in zip(trial, k, *at(s), strict=True)) > 0
+
+    return [mp.sign(t) * x for t, x in zip(trial, at(by_bisection(-20000, 20000, nearer))[0], strict=True)]
+
+
+def on_hosford(trial, limit, m):
+    """The closest point for k = 1, by the angle in the plane without pressure."""
+    trial = [mp.mpf(x) for x in trial]
+    mean = sum(trial) / 3
+    first = [x - mean for x in trial]
+    second = [first[1] - first[2], first[2] - first[0], first[0] - first[1]]
+    first, second = ([x / mp.norm(v) for x in v] for v in (first, second))
+
+    def at(angle):
+        u = [mp.cos(angle) * a + mp.sin(angle) * b for a, b in zip(first, second, strict=True)]
+        parts = [u[0] - u[1], u[1] - u[2], u[2] - u[0]]
+        w = [mp.sign(x) * abs(x) ** (m - 1) for x in parts]
+        gauge = (sum(abs(x) ** m for x in parts) / 2) ** (1 / m)
+        return [x * limit / gauge for x in u], [w[0] - w[2], w[1] - w[0], w[2] - w[1]]
+
+    def turns(angle):
+        stress, normal = at(angle)
+        push = [t - mean - x for t, x in zip(trial, stress, strict=True)]
+        (a, b), (c, d) = ([mp.fdot(v, e) for e in (first, second)] for v in (push, normal))
+        return a * d - b * c < 0
+
+    return [x + mean for x in at(by_bisection(-mp.pi / 2, mp.pi / 2, turns))[0]]
+
+
+@pytest.mark.parametrize("exponent", ["1.001", "1.01", "1.1", "4", "100"])
+def test_exponents_next_to_one_and_high_in_high_precision(exponent):
+    """Bends sharper than the digits of a stress: right to rounding, and known to be right."""
+    rng = np.random.default_rng(0)
+    plane, space = (rng.standard_normal((10, d)) * 10 ** rng.uniform(-0.3, 2, 10)[:, None] for d in (2, 3))
+    k = [1.0, 7.0]
+    got = duhem.project("superellipse", plane, -1.0, k, {"mu_a": "1/4", "mu_b": "1/8", "p": exponent}, method="newton")
+    there = duhem.project("hosford", space, None, 1.0, {"yield_stress": "1/4", "m": exponent}, method="newton")
+    assert (got.status <= 1).all() and (there.status <= 1).all()
+    with mp.workdps(50):
+        p = mp.mpf(exponent)
+        for trial, stress in zip(plane[got.status == 1], got.stress[got.status == 1], strict=True):
+            exact = on_superellipse(trial, k, (mp.mpf(1) / 4, mp.mpf(1) / 8), p)
+            assert max(abs(x - y) for x, y in zip(stress, exact, strict=True)) < 2e-14
+        for trial, stress in zip(space[there.status == 1], there.stress[there.status == 1], strict=True):
+            exact = on_hosford(trial, mp.mpf(1) / 4, p)
+            assert max(abs(x - y) for x, y in zip(stress, exact, strict=True)) < 2e-13 * max(1.0, np.abs(trial).max())
+
+
 def test_disk_by_radial_return_and_box_by_clamping():
     trial = np.random.default_rng(3).standard_normal((200, 2))
     got = newton.solve(increment("coulomb", trial, -1.0, mu=R(1, 2)))
@@ -366,6 +431,22 @@ def test_jets_are_the_derivatives():
             hessian = [[float(expr.diff(s, t).subs(at)) for s in (a, b, c)] for t in (a, b, c)]
             np.testing.assert_allclose(jet.gradient[i], gradient, rtol=1e-11, atol=1e-13)
             np.testing.assert_allclose(jet.hessian[i], hessian, rtol=1e-11, atol=1e-12)
+
+
+@pytest.mark.parametrize(("law", "values"), CONVEX, ids=lambda x: x if isinstance(x, str) else "")
+def test_first_derivatives_alone_are_the_same(law, values):
+    d = len(duhem.load(law).forces)
+    question = increment(law, np.random.default_rng(1).standard_normal((40, d)), -1.0, **values)
+    names = question.law.force_symbols()
+    others = [question.law.symbols()[question.law.pressure]] if question.law.pressure else []
+    compiled = formula(question.g, names, others)
+    given = [question.pressure] if others else []
+    both, pieces = compiled(question.trial, given)
+    first, same = compiled(question.trial, given, second=False)
+    np.testing.assert_array_equal(first.gradient, both.gradient)
+    np.testing.assert_array_equal(first.value, both.value)
+    np.testing.assert_array_equal(pieces, same)
+    assert first.hessian is None and both.hessian is not None
 
 
 def test_high_exponents_have_finite_slopes():

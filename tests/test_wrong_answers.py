@@ -244,10 +244,31 @@ def test_a_slight_kink_at_a_seam_counts(dent: str) -> None:
     assert outward["convexity"].verdict is PROVED
 
 
-@pytest.mark.xfail(reason="no search along seams: the chord lies between the rays that are scouted")
-@pytest.mark.parametrize("dent", ["1/1000", "1/1000000"])
-def test_a_slight_kink_at_a_seam_is_refuted(dent: str) -> None:
-    assert _refuted(verify(_law(f"norm(sigma_a, sigma_b) - {dent}*abs(sigma_a) - abs(sigma_n)"), claims=["convexity"]), "convexity")
+@pytest.mark.parametrize("dent", ["1/1000", "1/1000000", "1e-12"])
+@pytest.mark.parametrize("seam", ["sigma_a", "sigma_a - 3*sigma_b", "sigma_a + sigma_b/7 - abs(sigma_n)/3"])
+def test_a_slight_kink_at_a_seam_is_refuted(dent: str, seam: str) -> None:
+    """Between the rays of any scout: found on the seam itself."""
+    assert _refuted(verify(_law(f"norm(sigma_a, sigma_b) - {dent}*abs({seam}) - abs(sigma_n)"), claims=["convexity"]), "convexity")
+
+
+PIECES = {  # without a gauge to read off; the truth by hand, each side of each seam
+    "where(sigma_a > 0, sigma_a**4 + sigma_b**4 + sigma_a**2*sigma_b**2/2, sigma_b**4 + sigma_a**2) - 1": (True, True),
+    "sigma_a**4 + sigma_b**4 + 5*sigma_a**2*sigma_b**2 + abs(sigma_a)/100 + sigma_a*sigma_b/7 - 1": (True, False),
+    "sigma_a**4 + sigma_b**4 + 5*sigma_a**2*sigma_b**2 - 1e-9*abs(sigma_a) - 1": (False, False),
+    "max(sigma_a**4 + sigma_b**4 + 3*sigma_a**2*sigma_b**2 - sigma_a*sigma_b/4, sigma_a**2 + sigma_b**4 + sigma_a/5) - 1": (True, False),
+    "min(sigma_a**4 + sigma_b**4 + 3*sigma_a**2*sigma_b**2, sigma_a**2 + sigma_b**4 + sigma_a/5) - 1": (False, False),
+    "min(max(sigma_a**2 + sigma_b**2 - 1, sigma_a - 1/2), max(sigma_a**2 + sigma_b**2 - 1, -sigma_a - 1/2))": (True, True),  # the disc
+    "min(max(sigma_a**2 + sigma_b**2 - 1, sigma_a - 1/2), max(2*sigma_a**2 + sigma_b**2 - 1, -sigma_a - 1/2))": (False, False),
+    "min(max(sigma_a - 1, abs(sigma_b) - 1), max(-sigma_a - 1, abs(sigma_b) - 1))": (True, True),  # a strip, from two overlapping ones
+    "min(max(sigma_a - 1, abs(sigma_b) - 1), max(-sigma_a - 1, abs(sigma_b) - 1 - 1e-9))": (False, False),
+}
+
+
+@pytest.mark.parametrize(("g", "truth"), PIECES.items())
+def test_seams_between_curved_pieces(g: str, truth: tuple[bool, bool]) -> None:
+    found = verify(_law(g, pressure=None), claims=["convexity", "smoothness"])
+    for claim, true in zip(("convexity", "smoothness"), truth, strict=True):
+        assert found[claim].verdict is PROVED if true else _refuted(found, claim), claim
 
 
 # -- 8. zero margins ----------------------------------------------------------------------------------------------------

@@ -18,8 +18,10 @@ __all__ = [
     "Domain",
     "DuhemError",
     "History",
+    "Identification",
     "InputError",
     "MissingExtraError",
+    "ParametricCriterion",
     "Path",
     "Projection",
     "Status",
@@ -29,6 +31,7 @@ __all__ = [
     "__version__",
     "criterion",
     "derive",
+    "identify",
     "load",
     "project",
     "simulate",
@@ -40,6 +43,8 @@ if TYPE_CHECKING:
     from duhem.criterion import POSITIVE, REAL, Criterion, Domain, criterion
     from duhem.derivation import Derivation, derive
     from duhem.errors import DuhemError, InputError, MissingExtraError
+    from duhem.identification import Identification, identify
+    from duhem.parametric import ParametricCriterion
     from duhem.path import History, Path, simulate
     from duhem.projection import Projection, Status, project
     from duhem.verdict import Verdict, Witness
@@ -50,6 +55,8 @@ _HOMES = {
     "criterion": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
     "derivation": ("Derivation", "derive"),
     "errors": ("DuhemError", "InputError", "MissingExtraError"),
+    "identification": ("Identification", "identify"),
+    "parametric": ("ParametricCriterion",),
     "path": ("History", "Path", "simulate"),
     "projection": ("Projection", "Status", "project"),
     "verdict": ("Verdict", "Witness"),

@@ -16,14 +16,15 @@ from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import iter_modules
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
     from duhem.criterion import Criterion
+    from duhem.parametric import Law, ParametricCriterion
 
-__all__ = ["load", "names", "summary", "template"]
+__all__ = ["load", "load_formula", "names", "summary", "template"]
 
 _PACKAGE = "duhem.criteria"
 _GROUP = "duhem.criteria"
@@ -34,14 +35,22 @@ def names() -> tuple[str, ...]:
     return tuple(sorted({*_built_in(), *_added(), *_registered()}))
 
 
-def load(law: str | Path | Criterion) -> Criterion:
+@overload
+def load(law: Criterion) -> Criterion: ...
+@overload
+def load(law: ParametricCriterion) -> ParametricCriterion: ...
+@overload
+def load(law: str | Path | Law) -> Any: ...  # a name decides between the kinds of law, which no type can say
+
+
+def load(law: str | Path | Law) -> Law:
     """A law: itself, a name of :func:`names`, the path of a criterion file, or ``module:attribute``.
 
     InputError for a name that is unknown or a file that cannot be used.
     """
-    from duhem.criterion import Criterion
+    from duhem.parametric import Law
 
-    if isinstance(law, Criterion):
+    if isinstance(law, Law):
         return law
     if isinstance(law, Path):
         return _from_file(law)
@@ -62,6 +71,17 @@ def load(law: str | Path | Criterion) -> Criterion:
     near = get_close_matches(name, names(), n=3, cutoff=0.5)
     remedy = f"did you mean {' or '.join(near)}?" if near else "duhem list names the laws; files end in .toml"
     raise InputError(f"unknown law {law[:60]!r}", remedy=remedy)
+
+
+def load_formula(law: str | Path | Law) -> Criterion:
+    """:func:`load` for what needs a formula g; InputError where the law has none."""
+    from duhem.criterion import Criterion
+
+    found = load(law)
+    if isinstance(found, Criterion):
+        return found
+    other = f"such as {found.instead}" if found.instead else "such as antoni2007"
+    raise InputError(f"{found.name} has no formula g, only a boundary curve", remedy=f"take a law that has one, {other}")
 
 
 def summary(name: str) -> str:
@@ -94,7 +114,7 @@ def _added() -> Mapping[str, EntryPoint]:
     return {point.name.replace("_", "-"): point for point in entry_points(group=_GROUP)}
 
 
-def _registered() -> Mapping[str, Criterion]:
+def _registered() -> Mapping[str, Law]:
     """Laws registered in this process; none if nothing was imported yet."""
     home = sys.modules.get("duhem.criterion")
     return home.registered() if home else {}
@@ -113,9 +133,9 @@ def _from_file(path: str | Path) -> Criterion:
     return read(path)
 
 
-def _attribute(reference: str, shown: str) -> Criterion:
+def _attribute(reference: str, shown: str) -> Law:
     """The law ``module:attribute``; importing the module runs it, which is what the caller asks for."""
-    from duhem.criterion import Criterion
+    from duhem.parametric import Law
 
     module, _, path = reference.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), *path.split("."))):
@@ -129,7 +149,7 @@ def _attribute(reference: str, shown: str) -> Criterion:
         raise InputError(
             f"{shown[:60]} cannot be imported ({reason})", remedy="check its name and that its folder is on the path"
         ) from fault
-    if not isinstance(found, Criterion):
+    if not isinstance(found, Law):
         raise InputError(f"{shown[:60]} is a {type(found).__name__}, not a Criterion", remedy="decorate the function with @duhem.criterion")
     return found
 

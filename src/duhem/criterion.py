@@ -21,7 +21,7 @@ from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import exact_number, parse_expression, parse_relation
 
-__all__ = ["FORCES", "POSITIVE", "PRESSURE", "REAL", "Criterion", "Domain", "criterion"]
+__all__ = ["FORCES", "POSITIVE", "PRESSURE", "REAL", "Criterion", "Domain", "criterion", "narrowed", "register", "registered"]
 
 FORCES = ("sigma_a", "sigma_b")
 PRESSURE = "sigma_n"
@@ -182,19 +182,22 @@ class Criterion:
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""
-        domains = dict(self.parameters)
-        for name, value in (values or {}).items():
-            if name not in domains:
-                raise InputError(
-                    f"unknown parameter {name!r}", where=self.name, remedy=f"its parameters are: {', '.join(domains) or 'none'}"
-                )
-            number = exact_number(value)
-            if number not in domains[name]:
-                raise InputError(
-                    f"{name} = {number} lies outside its domain {domains[name].describe()}", where=self.name, remedy="choose a value inside"
-                )
-            domains[name] = Domain.fixed(number)
-        return _over(self, domains)
+        return _over(self, narrowed(self.name, self.parameters, values or {}))
+
+
+def narrowed(law: str, domains: Mapping[str, Domain], values: Mapping[str, Any]) -> dict[str, Domain]:
+    """The domains with some parameters fixed; InputError for an unknown one or a value outside its domain."""
+    narrow = dict(domains)
+    for name, value in values.items():
+        if name not in domains:
+            raise InputError(f"unknown parameter {name!r}", where=law, remedy=f"its parameters are: {', '.join(domains) or 'none'}")
+        number = exact_number(value)
+        if number not in domains[name]:
+            raise InputError(
+                f"{name} = {number} lies outside its domain {domains[name].describe()}", where=law, remedy="choose a value inside"
+            )
+        narrow[name] = Domain.fixed(number)
+    return narrow
 
 
 def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
@@ -224,7 +227,7 @@ def _relation(given: Any, known: Mapping[str, sp.Symbol], where: str) -> Relatio
     return parse_relation(given, known, where=where) if isinstance(given, str) else given
 
 
-_registered: dict[str, Criterion] = {}
+_registered: dict[str, Any] = {}
 
 
 @overload
@@ -282,13 +285,18 @@ def criterion(
             source=source,
             closed_form=closed_form,
         )
-        _registered[law.name] = law
+        register(law.name, law)
         return law
 
     return build if function is None else build(function)
 
 
-def registered() -> Mapping[str, Criterion]:
+def register(name: str, law: Any) -> None:
+    """Make a law, of whatever kind, known by a name in this process."""
+    _registered[name] = law
+
+
+def registered() -> Mapping[str, Any]:
     """The laws registered so far in this process, by name."""
     return MappingProxyType(_registered)
 

@@ -7,22 +7,23 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.criterion import Criterion, Domain
+from duhem.criterion import Domain
 from duhem.errors import InputError
 from duhem.expression import Neg, Pos, fold
+from duhem.parametric import Law
 
-__all__ = ["check_domain"]
+__all__ = ["check_domain", "simple_points"]
 
 _MILLISECONDS = 1000
 
 
-def check_domain(law: Criterion, *, where: str = "") -> None:
+def check_domain(law: Law, *, where: str = "") -> None:
     """Raise InputError if no parameter values satisfy the domains and the constraints of ``law`` together.
 
     A common solution is first looked for among simple values; then z3 is asked for a contradiction in real
     arithmetic.  Constraints outside that arithmetic, and questions z3 gives up, count as satisfiable.
     """
-    if not law.constraints or any(_holds(law, point) for point in _simple_points(law)):
+    if not law.constraints or any(_holds(law, point) for point in simple_points(law)):
         return
     free = [s for s in _parameters(law) if law.parameters[s.name].value is None]
     if not free or _contradictory(law):
@@ -30,12 +31,12 @@ def check_domain(law: Criterion, *, where: str = "") -> None:
         raise InputError(f"no parameter values satisfy {listed} together", where=where or law.name, remedy="relax one of them")
 
 
-def _parameters(law: Criterion) -> tuple[sp.Symbol, ...]:
+def _parameters(law: Law) -> tuple[sp.Symbol, ...]:
     table = law.symbols()
     return tuple(table[name] for name in law.parameters)
 
 
-def _bounds(law: Criterion) -> Iterator[str]:
+def _bounds(law: Law) -> Iterator[str]:
     """The domains of the parameters that the constraints mention, in words."""
     used = set[sp.Symbol]().union(*(c.free_symbols for c in law.constraints))
     for s in _parameters(law):
@@ -45,7 +46,7 @@ def _bounds(law: Criterion) -> Iterator[str]:
             yield f"{s} {words}" if words.startswith("=") else f"{s} positive" if words == "positive" else f"{s} in {words}"
 
 
-def _simple_points(law: Criterion) -> Iterator[dict[sp.Symbol, sp.Rational]]:
+def simple_points(law: Law) -> Iterator[dict[sp.Symbol, sp.Rational]]:
     """A few places inside the domains: values rising in the order of declaration, falling, and all in the middle."""
     symbols = _parameters(law)
     rising = [sp.Rational(i + 1, len(symbols) + 1) for i in range(len(symbols))]
@@ -60,11 +61,11 @@ def _inside(domain: Domain, share: sp.Rational) -> sp.Rational:
     return low + share * (1 if high is None else high - low)
 
 
-def _holds(law: Criterion, point: dict[sp.Symbol, sp.Rational]) -> bool:
+def _holds(law: Law, point: dict[sp.Symbol, sp.Rational]) -> bool:
     return all(c.subs(point) == sp.true for c in law.constraints)
 
 
-def _contradictory(law: Criterion) -> bool:
+def _contradictory(law: Law) -> bool:
     import z3
 
     context = z3.Context()

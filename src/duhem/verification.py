@@ -15,9 +15,10 @@ from duhem.claims import CLAIMS
 from duhem.criterion import Criterion
 from duhem.domain_check import check_domain
 from duhem.errors import InputError
-from duhem.examination import Case
+from duhem.examination import Case, CurveCase
 from duhem.examination.regularity import regularity
 from duhem.expression.text import formula
+from duhem.parametric import Law
 from duhem.positivity import Question, Sense, decide
 from duhem.verdict import Evidence, Verdict, Witness
 
@@ -61,7 +62,7 @@ class LeftOut:
 class Verification:
     """Everything found about ``criterion`` (with the asked parameters fixed)."""
 
-    criterion: Criterion
+    criterion: Law
     results: tuple[ClaimResult, ...]
     left_out: tuple[LeftOut, ...]
     remarks: tuple[str, ...]
@@ -104,7 +105,7 @@ class Verification:
 
 
 def verify(
-    law: str | Criterion,
+    law: str | Law,
     parameters: Mapping[str, Any] | None = None,
     claims: Iterable[str] | None = None,
     *,
@@ -115,11 +116,12 @@ def verify(
     ``parameters`` fixes some values (exactly: decimals are rationals); ``on_claim`` is called as each result is in.
     Raises InputError for an unknown law, parameter or claim, and for values outside the domain.
     """
-    criterion = load(law).fix(parameters)
+    criterion: Law = load(law).fix(parameters)
     check_domain(criterion)
     wanted = _wanted(claims)
-    case = Case(criterion)
-    _check_quotients(case)
+    case = Case(criterion) if isinstance(criterion, Criterion) else CurveCase(criterion)
+    if isinstance(case, Case):
+        _check_quotients(case)
     settled: dict[str, Evidence] = {}
     results = []
     for name in CLAIMS:
@@ -135,7 +137,7 @@ def verify(
             results.append(result)
             if on_claim is not None:
                 on_claim(result)
-    return Verification(criterion, tuple(results), _left_out(criterion, wanted, settled), _remarks(case))
+    return Verification(criterion, tuple(results), _left_out(criterion, wanted, settled), _remarks(case) if isinstance(case, Case) else ())
 
 
 def _check_quotients(case: Case) -> None:
@@ -172,7 +174,7 @@ def _with_needs(wanted: tuple[str, ...]) -> set[str]:
     return needed
 
 
-def _scope(law: Criterion, evidence: Evidence) -> str:
+def _scope(law: Law, evidence: Evidence) -> str:
     if evidence.verdict is Verdict.REFUTED:
         return "at the witness"
     if evidence.verdict is Verdict.TESTED:
@@ -183,7 +185,7 @@ def _scope(law: Criterion, evidence: Evidence) -> str:
     return f"all other parameters, {', '.join(fixed)}" if len(fixed) < len(law.parameters) else ", ".join(fixed)
 
 
-def _left_out(law: Criterion, wanted: tuple[str, ...], settled: Mapping[str, Evidence]) -> tuple[LeftOut, ...]:
+def _left_out(law: Law, wanted: tuple[str, ...], settled: Mapping[str, Evidence]) -> tuple[LeftOut, ...]:
     parts = [LeftOut("thermal", "isothermal law: no temperature among its variables, so D_th and the entropy do not enter")]
     if law.flow is None:
         parts.append(LeftOut("flow check", "associated law: the slip is the normality rule itself"))

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
-from duhem.examination import Case
+from duhem.examination import Case, CurveCase
 from duhem.verdict import Evidence, Verdict
 
-__all__ = ["Claim", "Consequence", "Engine"]
+__all__ = ["Claim", "Consequence", "CurveEngine", "Engine"]
 
 Engine = Callable[[Case], Evidence | None]
+C = TypeVar("C")
+CurveEngine = Callable[[CurveCase], Evidence | None]
 Consequence = Callable[[Case, Mapping[str, Evidence]], Evidence | None]
 
 
@@ -18,6 +21,7 @@ Consequence = Callable[[Case, Mapping[str, Evidence]], Evidence | None]
 class Claim:
     """``consequence`` settles the claim from the evidence of the claims it ``needs``; else ``engines`` try in order.
 
+    Laws given by a boundary curve go to ``curve_engines``, which need no other claim.
     ``seconds`` is the time the deciders may spend on it; what is then still open stays undecided.
     """
 
@@ -25,16 +29,21 @@ class Claim:
     statement: str
     theory: str
     engines: tuple[Engine, ...]
+    curve_engines: tuple[CurveEngine, ...]
     needs: tuple[str, ...] = ()
     consequence: Consequence | None = None
     seconds: float = 16.0
 
-    def examine(self, case: Case, settled: Mapping[str, Evidence]) -> Evidence:
+    def examine(self, case: Case | CurveCase, settled: Mapping[str, Evidence]) -> Evidence:
         """The first answer, or ``undecided`` when every method passed."""
         case.allow(self.seconds)
-        if self.consequence is not None and (found := self.consequence(case, settled)) is not None:
-            return found
-        for engine in self.engines:
-            if (found := engine(case)) is not None:
-                return found
-        return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its time")
+        if isinstance(case, CurveCase):
+            found = _first(self.curve_engines, case)
+        else:
+            found = None if self.consequence is None else self.consequence(case, settled)
+            found = found or _first(self.engines, case)
+        return found or Evidence(Verdict.UNDECIDED, "none", "no method decided it within its time")
+
+
+def _first(engines: Sequence[Callable[[C], Evidence | None]], case: C) -> Evidence | None:
+    return next((found for engine in engines if (found := engine(case)) is not None), None)

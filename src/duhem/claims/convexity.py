@@ -1,7 +1,7 @@
 """K convex."""
 
 from duhem.claims.claim import Claim
-from duhem.engines import chords, composition, implicit, polar, sampling
+from duhem.engines import chords, composition, curve, curve_refutation, implicit, polar, polyhedral, sampling
 
 CLAIM = Claim(
     name="convexity",
@@ -9,17 +9,21 @@ CLAIM = Claim(
     theory="""\
 The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex and its set is.  Methods, in order:
 composition (g is quasiconvex by the rules of disciplined convex programming); a quick look for a chord that leaves K;
-polar form (for the gauge gamma of a star-shaped K in two forces, gamma'' + gamma >= 0 as a measure, jumps of gamma' at
-seams included); implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch.
+polyhedra (K is the intersection of the half-spaces of its faces); polar form (for the gauge gamma of a star-shaped K in
+two forces, gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams included); chords across a dent or a kink so
+found; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.""",
     engines=(
         composition.convexity,
         chords.convexity_by_scouting,
+        polyhedral.convexity,
         polar.convexity,
         chords.convexity_at_dents,
+        chords.convexity_at_seams,
         implicit.convexity,
         implicit.hessian,
         chords.convexity_by_thorough_scouting,
         sampling.sampled,
     ),
+    curve_engines=(curve.convexity, curve_refutation.convexity),
 )

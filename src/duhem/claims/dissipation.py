@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from duhem.claims.claim import Claim
-from duhem.engines import flow, implicit, polar, sampling
+from duhem.engines import curve, curve_refutation, flow, implicit, polar, sampling
 from duhem.examination import Case
 from duhem.verdict import Evidence, Verdict
 
@@ -24,6 +24,7 @@ It follows from 0 in K and normality (Fenchel: D = Phi*(sigma) + Phi(u_in') >= 0
 with associated flow dissipates by Euler's relation, and a non-associated law may dissipate too.
 Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.""",
     engines=(polar.dissipation, flow.dissipation_refuted, implicit.dissipation, sampling.sampled),
+    curve_engines=(curve.dissipation, curve_refutation.dissipation),
     needs=("origin", "normality"),
     consequence=by_normality,
 )

@@ -1,7 +1,7 @@
 """Dissipation potential in closed form."""
 
 from duhem.claims.claim import Claim
-from duhem.engines import polar_gauge
+from duhem.engines import curve, polar_gauge
 
 CLAIM = Claim(
     name="duality",
@@ -12,4 +12,5 @@ for K = radius {gauge <= 1} it is the radius times the polar gauge (Rockafellar 
 Phi(d) = |sigma_n| sqrt((mu_a^+- d_a)^2 + (mu_b^+- d_b)^2), each sign that of d_i, and Phi** = Phi.
 Where the rules give no closed form the claim has no content.""",
     engines=(polar_gauge.duality,),
+    curve_engines=(curve.duality,),
 )

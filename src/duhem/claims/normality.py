@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from duhem.claims.claim import Claim
-from duhem.engines import flow, sampling
+from duhem.engines import curve, curve_deviation, curve_refutation, flow, sampling
 from duhem.examination import Case
 from duhem.verdict import Evidence, Verdict
 
@@ -28,6 +28,7 @@ An associated law obeys it by definition when K is convex; when K is not, grad g
 A law with a flow of its own obeys it when that flow is a non-negative multiple of grad g on the boundary.
 Refuted by a boundary point, held between two rational ones, and a point tau of K towards which the flow points.""",
     engines=(flow.normality_refuted, sampling.sampled),
+    curve_engines=(curve.normality, curve_deviation.normality, curve_refutation.normality_of_a_dent),
     needs=("convexity",),
     consequence=by_convexity,
 )

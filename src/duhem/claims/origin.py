@@ -1,7 +1,7 @@
 """0 in K."""
 
 from duhem.claims.claim import Claim
-from duhem.engines import evaluation, polar
+from duhem.engines import curve, curve_refutation, evaluation, polar
 
 CLAIM = Claim(
     name="origin",
@@ -12,4 +12,5 @@ The indicator of K, taken as pseudo-potential Phi*, must be least (= 0) at zero 
 Decided by evaluating g at the origin and deciding the sign over all parameters; a formula that reads 0/0 there is
 taken by closure when its set is star-shaped about 0.""",
     engines=(evaluation.origin, polar.origin, evaluation.origin_refuted),
+    curve_engines=(curve.origin, curve_refutation.origin),
 )

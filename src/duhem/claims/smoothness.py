@@ -1,7 +1,7 @@
 """Boundary C^1."""
 
 from duhem.claims.claim import Claim
-from duhem.engines import composition, corners, implicit, polar
+from duhem.engines import composition, corners, curve, implicit, polar
 
 CLAIM = Claim(
     name="smoothness",
@@ -12,5 +12,6 @@ A kink of abs, pos or neg under an even power, or inside a Euclidean norm, disap
 that is why Eq. (35) is C^1 across its quadrant seams though its four branches differ.  The tip at zero force, where
 g is not differentiable, lies inside K for sigma_n < 0 and does not touch the boundary.
 Refuted by a corner held in a box, with two normals that are provably not parallel.""",
-    engines=(composition.smoothness, corners.smoothness, polar.smoothness, implicit.smoothness),
+    engines=(composition.smoothness, polar.smoothness, corners.smoothness, implicit.smoothness),
+    curve_engines=(curve.smoothness,),
 )

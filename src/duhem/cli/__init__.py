@@ -5,9 +5,13 @@ from __future__ import annotations
 import click
 
 from duhem import __version__
+from duhem.cli.bench import bench
 from duhem.cli.derive import derive
+from duhem.cli.figures import figures
+from duhem.cli.identify import identify
 from duhem.cli.project import project
 from duhem.cli.simulate import simulate
+from duhem.cli.stress import stress
 from duhem.cli.surroundings import doctor, init, list_laws
 from duhem.cli.verify import explain, verify
 
@@ -26,5 +30,5 @@ def cli() -> None:
     """
 
 
-for command in (verify, derive, project, simulate, list_laws, init, explain, doctor):
+for command in (verify, derive, project, simulate, bench, stress, figures, identify, list_laws, init, explain, doctor):
     cli.add_command(command)

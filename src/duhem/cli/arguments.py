@@ -14,8 +14,9 @@ from duhem.errors import InputError
 
 if TYPE_CHECKING:
     from duhem.criterion import Criterion
+    from duhem.parametric import Law
 
-__all__ = ["Vectors", "law_argument", "read_fixed_law", "read_law", "read_number", "read_numbers", "settings_option"]
+__all__ = ["Vectors", "law_argument", "read_fixed_formula", "read_fixed_law", "read_law", "read_number", "read_numbers", "settings_option"]
 
 
 def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -34,15 +35,24 @@ settings_option = click.option(
 )
 
 
-def read_law(text: str) -> Criterion:
+def read_law(text: str) -> Law:
     from duhem import catalogue
 
     if ":" in text and os.getcwd() not in sys.path:  # a law in a module beside the user, as with python -m
         sys.path.insert(0, os.getcwd())
-    return catalogue.load(text)
+    found: Law = catalogue.load(text)
+    return found
 
 
-def read_fixed_law(text: str, settings: Sequence[str]) -> Criterion:
+def read_fixed_formula(text: str, settings: Sequence[str]) -> Criterion:
+    """A law that has a formula g; an error names one to take where it has none."""
+    from duhem import catalogue
+
+    catalogue.load_formula(read_law(text))
+    return catalogue.load_formula(read_fixed_law(text, settings))
+
+
+def read_fixed_law(text: str, settings: Sequence[str]) -> Law:
     law = read_law(text)
     from duhem.domain_check import check_domain
     from duhem.expression.number import exact_number

@@ -19,6 +19,7 @@ def derive(law: str, form: str) -> None:
     """Print the symbolic derivation of LAW."""
     chosen = read_law(law)
     from duhem import derivation
+    from duhem.parametric import ParametricCriterion
 
-    derived = derivation.derive(chosen)
+    derived = chosen.derive() if isinstance(chosen, ParametricCriterion) and chosen.derivation else derivation.derive(chosen)
     say({"text": derived.text, "latex": derived.latex, "markdown": derived.markdown}[form]())

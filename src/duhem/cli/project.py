@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import Vectors, law_argument, read_fixed_law, read_number, read_numbers, settings_option
+from duhem.cli.arguments import Vectors, law_argument, read_fixed_formula, read_number, read_numbers, settings_option
 from duhem.cli.exit_code import FAILED, HELD
 from duhem.cli.output import say
 
@@ -34,7 +34,7 @@ def project(
     Prints stress, slip and multiplier with the residuals of the optimality conditions, recomputed from the law's formula.
     Ends with 4 if they say that the point is not solved.
     """
-    fixed = read_fixed_law(law, settings)
+    fixed = read_fixed_formula(law, settings)
     target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")
     load = None if pressure is None else read_number(pressure, "--pressure")
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from duhem.catalogue import load
+from duhem.catalogue import load_formula
 from duhem.criterion import Criterion
 from duhem.derivation.energy import state_equations
 from duhem.derivation.equation import Derivation, Equation
@@ -15,12 +15,12 @@ from duhem.derivation.increment import increment_equations, interval, one_dimens
 from duhem.derivation.names import Names
 from duhem.derivation.pieces import MOST, pieces
 from duhem.derivation.support_function import fixed, support_function
-from duhem.errors import InputError
+from duhem.parametric import Law
 
 __all__ = ["derive"]
 
 
-def derive(law: Criterion | str | Path, parameters: Mapping[str, Any] | None = None, stiffness: str = "orthotropic") -> Derivation:
+def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, stiffness: str = "orthotropic") -> Derivation:
     """Everything that follows symbolically from the law's formula (Antoni et al. 2007, section 2, Eqs. 1 and 21-36).
 
     ``law`` is a criterion, or what :func:`duhem.load` finds by a name or path.
@@ -29,13 +29,10 @@ def derive(law: Criterion | str | Path, parameters: Mapping[str, Any] | None = N
     closed form is left out and listed with its reason.  Raises InputError for an unknown law,
     parameter or stiffness.
     """
-    chosen = load(law)
-    if not isinstance(chosen, Criterion):
-        raise InputError(f"{type(chosen).__name__} has no formula to derive from", remedy="give a duhem.Criterion")
-    law = fixed(chosen, parameters)
-    names = Names.of(law, stiffness)
+    stated = fixed(load_formula(law), parameters)
+    names = Names.of(stated, stiffness)
     left_out: list[tuple[str, str]] = []
-    return Derivation(law.name, tuple(_equations(law, names, left_out)), tuple(left_out), names)
+    return Derivation(stated.name, tuple(_equations(stated, names, left_out)), tuple(left_out), names)
 
 
 def _equations(law: Criterion, names: Names, left_out: list[tuple[str, str]]) -> Iterator[Equation]:

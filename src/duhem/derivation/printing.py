@@ -78,6 +78,9 @@ class _Text(_PositiveFirst, StrPrinter):
     def _print_And(self, expr: Any) -> str:
         return ", ".join(self._print(a) for a in _by_name(expr))
 
+    def _print_Implies(self, expr: Any) -> str:
+        return f"({self._print(expr.args[0])}) implies {self._print(expr.args[1])}"
+
     def _print_Piecewise(self, expr: Any) -> str:
         rows = [f"{self._print(e)}{'  otherwise' if c == True else f'  if {self._print(c)}'}" for e, c in expr.args]  # noqa: E712
         return "{ " + "\n  ".join(rows) + " }"

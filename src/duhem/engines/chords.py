@@ -13,7 +13,7 @@ from duhem.examination.profile import profile
 from duhem.positivity import Sense
 from duhem.verdict import Evidence, Verdict, Witness
 
-__all__ = ["convexity_at_dents", "convexity_by_scouting", "convexity_by_thorough_scouting"]
+__all__ = ["convexity_at_dents", "convexity_at_seams", "convexity_by_scouting", "convexity_by_thorough_scouting"]
 
 
 def _refuted(witness: Witness | None, method: str) -> Evidence | None:
@@ -54,3 +54,12 @@ def convexity_at_dents(case: Case) -> Evidence | None:
             if witness := boundary_dent(case, parameters, [point[form.x], point[form.y]]):
                 return _refuted(witness, "witness-chord")
     return None
+
+
+def convexity_at_seams(case: Case) -> Evidence | None:
+    """Where the boundary crosses a seam with a kink inward, a chord across it (two forces)."""
+    if len(case.simple.forces) != 2 or case.pieces is None or len(case.pieces) < 2:
+        return None
+    from duhem.examination.search import inward_kink
+
+    return _refuted(inward_kink(case), "witness-chord")

@@ -55,21 +55,26 @@ def normality_refuted_by_chord(case: Case, chord: Witness) -> Evidence | None:
     if case.problem.flow is not None:
         return None
     parameters, p, q, middle = _read(case, chord)
-
-    def turned_away(bracket: Bracket) -> sp.Expr | None:
-        normal = enclosed_normal(case, bracket)
-        return None if normal is None else sp.Add(*(n * sp.Rational(str(b - a)) for n, a, b in zip(normal, p, q, strict=True)))
-
     statement = (
-        "on the segment from p to q = tau the boundary is crossed outward, so grad g . (tau - sigma) > 0 there: "
-        "the normal is not in the normal cone of K"
+        "on the way from `inside` to the midpoint of a chord of K the boundary is crossed outward, so grad g . (tau - sigma) > 0 there "
+        "for one end tau of the chord: the normal is not in the normal cone of K"
     )
-    witness = violation(case, parameters, p, middle, turned_away, "grad g . (q - p)", statement, wanted=1, target=q)
-    return (
-        None
-        if witness is None
-        else Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
-    )
+    # n . (midpoint - sigma) > 0 where a segment to the midpoint leaves K, whatever it comes from; so for p or q as well
+    starts = [p, q, [Fraction(0)] * len(p), *([c * s for c in end] for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
+    for start, target in itertools.product(starts, (q, p)):
+        if start is target:
+            continue
+
+        def turned_away(bracket: Bracket, target: Sequence[Fraction] = target) -> sp.Expr | None:
+            normal = enclosed_normal(case, bracket)
+            if normal is None:
+                return None
+            return sp.Add(*(n * (sp.Rational(str(t)) - x) for n, t, x in zip(normal, target, case.simple.forces, strict=True)))
+
+        witness = violation(case, parameters, start, middle, turned_away, "grad g . (tau - sigma)", statement, wanted=1, target=target)
+        if witness is not None:
+            return Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
+    return None
 
 
 def _read(case: Case, chord: Witness) -> tuple[Values, list[Fraction], list[Fraction], list[Fraction]]:
@@ -123,8 +128,7 @@ def dissipation_refuted(case: Case) -> Evidence | None:
 
     for parameters in choices(case, most=12):
         scout = BoundaryScout(case, parameters)
-        for k in scout.least_power()[:5]:
-            start, end = scout.segment(k)
+        for start, end in itertools.chain(scout.towards_zero_force(), map(scout.segment, scout.least_power()[:5])):
             if witness := violation(case, parameters, start, end, power, "force . flow", _DISSIPATION):
                 return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
     return None

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from duhem.examination import Case
+from duhem.examination import Case, CurveCase
 from duhem.verdict import Evidence, Verdict
 
 __all__ = ["state_laws"]
 
 
-def state_laws(case: Case) -> Evidence | None:
+def state_laws(case: Case | CurveCase) -> Evidence | None:
     """sigma = dpsi/du = -dpsi/du_in and psi convex, for psi = (u - u_in) . k (u - u_in)/2 with k = L L^T.
 
     Every positive semidefinite k has such a factor (Cholesky), so psi = |L^T (u - u_in)|^2/2 is a sum of squares of linear functions.
     """
-    d = len(case.problem.forces)
+    d = len(case.law.forces)
     u, inelastic = (sp.Matrix(sp.symbols(f"{name}1:{d + 1}", real=True)) for name in ("u", "w"))
     factor = sp.Matrix(d, d, lambda i, j: sp.Symbol(f"l{i + 1}{j + 1}", real=True) if i >= j else 0)
     stiffness = factor * factor.T

@@ -110,6 +110,11 @@ class BoundaryScout:
                 if found := bracketed(self.case, self.parameters, turned[0], turned[1], 80):
                     yield int(k), list(found.inside)
 
+    def towards_zero_force(self) -> Iterator[tuple[list[Fraction], list[Fraction]]]:
+        """From a point of K to 0 where 0 is outside: the boundary is crossed outward, so grad g . (0 - sigma) > 0 there."""
+        if self.centre is not None and self.centre.any():
+            yield [Fraction(float(c)).limit_denominator(10**9) for c in self.centre], [Fraction(0)] * len(self.centre)
+
     def least_power(self) -> list[int]:
         """Indices of boundary points with negative power, the most negative first."""
         if len(self.boundary) == 0:

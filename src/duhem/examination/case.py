@@ -5,10 +5,12 @@ from __future__ import annotations
 import time
 from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import sympy as sp
 
 from duhem.criterion import Criterion
+from duhem.examination.switches import plain_switches
 from duhem.expression import Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.model import Problem, Star, star_form, state
@@ -28,6 +30,7 @@ class Case:
         self._question_seconds = question_seconds
         self._deadline = float("inf")
         self._answers: dict[Question, Answer] = {}
+        self.forms: dict[str, Any] = {}  # derived forms that another module makes, by its name
 
     def allow(self, seconds: float) -> None:
         """Questions asked from now on share this many seconds; those after are left open."""
@@ -57,7 +60,7 @@ class Case:
     def pieces(self) -> tuple[Branch, ...] | None:
         """Smooth branches of the simple problem's g with an inside; None if there are too many."""
         try:
-            return thick(branches(self.simple.g))
+            return plain_switches(thick(branches(self.simple.g)))
         except TooManyBranchesError:
             return None
 
@@ -95,7 +98,13 @@ class Case:
         expr = sp.sympify(expr)
         if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
             return Answer(None, reason="the expression is undefined")
-        question = Question(expr, sense, (*self.simple.given, *given), circle)
+        answer = Answer(True, "vacuous")
+        for question in Question(expr, sense, (*self.simple.given, *given), circle).pinned():
+            if (answer := self._asked(question)).holds is not True:
+                break
+        return answer
+
+    def _asked(self, question: Question) -> Answer:
         known = self._answers.get(question)
         if known is not None and known.holds is not None:
             return known

@@ -9,13 +9,17 @@ Source: R. Schneider (2014), Convex Bodies, section 1.7 (gauge and radial functi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from math import lcm
 
 import sympy as sp
 
 from duhem.examination.case import Case
-from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
+from duhem.examination.switches import plain_switches
+from duhem.expression import Norm, Where
+from duhem.expression.branches import Branch, TooManyBranchesError, branches
 from duhem.positivity import Sense
 
 __all__ = ["Profile", "profile"]
@@ -24,26 +28,31 @@ _MOST_ARCS = 24
 
 
 @dataclass(frozen=True)
+class Arc(Branch):
+    """Where the gauge is the product of the bases in ``expr`` to the powers in ``exponents``."""
+
+    exponents: tuple[sp.Rational, ...]
+
+
+@dataclass(frozen=True)
 class Profile:
-    """The gauge arc by arc: each branch's ``expr`` is a tuple of bases, ``exponents`` go with them."""
+    """The gauge arc by arc; ``thin`` holds the branches without an inside, which count where the formula might jump."""
 
     case: Case
     x: sp.Symbol
     y: sp.Symbol
-    bases: tuple[sp.Expr, ...]
-    arcs: tuple[Branch, ...]
-    exponents: tuple[sp.Rational, ...]
-    method: str
+    arcs: tuple[Arc, ...]
+    thin: tuple[Arc, ...] = ()
 
     def turn(self, expr: sp.Expr) -> sp.Expr:
         """Derivative by theta of a function of (x, y) on the circle."""
         return self.x * sp.diff(expr, self.y) - self.y * sp.diff(expr, self.x)
 
-    def slope(self, arc: Branch) -> sp.Expr:
+    def slope(self, arc: Arc) -> sp.Expr:
         """L = gamma'/gamma on an arc."""
-        return sp.Add(*(a * self.turn(p) / p for p, a in zip(arc.expr, self.exponents, strict=True)))
+        return sp.Add(*(a * self.turn(p) / p for p, a in zip(arc.expr, arc.exponents, strict=True)))
 
-    def curvature(self, arc: Branch) -> sp.Expr:
+    def curvature(self, arc: Arc) -> sp.Expr:
         """(gamma'' + gamma)/gamma times prod P_i^2 on an arc: a polynomial in the bases and their derivatives."""
         bases, first = list(arc.expr), [self.turn(p) for p in arc.expr]
         second = [self.turn(d) for d in first]
@@ -54,18 +63,18 @@ class Profile:
         bend = sp.Add(
             *(
                 a * (p * d2 - d1**2) * others(i) ** 2
-                for i, (a, p, d1, d2) in enumerate(zip(self.exponents, bases, first, second, strict=True))
+                for i, (a, p, d1, d2) in enumerate(zip(arc.exponents, bases, first, second, strict=True))
             )
         )
-        slope = sp.Add(*(a * d1 * others(i) for i, (a, d1) in enumerate(zip(self.exponents, first, strict=True))))
+        slope = sp.Add(*(a * d1 * others(i) for i, (a, d1) in enumerate(zip(arc.exponents, first, strict=True))))
         return bend + slope**2 + others() ** 2
 
-    def seams(self) -> Iterator[tuple[Branch, Branch, tuple[sp.Basic, ...]]]:
+    def seams(self) -> Iterator[tuple[Arc, Arc, tuple[sp.Basic, ...]]]:
         """Ordered pairs of arcs (before, after) with the relations that say theta passes from one to the other."""
         for before in self.arcs:
             for after in self.arcs:
                 crossed = [s for s, sign in after.signs.items() if before.signs.get(s) == -sign]
-                if not crossed or before.expr == after.expr:
+                if not crossed or _same(before, after):
                     continue
                 rest = {s: v for s, v in {**before.signs, **after.signs}.items() if s not in crossed}
                 yield (
@@ -96,12 +105,22 @@ class Profile:
         )
 
     def continuous(self) -> bool:
-        """Whether the gauge is continuous across seams: built in unless a base has a ``where``."""
-        return self.case.joined(*self.bases, circle=(self.x, self.y))
+        """Whether the gauge is the same from both sides wherever two of its branches meet."""
+        return all(
+            self.case.ask(_quotient_gap(one, two), Sense.ZERO, *one.conditions(), *two.conditions(), circle=(self.x, self.y)).holds is True
+            for one, two in combinations((*self.arcs, *self.thin), 2)
+            if not _same(one, two)
+        )
 
 
 def profile(case: Case) -> Profile | None:
-    """The polar form of the case's simple problem; None where it has none or its positivity is not proved."""
+    """The polar form of the case's simple problem; None where it has none or its positivity is not proved (in time)."""
+    if (known := case.forms.get(__name__)) is None and (known := _profile(case)) is not None:
+        case.forms[__name__] = known
+    return known
+
+
+def _profile(case: Case) -> Profile | None:
     problem, star = case.simple, case.star
     if star is None or len(problem.forces) != 2:
         return None
@@ -110,15 +129,44 @@ def profile(case: Case) -> Profile | None:
     x, y = problem.forces
     factors = star.factors()
     try:
-        arcs = thick(branches(sp.Tuple(*(p for p, _ in factors)), _MOST_ARCS))
+        found = plain_switches(branches(sp.Tuple(*(p for p, _ in factors)), _MOST_ARCS))
     except TooManyBranchesError:
         return None
-    used = set()
-    for arc in arcs:
+    pieces = [_arc(piece, [a for _, a in factors]) for piece in found]
+    for arc in pieces:
         for base in arc.expr:
-            answer = case.ask(base, Sense.POSITIVE, *arc.conditions(), circle=(x, y))
-            if answer.holds is not True:
+            if case.ask(base, Sense.POSITIVE, *arc.conditions(), circle=(x, y)).holds is not True:
                 return None
-            used.add(answer.method)
-    found = Profile(case, x, y, tuple(p for p, _ in factors), arcs, tuple(a for _, a in factors), "polar-curvature")
-    return found if found.transversal() and found.continuous() else None
+    arcs, thin = (tuple(a for a in pieces if (0 in a.signs.values()) is flat) for flat in (False, True))
+    form = Profile(case, x, y, arcs, thin)
+    jumps = any(p.has(Where) for p, _ in factors)
+    return form if form.transversal() and (not jumps or form.continuous()) else None
+
+
+def _arc(piece: Branch, exponents: Sequence[sp.Rational]) -> Arc:
+    """The piece's bases split further: each root as a power of what is under it, so that the arc is free of roots."""
+    found: dict[sp.Expr, sp.Rational] = {}
+    queue = list(zip(piece.expr, exponents, strict=True))
+    while queue:
+        base, a = queue.pop(0)
+        if isinstance(base, Norm):
+            queue.append((sp.Add(*(c**2 for c in base.args)), a / 2))
+        elif base.is_Pow and base.exp.is_Rational:
+            queue.append((base.base, a * base.exp))
+        elif base.is_Mul and base.args[0].is_positive:  # a scale: its derivative is 0, and so is that of any parameter
+            queue += [(base.args[0], a), (sp.Mul(*base.args[1:]), a)]
+        else:
+            found[base] = found.get(base, sp.S.Zero) + a
+    return Arc(piece.signs, tuple(found), tuple(found.values()))
+
+
+def _same(one: Arc, two: Arc) -> bool:
+    return (one.expr, one.exponents) == (two.expr, two.exponents)
+
+
+def _quotient_gap(one: Arc, two: Arc) -> sp.Expr:
+    """Zero exactly where two products of positive bases agree: both to the power that makes it integer, cleared of quotients."""
+    powers = [*zip(one.expr, one.exponents, strict=True), *((p, -a) for p, a in zip(two.expr, two.exponents, strict=True))]
+    whole = lcm(*(int(a.q) for _, a in powers))
+    over, under = (sp.Mul(*(p ** abs(whole * a) for p, a in powers if a * sense > 0)) for sense in (1, -1))
+    return over - under

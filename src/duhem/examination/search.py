@@ -1,8 +1,9 @@
 """Where to look for a violation of convexity: floating-point scouting; every find goes to the exact check.
 
-Two scouts.  Chords: the boundary is sampled along rays in plane sections, and midpoints of chords of many lengths are
+Three scouts.  Chords: the boundary is sampled along rays in plane sections, and midpoints of chords of many lengths are
 tried, which sees inward kinks, dents and separate components.  Dents: at a boundary point whose curvature has the
-wrong sign, a chord is built in high precision, which sees violations far below double precision.
+wrong sign, a chord is built in high precision, which sees violations far below double precision.  Kinks: where the
+boundary crosses a seam and its two tangents point inward, a chord from one side to the other, however slight the kink.
 """
 
 from __future__ import annotations
@@ -17,12 +18,13 @@ from numpy.typing import NDArray
 
 from duhem.examination.case import Case
 from duhem.examination.choices import choices, fraction
+from duhem.examination.crossings import Crossing, crossings
 from duhem.examination.witness import Values, chord
 from duhem.expression import mpmath_
 from duhem.expression.numpy_ import compiled
 from duhem.verdict import Witness
 
-__all__ = ["boundary_dent", "nonconvex_chord"]
+__all__ = ["boundary_dent", "inward_kink", "nonconvex_chord"]
 
 Array = NDArray[np.float64]
 _ANGLES, _RADII, _SECTIONS = 720, 48, 24
@@ -189,6 +191,58 @@ def boundary_dent(case: Case, parameters: Values, direction: Sequence[Any], dps:
         if (found := chord(case, parameters, p, q)) is not None:
             return found
     return None
+
+
+def inward_kink(case: Case, most: int = 12) -> Witness | None:
+    """A chord across a seam where the tangents of the two branches of the boundary point out of K (two forces)."""
+    for parameters in choices(case, most=most):
+        for crossing in crossings(case, parameters, 80):
+            if case.exhausted:
+                return None
+            if (found := _across(case, parameters, crossing)) is not None:
+                return found
+    return None
+
+
+def _across(case: Case, parameters: Values, crossing: Crossing, dps: int = 80) -> Witness | None:
+    """With unit tangents t1, t2 away from the crossing, K is dented there if t1 + t2 points along the outward normals."""
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = dps
+    forces = case.simple.forces
+    exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()}
+    x = [context.mpf(c.numerator) / c.denominator for c in crossing.point]
+
+    def gradient(expr: sp.Expr) -> list[Any]:
+        return _unit([mpmath_.evaluate(expr.diff(v).subs(exact), dict(zip(forces, x, strict=True)), dps) for v in forces], context)
+
+    side = crossing.after.signs[crossing.seam]
+    seam, one, two = (gradient(e) for e in (crossing.seam, crossing.before.expr, crossing.after.expr))
+    tangents = []
+    for normal, sense in ((one, -side), (two, side)):
+        along = [-normal[1], normal[0]]
+        lean = sense * (along[0] * seam[0] + along[1] * seam[1])
+        if not lean:
+            return None
+        tangents.append([c * context.sign(lean) for c in along])
+    out = _unit([a + b for a, b in zip(one, two, strict=True)], context)
+    rise = sum(c * (a + b) for c, a, b in zip(out, *tangents, strict=True)) / 2
+    if not rise > context.mpf(10) ** (-dps // 4):
+        return None
+    for k in range(2, 40, 3):
+        step = rise * max(abs(c) for c in x) * context.mpf(2) ** -k
+        pull = rise * step / 2
+        ends = [[c + step * t - pull * n for c, t, n in zip(x, tangent, out, strict=True)] for tangent in tangents]
+        p, q = (_rational(end, pull / 1000) for end in ends)
+        if (found := chord(case, parameters, p, q)) is not None:
+            return found
+    return None
+
+
+def _unit(vector: list[Any], context: Any) -> list[Any]:
+    size = context.hypot(*vector)
+    return [c / size if size else context.zero for c in vector]
 
 
 def _rational(point: Sequence[Any], tolerance: Any) -> list[Fraction]:

@@ -133,6 +133,9 @@ def without_outer_map(g: sp.Expr) -> sp.Expr:
             core = g.args[0] - 1
         elif g.is_Add and len(g.args) == 2:
             core = _undone(*g.args)
+            for term, rest in (g.args, g.args[::-1]):
+                if isinstance(term, sp.log) and term.args[0].is_extended_positive and not rest.free_symbols & term.free_symbols:
+                    core = term.args[0] - sp.exp(-rest)
         if core == g or not core.free_symbols:
             return g
         g = core

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from duhem.closed_form import Disk, Interval, Quadrants
 from duhem.errors import DuhemError
-from duhem.projection import Status, closed_form, project, quadrants
+from duhem.projection import Status, closed_form, projector, quadrants
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.shape import coefficients, of_pressure
@@ -96,19 +96,15 @@ def _on_interval(shape: Numbers, increment: Increment) -> Closest:
 
 
 def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
-    """Through :func:`duhem.projection.project`, which judges each answer; one that is not found ends the run."""
-    law = increment.law
+    """Through :class:`duhem.projection.Projector`, which judges each answer; one that is not found ends the run."""
+    prepared = projector(increment.law, increment.stiffness, increment.parameters, method)
 
     def at(trial: Array, rows: Rows) -> Answer:
-        pressure = None if law.pressure is None else increment.pressure[rows]
-        found = project(law, trial, pressure, increment.stiffness, increment.parameters, method=method)
+        found = prepared.at(replace(prepared.setting, trial=trial, pressure=increment.pressure[rows]))
         if (lost := np.flatnonzero(found.status >= Status.INACCURATE)).size:
             row, status = int(rows[lost[0]]), Status(int(found.status[lost[0]])).name.lower()
             what = f"the closest point under method {found.method} is {status}"
             raise DuhemError(what, where=f"step {row}", remedy="take another projection, or smaller steps")
         return found.stress, found.slip, found.multiplier
 
-    first = replace(increment, trial=increment.trial[:1], pressure=increment.pressure[:1])
-    pressure = None if law.pressure is None else first.pressure
-    chosen = project(law, first.trial * 0.0, pressure, increment.stiffness, increment.parameters, method=method).method
-    return at, f"projection by {chosen}"
+    return at, f"projection by {prepared.method}"

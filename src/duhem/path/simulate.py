@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from duhem.catalogue import load
+from duhem.catalogue import load_formula
 from duhem.criterion import Criterion
 from duhem.errors import InputError
 from duhem.path.history import History
@@ -90,7 +90,7 @@ def plan(
     """The checked question of :func:`simulate`, without an answer."""
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(METHODS)}")
-    known = load(law)
+    known = load_formula(law)
     fine = path.refined(substeps)
     d = len(known.forces)
     if fine.values.shape[1] != d:

@@ -1,4 +1,4 @@
-"""The portfolio: sign rules, exact cells, z3, enclosures, cheapest sound one first."""
+"""The portfolio: sign rules, exact cells on the line and in the plane, z3, enclosures, cheapest sound one first."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sympy as sp
 
 from duhem.expression import Neg, Pos, Where
 from duhem.expression.branches import TooManyBranchesError, branches
-from duhem.positivity.cells import by_cells
+from duhem.positivity.exact import by_exact
 from duhem.positivity.polynomials import NotAlgebraicError, Relation, System, polynomial_system
 from duhem.positivity.question import Answer, Question, Sense
 
@@ -111,7 +111,7 @@ def _decide_system(system: System, seconds: float) -> Answer:
 
     def answered(goal: Relation, given: tuple[Relation, ...]) -> Answer:
         part = System(goal, given, (), system.variables, system.circle)
-        exact = by_cells(part)
+        exact = by_exact(part, seconds)
         return exact if exact.holds is not None else by_smt(part, seconds)
 
     used = ""
@@ -133,7 +133,7 @@ def _factors(system: System) -> tuple[tuple[Relation, tuple[Relation, ...]], ...
     """
     goal = system.goal
     if goal.poly.is_number:
-        return () if bool(_holds(goal)) else ((goal, ()),)
+        return () if goal.holds() else ((goal, ()),)
     if goal.op in ("==", "!="):
         return ((goal, ()),)
     coefficient, factors = sp.factor_list(goal.poly)
@@ -147,11 +147,6 @@ def _factors(system: System) -> tuple[tuple[Relation, tuple[Relation, ...]], ...
         core *= factor
     main = Relation(sp.expand(core), goal.op)
     extra = tuple((relation, ()) for relation in away) if goal.op == ">" else ()
-    if main.poly.is_number and _holds(main):
+    if main.poly.is_number and main.holds():
         return extra
     return (*extra, (main, tuple(away)))
-
-
-def _holds(relation: Relation) -> bool:
-    value = relation.poly
-    return bool({">=": value >= 0, ">": value > 0, "==": value == 0, "!=": value != 0}[relation.op])

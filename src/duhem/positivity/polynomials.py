@@ -31,6 +31,11 @@ class Relation:
     poly: sp.Expr
     op: str
 
+    def holds(self) -> bool:
+        """Its truth, where ``poly`` is a number."""
+        value = self.poly
+        return bool({">=": value >= 0, ">": value > 0, "==": value == 0, "!=": value != 0}[self.op])
+
 
 @dataclass(frozen=True)
 class System:

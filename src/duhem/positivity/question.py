@@ -32,6 +32,34 @@ class Question:
     given: tuple[sp.Basic, ...] = ()
     circle: tuple[sp.Symbol, sp.Symbol] | None = None
 
+    def pinned(self) -> tuple[Question, ...]:
+        """The same with symbols that the relations make 0 put in place; on the circle the other coordinate is then 1 or -1.
+
+        None at all if the relations contradict each other; only itself if the formula is undefined there or nothing is 0.
+        """
+        zero = {s for s in self.expr.free_symbols.union(*(r.free_symbols for r in self.given)) if self._makes_zero(s)}
+        if not zero:
+            return (self,)
+        places: list[dict[sp.Symbol, sp.Expr]] = [dict.fromkeys(zero, sp.S.Zero)]
+        circle = self.circle
+        if circle is not None and zero & set(circle):
+            other = [s for s in circle if s not in zero]
+            places = [{**places[0], s: end} for s in other for end in (sp.S.One, sp.S.NegativeOne)]
+            circle = None
+        found = []
+        for place in places:
+            expr, given = self.expr.xreplace(place), tuple(dict.fromkeys(r.xreplace(place) for r in self.given))
+            if any(e.has(sp.nan, sp.zoo, sp.oo, -sp.oo) for e in (expr, *given)):
+                return (self,)
+            if sp.false not in given:
+                found.append(Question(expr, self.sense, tuple(r for r in given if r is not sp.true), circle))
+        return tuple(found)
+
+    def _makes_zero(self, s: sp.Symbol) -> bool:
+        below, above = {sp.LessThan(s, 0), sp.GreaterThan(-s, 0)}, {sp.GreaterThan(s, 0), sp.LessThan(-s, 0)}
+        relations = set(self.given)
+        return sp.Eq(s, 0) in relations or bool(relations & below and relations & above)
+
 
 @dataclass(frozen=True)
 class Answer:

@@ -13,13 +13,13 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.numpy_ import Program
 from duhem.projection.increment import Increment
-from duhem.projection.jets import Choices, Formula, formula
+from duhem.projection.jets import Choices, Formula, formula, program
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import ScaledFormula
 
-__all__ = ["Body", "Index", "Piece", "body", "crossing", "whitening"]
+__all__ = ["Body", "Index", "Piece", "body", "crossing", "power_of_two", "whitening"]
 
 Index = NDArray[np.intp]
 
@@ -85,7 +85,7 @@ class Body:
 def body(scaled: ScaledFormula, forces: tuple[sp.Symbol, ...], pressure: Array, size: Array, root: Array) -> Body:
     """The bodies of one law, measured by ``size`` (N,)."""
     data = tuple(scaled.data)
-    empty = Body(scaled, compiled(scaled.expr, (*forces, *data)), formula(scaled.expr, forces, data), (), size, root)
+    empty = Body(scaled, program(scaled.expr, (*forces, *data)), formula(scaled.expr, forces, data), (), size, root)
     return empty.resized(pressure, size)
 
 
@@ -94,6 +94,12 @@ def whitening(increment: Increment) -> tuple[float, Array]:
     k = increment.stiffness
     mean = float(np.trace(k) / len(k))
     return mean, np.diag(np.sqrt(np.diag(k) / mean)) if increment.diagonal else np.asarray(np.linalg.cholesky(k / mean))
+
+
+def power_of_two(size: Array) -> Array:
+    """The power of two below: scaling by it is exact."""
+    sound = np.isfinite(size) & (size > 0)
+    return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)
 
 
 def crossing(level: Callable[[Array, Index], Array], inside: Array, outside: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -29,7 +29,7 @@ def centres(body: Body, at: Index) -> tuple[Array, NDArray[np.bool_]]:
 
 def _inner(body: Body, x: Array, at: Index) -> NDArray[np.bool_]:
     d = len(body.root)
-    inside = np.ones(len(at), dtype=bool)
+    inside = body.level(x, at) < 0  # at = 0 it may be rounding alone
     for e in np.concatenate([np.eye(d), -np.eye(d)]):
         inside &= body.level(x + _MARGIN * e, at) <= 0
     return inside

@@ -34,7 +34,7 @@ def applies(increment: Increment) -> str | None:
 
 
 def solve(increment: Increment, *, compiled: bool = False) -> Solution:
-    """The closest points, in blocks of 16,384; units as in :class:`Increment`.
+    """The closest points, in blocks; units as in :class:`Increment`.
 
     ``compiled`` runs the same formulas through numba; a missing numba raises MissingExtraError.
     """
@@ -58,7 +58,10 @@ def solve(increment: Increment, *, compiled: bool = False) -> Solution:
             stress[:] = np.where(slips[:, None], stress + middle, increment.trial[block])
         steep = slope(pressure)
         multiplier /= np.where(steep > 0.0, steep, 1.0) * found.scale  # no slope where K is one point: every slip is normal
-        solution.failed[block] = ~(np.isfinite(stress).all(axis=1) & np.isfinite(slip).all(axis=1) & np.isfinite(multiplier))
+        sound = np.isfinite(multiplier)
+        for i in range(d):  # column by column: there are many rows and few columns
+            sound &= np.isfinite(stress[:, i]) & np.isfinite(slip[:, i])
+        np.logical_not(sound, out=solution.failed[block])
     return solution
 
 

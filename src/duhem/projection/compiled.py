@@ -17,7 +17,7 @@ from duhem.projection.result import Array
 
 __all__ = ["project"]
 
-_CHUNK = 1024  # points gathered before their directions are found together
+_CHUNK = 1024  # points looked at together: their numbers stay in the nearest cache
 
 
 def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
@@ -103,11 +103,25 @@ def _kernel() -> Callable[..., None]:
     ) -> None:
         stress[n, 0], stress[n, 1] = mu1 * e * w1, mu2 * e * w2
         if -900 < power < 900:
-            factor = math.ldexp(1.0, power)
+            factor = np.int64((np.int64(power) + 1023) << 52).view(np.float64)  # 2^power without a call
             lam[n], slip[n, 0], slip[n, 1] = z * factor, z * (w1 / mu1) * factor, z * (w2 / mu2) * factor
         else:
             lam[n] = math.ldexp(z, power)
             slip[n, 0], slip[n, 1] = math.ldexp(z * (w1 / mu1), power), math.ldexp(z * (w2 / mu2), power)
+
+    @jit
+    def examine(seen: Any, size: int, mu: Any) -> None:
+        """Ratios and F of the points of a chunk, and whether each sticks (0), slips (1) or needs care (2): no branch."""
+        a_plus, a_minus, b_plus, b_minus = mu[0, 0], mu[1, 0], mu[0, 1], mu[2, 1]
+        for i in range(size):
+            t1, t2, e = seen[0, i], seen[1, i], seen[2, i]
+            p1, l1 = quotient(abs(t1), where(t1 < 0.0, a_minus, a_plus))
+            p2, l2 = quotient(abs(t2), where(t2 < 0.0, b_minus, b_plus))
+            f = excess(p1, l1, p2, l2, e)
+            most = where(abs(t1) > abs(t2), abs(t1), abs(t2))
+            rough = (most > SAFE) | (e > SAFE) | (e < 1.0 / SAFE) | (abs(f) <= CLOSE * e * e)
+            seen[3, i], seen[4, i], seen[5, i], seen[6, i], seen[7, i] = p1, l1, p2, l2, f
+            seen[8, i] = where(rough, 2.0, where(f > 0.0, 1.0, 0.0))
 
     @jit
     def directions(work: Any, count: int) -> None:
@@ -118,48 +132,86 @@ def _kernel() -> Callable[..., None]:
             w1, w2 = direction(p1, p2, l2, e, r, rest)
             work[0, j], work[1, j], work[2, j] = w1, w2, multiplier_of(f, w1, w2, e, r)
 
+    @jit
+    def single(
+        n: int, trial: Any, load: Any, mu: Any, axes: Any, low: Any, ratio: Any, rest: Any, compliance: Any, power: Any, first: Any,
+        stress: Any, slip: Any, multiplier: Any,
+    ) -> None:  # fmt: skip
+        """One point, whatever its numbers."""
+        t1, t2, e = trial[n, 0], trial[n, 1], load[n]
+        q = (1 if t1 < 0.0 else 0) + (2 if t2 < 0.0 else 0)
+        scale = 0
+        if max(abs(t1), abs(t2), e) > SAFE or e < 1.0 / SAFE:
+            _, scale = math.frexp(max(abs(t1), abs(t2), e))
+            t1, t2, e = math.ldexp(t1, -scale), math.ldexp(t2, -scale), math.ldexp(e, -scale)
+        p1, l1, p2, l2, f = ratios(t1, t2, mu[q, 0], mu[q, 1], e)
+        if f <= 0.0:
+            return
+        if first[q] < 0:
+            w1, w2, z, q = oblique(t1, t2, e, q, mu, axes, low, ratio, rest)
+        else:
+            if first[q] == 1:
+                p1, p2, l2 = p2, p1, l1
+            w1, w2 = direction(p1, p2, l2, e, ratio[q], rest[q])
+            z = multiplier_of(f, w1, w2, e, ratio[q])
+            if first[q] == 1:
+                w1, w2 = w2, w1
+            w1, w2 = math.copysign(w1, trial[n, 0]), math.copysign(w2, trial[n, 1])
+        finish(n, w1, w2, z * compliance[q], scale + power[q], mu[q, 0], mu[q, 1], load[n], stress, slip, multiplier)
+
     @numba.njit(error_model="numpy")  # type: ignore[untyped-decorator,unused-ignore]
     def kernel(
         trial: Any, load: Any, mu: Any, axes: Any, low: Any, ratio: Any, rest: Any, compliance: Any, power: Any, first: Any,
         stress: Any, slip: Any, multiplier: Any,
     ) -> None:  # fmt: skip
-        work, place, scales = np.empty((7, _CHUNK)), np.empty(_CHUNK, np.int64), np.empty(_CHUNK, np.int64)
-        used = np.empty(_CHUNK, np.int64)
+        """In chunks, each a sequence of loops without branches, so that they run on vectors; points that need care by themselves."""
+        seen, work = np.empty((9, _CHUNK)), np.empty((7, _CHUNK))
+        place = np.empty(_CHUNK, np.int64)
+        unit, plain = np.empty(4), True
+        for q in range(4):
+            plain = plain and first[q] >= 0 and -900 < power[q] < 900
+            unit[q] = math.ldexp(compliance[q], power[q])
         for start in range(0, trial.shape[0], _CHUNK):
+            size = min(_CHUNK, trial.shape[0] - start)
+            for i in range(size):
+                seen[0, i], seen[1, i], seen[2, i] = trial[start + i, 0], trial[start + i, 1], load[start + i]
+            stress[start : start + size] = trial[start : start + size]
+            slip[start : start + size] = 0.0
+            multiplier[start : start + size] = 0.0
+            examine(seen, size, mu)
+            careful = 0.0
+            for i in range(size):
+                careful = max(careful, seen[8, i])
+            if careful == 2.0 or not plain:
+                for i in range(size):
+                    if seen[8, i] == 2.0 or (seen[8, i] == 1.0 and not plain):
+                        single(
+                            start + i, trial, load, mu, axes, low, ratio, rest, compliance, power, first, stress, slip, multiplier
+                        )  # fmt: skip
+            if not plain:
+                continue
             count = 0
-            for n in range(start, min(start + _CHUNK, trial.shape[0])):
-                t1, t2, e = trial[n, 0], trial[n, 1], load[n]
-                stress[n, 0], stress[n, 1] = t1, t2
-                slip[n, 0], slip[n, 1], multiplier[n] = 0.0, 0.0, 0.0
-                q = (1 if t1 < 0.0 else 0) + (2 if t2 < 0.0 else 0)
-                scale = 0
-                if max(abs(t1), abs(t2), e) > SAFE or e < 1.0 / SAFE:
-                    _, scale = math.frexp(max(abs(t1), abs(t2), e))
-                    t1, t2, e = math.ldexp(t1, -scale), math.ldexp(t2, -scale), math.ldexp(e, -scale)
-                p1, p2 = t1 / mu[q, 0], t2 / mu[q, 1]
-                if p1 * p1 + p2 * p2 <= e * e * (1.0 - 1e-13):
-                    continue
-                p1, l1, p2, l2, f = ratios(t1, t2, mu[q, 0], mu[q, 1], e)
-                if f <= 0.0:
-                    continue
-                if first[q] < 0:
-                    w1, w2, z, q = oblique(t1, t2, e, q, mu, axes, low, ratio, rest)
-                    finish(n, w1, w2, z * compliance[q], scale + power[q], mu[q, 0], mu[q, 1], load[n], stress, slip, multiplier)
-                    continue
-                if first[q] == 1:
-                    p1, p2, l2 = p2, p1, l1
-                work[0, count], work[1, count], work[2, count], work[3, count] = p1, p2, l2, f
-                work[4, count], work[5, count], work[6, count] = e, ratio[q], rest[q]
-                place[count], scales[count], used[count] = n, scale, q
-                count += 1
+            for i in range(size):
+                place[count] = i
+                count += 1 if seen[8, i] == 1.0 else 0
+            for j in range(count):
+                i = place[j]
+                q = (1 if seen[0, i] < 0.0 else 0) + (2 if seen[1, i] < 0.0 else 0)
+                swapped = first[q] == 1
+                work[0, j], work[1, j] = where(swapped, seen[5, i], seen[3, i]), where(swapped, seen[3, i], seen[5, i])
+                work[2, j], work[3, j] = where(swapped, seen[4, i], seen[6, i]), seen[7, i]
+                work[4, j], work[5, j], work[6, j] = seen[2, i], ratio[q], rest[q]
             directions(work, count)
             for j in range(count):
-                n, q, scale = place[j], used[j], scales[j]
-                w1, w2 = work[0, j], work[1, j]
-                if first[q] == 1:
-                    w1, w2 = w2, w1
-                w1, w2 = math.copysign(w1, trial[n, 0]), math.copysign(w2, trial[n, 1])
-                z = work[2, j] * compliance[q]
-                finish(n, w1, w2, z, scale + power[q], mu[q, 0], mu[q, 1], load[n], stress, slip, multiplier)
+                n = start + place[j]
+                t1, t2, e = trial[n, 0], trial[n, 1], load[n]
+                q = (1 if t1 < 0.0 else 0) + (2 if t2 < 0.0 else 0)
+                swapped = first[q] == 1
+                w1 = math.copysign(where(swapped, work[1, j], work[0, j]), t1)
+                w2 = math.copysign(where(swapped, work[0, j], work[1, j]), t2)
+                m1, m2 = mu[q, 0], mu[q, 1]
+                z = work[2, j] * unit[q]
+                stress[n, 0], stress[n, 1] = m1 * e * w1, m2 * e * w2
+                slip[n, 0], slip[n, 1], multiplier[n] = z * (w1 / m1), z * (w2 / m2), z
 
     return kernel

@@ -17,7 +17,7 @@ from typing import Any
 
 from duhem.errors import InputError
 
-__all__ = ["Rungs", "checked", "ran", "rungs"]
+__all__ = ["Rungs", "checked", "ran", "rungs", "tolerances"]
 
 Options = Mapping[str, Any]
 Rungs = tuple[tuple[Options, ...], ...]  # tolerances from the tightest on; for each, the ways to try it
@@ -85,6 +85,11 @@ def rungs(solver: str, tolerance: float | None) -> Rungs:
     if dialect is None:
         raise InputError(f"how {solver} spells its tolerance is not known", where="tolerance", remedy="leave it out")
     return (dialect.rung(tolerance),)
+
+
+def tolerances(solver: str) -> tuple[float, ...]:
+    """Those asked for one after the other where the caller names none."""
+    return _DIALECTS[solver].ladder if solver in _DIALECTS else ()
 
 
 def ran(problem: Any, tries: Rungs, *, solver: str, warm_start: bool) -> bool:

@@ -8,16 +8,18 @@ is posed in y = L^-1 sigma/R with k = kappa L L^T and R the size of K towards th
 
 so that all numbers are O(1) in any unit and at any distance of the trial (h, q: :mod:`duhem.projection.scaled_formula`).
 The multiplier lambda is the dual value of the constraint, taken back to the law's own units.
-The problem is compiled once and solved for one block of points after the other by changing its parameters (DPP; Agrawal
-et al. 2019, "Differentiable convex optimization layers").  It is slow and made to be trusted: nothing here is
-the inner loop of anything, and its answers count only after their residuals are recomputed.
+The problem is compiled once for a law and a stiffness, and solved for one block of points after the other by changing its
+parameters (DPP; Agrawal et al. 2019, "Differentiable convex optimization layers"); the last few are kept.  It is slow and
+made to be trusted: nothing here is the inner loop of anything, and its answers count only after their residuals are
+recomputed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from threading import get_ident
 from typing import Any
 
 import numpy as np
@@ -27,16 +29,20 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.cvxpy_ import dcp_fault, expression
 from duhem.expression.number import exact_number
-from duhem.expression.numpy_ import compiled
 from duhem.projection import conic_solvers
 from duhem.projection.conic_solvers import Rungs
 from duhem.projection.increment import Increment
+from duhem.projection.jets import program
+from duhem.projection.point import shrunk
+from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 
 __all__ = ["applies", "solve"]
 
 Indices = NDArray[np.intp]
+
+_POOR = 3e-8  # a residual
 
 _ELSEWHERE = "or take method='newton', which needs g smooth and K convex only"
 
@@ -57,8 +63,9 @@ def solve(
     """The increments' stress (Pa), slip k^-1 (sigma_tr - sigma) (m for k in Pa/m) and multiplier lambda, as the solver left them.
 
     ``solver``: any cone solver CVXPY finds installed.  ``tolerance``: its stopping tolerance on the O(1) problem, by
-    default the tightest it meets.  ``batch``: points stacked into one problem, several times faster a point; where a
-    block misses the tightest tolerance, its points are solved one by one.  ``warm_start``: start from the last answer.
+    default the tightest it meets, and others where the residuals are poor.  ``batch``: points stacked into one problem,
+    several times faster a point; where a block misses the tightest tolerance, its points are solved one by one.
+    ``warm_start``: start from the last answer.
     A trial with g <= 0 is its own projection, without a solver.  ``failed`` marks the points without an answer (nan):
     K empty, no multiplier (dg/dsigma = 0 on all of K, as for some laws at sigma_n = 0), or beyond double precision.
     Raises InputError for a law that is not DCP, an unknown solver, one that lacks a cone the law needs, a bad option.
@@ -71,12 +78,35 @@ def solve(
     run, rungs = partial(conic_solvers.ran, solver=name, warm_start=warm_start), conic_solvers.rungs(name, tolerance)
     count = len(increment.trial)
     stress, multiplier = increment.trial.copy(), np.zeros(count)
-    for g, chosen in _groups(increment):
+    bare = _at_a_point(increment)
+    for g, chosen in _groups(increment, np.setdiff1d(np.arange(count), bare)):
         slipping = _Slipping.of(increment, g, chosen)
-        stress[slipping.outside], multiplier[slipping.outside] = slipping.answers(run, rungs, int(batch))
+        stress[slipping.outside], multiplier[slipping.outside] = slipping.answers(run, rungs, int(batch), name)
+    if bare.size:
+        found = shrunk(increment, bare, partial(solve, solver=solver, tolerance=tolerance, batch=batch, warm_start=warm_start))
+        stress[bare], multiplier[bare] = np.where(found.failed[:, None], np.nan, found.stress), found.multiplier
     slip = np.asarray(np.linalg.solve(increment.stiffness, (increment.trial - stress).T).T, dtype=np.float64)
     failed = np.logical_not(np.all(np.isfinite(np.column_stack([stress, slip, multiplier])), axis=1))
-    return Solution(stress, slip, multiplier, np.atleast_1d(failed))
+    solution = Solution(stress, slip, multiplier, np.atleast_1d(failed))
+    if tolerance is None:
+        _bettered(increment, solution, name, warm_start)
+    return solution
+
+
+def _bettered(increment: Increment, solution: Solution, solver: str, warm_start: bool) -> None:
+    """Poor answers give way, in place, to better ones by other tolerances: where a solver stalls is a matter of luck."""
+    worst = residuals(increment, solution).worst()
+    for tolerance in conic_solvers.tolerances(solver)[1:]:
+        at = np.flatnonzero(~solution.failed & (worst > _POOR))
+        if not at.size:
+            return
+        asked = replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
+        other = solve(asked, solver=solver, tolerance=tolerance, batch=1, warm_start=warm_start)
+        found = residuals(asked, other).worst()
+        better = np.flatnonzero(found < worst[at])
+        worst[at[better]] = found[better]
+        for kept, new in ((solution.stress, other.stress), (solution.slip, other.slip), (solution.multiplier, other.multiplier)):
+            kept[at[better]] = new[better]
 
 
 def _cp() -> Any:
@@ -89,9 +119,14 @@ def _cp() -> Any:
 
 
 def _fault(increment: Increment, g: sp.Expr) -> str | None:
+    return _dcp_fault(g, increment.law.force_symbols(), _pressure(increment))
+
+
+@lru_cache(maxsize=256)
+def _dcp_fault(g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None) -> str | None:
     cp = _cp()
-    known: dict[sp.Symbol, Any] = {f: cp.Variable() for f in increment.law.force_symbols()}
-    if (pressure := _pressure(increment)) is not None:
+    known: dict[sp.Symbol, Any] = {f: cp.Variable() for f in forces}
+    if pressure is not None:
         known[pressure] = cp.Parameter(nonpos=True)
     return dcp_fault(g, known)
 
@@ -101,12 +136,25 @@ def _pressure(increment: Increment) -> sp.Symbol | None:
     return None if name is None else increment.law.symbols()[name]
 
 
-def _groups(increment: Increment) -> Iterator[tuple[sp.Expr, Indices]]:
+def _at_a_point(increment: Increment) -> Indices:
+    """The trials outside a K that has shrunk for want of pressure: a cone program without inner points has no central path."""
+    pressure = _pressure(increment)
+    if pressure is None:
+        return np.zeros(0, dtype=np.intp)
+    at = np.flatnonzero(increment.pressure == 0.0)
+    level = program(increment.g, (*increment.law.force_symbols(), pressure))
+    zero = np.zeros(at.size)
+    tip = ~(level(*(np.zeros((len(increment.law.forces), at.size))), zero) < 0.0)
+    return at[tip & ~(level(*increment.trial[at].T, zero) <= 0.0)]
+
+
+def _groups(increment: Increment, left: Indices) -> Iterator[tuple[sp.Expr, Indices]]:
     """One formula for all points, or one a pressure where only a known pressure makes it DCP (``where`` on the pressure)."""
     if _fault(increment, increment.g) is None:
-        yield increment.g, np.arange(len(increment.trial))
+        yield increment.g, left
     else:
-        yield from _by_pressure(increment)
+        for g, chosen in _by_pressure(increment):
+            yield g, np.intersect1d(chosen, left)
 
 
 def _by_pressure(increment: Increment) -> Iterator[tuple[sp.Expr, Indices]]:
@@ -122,7 +170,9 @@ def _by_pressure(increment: Increment) -> Iterator[tuple[sp.Expr, Indices]]:
 class _Slipping:
     """The points of one formula whose trial lies outside K, in scaled units."""
 
+    g: sp.Expr
     forces: tuple[sp.Symbol, ...]
+    pressure: sp.Symbol | None
     formula: ScaledFormula
     factor: Array  # L (d, d), k = kappa L L^T
     kappa: float
@@ -137,10 +187,10 @@ class _Slipping:
     def of(cls, increment: Increment, g: sp.Expr, chosen: Indices) -> _Slipping:
         forces, pressure = increment.law.force_symbols(), _pressure(increment)
         symbols = (*forces, *([] if pressure is None else [pressure]))
-        program = compiled(g, symbols)
+        level = program(g, symbols)
 
         def at(stress: Array, where: Indices) -> Array:
-            return program(*stress.T, *([] if pressure is None else [increment.pressure[where]]))
+            return level(*stress.T, *([] if pressure is None else [increment.pressure[where]]))
 
         outside = chosen[~(at(increment.trial[chosen], chosen) <= 0)]
         trial = increment.trial[outside]
@@ -154,13 +204,17 @@ class _Slipping:
         size = _size(lambda r: at(r[:, None] * (direction @ factor.T), outside), distance)
         formula = scaled(g, forces, pressure)
         data = formula.values(increment.pressure[outside], size)
-        h = compiled(formula.expr, (*forces, *data))
+        h = program(formula.expr, (*forces, *data))
         rise = h(*(2 * direction @ factor.T).T, *data.values()) - h(*(direction @ factor.T).T, *data.values())
         steep = rise[np.isfinite(rise) & (rise > 0)]
         slope = float(_power_of_two(np.median(steep))) if steep.size else 1.0
-        return cls(forces, formula, factor, float(kappa), outside, direction, distance, size, data, slope)
+        return cls(g, forces, pressure, formula, factor, float(kappa), outside, direction, distance, size, data, slope)
 
-    def answers(self, run: Callable[..., bool], rungs: Rungs, batch: int) -> tuple[Array, Array]:
+    def _posed(self, width: int, solver: str) -> _Posed:
+        factor = tuple(tuple(row) for row in self.factor.tolist())
+        return _posed(self.g, self.forces, self.pressure, factor, self.slope, width, solver, get_ident())
+
+    def answers(self, run: Callable[..., bool], rungs: Rungs, batch: int, solver: str) -> tuple[Array, Array]:
         """Stress (n, d) and multiplier (n,), nan where the solver has no answer."""
         count, dimension = self.direction.shape
         y, dual = np.full((count, dimension), np.nan), np.full(count, np.nan)
@@ -169,7 +223,7 @@ class _Slipping:
         for width, tries in ((min(batch, len(sound)), rungs[:1]), (1, rungs)):
             if not blocks:
                 break
-            posed, left = _Posed.of(self, width), []
+            posed, left = self._posed(width, solver), []
             for block in blocks:
                 answer = posed.answer(self, block, partial(run, tries=tries))
                 if answer is None:
@@ -213,18 +267,6 @@ class _Posed:
     data: dict[sp.Symbol, Any]
     width: int
 
-    @classmethod
-    def of(cls, slipping: _Slipping, width: int) -> _Posed:
-        cp = _cp()
-        dimension = len(slipping.forces)
-        y = cp.Variable((width, dimension))
-        curvature, pull = cp.Parameter((width, dimension), nonneg=True), cp.Parameter((width, dimension))
-        data = {q: cp.Parameter(width, **_sign(q)) for q in slipping.data}
-        stress = {f: sum(c * y[:, j] for j, c in enumerate(row) if c) for f, row in zip(slipping.forces, slipping.factor, strict=True)}
-        constraint = expression(slipping.formula.expr, {**stress, **data}) / slipping.slope <= 0
-        objective = cp.sum(cp.multiply(curvature, cp.square(y))) / 2 - cp.sum(cp.multiply(pull, y))
-        return cls(cp.Problem(cp.Minimize(objective), [constraint]), y, constraint, curvature, pull, data, width)
-
     def answer(self, slipping: _Slipping, block: Indices, run: Callable[[Any], bool]) -> tuple[Array, Array] | None:
         """y and the dual value at the points of the block, or None where the solver gives up."""
         points = np.resize(block, self.width)  # a last short block is filled up with points it already has
@@ -236,6 +278,29 @@ class _Posed:
         if not run(self.problem):
             return None
         return self.y.value[: len(block)], self.constraint.dual_value[: len(block)]
+
+
+@lru_cache(maxsize=16)
+def _posed(
+    g: sp.Expr,
+    forces: tuple[sp.Symbol, ...],
+    pressure: sp.Symbol | None,
+    factor: tuple[tuple[float, ...], ...],
+    slope: float,
+    width: int,
+    solver: str,
+    thread: int,
+) -> _Posed:
+    """The problem of ``width`` points, without their numbers; a problem compiled for a solver stays so, in its own thread."""
+    cp = _cp()
+    formula = scaled(g, forces, pressure)
+    y = cp.Variable((width, len(forces)))
+    curvature, pull = cp.Parameter((width, len(forces)), nonneg=True), cp.Parameter((width, len(forces)))
+    data = {q: cp.Parameter(width, **_sign(q)) for q in formula.data}
+    stress = {f: sum(c * y[:, j] for j, c in enumerate(row) if c) for f, row in zip(forces, factor, strict=True)}
+    constraint = expression(formula.expr, {**stress, **data}) / slope <= 0
+    objective = cp.sum(cp.multiply(curvature, cp.square(y))) / 2 - cp.sum(cp.multiply(pull, y))
+    return _Posed(cp.Problem(cp.Minimize(objective), [constraint]), y, constraint, curvature, pull, data, width)
 
 
 def _sign(symbol: sp.Symbol) -> dict[str, bool]:

@@ -10,8 +10,8 @@ is what Newton's method at a corner needs, and one-sided gradients at a seam are
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import partial, reduce
+from dataclasses import dataclass
+from functools import lru_cache, partial, reduce
 from itertools import combinations
 from typing import Any
 
@@ -21,11 +21,12 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
+from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 from duhem.projection.result import Array
 
-__all__ = ["Choices", "Formula", "Jet", "formula"]
+__all__ = ["Choices", "Formula", "Jet", "formula", "program"]
 
 Choices = NDArray[np.int8]
 
@@ -34,11 +35,12 @@ _TINY = 1e-120  # below this share of a norm an argument counts as this share: k
 
 @dataclass(frozen=True)
 class Jet:
-    """``value`` (N,), ``gradient`` (N, d) and ``hessian`` (N, d, d); None stands for zero."""
+    """``value`` (N,), ``gradient`` (N, d) and ``hessian`` (N, d, d); None stands for zero.  ``order`` 1: no hessian is followed."""
 
     value: Array
     gradient: Array | None = None
     hessian: Array | None = None
+    order: int = 2
 
 
 class _Kinks:
@@ -67,11 +69,12 @@ class Formula:
         n, d = forces.shape
         noted = _Kinks(choices, n, self.kinks)
         unit = np.eye(d)
-        registers = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, d))) for i in range(d)] + [Jet(v) for v in others]
+        order = 2 if second else 1
+        registers = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, d)), None, order) for i in range(d)]
+        registers += [Jet(v, order=order) for v in others]
         with np.errstate(all="ignore"):
             for step, arguments in self.steps:
-                jet = step(noted, *(registers[i] for i in arguments))
-                registers.append(jet if second else replace(jet, hessian=None))
+                registers.append(step(noted, *(registers[i] for i in arguments)))
         last = registers[self.last]
         value = np.broadcast_to(last.value, (n,))
         gradient = np.zeros((n, d)) if last.gradient is None else last.gradient
@@ -81,7 +84,17 @@ class Formula:
 
 def formula(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Formula:
     """``expr`` compiled once: differentiated in the ``forces``, the ``others`` held fixed."""
-    order = (*forces, *others)
+    return _recorded(expr, (*forces, *others))
+
+
+@lru_cache(maxsize=256)
+def program(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> Program:
+    """The value alone, over ``symbols``; compiled once, like :func:`formula`."""
+    return compiled(expr, symbols)
+
+
+@lru_cache(maxsize=256)
+def _recorded(expr: sp.Expr, order: tuple[sp.Symbol, ...]) -> Formula:
     steps: list[tuple[Callable[..., Jet], tuple[int, ...]]] = []
     kinks = 0
 
@@ -143,66 +156,79 @@ def _outer(first: Array, second: Array) -> Array:
     return first[:, :, None] * second[:, None, :]
 
 
-def _chain(x: Jet, value: Any, slope: Any, curvature: Any) -> Jet:
+def _chain(x: Jet, value: Any, slope: Any, curvature: Callable[[], Any]) -> Jet:
     """f(x) from f, f', f''."""
     if x.gradient is None:
         return Jet(value)
-    return Jet(value, _times(slope, x.gradient), _sum(_times(slope, x.hessian), _times(curvature, _outer(x.gradient, x.gradient))))
+    gradient = _times(slope, x.gradient)
+    if x.order == 1:
+        return Jet(value, gradient, None, 1)
+    return Jet(value, gradient, _sum(_times(slope, x.hessian), _times(curvature(), _outer(x.gradient, x.gradient))))
+
+
+def _order(jets: Sequence[Jet]) -> int:
+    """Constants have all derivatives, whatever is followed of the rest."""
+    return min((j.order for j in jets if j.gradient is not None), default=2)
 
 
 def _add(_: Any, *terms: Jet) -> Jet:
-    return reduce(lambda a, b: Jet(a.value + b.value, _sum(a.gradient, b.gradient), _sum(a.hessian, b.hessian)), terms)
+    return reduce(
+        lambda a, b: Jet(a.value + b.value, _sum(a.gradient, b.gradient), _sum(a.hessian, b.hessian), _order((a, b))),
+        terms,
+    )
 
 
 def _product(a: Jet, b: Jet) -> Jet:
+    gradient, order = _sum(_times(a.value, b.gradient), _times(b.value, a.gradient)), _order((a, b))
     hessian = _sum(_times(a.value, b.hessian), _times(b.value, a.hessian))
-    if a.gradient is not None and b.gradient is not None:
+    if order == 2 and a.gradient is not None and b.gradient is not None:
         cross = _outer(a.gradient, b.gradient)
         hessian = _sum(hessian, cross + np.swapaxes(cross, 1, 2))
-    return Jet(a.value * b.value, _sum(_times(a.value, b.gradient), _times(b.value, a.gradient)), hessian)
+    return Jet(a.value * b.value, gradient, hessian, order)
 
 
 def _power(node: Any, base: Jet, exponent: Jet) -> Jet:
     if exponent.gradient is not None:
         return _exp(node, _product(exponent, _log(node, base)))
     e, b = exponent.value, base.value
+    if node.exp == 2:
+        return _chain(base, np.square(b), 2.0 * b, lambda: np.full_like(b, 2.0))
     if base.gradient is None:
         return Jet(np.power(b, e))
     slope = e * np.power(b, e - 1) if node.exp != 1 else np.ones_like(b)
-    curvature = np.full_like(b, 2.0) if node.exp == 2 else e * (e - 1) * np.power(b, e - 2)
-    return _chain(base, np.power(b, e), slope, curvature)
+    return _chain(base, np.power(b, e), slope, lambda: e * (e - 1) * np.power(b, e - 2))
 
 
 def _exp(_: Any, x: Jet) -> Jet:
     value = np.exp(x.value)
-    return _chain(x, value, value, value)
+    return _chain(x, value, value, lambda: value)
 
 
 def _log(_: Any, x: Jet) -> Jet:
-    return _chain(x, np.log(x.value), 1 / x.value, -1 / np.square(x.value))
+    return _chain(x, np.log(x.value), 1 / x.value, lambda: -1 / np.square(x.value))
 
 
 def _sin(_: Any, x: Jet) -> Jet:
-    return _chain(x, np.sin(x.value), np.cos(x.value), -np.sin(x.value))
+    return _chain(x, np.sin(x.value), np.cos(x.value), lambda: -np.sin(x.value))
 
 
 def _cos(_: Any, x: Jet) -> Jet:
-    return _chain(x, np.cos(x.value), -np.sin(x.value), -np.cos(x.value))
+    return _chain(x, np.cos(x.value), -np.sin(x.value), lambda: -np.cos(x.value))
 
 
 def _tan(_: Any, x: Jet) -> Jet:
     t = np.tan(x.value)
-    return _chain(x, t, 1 + t * t, 2 * t * (1 + t * t))
+    return _chain(x, t, 1 + t * t, lambda: 2 * t * (1 + t * t))
 
 
 def _tanh(_: Any, x: Jet) -> Jet:
     t = np.tanh(x.value)
-    return _chain(x, t, 1 - t * t, -2 * t * (1 - t * t))
+    return _chain(x, t, 1 - t * t, lambda: -2 * t * (1 - t * t))
 
 
 def _atan(_: Any, x: Jet) -> Jet:
     s = 1 / (1 + np.square(x.value))
-    return _chain(x, np.arctan(x.value), s, -2 * x.value * s * s)
+    return _chain(x, np.arctan(x.value), s, lambda: -2 * x.value * s * s)
 
 
 def _norm(_: Any, *args: Jet) -> Jet:
@@ -228,6 +254,8 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...]) -> Jet:
     for a, slope in zip(args, slopes, strict=True):
         gradient = _sum(gradient, _times(slope, a.gradient))
         hessian = _sum(hessian, _times(slope, a.hessian))
+    if (order := _order(args)) == 1:
+        return Jet(value, gradient, None, 1)
     signs = [np.where(a.value < 0, -1.0, 1.0) for a in args]
     for i, j in combinations(range(len(args)), 2):
         turn = _sum(_times(shares[j] * signs[i], args[i].gradient), _times(-shares[i] * signs[j], args[j].gradient))
@@ -235,7 +263,7 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...]) -> Jet:
             continue
         weight = (p - 1) * np.power(np.maximum(shares[i], _TINY), p - 2) * np.power(np.maximum(shares[j], _TINY), p - 2) / unit
         hessian = _sum(hessian, _times(np.where(value > 0.0, weight, 0.0), _outer(turn, turn)))
-    return Jet(value, gradient, hessian)
+    return Jet(value, gradient, hessian, order)
 
 
 def _abs(_: Any, index: int, kinks: _Kinks, x: Jet) -> Jet:
@@ -249,7 +277,7 @@ def _ramp(node: Any, index: int, kinks: _Kinks, x: Jet) -> Jet:
 
 
 def _chain_linear(x: Jet, slope: Array) -> Jet:
-    return Jet(slope * x.value, _times(slope, x.gradient), _times(slope, x.hessian))
+    return Jet(slope * x.value, _times(slope, x.gradient), _times(slope, x.hessian), x.order)
 
 
 def _extreme(node: Any, index: int, kinks: _Kinks, *args: Jet) -> Jet:
@@ -278,7 +306,7 @@ def _select(which: NDArray[Any], args: tuple[Jet, ...]) -> Jet:
                 picked = np.where(which.reshape(shape) == i, part, picked)
         return picked
 
-    return Jet(value, chosen([a.gradient for a in args]), chosen([a.hessian for a in args]))
+    return Jet(value, chosen([a.gradient for a in args]), chosen([a.hessian for a in args]), _order(args))
 
 
 def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Jet]:

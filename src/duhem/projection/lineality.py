@@ -27,5 +27,5 @@ def lineality(body: Body) -> Array:
     sound = np.all(np.isfinite(normal), axis=1)
     if sound.sum() < len(at) // 2:
         return np.zeros((d, 0))
-    _, values, directions = np.linalg.svd(normal[sound], full_matrices=True)
+    _, values, directions = np.linalg.svd(np.linalg.qr(normal[sound], mode="r"))
     return np.asarray(directions[values <= _ALIKE * values[0]].T)

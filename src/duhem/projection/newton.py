@@ -10,18 +10,19 @@ which for a convex K are sufficient; so no iteration is trusted, only its result
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.body import Body, Index, body, crossing, whitening
+from duhem.projection.body import Body, Index, body, crossing, power_of_two, whitening
 from duhem.projection.centre import centres
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.increment import Increment
 from duhem.projection.jets import Choices
 from duhem.projection.lineality import lineality
+from duhem.projection.point import shrunk
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import scaled
 from duhem.projection.stationarity import Stationary, refine
@@ -40,7 +41,6 @@ _STRAIGHT = 1e-5  # over shorter ways a bend could hide in rounding
 _BESIDE = 1e-10  # how far the normals at a settled, sharp edge may be taken from beside it
 _DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
 _TIP = 1e-14  # a component this small is rounding of the others
-_SMALL = (2.0**-30, 2.0**-40)  # pressures close to none, relative to the trial
 _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting half-space
 
 
@@ -60,20 +60,23 @@ def solve(increment: Increment) -> Solution:
     symbol = increment.law.symbols()[increment.law.pressure] if increment.law.pressure else None
     formula = scaled(increment.g, forces, symbol)
     stiffness, root = whitening(increment)
-    whole = body(formula, forces, increment.pressure, _power_of_two(np.max(np.abs(trial), axis=1)), root)
+    whole = body(formula, forces, increment.pressure, power_of_two(np.max(np.abs(trial), axis=1)), root)
     level = whole.level(trial / whole.size[:, None], np.arange(n))
     failed |= ~np.all(np.isfinite(trial), axis=1) | ~np.all([np.isfinite(q) for q in (increment.pressure, *whole.data)], axis=0)
     who = np.flatnonzero((level > 0) & ~failed)
     if not who.size:
         return Solution(stress, slip, multiplier, failed)
     sized, centre, none = _measured(whole.of(who), trial[who], increment.pressure[who])
-    failed[who[none]] = True
-    _at_the_tip(increment, who[none], stress, slip, multiplier, failed)
+    if none.any():
+        bare = shrunk(increment, who[none], solve)
+        for kept, new in ((stress, bare.stress), (slip, bare.slip), (multiplier, bare.multiplier), (failed, bare.failed)):
+            kept[who[none]] = new
     who, inner, centre = who[~none], sized.of(np.flatnonzero(~none)), centre[~none]
     if not who.size:
         return Solution(stress, slip, multiplier, failed)
     size = inner.size
-    found = _project(inner, trial[who] / size[:, None], centre)
+    with np.errstate(over="ignore", invalid="ignore"):  # a step may go anywhere; what is not better is not taken
+        found = _project(inner, trial[who] / size[:, None], centre)
     _snap(inner, found.x)
     with np.errstate(over="ignore", invalid="ignore"):
         stress[who] = found.x * size[:, None]
@@ -90,7 +93,7 @@ def _measured(k: Body, trial: Array, pressure: Array) -> tuple[Body, Array, NDAr
         x = trial / k.size[:, None]
         share, missed = crossing(k.level, origin, x)
         near = np.max(np.abs(origin + share[:, None] * (x - origin)), axis=1)
-        grown = np.where(missed, 1.0, _power_of_two(near))
+        grown = np.where(missed, 1.0, power_of_two(near))
         k, origin = k.resized(pressure, k.size * grown), origin / grown[:, None]
         centre, none = centres(k, everyone)
         if not (centre != origin).any():
@@ -99,33 +102,12 @@ def _measured(k: Body, trial: Array, pressure: Array) -> tuple[Body, Array, NDAr
     return k, centre, none | missed
 
 
-def _at_the_tip(increment: Increment, at: Index, stress: Array, slip: Array, multiplier: Array, failed: NDArray[np.bool_]) -> None:
-    """No pressure, and K the tip of a cone alone: stress 0, and the multiplier is the limit of small pressures, if it has one."""
-    at = at[(increment.pressure[at] == 0.0)] if increment.law.pressure else at[:0]
-    if not at.size:
-        return
-    size = np.max(np.abs(increment.trial[at]), axis=1)
-    small, smaller = (solve(replace(increment, trial=increment.trial[at], pressure=-size * f)) for f in _SMALL)
-    reach = [np.max(np.abs(s.stress), axis=1) for s in (small, smaller)]
-    shrinks = ~small.failed & ~smaller.failed & (reach[1] < 0.5 * reach[0]) & (reach[0] < 1e-3 * size)
-    at, settled = at[shrinks], np.isclose(small.multiplier, smaller.multiplier, rtol=1e-6, atol=0.0)[shrinks]
-    stress[at], failed[at] = 0.0, False
-    slip[at] = np.linalg.solve(increment.stiffness, increment.trial[at].T).T
-    multiplier[at] = np.where(settled, smaller.multiplier[shrinks], np.inf)
-
-
 def _snap(k: Body, x: Array) -> None:
     """Components that are rounding become 0 where only that keeps the point inside: the tip of a cone, a face through 0."""
     clean = np.where(np.abs(x) <= _TIP * _reach(k, x)[:, None], 0.0, x)
     at = np.flatnonzero(np.any(clean != x, axis=1))
     better = at[(k.level(x[at], at) > 0) & (k.level(clean[at], at) <= 0)]
     x[better] = clean[better]
-
-
-def _power_of_two(size: Array) -> Array:
-    """The power of two below: scaling by it is exact."""
-    sound = np.isfinite(size) & (size > 0)
-    return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -10,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.catalogue import load
+from duhem.catalogue import load_formula
 from duhem.criterion import Criterion
 from duhem.errors import InputError
 from duhem.projection.increment import Increment
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Projection, Residuals, Solution, Status
-from duhem.projection.validation import increment as checked
+from duhem.projection.validation import posed, setting
 
-__all__ = ["ACCURACY", "METHODS", "project"]
+__all__ = ["ACCURACY", "METHODS", "Projector", "project", "projector"]
 
 METHODS = {"closed-form": "closed_form", "newton": "newton", "cvxpy": "cvxpy_method"}  # cheapest first
 ACCURACY = 1e-7  # a point with a larger residual is inaccurate
@@ -48,31 +49,57 @@ def project(
     returned as if it were.  Raises InputError for input that cannot be used, naming the first bad entry, and for a
     law with a flow of its own, which the closest point does not integrate.
     """
-    question = checked(load(law), trial, pressure, stiffness, parameters)
-    name, why = _chosen(question, method)
-    module = import_module(f"duhem.projection.{METHODS[name]}")
-    if tangent and not hasattr(module, "tangent"):
-        raise InputError(f"method {name} has no tangent", where="tangent", remedy="leave tangent out, or take a law with a closed form")
-    try:
-        solution: Solution = module.solve(question, **options)
-    except TypeError as fault:
-        if "keyword argument" not in str(fault):
-            raise
-        raise InputError(f"method {name} takes no such option: {fault}", remedy="leave it out") from None
-    found = residuals(question, solution)
-    slopes = module.tangent(question, solution) if tangent else (None, None)
-    return Projection(
-        stress=solution.stress,
-        slip=solution.slip,
-        multiplier=solution.multiplier,
-        dissipation=np.einsum("ij,ij->i", solution.stress, solution.slip),
-        status=_status(solution, found),
-        method=name,
-        why=why,
-        residuals=found,
-        tangent=slopes[0],
-        tangent_pressure=slopes[1],
-    )
+    return projector(law, stiffness, parameters, method)(trial, pressure, tangent, **options)
+
+
+@dataclass(frozen=True)
+class Projector:
+    """:func:`project` for one law, stiffness and set of parameters, checked once; made by :func:`projector`.
+
+    Call it with ``trial``, ``pressure``, ``tangent`` and the method's options, as often as there are steps.
+    """
+
+    setting: Increment
+    method: str
+    why: str
+
+    def __call__(self, trial: ArrayLike, pressure: ArrayLike | None = None, tangent: bool = False, **options: Any) -> Projection:
+        return self.at(posed(self.setting, trial, pressure), tangent, **options)
+
+    def at(self, question: Increment, tangent: bool = False, **options: Any) -> Projection:
+        """The same for points that are checked already: ``setting`` with ``trial`` (N, d) and ``pressure`` (N,) of finite numbers."""
+        module = import_module(f"duhem.projection.{METHODS[self.method]}")
+        if tangent and not hasattr(module, "tangent"):
+            remedy = "leave tangent out, or take a law with a closed form"
+            raise InputError(f"method {self.method} has no tangent", where="tangent", remedy=remedy)
+        try:
+            solution: Solution = module.solve(question, **options)
+        except TypeError as fault:
+            if "keyword argument" not in str(fault):
+                raise
+            raise InputError(f"method {self.method} takes no such option: {fault}", remedy="leave it out") from None
+        found = residuals(question, solution)
+        slopes = module.tangent(question, solution) if tangent else (None, None)
+        return Projection(
+            stress=solution.stress,
+            slip=solution.slip,
+            multiplier=solution.multiplier,
+            dissipation=np.einsum("ij,ij->i", solution.stress, solution.slip),
+            status=_status(solution, found),
+            method=self.method,
+            why=self.why,
+            residuals=found,
+            tangent=slopes[0],
+            tangent_pressure=slopes[1],
+        )
+
+
+def projector(
+    law: Criterion | str | Path, stiffness: ArrayLike = 1.0, parameters: Mapping[str, Any] | None = None, method: str = "auto"
+) -> Projector:
+    """What :func:`project` checks and chooses before it sees a stress; arguments, units and errors are the same."""
+    question = setting(load_formula(law), stiffness, parameters)
+    return Projector(question, *_chosen(question, method))
 
 
 def _chosen(question: Increment, method: str) -> tuple[str, str]:

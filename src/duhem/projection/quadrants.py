@@ -14,7 +14,7 @@ from duhem.projection.result import Array
 
 __all__ = ["BLOCK", "CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project"]
 
-BLOCK = 16_384
+BLOCK = 6_144  # larger ones make the allocator give memory back after each step and fault it in again: half the time
 _FORMULAS = formulas()
 SAFE = 2.0**300  # squares of what lies between 1/SAFE and SAFE neither overflow nor vanish
 CLOSE = 2.0**-45  # relative; closer than this, F of two words is not good to the last digits
@@ -132,16 +132,16 @@ def _project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip:
     solve = _straight if quarters.diagonal else _oblique
     kept, w, z, used = solve(scaled.take(outside, axis=0), e.take(outside), quadrant.take(outside), quarters)
     at = outside.take(kept)
-    z = z * quarters.compliance.take(used)
-    power = quarters.power.take(used) + (0 if scale is None else scale.take(at))
-    factor = np.ldexp(1.0, power) if scale is None and np.abs(quarters.power).max() < 900 else None
-    multiplier[at] = np.ldexp(z, power) if factor is None else z * factor
+    plain = scale is None and np.abs(quarters.power).max() < 900
+    z = z * (np.ldexp(quarters.compliance, quarters.power) if plain else quarters.compliance).take(used)
+    power = None if plain else quarters.power.take(used) + (0 if scale is None else scale.take(at))
+    multiplier[at] = z if power is None else np.ldexp(z, power)
     load = load.take(at)
     for i in (0, 1):
         mu = quarters.mu[:, i].take(used)
-        stress[at, i] = mu * load * w[i]
         slipped = z * (w[i] / mu)
-        slip[at, i] = np.ldexp(slipped, power) if factor is None else slipped * factor
+        stress[:, i][at] = mu * load * w[i]
+        slip[:, i][at] = slipped if power is None else np.ldexp(slipped, power)
 
 
 def _ratios(t: Array, quadrant: NDArray[np.intp], e: Array, quarters: Quarters) -> tuple[Array, Array, Array, Array, Array]:

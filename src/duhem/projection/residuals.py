@@ -9,22 +9,29 @@ Karush, Kuhn and Tucker for the closest point (R. T. Rockafellar, 1970, Convex A
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import reduce
+from dataclasses import dataclass, fields
+from functools import lru_cache, reduce
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.expression.numpy_ import compiled
+from duhem.expression.numpy_ import Program
 from duhem.projection.increment import Increment
-from duhem.projection.jets import Choices, Formula, Jet, formula
+from duhem.projection.jets import Choices, Formula, Jet, formula, program
 from duhem.projection.metric import factors
 from duhem.projection.result import Array, Residuals, Solution
 
 __all__ = ["residuals"]
 
+_Side = tuple[Array, Array, Array]  # unit normal, length of the gradient, height over the stress in lengths of it
+
 _BLOCK = 16_384
-_NUDGE = 1e-6  # relative; pieces of g that meet this close to a stress count as meeting in it
+_BESIDE = (1e-15, 1e-13, 1e-11, 1e-9, 1e-8, 5e-8, 1e-6, 1e-4)  # of the length of a stress: normals are looked for this close to it
+_CLOSE = 2.0  # times as far from the boundary as from the stress is not beside it
+_THIN = 1e-13  # of the length of a stress: what is less than this across is rounding
+_ROUNDING = 4e-15  # of each number that enters
+_OPPOSED = -0.9  # cosine of two normals so close to each other that K is thin, or a point
 _SUSPECT = 1e-9  # a normal farther off than this is looked at again, as the normal of a corner
 _HALVINGS = 1100
 
@@ -55,12 +62,12 @@ class _Judge:
         self.pressure = law.symbols()[law.pressure] if law.pressure else None
         self.formula: Formula = formula(increment.g, self.forces, () if self.pressure is None else (self.pressure,))
         names = self.forces if self.pressure is None else (*self.forces, self.pressure)
-        self.g = compiled(increment.g, names)
+        self.g = program(increment.g, names)
+        self.stiffness = increment.stiffness
         lower, inverse = factors(increment.stiffness)
-        self.of_slip, self.of_stress = lower, inverse.T
+        self.of_slip, self.of_stress, self.to_stress = lower, inverse.T, lower.T
         self.largest = float(increment.pressure.min(initial=0.0))
-        with np.errstate(all="ignore"):
-            self.reaches = self._reaches(self.largest)
+        self.reaches = _reaches(self.g, len(self.forces), self.largest if law.pressure else None)
 
     def value(self, stress: Array, pressure: Array) -> Array:
         return self.g(*stress.T) if self.pressure is None else self.g(*stress.T, pressure)
@@ -76,7 +83,7 @@ class _Judge:
         out.feasibility[still] = np.where(np.isnan(g), np.nan, 0.0)
         if (over := still[g > 0.0]).size:  # a stick on the boundary, to rounding
             jet, _ = self.slopes(got.stress[over], pressure[over])
-            out.feasibility[over] = _share(jet.value, np.abs(_slope(jet.gradient) * got.stress[over]).sum(axis=1))
+            out.feasibility[over] = _share(jet.value, _dot(np.abs(_slope(jet.gradient)), np.abs(got.stress[over])))
         at = np.flatnonzero(moved)
         if at.size:
             self._moved(at, trial[at], pressure[at], got, out)
@@ -86,8 +93,7 @@ class _Judge:
         jet, _ = self.slopes(stress, pressure)
         slope = _slope(jet.gradient)
         g = jet.value
-        relative = _share(np.abs(g), np.abs(slope * stress).sum(axis=1))
-        out.feasibility[at] = np.where(g <= 0.0, 0.0, relative)
+        relative = _share(np.abs(g), _dot(np.abs(slope), np.abs(stress)))
         aim, point, moved = trial @ self.of_stress, stress @ self.of_stress, slip @ self.of_slip
         size = np.maximum(_widest(aim), _widest(point))
         size = np.where(size > 0.0, size, 1.0)[:, None]
@@ -96,20 +102,42 @@ class _Judge:
         whole = distance + reach
         effort = np.sign(multiplier) * _share(_length(pull), whole)
         out.multiplier_sign[at] = np.maximum(-effort, 0.0)
-        out.complementarity[at] = np.abs(effort) * relative
-        balance = _share(_length(aim - moved - point), _length(aim) + reach)
-        off = _share(_length(moved - pull), whole)
+        room = np.where(reach > 0.0, reach, _length(aim))
+        depth = _share(np.abs(g), _length(slope @ self.of_slip)) / size[:, 0]
+        near = _share(depth, room)
+        out.feasibility[at] = np.where(g <= 0.0, 0.0, np.where(near <= _ROUNDING, near, relative))
+        out.complementarity[at] = _share(np.minimum(distance, depth), room)
+        missed = self._unbalanced(trial, stress, slip) @ self.of_stress / size
+        balance = np.maximum(_share(_length(aim - moved - point), _length(aim) + reach), _share(_length(missed), room))
+        rounding = _ROUNDING * _length(np.abs(slip) @ np.abs(self.of_slip) / size)
+        off = _length(moved - pull)
+        off = np.where(off <= rounding, _share(off, whole), _share(off, room))  # far from K a small angle can be a long way on it
         if (suspect := np.flatnonzero(~(off <= _SUSPECT))).size:
-            cone = self._off_cone(stress[suspect], pressure[suspect], slip[suspect], multiplier[suspect], trial[suspect])
-            off[suspect] = np.fmin(off[suspect], _share(cone / size[suspect, 0], whole[suspect]))
+            scale = room[suspect] * size[suspect, 0]
+            slips, amount = moved[suspect] / room[suspect, None], multiplier[suspect] / scale
+            rounding = rounding[suspect] / room[suspect]
+            doubt = _Suspect(stress[suspect], pressure[suspect], slips, amount, scale, rounding, reach[suspect] == 0.0)
+            off[suspect] = np.fmin(off[suspect], self._off_cone(doubt))
         out.stationarity[at] = np.maximum(balance, off)
-        variational = np.zeros(at.size)
+        out.variational[at] = self._excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
+
+    def _excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, reach: Array) -> Array:
+        """The largest (sigma_tr - sigma) . k^-1 (tau - sigma) over known points tau of K, relative; lengths are over ``size``."""
+        worst, work = np.zeros(len(whole)), _dot(point, moved)
         for known in self._known(pressure):
-            inside = self.value(known, pressure) <= 0.0
             other = known @ self.of_stress / size
-            excess = _share(((other - point) * moved).sum(axis=1), whole * (_length(other) + reach))
-            variational = np.fmax(variational, np.where(inside, excess, 0.0))
-        out.variational[at] = variational + 0.0 * whole
+            excess = _dot(other, moved) - work
+            if (beyond := np.flatnonzero(excess > 0.0)).size:
+                inside = self.value(known[beyond], pressure[beyond]) < 0.0  # at = 0 it may be rounding alone
+                share = _share(excess[beyond], whole[beyond] * (_length(other[beyond]) + reach[beyond]))
+                worst[beyond] = np.fmax(worst[beyond], np.where(inside, share, 0.0))
+        return worst
+
+    def _unbalanced(self, trial: Array, stress: Array, slip: Array) -> Array:
+        """trial - k slip - stress, beyond what the rounding of each explains, component by component."""
+        k = self.stiffness
+        missed = trial - slip @ k - stress
+        return np.sign(missed) * np.maximum(np.abs(missed) - _ROUNDING * (np.abs(slip) @ np.abs(k) + np.abs(trial) + np.abs(stress)), 0.0)
 
     def _known(self, pressure: Array) -> Iterator[Array]:
         """Points of K at each pressure, or close guesses: the origin, and what lies on the axes both ways."""
@@ -119,48 +147,96 @@ class _Judge:
         for way, reach in zip(np.vstack([np.eye(d), -np.eye(d)]), self.reaches, strict=True):
             yield share[:, None] * (reach * way)
 
-    def _reaches(self, pressure: float) -> Array:
-        """How far K goes along the axes at one pressure, from within, by bisection; 0 where it does not contain the origin."""
-        d = len(self.forces)
-        ways = np.vstack([np.eye(d), -np.eye(d)])
-        at = np.full(2 * d, pressure)
-        low, high = np.zeros(2 * d), np.full(2 * d, 1e300)
-        for _ in range(_HALVINGS):
-            middle = np.where(low > 0.0, np.sqrt(low) * np.sqrt(high), high * 2.0**-64)
-            middle = np.where(high < 1.5 * low, (low + high) / 2, middle)
-            inside = self.value(middle[:, None] * ways, at) <= 0.0
-            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-            if ((high - low <= 1e-12 * high) | (high == 0.0)).all():
-                break
-        return low
+    def _off_cone(self, suspect: _Suspect) -> Array:
+        """The least length of boundary around a stress in which K has its slip for a normal, as a share of the stress.
 
-    def _off_cone(self, stress: Array, pressure: Array, slip: Array, multiplier: Array, trial: Array) -> Array:
-        """Distance of each slip from lambda conv(the gradients of the pieces of g that meet in its stress)."""
-        d = stress.shape[1]
-        length = np.abs(stress).max(axis=1, keepdims=True)
-        tip = length == 0.0
-        nudge = _NUDGE * np.where(tip, np.abs(trial).max(axis=1, keepdims=True), length)
-        normals, sizes = [], []
-        for way in _ways(d):
-            beside, pieces = self.slopes(stress + nudge * way, pressure)
-            there, _ = self.slopes(stress, pressure, choices=pieces)
-            normal = np.where(tip, _slope(beside.gradient), _slope(there.gradient)) @ self.of_slip
-            sizes.append(_length(normal))
-            normals.append(normal / sizes[-1][:, None])
-        target = slip @ self.of_slip
-        whole = _length(target)
-        best = np.full(len(stress), np.inf)
+        The closest point is then as near as that: so corners count, and bends too sharp for the digits of a stress
+        (|x|^p, p near 1), and on a flat side a slip that is off by an angle does not.
+        """
+        best = np.full(len(suspect.slip), np.inf)
+        left = np.arange(len(best))
+        for share in _BESIDE:
+            found = np.maximum(self._off_normals(suspect.of(left), share), share)
+            best[left] = np.fmin(best[left], found)
+            left = left[~(best[left] <= 10.0 * share)]
+            if not left.size:
+                break
+        return best
+
+    def _off_normals(self, at: _Suspect, share: float) -> Array:
+        """Distance of the slips from the cone of the normals this close to the stress, or of the multiplier from theirs if that is more."""
+        d = at.stress.shape[1]
+        found = [self._beside(at, share * way) for way in _ways(d)]
+        facing = reduce(np.fmin, [_dot(a, b) for (a, *_), (b, *_) in combinations((off for off, _ in found), 2)])
+        thin = facing < _OPPOSED  # a point, or next to: no one multiplier, and no boundary to tell its sides apart
+        bare = (thin & (share <= _THIN)) | at.tip
+        normals = [np.where(bare[:, None], off[0], on[0]) for off, on in found]
+        steep = [np.where(bare, off[1], on[1]) for off, on in found]
+        heights = [np.where(bare, off[2], on[2]) for off, on in found]
+        best = np.full(len(at.slip), np.inf)
         for count in range(1, d + 1):
             for chosen in combinations(range(len(normals)), count):
                 basis = np.stack([normals[i] for i in chosen], axis=2)
                 usable: NDArray[np.bool_] = np.asarray(np.isfinite(basis).all(axis=(1, 2)))
-                weights = np.linalg.pinv(np.where(usable[:, None, None], basis, 0.0), rcond=1e-9) @ target[:, :, None]
-                weights = np.maximum(weights, 0.0)
-                left = _length(target - (basis @ weights)[:, :, 0])
-                share = (weights[:, :, 0] / np.stack([sizes[i] for i in chosen], axis=1)).sum(axis=1)
-                amount = np.where(tip[:, 0], 0.0, np.abs(share / multiplier - 1.0) * whole)  # a tip has gradients between those found
-                best = np.fmin(best, np.where(usable, np.maximum(left, amount), np.inf))
+                inverse = np.linalg.pinv(np.where(usable[:, None, None], basis, 0.0), rcond=_ROUNDING)
+                weights = np.maximum(inverse @ at.slip[:, :, None], 0.0)
+                meet = _length(np.einsum("ncd,nc->nd", inverse, np.stack([heights[i] for i in chosen], axis=1)))
+                sharp = reduce(np.fmin, [_dot(normals[i], normals[j]) for i, j in combinations(chosen, 2)], np.ones(len(best))) < 0.0
+                meet = np.where(sharp & ~bare, meet, 0.0)  # where the sides meet, which may be far off at a sharp corner
+                rest = _length(at.slip - (basis @ weights)[:, :, 0])
+                total = (weights[:, :, 0] / np.stack([steep[i] for i in chosen], axis=1)).sum(axis=1)
+                amount = np.where(thin, 0.0, np.abs(total / at.multiplier - 1.0))
+                rest = np.where(rest <= at.rounding, 0.0, rest)
+                best = np.fmin(best, np.where(usable, np.maximum(np.maximum(rest, amount), meet), np.inf))
         return best
+
+    def _beside(self, at: _Suspect, way: Array) -> tuple[_Side, _Side]:
+        """The side of K a ``way`` (in lengths of the stress) from it, and at the boundary from there."""
+        there = at.stress + at.scale[:, None] * (way @ self.to_stress)
+        jet, _ = self.slopes(there, at.pressure)
+        normal, steep = _unit(_slope(jet.gradient) @ self.of_slip)
+        fall = (jet.value / steep / at.scale)[:, None] * normal
+        on, _ = self.slopes(there - at.scale[:, None] * (fall @ self.to_stress), at.pressure)
+        beyond, rate = _unit(_slope(on.gradient) @ self.of_slip)
+        close = _length(fall) <= _CLOSE * _length(way[None])
+        return (normal, steep, _dot(normal, way - fall)), (np.where(close[:, None], beyond, np.nan), rate, _dot(beyond, way - fall))
+
+
+@dataclass(frozen=True)
+class _Suspect:
+    """Points (M,) whose slip is not along the gradient at their stress; ``slip``, its ``rounding`` and ``multiplier`` over ``scale``.
+
+    ``scale`` is the length of the stress, of the trial at the ``tip`` of a cone, where the stress is zero.  ``slip`` and
+    lengths are those of the metric of k.
+    """
+
+    stress: Array
+    pressure: Array
+    slip: Array
+    multiplier: Array
+    scale: Array
+    rounding: Array
+    tip: NDArray[np.bool_]
+
+    def of(self, at: NDArray[np.intp]) -> _Suspect:
+        return _Suspect(*(getattr(self, f.name)[at] for f in fields(self)))
+
+
+@lru_cache(maxsize=256)
+def _reaches(g: Program, d: int, pressure: float | None) -> tuple[float, ...]:
+    """How far K goes along the axes at one pressure, from within, by bisection; 0 where it does not contain the origin."""
+    ways = np.vstack([np.eye(d), -np.eye(d)])
+    rest = () if pressure is None else (np.full(2 * d, pressure),)
+    low, high = np.zeros(2 * d), np.full(2 * d, 1e300)
+    with np.errstate(all="ignore"):
+        for _ in range(_HALVINGS):
+            middle = np.where(low > 0.0, np.sqrt(low) * np.sqrt(high), high * 2.0**-64)
+            middle = np.where(high < 1.5 * low, (low + high) / 2, middle)
+            inside = g(*(middle[:, None] * ways).T, *rest) < 0.0
+            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+            if ((high - low <= 1e-12 * high) | (high == 0.0)).all():
+                break
+    return tuple(low.tolist())
 
 
 def _ways(d: int) -> Array:
@@ -169,8 +245,19 @@ def _ways(d: int) -> Array:
     return grid[(grid != 0.0).any(axis=1)] if d <= 2 else np.vstack([np.eye(d), -np.eye(d)])
 
 
+def _dot(first: Array, second: Array) -> Array:
+    return np.asarray(np.einsum("ij,ij->i", first, second))
+
+
 def _length(vectors: Array) -> Array:
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+    return np.asarray(np.sqrt(_dot(vectors, vectors)))
+
+
+def _unit(vectors: Array) -> tuple[Array, Array]:
+    """Directions and lengths, of very small vectors too."""
+    size = _widest(vectors)
+    length = _length(vectors / size[:, None])
+    return vectors / size[:, None] / length[:, None], length * size
 
 
 def _widest(vectors: Array) -> Array:

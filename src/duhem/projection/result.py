@@ -36,7 +36,8 @@ class Solution:
 class Residuals:
     """Optimality of each point (N,), recomputed from the law after every solve, relative to the scale of the increment.
 
-    ``feasibility`` max(g, 0); ``multiplier_sign`` max(-lambda, 0); ``complementarity`` |lambda g|; ``stationarity``
+    ``feasibility`` max(g, 0); ``multiplier_sign`` max(-lambda, 0); ``complementarity`` the lesser of
+    slip and distance from the boundary, one of which is to vanish; ``stationarity``
     distance of trial - k slip from the stress and of slip from lambda times the normal cone; ``variational`` the largest
     (sigma_tr - sigma) . k^-1 (tau - sigma) over points tau of K that are known.
     """

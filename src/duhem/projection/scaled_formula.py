@@ -9,14 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from duhem.expression import NODES, Neg, Norm, Pos, Table, fold
-from duhem.expression.numpy_ import compiled
 from duhem.expression.pnorm import PNorm, recognised
+from duhem.projection.jets import program
 from duhem.projection.result import Array
 
 __all__ = ["Datum", "ScaledFormula", "scaled"]
@@ -44,14 +45,18 @@ class ScaledFormula:
         known = {} if self.pressure is None else {self.pressure: pressure}
         with np.errstate(all="ignore"):
             return {
-                q: np.broadcast_to(compiled(d.expr, known)(*known.values()) / scale ** float(d.weight), scale.shape)
+                q: np.broadcast_to(program(d.expr, tuple(known))(*known.values()) / scale ** float(d.weight), scale.shape)
                 for q, d in self.data.items()
             }
 
 
 def scaled(g: sp.Expr, forces: Iterable[sp.Symbol], pressure: sp.Symbol | None) -> ScaledFormula:
     """``g``, a formula over ``forces`` and ``pressure`` with numbers for parameters, as h and the data of h."""
-    acting = frozenset(forces)
+    return _scaled(g, frozenset(forces), pressure)
+
+
+@lru_cache(maxsize=256)
+def _scaled(g: sp.Expr, acting: frozenset[sp.Symbol], pressure: sp.Symbol | None) -> ScaledFormula:
     try:
         weigher = _Weigher(acting, pressure)
         part = fold(recognised(g), weigher.table(), weigher.leaf)

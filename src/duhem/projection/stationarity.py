@@ -20,6 +20,7 @@ from duhem.projection.result import Array
 __all__ = ["Stationary", "refine", "stationary"]
 
 _HALVINGS = 6
+_PROGRESS = 0.9  # a step that leaves more of the error is the last: there is a kink in the way
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | Non
         step = _newton_step(best.take(who)) @ body.root.T
         sound = np.all(np.isfinite(step), axis=1)
         who, step = who[sound], step[sound]
-        moved = np.zeros(len(at), dtype=bool)
+        before = best.error[who]
         left, share = np.arange(len(who)), 1.0
         for _ in range(_HALVINGS):
             if not left.size:
@@ -106,10 +107,9 @@ def refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | Non
             )
             better = found.error < best.error[these]
             best.put(these[better], found.take(better))
-            moved[these[better]] = True
             settled = best.error[these] < 1e-14  # what does not improve here is rounding
             left, share = left[~better & ~settled], share * (0.5 if share > 0.2 else 0.1)
-        who = who[moved[who]]
+        who = who[best.error[who] < _PROGRESS * before]
     return best
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,18 @@ from duhem.projection.increment import Increment
 from duhem.projection.metric import factors
 from duhem.projection.result import Array
 
-__all__ = ["increment"]
+__all__ = ["increment", "posed", "setting"]
 
 
 def increment(
     law: Criterion, trial: ArrayLike, pressure: ArrayLike | None, stiffness: ArrayLike, parameters: Mapping[str, Any] | None
 ) -> Increment:
     """The checked question; InputError names the argument and the index of the first entry that cannot be used."""
+    return posed(setting(law, stiffness, parameters), trial, pressure)
+
+
+def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None) -> Increment:
+    """The checked question but for its points: no trial stress yet."""
     if law.flow is not None:
         raise InputError(
             f"{law.name} has a flow of its own, and the closest point is the slip increment of associated laws only",
@@ -30,9 +36,23 @@ def increment(
             remedy="integrate its flow rule instead, or project onto the same criterion without [flow]",
         )
     values = _parameters(law, parameters)
-    d = len(law.forces)
-    stresses = _trial(trial, d, law)
-    pressures = _pressure(pressure, law)
+    k = _stiffness(stiffness, len(law.forces))
+    return Increment(
+        law=law,
+        g=_formula(law, values),
+        trial=np.empty((0, len(law.forces))),
+        pressure=np.empty(0),
+        stiffness=k,
+        diagonal=bool((k == np.diag(np.diagonal(k))).all()),
+        parameters={name: int(value.p) / int(value.q) for name, value in values.items()},
+    )
+
+
+def posed(setting: Increment, trial: ArrayLike, pressure: ArrayLike | None) -> Increment:
+    """The question ``setting`` at other points, which are checked."""
+    d = len(setting.law.forces)
+    stresses = _trial(trial, d, setting.law)
+    pressures = _pressure(pressure, setting.law)
     try:
         n = np.broadcast_shapes((stresses.shape[0],), pressures.shape)[0]
     except ValueError:
@@ -41,16 +61,7 @@ def increment(
             where="pressure",
             remedy="give one pressure, or one a trial stress",
         ) from None
-    k = _stiffness(stiffness, d)
-    return Increment(
-        law=law,
-        g=_formula(law, values),
-        trial=np.broadcast_to(stresses, (n, d)),
-        pressure=np.broadcast_to(pressures, (n,)),
-        stiffness=k,
-        diagonal=bool((k == np.diag(np.diagonal(k))).all()),
-        parameters={name: int(value.p) / int(value.q) for name, value in values.items()},
-    )
+    return replace(setting, trial=np.broadcast_to(stresses, (n, d)), pressure=np.broadcast_to(pressures, (n,)))
 
 
 def _parameters(law: Criterion, given: Mapping[str, Any] | None) -> dict[str, sp.Rational]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from duhem import __version__
 
 if TYPE_CHECKING:
-    from duhem.criterion import Criterion
+    from duhem.parametric import Law
     from duhem.verification import ClaimResult, Verification
 
 __all__ = ["complete", "interrupted"]
@@ -20,7 +20,7 @@ def complete(verification: Verification) -> str:
     return json.dumps(verification.to_dict(), indent=2, ensure_ascii=False)
 
 
-def interrupted(law: Criterion, results: Sequence[ClaimResult]) -> str:
+def interrupted(law: Law, results: Sequence[ClaimResult]) -> str:
     """The same object with the claims decided so far; nothing is concluded from them."""
     claims = [result.to_dict() for result in results]
     head = {"duhem": __version__, "criterion": law.name, "parameters": {n: d.describe() for n, d in law.parameters.items()}}

@@ -9,10 +9,11 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from duhem.expression.text import formula
+from duhem.parametric import ParametricCriterion
 from duhem.verdict import Verdict, Witness
 
 if TYPE_CHECKING:
-    from duhem.criterion import Criterion
+    from duhem.parametric import Law
     from duhem.verification import ClaimResult, Verification
 
 __all__ = ["complete", "interrupted"]
@@ -37,7 +38,7 @@ def complete(verification: Verification) -> str:
     return _join(parts)
 
 
-def interrupted(law: Criterion, results: Sequence[ClaimResult]) -> str:
+def interrupted(law: Law, results: Sequence[ClaimResult]) -> str:
     """The report of a run that was stopped: the claims decided so far, and no conclusion."""
     note = f"Interrupted after {len(results)} claim{'s' * (len(results) != 1)}: nothing is concluded."
     return _join([[*_head(law)], [*_table(results)], [*_arguments(results)], [note]])
@@ -47,9 +48,9 @@ def _join(parts: Sequence[Sequence[str]]) -> str:
     return "\n\n".join("\n".join(line.rstrip() for line in part) for part in parts if part)
 
 
-def _head(law: Criterion) -> Iterator[str]:
+def _head(law: Law) -> Iterator[str]:
     yield from _hanging("", f"{law.name}: {law.summary}" if law.summary else law.name)
-    yield from _titled("criterion", _FIELD, f"{formula(law.g)} <= 0")
+    yield from _titled(*_stated(law))
     pressure = f"; pressure {law.pressure} <= 0 in compression, frozen" if law.pressure else "; no pressure"
     yield from _titled("forces", _FIELD, ", ".join(law.forces) + pressure)
     yield from _titled("parameters", _FIELD, ", ".join(_in_domain(n, d.describe()) for n, d in law.parameters.items()) or "none")
@@ -59,6 +60,13 @@ def _head(law: Criterion) -> Iterator[str]:
     yield from _titled("slip", _FIELD, direction)
     if law.source:
         yield from _titled("source", _FIELD, law.source)
+
+
+def _stated(law: Law) -> tuple[str, int, str]:
+    """What bounds K: the formula, or the curve at |pressure| = 1."""
+    if isinstance(law, ParametricCriterion):
+        return "boundary", _FIELD, f"|{law.pressure}| ({', '.join(formula(x) for x in law.boundary)}), {law.angle} from 0 to 2 pi"
+    return "criterion", _FIELD, f"{formula(law.g)} <= 0"
 
 
 def _in_domain(name: str, domain: str) -> str:

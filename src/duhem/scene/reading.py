@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from duhem.catalogue import load
+from duhem.catalogue import load_formula
 from duhem.criterion import Criterion
 from duhem.errors import InputError
 from duhem.path.loading import CONTROLS, Path
@@ -135,7 +135,7 @@ class _Reader:
             return None
         beside = self.folder / given
         try:
-            return load(beside if given.endswith(".toml") else given)
+            return load_formula(beside if given.endswith(".toml") else given)
         except InputError as fault:
             place = fault.where if fault.where.startswith(str(beside)) else self.place("", "law")
             self.faults.append(InputError(fault.what, where=place, remedy=fault.remedy))

@@ -1,0 +1,93 @@
+"""``duhem figures``: the figures of the source paper, computed from the model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from duhem.cli.arguments import read_number
+from duhem.cli.exit_code import HELD
+from duhem.cli.output import say
+from duhem.errors import InputError
+
+if TYPE_CHECKING:
+    from duhem.figures import Recipe
+
+__all__ = ["figures"]
+
+
+@click.command()
+@click.argument("names", nargs=-1, metavar="[NAMES]...")
+@click.option("--out", "folder", metavar="DIR", default="figures", show_default=True, help="The folder to write into; made if missing.")
+@click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help="Change a parameter of the figures named. Repeatable.")
+@click.option("--format", "form", type=click.Choice(["png", "pdf", "svg"]), default="png", show_default=True, help="How to draw.")
+@click.option("--data", is_flag=True, help="Write the numbers as CSV and draw nothing.")
+@click.option("--list", "listing", is_flag=True, help="List the figures with their parameters, and stop.")
+def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: str, data: bool, listing: bool) -> int:
+    """Compute the figures NAMES of the source paper: 1, 4, 5, 8, 9 and oblique; all of them if none is named.
+
+    Each is computed from the model and written as figure-NAME; the numbers it rests on are printed.  Figure 8 is a table:
+    it is printed, and written as CSV.
+    """
+    from duhem.figures import FIGURES, Table, unknown
+
+    for name in names:
+        if name not in FIGURES:
+            raise unknown("figure", name, FIGURES)
+    chosen = [FIGURES[name] for name in dict.fromkeys(names or FIGURES)]
+    if listing:
+        for recipe in chosen:
+            say(f"{recipe.name:<8} {recipe.title}")
+            say(" " * 9 + ", ".join(f"{name} = {default:g}" for name, default in recipe.parameters.items()))
+        return HELD
+    values = _read(settings, chosen)
+    target = Path(folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as fault:
+        raise InputError(f"the folder cannot be made: {fault.strerror}", where=folder, remedy="name another with --out") from None
+    for recipe in chosen:
+        figure = recipe(**{name: value for name, value in values.items() if name in recipe.parameters})
+        file = target / f"figure-{recipe.name}.{'csv' if data or isinstance(figure, Table) else form}"
+        if data or isinstance(figure, Table):
+            _write(file, figure.to_csv())
+        else:
+            from duhem.figures.drawing import save
+
+            save(figure, file)
+        say(f"{file}  {figure.title}")
+        if isinstance(figure, Table):
+            say("  " + figure.to_text().replace("\n", "\n  "))
+        for fact in figure.facts:
+            say(f"  {fact}")
+    return HELD
+
+
+def _read(settings: Sequence[str], chosen: Sequence[Recipe]) -> dict[str, float]:
+    """The settings as numbers; each has to be a parameter of one of the figures at least."""
+    from duhem.figures import unknown
+
+    known = {name: default for recipe in chosen for name, default in recipe.parameters.items()}
+    values: dict[str, float] = {}
+    for setting in settings:
+        name, equals, value = (part.strip() for part in setting.partition("="))
+        if not (name and equals and value):
+            raise InputError("this is not of the form NAME=VALUE", where=f"--set {setting}", remedy="write for example --set mu=0.24")
+        if name not in known:
+            raise unknown(f"parameter of figure {', '.join(recipe.name for recipe in chosen)}", name, known)
+        if name in values:
+            raise InputError(f"{name} is set twice", where=f"--set {setting}", remedy="set it once")
+        values[name] = read_number(value, f"--set {setting}")
+    return values
+
+
+def _write(file: Path, text: str) -> None:
+    try:
+        file.write_text(text, encoding="utf-8", newline="")
+    except OSError as fault:
+        raise InputError(
+            f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="name another folder with --out"
+        ) from None

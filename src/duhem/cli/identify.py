@@ -1,0 +1,47 @@
+"""``duhem identify``: the admissible law that fits measured limit points best."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import click
+
+from duhem.cli.arguments import read_fixed_formula, settings_option
+from duhem.cli.exit_code import HELD
+from duhem.cli.output import Progress, say
+
+__all__ = ["identify"]
+
+
+@click.command()
+@click.argument("points", type=click.Path(dir_okay=False))
+@click.option("--law", default="antoni2007", show_default=True, help="The family to fit: a name, a criterion file, or module:attribute.")
+@settings_option
+@click.option("--robust", is_flag=True, help="Minimise Huber's loss, which outliers hardly move, in place of squares.")
+@click.option("--bootstrap", type=click.IntRange(0), default=0, metavar="N", help="Draws for percentile intervals; 0: from the covariance.")
+@click.option("--seed", type=click.IntRange(0), default=0, metavar="S", show_default=True, help="Seed of the bootstrap.")
+@click.option("--out", metavar="FILE", help="Write the fitted law as a criterion file for duhem verify.")
+@click.option("--plot", metavar="FILE", help="Draw criterion, points and outliers (.png, .pdf, .svg).")
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
+)
+def identify(
+    points: str, law: str, settings: Sequence[str], robust: bool, bootstrap: int, seed: int, out: str | None, plot: str | None, form: str
+) -> int:
+    """Fit a law to the limit points in POINTS, a CSV file, and prove the fitted law admissible.
+
+    Columns: the law's forces and pressure (sigma_a, sigma_b, sigma_n; sigma_n < 0 in compression), one unit for all, and
+    either weight (proportional to 1/scatter^2) or scatter (standard deviation of each force).
+    """
+    from duhem import identification
+
+    family = read_fixed_formula(law, settings)
+    with Progress("identifying"):
+        done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed)
+    if out is not None:
+        done.to_toml(out)
+    if plot is not None:
+        done.plot(plot)
+    say(done.to_text() if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))
+    return HELD

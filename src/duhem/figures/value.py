@@ -1,0 +1,231 @@
+"""A figure as a value: what is on it, in numbers, before anything is drawn."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Array", "Arrows", "Axis", "Band", "Curve", "Fact", "Figure", "Layer", "Note", "Panel", "Points", "Rule", "Table"]
+
+Array = NDArray[np.float64]
+Row = tuple[str, float, float, float, float]  # series, x, y, dx, dy
+_NONE = math.nan
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A number that the figure shows or rests on: ``value`` in ``unit`` (empty for a dimensionless one)."""
+
+    name: str
+    value: float
+    unit: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} = {self.value:.6g} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True)
+class Axis:
+    """``symbol`` as on the figure (mathtext), ``name`` the same in plain text, ``unit`` of the numbers.
+
+    ``limits`` of the view and ``step`` of its ticks where the numbers alone do not give good ones.
+    """
+
+    name: str
+    symbol: str
+    unit: str = ""
+    limits: tuple[float, float] | None = None
+    step: float | None = None
+
+    @property
+    def label(self) -> str:
+        return f"{self.symbol} ({self.unit})" if self.unit else self.symbol
+
+    def __str__(self) -> str:
+        return f"{self.name} ({self.unit})" if self.unit else self.name
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A line through (x, y), both (n,).
+
+    Here and below ``name`` is the key, ``label`` what stands on the figure (mathtext; nothing if empty), and ``hue`` a place
+    in the palette, None for grey.
+    """
+
+    name: str
+    x: Array
+    y: Array
+    hue: int | None = 0
+    label: str = ""
+
+    def rows(self) -> Iterator[Row]:
+        return ((self.name, x, y, _NONE, _NONE) for x, y in zip(self.x.tolist(), self.y.tolist(), strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Marks at (x, y), both (n,)."""
+
+    name: str
+    x: Array
+    y: Array
+    hue: int | None = 0
+    label: str = ""
+
+    def rows(self) -> Iterator[Row]:
+        return ((self.name, x, y, _NONE, _NONE) for x, y in zip(self.x.tolist(), self.y.tolist(), strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Arrows:
+    """Unit directions ``along`` (n, 2) from the points ``start`` (n, 2); ``length`` is that of each in units of the axes."""
+
+    name: str
+    start: Array
+    along: Array
+    length: float
+    hue: int | None = None
+    label: str = ""
+
+    def rows(self) -> Iterator[Row]:
+        return ((self.name, *p, *d) for p, d in zip(self.start.tolist(), self.along.tolist(), strict=True))
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A line across the panel: all points whose ``axis`` coordinate is ``at``."""
+
+    name: str
+    axis: Literal["x", "y"]
+    at: float
+    hue: int | None = None
+    label: str = ""
+
+    def rows(self) -> Iterator[Row]:
+        yield (self.name, self.at, _NONE, _NONE, _NONE) if self.axis == "x" else (self.name, _NONE, self.at, _NONE, _NONE)
+
+
+@dataclass(frozen=True)
+class Band:
+    """A range low <= x <= high, shaded."""
+
+    name: str
+    low: float
+    high: float
+    label: str = ""
+
+    def rows(self) -> Iterator[Row]:
+        return ((self.name, end, _NONE, _NONE, _NONE) for end in (self.low, self.high))
+
+
+@dataclass(frozen=True)
+class Note:
+    """Words (mathtext) at a point; ``side`` is where they stand as seen from it."""
+
+    text: str
+    x: float
+    y: float
+    side: Literal["left", "above left", "below right"]
+
+    def rows(self) -> Iterator[Row]:
+        return iter(())
+
+
+Layer = Curve | Points | Arrows | Rule | Band | Note
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """Two axes and what is drawn on them, the first layer lowest; ``equal`` where a length is the same on both.
+
+    ``legend`` is where there is room for it.
+    """
+
+    x: Axis
+    y: Axis
+    layers: tuple[Layer, ...]
+    equal: bool = False
+    legend: Literal["above", "lower right"] = "above"
+
+    def __getitem__(self, name: str) -> Any:
+        """The layer of that name; KeyError if there is none."""
+        return {layer.name: layer for layer in self.layers if not isinstance(layer, Note)}[name]
+
+
+class _Facts:
+    facts: tuple[Fact, ...]
+
+    def __getitem__(self, name: str) -> float:
+        """The value of the fact of that name; KeyError if there is none."""
+        return {fact.name: fact.value for fact in self.facts}[name]
+
+
+@dataclass(frozen=True, eq=False)
+class Figure(_Facts):
+    """Panels side by side; ``settings`` are the parameters they were computed from, ``source`` author, year, figure."""
+
+    title: str
+    source: str
+    settings: Mapping[str, float]
+    panels: tuple[Panel, ...]
+    facts: tuple[Fact, ...] = ()
+
+    def to_csv(self) -> str:
+        """Every point of every layer, one a row: panel, series, x, y, and the direction dx, dy of an arrow."""
+        rows = (
+            (f"{panel.y} over {panel.x}", series, *map(_cell, numbers))
+            for panel in self.panels
+            for layer in panel.layers
+            for series, *numbers in layer.rows()
+        )
+        return _csv(("panel", "series", "x", "y", "dx", "dy"), rows)
+
+
+@dataclass(frozen=True, eq=False)
+class Table(_Facts):
+    """A figure that says more in rows: ``rows`` of text and numbers under ``columns``; ``remarks`` below them."""
+
+    title: str
+    source: str
+    settings: Mapping[str, float]
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str | float, ...], ...]
+    remarks: tuple[str, ...] = ()
+    facts: tuple[Fact, ...] = ()
+
+    def column(self, name: str) -> tuple[str | float, ...]:
+        """One column from top to bottom."""
+        at = self.columns.index(name)
+        return tuple(row[at] for row in self.rows)
+
+    def to_csv(self) -> str:
+        """The table; every number is read back to the last bit."""
+        return _csv(self.columns, (tuple(map(_cell, row)) for row in self.rows))
+
+    def to_text(self) -> str:
+        """The table in columns for reading, numbers to four digits, with its remarks."""
+        cells = [self.columns, *(tuple(f"{c:.4g}" if isinstance(c, float) else c for c in row) for row in self.rows)]
+        widths = [max(len(row[i]) for row in cells) for i in range(len(self.columns))]
+        left = [isinstance(c, str) for c in self.rows[0]]
+        lines = ("  ".join(c.ljust(w) if flush else c.rjust(w) for c, w, flush in zip(row, widths, left, strict=True)) for row in cells)
+        return "\n".join([*(line.rstrip() for line in lines), *self.remarks])
+
+
+def _cell(value: str | float) -> str:
+    return value if isinstance(value, str) else "" if math.isnan(value) else repr(float(value))
+
+
+def _csv(header: tuple[str, ...], rows: Any) -> str:
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    return stream.getvalue()

@@ -1,0 +1,59 @@
+"""A criterion as the text of a criterion file; :func:`duhem.criterion_file.reads` reads the same law back."""
+
+from __future__ import annotations
+
+import json
+
+import sympy as sp
+
+from duhem.criterion import Criterion, Domain
+from duhem.errors import InputError
+from duhem.expression.text import formula
+
+__all__ = ["criterion_text"]
+
+
+def criterion_text(law: Criterion) -> str:
+    """The law in TOML: formula, parameters with exact values or domains, constraints, flow.
+
+    InputError for a value or an end of a domain that is no finite decimal.
+    """
+    lines = ["[criterion]", f"name = {_quoted(law.name)}"]
+    lines += [f"{key} = {_quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
+    lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
+    lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}", f"g = {_quoted(formula(law.g))}"]
+    if law.constraints:
+        lines += [f"constraints = [{', '.join(_quoted(formula(c)) for c in law.constraints)}]"]
+    lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in law.parameters.items())]
+    if law.flow is not None:
+        lines += ["", "[flow]", f"direction = [{', '.join(_quoted(formula(c)) for c in law.flow)}]"]
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)  # a JSON string of printable text is a basic string of TOML
+
+
+def _domain(domain: Domain, where: str) -> str:
+    if domain.value is not None:
+        return f"{{ value = {_decimal(domain.value, where)} }}"
+    ends = [f"max = {_decimal(domain.high, where)}"] if domain.high is not None else []
+    if domain.positive:
+        ends = ["positive = true", *ends]
+    elif domain.low is not None:
+        ends = [f"min = {_decimal(domain.low, where)}", *ends]
+    return f"{{ {', '.join(ends)} }}" if ends else "{}"
+
+
+def _decimal(x: sp.Rational, where: str) -> str:
+    """``x`` in full, as TOML writes numbers."""
+    rest, places = int(x.q), {2: 0, 5: 0}
+    for prime in places:
+        while rest % prime == 0:
+            rest, places[prime] = rest // prime, places[prime] + 1
+    if rest != 1:
+        raise InputError(f"{x} is no finite decimal", where=where, remedy="give it as a decimal, such as 0.333333")
+    scale = max(places.values())
+    digits = str(abs(int(x.p)) * 10**scale // int(x.q)).rjust(scale + 1, "0")
+    body = f"{digits[:-scale]}.{digits[-scale:]}" if scale else digits
+    return f"-{body}" if x < 0 else body

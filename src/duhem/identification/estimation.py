@@ -1,0 +1,244 @@
+"""From usable points to an identification: the fit, what is known of it, and the proof of the fitted law."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+from scipy import stats
+
+from duhem.criterion import Criterion, Domain
+from duhem.domain_check import check_domain
+from duhem.errors import DuhemError, InputError
+from duhem.identification.coordinates import Coordinates
+from duhem.identification.fit import HUBER, Problem, Solved
+from duhem.identification.points import Points
+from duhem.identification.result import Estimate, Identification, Outlier
+from duhem.identification.start import convex, guesses
+from duhem.identification.statistics import bootstrapped, covariance, fisher_information, outlying, scatter_level
+from duhem.identification.surface import QuarterEllipses, free_parameters, surface
+from duhem.verdict import Verdict
+from duhem.verification import Verification, verify
+
+__all__ = ["estimated"]
+
+Array = NDArray[np.float64]
+
+CLAIMS = ("origin", "convexity", "normality", "dissipation")
+_UNFELT = 1e-9
+_SINGULAR = 1e-8
+_SNAP = 1e-12
+_NEAR = 1e-4
+_TAILS = (0.025, 0.975)
+
+
+def estimated(family: Criterion, read: Points, *, robust: bool, bootstrap: int, seed: int) -> Identification:
+    """The identification of ``family`` from points that are at least as many as its free parameters."""
+    problem, unfelt = _felt(family, read, _problem(family, read))
+    solved, resistant = _solved(problem, robust)
+    names = _names(problem)
+    if idle := _idle(problem, solved):
+        problem = _problem(_pinned(family, {n: solved.theta[names.index(n)] for n in idle} | dict.fromkeys(unfelt, 1)), read)
+        unfelt, keep = unfelt | dict.fromkeys(idle, "at the best fit no point feels it"), [i for i, n in enumerate(names) if n not in idle]
+        solved, resistant = (replace(s, theta=s.theta[keep], slope=s.slope[:, keep]) for s in (solved, resistant))
+        names = _names(problem)
+    _check_settled(problem, solved)
+    _check_at_rest(problem, solved, robust)
+    level = 1.0 if read.absolute else scatter_level(solved, problem.rounding(), robust=robust)
+    judged = outlying(resistant, problem.rounding(), absolute=read.absolute)
+    corner = HUBER * solved.level if robust else None
+    spread = covariance(solved, level, robust=robust)
+    values = {n: _decimal(x, family.parameters[n]) for n, x in zip(names, solved.theta.tolist(), strict=True)}
+    exponents = _exponents(family) & set(names)
+    fitted = _fixed(family, _short(family, problem, solved, corner, exponents) if exponents else values, read)
+    draws = _draws(problem, solved, corner, bootstrap, seed)
+    intervals = _intervals(problem, solved, spread, draws)
+    estimates = {n: _estimate(n, values[n], spread[i, i], intervals[i]) for i, n in enumerate(names)}
+    return Identification(
+        law=fitted,
+        family=family,
+        points=read,
+        estimates=tuple(estimates.get(n) or _not_fitted(family, n, unfelt) for n in family.parameters),
+        residual=solved.residual,
+        standardised=judged.standardised,
+        bound=judged.bound,
+        outliers=tuple(
+            Outlier(int(i) + 1, read.lines[i], float(resistant.residual[i] * read.scatter[i]), float(judged.standardised[i]))
+            for i in judged.outliers
+        ),
+        fisher=fisher_information(solved, level),
+        covariance=spread,
+        level=level,
+        draws=draws,
+        seed=seed,
+        robust=robust,
+        minimised=_minimised(robust),
+        verification=_proved(fitted),
+    )
+
+
+def _problem(law: Criterion, points: Points) -> Problem:
+    return Problem(points, surface(law, points.pressure), Coordinates(tuple(law.parameters[n] for n in free_parameters(law))))
+
+
+def _names(problem: Problem) -> tuple[str, ...]:
+    return problem.surface.names
+
+
+def _pinned(law: Criterion, values: Mapping[str, Any]) -> Criterion:
+    return law.fix({name: _decimal(float(value), law.parameters[name]) for name, value in values.items()})
+
+
+def _felt(family: Criterion, points: Points, problem: Problem) -> tuple[Problem, dict[str, str]]:
+    """The problem without the coefficients of senses in which there is no point, and why each of them is left out."""
+    ellipses = problem.surface
+    if not isinstance(ellipses, QuarterEllipses):
+        return problem, {}
+    squares = ellipses.squares(points.forces)[0]
+    columns = zip(ellipses.names, squares.T, strict=True)
+    unfelt = {name: f"no point has {ellipses.senses(name)}" for name, column in columns if not column.any()}
+    if len(unfelt) == len(ellipses.names):
+        raise InputError("; ".join(unfelt.values()), where=points.where, remedy=f"{', '.join(unfelt)} need points there")
+    return (_problem(_pinned(family, dict.fromkeys(unfelt, 1)), points) if unfelt else problem), unfelt
+
+
+# -- the fit and what is known of it ---------------------------------------------------------------------------------
+
+
+def _solved(problem: Problem, robust: bool) -> tuple[Solved, Solved]:
+    """The fit that is asked for, and the robust one, against which points are judged."""
+    ellipses = problem.surface
+    wide = isinstance(ellipses, QuarterEllipses)
+    start = convex(ellipses, problem.points) if isinstance(ellipses, QuarterEllipses) else guesses(problem, robust=True)
+    plain = problem.least_squares(start if wide else guesses(problem, robust=False))
+    if float(np.max(np.abs(plain.residual))) <= problem.rounding():
+        return plain, plain  # every point is on the boundary
+    resistant = problem.huber(start)
+    return (resistant if robust else plain), resistant
+
+
+def _idle(problem: Problem, solved: Solved) -> tuple[str, ...]:
+    """Parameters of no influence on any residual at the solution."""
+    influence = np.linalg.norm(solved.slope, axis=0) * problem.coordinates.stretch(solved.theta)
+    idle = influence <= _UNFELT * influence.max(initial=0.0)
+    if idle.all():
+        raise InputError(f"no point feels {', '.join(_names(problem))}", where=problem.points.where, remedy="measure in other directions")
+    return tuple(n for n, still in zip(_names(problem), idle, strict=True) if still)
+
+
+def _check_settled(problem: Problem, solved: Solved) -> None:
+    columns = solved.slope * problem.coordinates.stretch(solved.theta)
+    _, sizes, axes = np.linalg.svd(columns / np.linalg.norm(columns, axis=0), full_matrices=False)
+    if not np.all(np.isfinite(solved.theta)) or sizes[-1] <= _SINGULAR * sizes[0]:
+        mixed = [n for n, share in zip(_names(problem), np.abs(axes[-1]), strict=True) if share > 0.01]
+        raise InputError(
+            f"the points settle only a combination of {' and '.join(mixed)}",
+            where=problem.points.where,
+            remedy="add points in other directions, or fix one with --set NAME=VALUE",
+        )
+
+
+def _check_at_rest(problem: Problem, solved: Solved, robust: bool) -> None:
+    """The pull of the residuals on each parameter that is not held by its domain, as a cosine, is nothing."""
+    size = HUBER * solved.level
+    pull = np.clip(solved.residual, -size, size) if robust else solved.residual
+    if float(np.max(np.abs(solved.residual))) <= problem.rounding():
+        return
+    cosine = np.abs(solved.slope.T @ pull) / (np.linalg.norm(solved.slope, axis=0) * np.linalg.norm(pull))
+    low, high = problem.coordinates.bounds
+    x = problem.coordinates.inward(solved.theta)
+    free = (x > low + _NEAR) & (x < high - _NEAR)
+    if np.any(cosine[free] > _NEAR):
+        names = ", ".join(n for n, c, f in zip(_names(problem), cosine, free, strict=True) if f and c > _NEAR)
+        raise DuhemError(
+            f"the fit of {names} has not come to rest", where=problem.points.where, remedy="look for wrong points, or fix one with --set"
+        )
+
+
+def _draws(problem: Problem, solved: Solved, corner: float | None, draws: int, seed: int) -> Array:
+    if not draws or (not problem.points.absolute and len(problem.points) <= len(solved.theta)):
+        return np.empty((0, len(solved.theta)))
+    return bootstrapped(problem, solved, corner, draws, seed)
+
+
+def _intervals(problem: Problem, solved: Solved, spread: Array, draws: Array) -> list[tuple[float, float] | None]:
+    if len(draws):
+        low, high = np.quantile(draws, _TAILS, axis=0)
+        return list(zip(low.tolist(), high.tolist(), strict=True))
+    m, p = solved.slope.shape
+    wide = stats.norm.ppf(_TAILS[1]) if problem.points.absolute else stats.t.ppf(_TAILS[1], m - p) if m > p else np.nan
+    c = problem.coordinates
+    x, reach = c.inward(solved.theta), wide * np.sqrt(np.diag(spread)) / c.stretch(solved.theta)
+    low, high = (np.clip(c.outward(x + sign * reach), *map(c.outward, c.bounds)) for sign in (-1, 1))
+    return [(a, b) if np.isfinite(a) and np.isfinite(b) else None for a, b in zip(low.tolist(), high.tolist(), strict=True)]
+
+
+def _estimate(name: str, value: str, variance: float, interval: tuple[float, float] | None) -> Estimate:
+    error = float(np.sqrt(variance))
+    return Estimate(name, "fitted", float(value), error if np.isfinite(error) else None, interval)
+
+
+def _not_fitted(family: Criterion, name: str, unfelt: Mapping[str, str]) -> Estimate:
+    domain = family.parameters[name]
+    if name in unfelt:
+        return Estimate(name, "open", None, remark=f"not identifiable: {unfelt[name]}; left open, {domain.describe()}")
+    assert domain.value is not None
+    return Estimate(name, "given", float(domain.value), remark="given")
+
+
+# -- the law ---------------------------------------------------------------------------------------------------------
+
+
+def _decimal(value: float, domain: Domain) -> str:
+    """The shortest decimal of ``value``; the end of its domain where it differs from that by rounding or lies beyond."""
+    low, high = (None if end is None else float(end) for end in (domain.low, domain.high))
+    if high is not None and value >= high - _SNAP * abs(high):
+        return repr(high)
+    return repr(low if low is not None and not domain.positive and value <= low + _SNAP * abs(low) else float(value))
+
+
+def _fixed(family: Criterion, values: Mapping[str, str], points: Points) -> Criterion:
+    fitted = family.fix(values)
+    try:
+        check_domain(fitted)
+    except InputError as fault:
+        shown = ", ".join(f"{n} = {float(v):.6g}" for n, v in values.items())
+        raise InputError(
+            f"the best fit, {shown}, leaves the law's domain: {fault.what}", where=points.where, remedy="take another law"
+        ) from None
+    return fitted
+
+
+def _exponents(law: Criterion) -> set[str]:
+    """Free parameters in an exponent.  Exact arithmetic on powers of long decimals to long decimals does not end."""
+    inside = set().union(*(power.exp.free_symbols for power in law.g.atoms(sp.Pow)))
+    return {symbol.name for symbol in inside} & set(free_parameters(law))
+
+
+def _short(family: Criterion, problem: Problem, solved: Solved, corner: float | None, exponents: set[str]) -> dict[str, str]:
+    """Values with exponents to three decimals, the others refitted to them and cut to six digits."""
+    theta = dict(zip(_names(problem), solved.theta.tolist(), strict=True))
+    short = {n: f"{theta[n]:.3f}" for n in exponents}
+    rest = _problem(family.fix(short), problem.points)
+    refitted = rest.minimised(np.array([theta[n] for n in _names(rest)]), corner)
+    return short | {n: f"{x:.6g}" for n, x in zip(_names(rest), refitted.tolist(), strict=True)}
+
+
+def _proved(law: Criterion) -> Verification:
+    done = verify(law, claims=CLAIMS)
+    for result in done.results:
+        if result.verdict is Verdict.REFUTED:
+            raise InputError(
+                f"the best fit of {law.name} is not admissible: {result.claim} is refuted, {result.detail}",
+                where="law",
+                remedy="take another law, or a criterion file whose parameters have narrower domains",
+            )
+    return done
+
+
+def _minimised(robust: bool) -> str:
+    return f"sum of {'Huber(1.345)' if robust else 'squares'} of distance to the boundary over scatter, distance = g/|dg/dsigma|"

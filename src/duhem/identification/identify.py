@@ -1,0 +1,77 @@
+"""The admissible law of a family that fits measured limit points best."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from duhem.catalogue import load_formula
+from duhem.criterion import Criterion
+from duhem.domain_check import check_domain
+from duhem.errors import InputError
+from duhem.identification.points import Points
+from duhem.identification.result import Identification
+
+__all__ = ["identify"]
+
+MOST_DRAWS = 1_000_000
+
+
+def identify(
+    points: Any,
+    law: str | Path | Criterion = "antoni2007",
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    robust: bool = False,
+    bootstrap: int = 0,
+    seed: int = 0,
+) -> Identification:
+    """Fit the free parameters of ``law`` to limit points and prove the fitted law admissible.
+
+    ``points``: a CSV file, a mapping of columns or an array (m, d + 1), as :meth:`Points.of` reads them: forces and
+    pressure (sigma_n < 0 in compression) in one unit, perhaps ``weight`` or ``scatter``.  ``parameters`` fixes some values
+    beforehand.  Minimised is the sum of rho(distance/scatter) over the points (:mod:`duhem.identification.fit`), rho a
+    square or, with ``robust``, Huber's loss.  ``bootstrap`` draws with ``seed`` give percentile intervals; 0 gives those of
+    the covariance.
+
+    The law is fixed to the estimates exactly, unless a parameter is an exponent: then to three decimals of that, the others
+    refitted and cut to six digits.  A parameter that no point feels stays open in the law, over its whole domain.
+
+    Raises InputError for points that cannot be used or do not settle the parameters, and for a family that is not suited:
+    with a slip direction of its own (limit points say nothing of slip), with corners (max or min of the forces), or whose
+    best fit is not admissible.
+    """
+    family = load_formula(law).fix(parameters)
+    check_domain(family)
+    _check_suited(family)
+    _check_count(bootstrap, "bootstrap", MOST_DRAWS)
+    _check_count(seed, "seed", 2**63)
+    read = Points.of(points, family)
+    free = [name for name, domain in family.parameters.items() if domain.value is None]
+    if not free:
+        raise InputError(f"{family.name} has no free parameter", where="parameters", remedy="leave at least one to identify")
+    if len(read) < len(free):
+        counts = f"{len(read)} points for the {len(free)} unknowns {', '.join(free)}"
+        raise InputError(f"there are only {counts}", where=read.where, remedy="add points, or fix a parameter with --set NAME=VALUE")
+    from duhem.identification.estimation import estimated  # solvers and deciders, once the points are known to be usable
+
+    return estimated(family, read, robust=robust, bootstrap=bootstrap, seed=seed)
+
+
+def _check_suited(law: Criterion) -> None:
+    if law.flow is not None:
+        what = f"{law.name} has a slip direction of its own, of which limit points say nothing"
+        raise InputError(what, where="law", remedy="take an associated law, such as antoni2007 or orthotropic")
+    forces = set(law.force_symbols())
+    if any(node.free_symbols & forces for node in law.g.atoms(sp.Max, sp.Min)):
+        what = f"{law.name} has corners, where the distance to the boundary has no derivative"
+        raise InputError(what, where="law", remedy="take a law with a smooth boundary, such as superellipse")
+
+
+def _check_count(value: int, what: str, most: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not 0 <= value <= most:
+        raise InputError(f"{what} = {value!r} is not a whole number from 0 to {most}", where=what, remedy="give for example 1000")

@@ -1,0 +1,111 @@
+r"""Apparent friction of a rough profile of wedges: coefficients along the ridge normal, limit point at any slip angle.
+
+Body 2 carries long wedges; their sides have slopes tan(alpha) (facing slip along +t_a) and tan(beta) (facing slip along
+-t_a) and local friction mu_alpha, mu_beta.  Body 1 is a bed of independent springs normal to the mean plane.
+Angles in radians, in (0, pi/2); coefficients dimensionless; arguments broadcast.
+
+Source: Antoni, Ligier, Saffré, Pastor (2007), Eqs. (4), (6), (13), (15), (16).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.errors import InputError
+
+__all__ = ["coefficients", "limit_point", "slip_direction"]
+
+Array = NDArray[np.float64]
+
+
+def coefficients(alpha: ArrayLike, beta: ArrayLike, mu_alpha: ArrayLike, mu_beta: ArrayLike) -> tuple[Array, Array]:
+    """(mu_plus, mu_minus), the apparent coefficients for slip along +t_a (Eq. 13) and -t_a (Eq. 15).
+
+    mu_plus  = [H(mu_alpha, alpha) tan beta + H(mu_beta, -beta) tan alpha]/(tan alpha + tan beta),
+    mu_minus = [H(mu_beta, beta) tan alpha + H(mu_alpha, -alpha) tan beta]/(tan alpha + tan beta),
+    H(x, y) = (x + tan y)/(1 - x tan y) (Eq. 6).  Each has the shape to which the arguments broadcast.
+
+    InputError when an angle is outside (0, pi/2), a coefficient negative, a number not finite, the shapes do not broadcast,
+    or a side cannot slide: mu_alpha tan(alpha) >= 1 (Eq. 4), mu_beta tan(beta) >= 1 (Eq. 16).
+    """
+    ta, tb, ma, mb = _profile(alpha, beta, mu_alpha, mu_beta)
+    plus = (_apparent(ma, ta) * tb + _apparent(mb, -tb) * ta) / (ta + tb)
+    minus = (_apparent(mb, tb) * ta + _apparent(ma, -ta) * tb) / (ta + tb)
+    return plus, minus
+
+
+def limit_point(phi: ArrayLike, alpha: ArrayLike, beta: ArrayLike, mu_alpha: ArrayLike, mu_beta: ArrayLike) -> Array:
+    """Traction (..., 2) per unit |sigma_n| while the body slips in the direction :func:`slip_direction` (phi).
+
+    On a side of slope t along t_a the tip of a spring moves with v = (cos phi, sin phi, t cos phi) and is pushed by a
+    force along n/|n| - mu v/|v| with n = (-t, 0, 1); the traction is the tangential over the vertical part, averaged over
+    the two sides (t = tan alpha and -tan beta) by their horizontal lengths.  phi = 0 and pi give mu_plus and -mu_minus.
+
+    ``phi`` in radians, measured from t_a towards t_b; it broadcasts with the profile.  InputError as :func:`coefficients`.
+    """
+    ta, tb, ma, mb, angle = _profile(alpha, beta, mu_alpha, mu_beta, phi)
+    one, other = _traction(angle, ta, ma), _traction(angle, -tb, mb)
+    return (one * tb[..., None] + other * ta[..., None]) / (ta + tb)[..., None]
+
+
+def slip_direction(phi: ArrayLike) -> Array:
+    """(cos phi, sin phi), shape (..., 2): the unit direction of slip that goes with :func:`limit_point`."""
+    angle = _finite("phi", phi)
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _apparent(mu: Array, slope: Array) -> Array:
+    """H of Eq. (6) in terms of the slope tan y."""
+    return (mu + slope) / (1 - mu * slope)
+
+
+def _traction(phi: Array, slope: Array, mu: Array) -> Array:
+    """Traction of one side, (..., 2); 1 - w mu slope cos phi > 0 because |w cos phi| <= 1 with w = |n|/|v|."""
+    c, s = np.cos(phi), np.sin(phi)
+    w = np.sqrt((1 + slope**2) / (1 + (slope * c) ** 2))
+    return np.stack([slope + w * mu * c, w * mu * s], axis=-1) / (1 - w * mu * slope * c)[..., None]
+
+
+def _profile(alpha: ArrayLike, beta: ArrayLike, mu_alpha: ArrayLike, mu_beta: ArrayLike, *more: ArrayLike) -> tuple[Array, ...]:
+    """Slopes, coefficients and what else broadcasts with them, or an InputError."""
+    names = ("alpha", "beta", "mu_alpha", "mu_beta", "phi")
+    arrays = [_finite(name, value) for name, value in zip(names, (alpha, beta, mu_alpha, mu_beta, *more), strict=False)]
+    for name, array in zip(names[:2], arrays[:2], strict=True):
+        _refuse((array <= 0) | (array >= np.pi / 2), name, array, "is outside (0, pi/2)", "give angles in radians")
+    for name, array in zip(names[2:4], arrays[2:4], strict=True):
+        _refuse(array < 0, name, array, "is negative", "give coefficients of friction >= 0")
+    for i, array in enumerate(arrays[1:], 1):
+        try:
+            np.broadcast_shapes(*(a.shape for a in arrays[:i]), array.shape)
+        except ValueError:
+            others = ", ".join(f"{n} {a.shape}" for n, a in zip(names, arrays[:i], strict=False))
+            raise InputError(
+                f"shape {array.shape} does not broadcast with {others}", where=names[i], remedy="give scalars or arrays of one shape"
+            ) from None
+    wide = np.broadcast_arrays(*arrays)
+    slopes = [np.tan(wide[0]), np.tan(wide[1])]
+    for side, angle, slope, mu, equation in zip(names[:2], wide[:2], slopes, wide[2:4], ("Eq. 4", "Eq. 16"), strict=True):
+        rounding = 4 * np.finfo(float).eps * (1 + 2 * angle / np.sin(2 * angle))  # of the tangent of a rounded angle
+        text = f"makes mu_{side} tan({side}) >= 1: the springs cannot slide up this side ({equation})"
+        _refuse(mu * slope >= 1 - rounding, f"mu_{side}", mu, text, f"keep mu_{side} tan({side}) < 1")
+    return (*slopes, *wide[2:])
+
+
+def _finite(name: str, value: ArrayLike) -> Array:
+    try:
+        raw = np.asarray(value)
+        if raw.dtype.kind not in "iuf":
+            raise TypeError
+        array = raw.astype(np.float64)
+    except (TypeError, ValueError):
+        raise InputError("this is not an array of real numbers", where=name, remedy="give a number or an array of numbers") from None
+    _refuse(~np.isfinite(array), name, array, "is not finite", "give finite numbers")
+    return array
+
+
+def _refuse(bad: NDArray[np.bool_], name: str, array: Array, fault: str, remedy: str) -> None:
+    if bad.any():
+        index = tuple(int(i) for i in np.argwhere(bad)[0])
+        place = f"{name}[{', '.join(map(str, index))}]" if index else name
+        raise InputError(f"{array[index]:g} {fault}", where=place, remedy=remedy)

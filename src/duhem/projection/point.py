@@ -1,0 +1,101 @@
+"""Where K has no inner point, as at sigma_n = 0, where most laws leave the origin alone: nothing to start a search from.
+
+From the trial stress on, K is shut in by the half-spaces h(x) + grad h(x) . (y - x) <= 0 at the nearest point x of those
+before (J. E. Kelley 1960).  Two of them end at the tip of a cone; where g has no slope in the point (a sum of squares)
+each brings x nearer by a fixed share.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.body import Body, Index, body, power_of_two, whitening
+from duhem.projection.halfspaces import HalfSpaces
+from duhem.projection.increment import Increment
+from duhem.projection.result import Array, Solution
+from duhem.projection.scaled_formula import scaled
+
+__all__ = ["shrunk"]
+
+_ROUNDS = 200
+_REACHED = 1e-9  # distances from K, in lengths of the trial
+_ORIGIN = (1e-7, 1e-4)  # within this of the origin, the origin is meant if it is in K; where g is flat, the rounding of g hides more
+_FLAT = 1e-3  # of the slope at the trial: less is none at the point
+_SMALL = (2.0**-30, 2.0**-40)  # pressures close to none, relative to the trial
+_SETTLED = 1e-5
+
+
+def shrunk(increment: Increment, at: Index, solve: Callable[[Increment], Solution]) -> Solution:
+    """The increments ``at`` (M,), whose trial is outside a K without inner points; ``failed`` where none is found.
+
+    Stress in Pa, slip k^-1 (sigma_tr - sigma) in m.  The multiplier at the tip of a cone is the limit of small pressures,
+    by ``solve``; where g has no slope in the point, so that no multiple of it is the slip, it is that of |sigma - point|.
+    """
+    asked = replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
+    trial, forces, symbols = asked.trial, asked.law.force_symbols(), asked.law.symbols()
+    formula = scaled(asked.g, forces, symbols[asked.law.pressure] if asked.law.pressure else None)
+    k = body(formula, forces, asked.pressure, power_of_two(np.max(np.abs(trial), axis=1)), whitening(asked)[1])
+    found = _nearest(k, trial / k.size[:, None])
+    away = trial / k.size[:, None] - found.x
+    share = np.linalg.norm(found.x, axis=1) / np.linalg.norm(away, axis=1)
+    nearer = _nearest(k, found.x + np.minimum(share, 1.0)[:, None] * away)  # the same, without the rounding of far trials
+    stress = np.where(found.failed | nearer.failed, found.x.T, nearer.x.T).T * k.size[:, None]
+    slip = np.asarray(np.linalg.solve(asked.stiffness, (trial - stress).T).T)
+    scale = np.max(np.abs(slip), axis=1, initial=0.0)
+    length = scale * np.linalg.norm(slip / np.where(scale > 0.0, scale, 1.0)[:, None], axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        weight = found.weight * (k.size / whitening(asked)[0]) * k.size ** (1.0 - formula.degree)
+    multiplier = np.where(found.flat, length, weight)
+    tips = np.flatnonzero(~found.flat & (asked.pressure == 0.0) & ~stress.any(axis=1)) if asked.law.pressure else at[:0]
+    if tips.size:
+        multiplier[tips] = _limit(replace(asked, trial=trial[tips]), multiplier[tips], solve)
+    return Solution(stress, slip, multiplier, found.failed)
+
+
+def _limit(increment: Increment, otherwise: Array, solve: Callable[[Increment], Solution]) -> Array:
+    """The multipliers of vanishing pressures, where they settle."""
+    size = np.max(np.abs(increment.trial), axis=1)
+    small, smaller = (solve(replace(increment, pressure=-size * share)) for share in _SMALL)
+    settled = ~small.failed & ~smaller.failed & np.isclose(small.multiplier, smaller.multiplier, rtol=_SETTLED, atol=0.0)
+    return np.where(settled, smaller.multiplier, otherwise)
+
+
+@dataclass(frozen=True)
+class _Nearest:
+    """``x`` (M, d); ``weight`` (M,) the sum of the multipliers of the gradients; ``flat`` where these vanish towards x."""
+
+    x: Array
+    weight: Array
+    flat: NDArray[np.bool_]
+    failed: NDArray[np.bool_]
+
+
+def _nearest(k: Body, trial: Array) -> _Nearest:
+    s = k.whitened(trial)
+    outer = HalfSpaces.around(s)
+    slopes, first, last = np.ones(outer.held.shape), np.full(len(s), np.nan), np.full(len(s), np.nan)
+    distance, left = np.full(len(s), np.inf), np.arange(len(s))
+    for _ in range(_ROUNDS):
+        piece = k.piece(outer.point[left] @ k.root.T, left, second=False)
+        outside = np.isfinite(piece.normal).all(axis=1) & (piece.level > 0.0)
+        distance[left] = np.where(piece.level > 0.0, piece.level, np.where(k.level(outer.point[left] @ k.root.T, left) <= 0.0, 0.0, np.inf))
+        left, normal, level, slope = left[outside], piece.normal[outside], piece.level[outside], piece.slope[outside]
+        if not left.size:
+            break
+        first[left], last[left] = np.where(np.isnan(first[left]), slope, first[left]), slope
+        slot = outer.free_slot(left)
+        slopes[left, slot] = slope
+        outer.add(left, slot, normal, np.einsum("nd,nd->n", normal, outer.point[left]) - level)
+    x = outer.point @ k.root.T
+    origin = np.zeros_like(x)
+    flat = last < _FLAT * first
+    near = np.linalg.norm(outer.point, axis=1) <= np.where(flat, _ORIGIN[1], _ORIGIN[0]) * np.linalg.norm(s, axis=1)
+    near &= k.level(origin, np.arange(len(x))) <= 0.0
+    with np.errstate(all="ignore"):
+        weight = np.where(outer.active, outer.multipliers / slopes, 0.0).sum(axis=1)
+    failed = ~(near | (distance <= _REACHED * np.linalg.norm(s, axis=1)))
+    return _Nearest(np.where(near[:, None], origin, x), weight, flat, failed)

@@ -1,0 +1,44 @@
+"""Tests for a slip-increment routine of your own: Hypothesis strategies for increments, and a conformance suite.
+
+    from duhem.testing import assert_conforms
+
+    def update(trial, pressure, stiffness):  # (N, d), (N,), (d, d) -> (N, d)
+        ...
+
+    def test_my_routine():
+        assert_conforms("coulomb", update, {"mu": 0.3}, accuracy=1e-10)
+
+or one test a check: ``@pytest.mark.parametrize("check", checks_for("coulomb"))`` and ``assert_conforms(..., checks=[check])``.
+"""
+
+from duhem.testing.case import Case
+from duhem.testing.conformance import ACCURACY, Failure, Report, assert_conforms, check, checks_for, conformance, violation
+from duhem.testing.registry import Check
+from duhem.testing.routine import Step, Update, from_displacements, pointwise, projection
+from duhem.testing.strategies import cases, decades, loadings, parameters, pressures, stiffnesses, trials, ways
+
+__all__ = [
+    "ACCURACY",
+    "Case",
+    "Check",
+    "Failure",
+    "Report",
+    "Step",
+    "Update",
+    "assert_conforms",
+    "cases",
+    "check",
+    "checks_for",
+    "conformance",
+    "decades",
+    "from_displacements",
+    "loadings",
+    "parameters",
+    "pointwise",
+    "pressures",
+    "projection",
+    "stiffnesses",
+    "trials",
+    "violation",
+    "ways",
+]

@@ -1,0 +1,57 @@
+"""A case: increments of one law at one set of parameters, and what the checks compare them with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from duhem.projection.result import Array
+
+__all__ = ["Case"]
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """N increments; a case prints as Python that builds it again to the last bit.
+
+    ``parameters`` by name; ``stiffness`` (d, d) in Pa/m; ``pressure`` (N,), None for a law without; ``trial``, ``other`` and
+    ``third`` (N, d) trial stresses under that pressure; ``inside`` and ``beside`` (N, d) stresses of K; ``stretch`` (N,) >= 0,
+    a share of the way from stress to trial; ``factor`` > 0, a change of units; ``path`` (N, m, d) k u along a loading path
+    and ``loads`` (N, m) its pressures.  Stresses in Pa.
+    """
+
+    parameters: Mapping[str, float]
+    stiffness: Array
+    pressure: Array | None
+    trial: Array
+    other: Array
+    third: Array
+    inside: Array
+    beside: Array
+    stretch: Array
+    factor: float
+    path: Array
+    loads: Array | None
+
+    def __post_init__(self) -> None:
+        for field in fields(self)[1:]:
+            value = getattr(self, field.name)
+            if value is not None and field.name != "factor":
+                object.__setattr__(self, field.name, np.asarray(value, dtype=np.float64))
+
+    def __len__(self) -> int:
+        return len(self.trial)
+
+    def row(self, i: int) -> Case:
+        """The case of one increment alone."""
+        whole = ("parameters", "stiffness", "factor")
+        parts = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in whole}
+        return replace(self, **{name: None if part is None else part[i : i + 1] for name, part in parts.items()})
+
+    def __repr__(self) -> str:
+        parts = {f.name: getattr(self, f.name) for f in fields(self)}
+        texts = {name: repr(part.tolist() if isinstance(part, np.ndarray) else part) for name, part in parts.items()}
+        texts["parameters"] = repr(dict(self.parameters))
+        return f"Case({', '.join(f'{name}={text}' for name, text in texts.items())})"

@@ -1,0 +1,305 @@
+"""The conformance suite: every check on one stream of cases, each case's answers shared, and what fails shrunk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from hypothesis import Phase, Verbosity, find, settings
+from hypothesis.errors import NoSuchExample
+from numpy.typing import ArrayLike
+
+from duhem.catalogue import load
+from duhem.criterion import Criterion
+from duhem.errors import InputError
+from duhem.testing import law_checks, routine_checks  # noqa: F401 (they register their checks)
+from duhem.testing.case import Case
+from duhem.testing.question import LeftOut, NoAnswer, Question
+from duhem.testing.region import Region
+from duhem.testing.registry import Check, registered
+from duhem.testing.routine import Update
+from duhem.testing.strategies import Strategy, cases
+
+__all__ = ["ACCURACY", "Failure", "Report", "assert_conforms", "check", "checks_for", "conformance", "violation"]
+
+ACCURACY = 1e-9  # relative error in stress a routine is held to, unless it promises another
+_SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
+
+
+def checks_for(law: Criterion | str | Path) -> tuple[Check, ...]:
+    """The checks a routine for ``law`` has to pass; those that only some laws satisfy are asked for by name."""
+    load(law)
+    return tuple(c for c in registered() if c.demanded)
+
+
+def check(name: str) -> Check:
+    """A check by name.  Raises InputError for an unknown one."""
+    known = {c.name: c for c in registered()}
+    if name not in known:
+        raise InputError(f"unknown check {name!r}", remedy=f"choose one of {', '.join(known)}")
+    return known[name]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A check that failed: ``case`` is one increment, shrunk; ``measured`` exceeds ``allowed`` there (or is nan)."""
+
+    check: Check
+    law: Criterion
+    message: str
+    case: Case
+    measured: float
+    allowed: float
+    accuracy: float
+    routine: str
+    open_parameters: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """The check and its statement."""
+        return str(self.check)
+
+    def reproducer(self) -> str:
+        """A few lines of Python that show the failure again; ``update`` is the routine."""
+        module, _, name = self.routine.rpartition(".")
+        there = f"from {module} import {name} as update" if module and "<" not in self.routine else f"update = ...  # {self.routine}"
+        free = "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
+        lines = [
+            "from duhem.testing import Case, violation",
+            there,
+            f"case = {self.case!r}",
+            f"print(violation({self.check.name!r}, {self.law.name!r}, update, case, accuracy={self.accuracy!r}{free}))",
+        ]
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return "\n".join(
+            [
+                f"{self.check.name}: {self.message}",
+                f"  {self.check.statement}: {self.check.formula}",
+                f"  {self.check.source}",
+                f"  allowed: {self.check.tolerance}",
+                *(f"  {line}" for line in self._values()),
+                "  to see it again:",
+                *(f"    {line}" for line in self.reproducer().splitlines()),
+            ]
+        )
+
+    def _values(self) -> Iterable[str]:
+        yield ", ".join(f"{name} = {value!r}" for name, value in self.case.parameters.items())
+        pressure = "" if self.case.pressure is None else f", pressure {float(self.case.pressure[0])!r}"
+        yield f"trial {self.case.trial[0].tolist()}{pressure}, stiffness {self.case.stiffness.tolist()}"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a routine was found to be: names of checks ``passed``, ``failures``, and ``left_out`` with the reason.
+
+    ``points`` increments were asked of the routine, of which it flagged ``flagged`` as not solved: they are not judged.
+    """
+
+    law: str
+    passed: tuple[str, ...]
+    failures: tuple[Failure, ...]
+    left_out: Mapping[str, str]
+    points: int
+    flagged: int
+
+    @property
+    def ok(self) -> bool:
+        return not self.failures
+
+    @property
+    def failed(self) -> frozenset[str]:
+        """The names of the checks that failed."""
+        return frozenset(f.check.name for f in self.failures)
+
+    @property
+    def flagged_share(self) -> float:
+        return self.flagged / self.points if self.points else 0.0
+
+    def __str__(self) -> str:
+        head = (
+            f"{self.law}: {len(self.passed)} checks passed, {len(self.failures)} failed; {self.points} increments, {self.flagged} flagged"
+        )
+        return "\n".join([head, *map(str, self.failures), *(f"left out {name}: {why}" for name, why in self.left_out.items())])
+
+
+def violation(
+    name: str | Check,
+    law: Criterion | str | Path,
+    update: Update,
+    case: Case,
+    *,
+    open_parameters: Iterable[str] | None = None,
+    accuracy: float = ACCURACY,
+) -> str | None:
+    """What is wrong with the routine's answer to one case by one check, or None; ``open_parameters`` are passed to it by name."""
+    known = load(law)
+    asked = check(name) if isinstance(name, str) else name
+    passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
+    found = _judged(asked, Question(Region(known, case.parameters), case, update, passed, accuracy))
+    return None if found is None else found[1]
+
+
+def _judged(asked: Check, question: Question) -> tuple[int, str, float, float] | None:
+    """The worst row, a message, what was measured and what is allowed."""
+    try:
+        with np.errstate(all="ignore"):
+            finding = asked.measure(question)
+    except NoAnswer as fault:
+        return (0, str(fault), float("nan"), 0.0) if asked.name == "answers" else None
+    bad = finding.violated & (question.sound | asked.law_only)
+    if not bad.any():
+        return None
+    with np.errstate(all="ignore"):
+        excess = np.where(bad, np.nan_to_num(finding.measured - finding.allowed, nan=np.inf, posinf=1e300), -np.inf)
+    i = int(np.argmax(excess))
+    measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
+    return i, f"measured {measured:.3g}, allowed {allowed:.3g}", measured, allowed
+
+
+class _Enough(BaseException):
+    """Shrinking has had its time.  No Exception, which Hypothesis would take for one more failure."""
+
+
+class _Search:
+    """One search for a case on which one of ``checks`` fails; ``seconds`` bound its shrinking."""
+
+    def __init__(self, run: _Run, checks: Sequence[Check], seconds: float) -> None:
+        self.run, self.checks, self.seconds = run, checks, seconds
+        self.least: Case | None = None
+        self.until = float("inf")
+
+    def fails(self, case: Case) -> bool:
+        """Whether a check that is looked for fails on the case; from the first that does on, only that one counts."""
+        if monotonic() > self.until:
+            raise _Enough
+        found = next(self.run.failures(case, self.checks), None)
+        if found is None:
+            return False
+        if self.least is None:
+            self.checks, self.until = (found.check,), monotonic() + self.seconds
+        self.least = found.case
+        return True
+
+    def among(self, drawn: Strategy, profile: settings) -> Case | None:
+        """The least failing case of one increment that was met."""
+        with suppress(NoSuchExample, _Enough):
+            find(drawn, self.fails, settings=profile, random=Random(0) if profile.derandomize else None)
+        return self.least
+
+
+class _Run:
+    """What a routine is held to, and what was counted on the way."""
+
+    def __init__(self, law: Criterion, update: Update, passed: tuple[str, ...], accuracy: float, pending: Sequence[Check]) -> None:
+        self.law, self.update, self.passed, self.accuracy = law, update, passed, accuracy
+        self.pending = list(pending)
+        self.left_out: dict[str, str] = {}
+        self.judged: set[str] = set()
+        self.points = self.flagged = 0
+
+    def failures(self, case: Case, checks: Sequence[Check]) -> Iterator[Failure]:
+        """The failures of some checks on the case, as they are found."""
+        question = Question(Region(self.law, case.parameters), case, self.update, self.passed, self.accuracy)
+        try:
+            for asked in checks:
+                try:
+                    found = _judged(asked, question)
+                except LeftOut as reason:
+                    self.left_out[asked.name] = str(reason)
+                    continue
+                self.judged.add(asked.name)
+                if found is not None:
+                    row, message, measured, allowed = found
+                    yield Failure(
+                        asked, self.law, message, case.row(row), measured, allowed, self.accuracy, _name(self.update), self.passed
+                    )
+        finally:
+            self.points += question.points
+            self.flagged += question.flagged
+
+
+def _name(update: Update) -> str:
+    name = getattr(update, "__qualname__", type(update).__qualname__)
+    return f"{getattr(update, '__module__', '')}.{name}"
+
+
+def conformance(
+    law: Criterion | str | Path,
+    update: Update,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    stiffness: ArrayLike | Strategy | None = None,
+    pressure: float | Strategy | None = None,
+    checks: Iterable[Check | str] | None = None,
+    accuracy: float = ACCURACY,
+    max_examples: int | None = None,
+    rows: int = 30,
+    seconds: float = 10.0,
+) -> Report:
+    """Put a routine for the slip increment of ``law`` to every check, on cases drawn by Hypothesis and shrunk where one fails.
+
+    ``update(trial (N, d), pressure (N,), stiffness (d, d), **open)`` returns the stress (N, d) in Pa or a :class:`Step`;
+    the pressure is None for a law without, and ``open`` are the parameters ``parameters`` leaves open, drawn over their
+    domain.  :func:`pointwise` and :func:`from_displacements` adapt other shapes of routine.  ``stiffness`` and
+    ``pressure`` are fixed values or strategies, drawn where left out.  ``accuracy`` is the relative error in stress the
+    routine promises; every tolerance follows from it (:attr:`Check.tolerance`).  ``max_examples`` cases of about ``rows``
+    increments are drawn, as the Hypothesis profile says where left out; ``seconds`` bounds the shrinking of each failure.
+    The law is taken to be associated.
+
+    A failing check is data in the report, not an exception: see :func:`assert_conforms`.
+    """
+    known = load(law)
+    asked = [check(c) if isinstance(c, str) else c for c in (checks_for(known) if checks is None else checks)]
+    free = tuple(name for name, domain in known.fix(parameters).parameters.items() if domain.value is None)
+    run = _Run(known, update, free, accuracy, asked)
+    drawn = cases(known, parameters, stiffness=stiffness, pressure=pressure, rows=rows)
+    options = {} if max_examples is None else {"max_examples": max_examples}
+    profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **options)
+    failures: list[Failure] = []
+    while run.pending:
+        search = _Search(run, run.pending, seconds)
+        found = search.among(drawn, settings(profile, phases=(Phase.generate,)))
+        if found is None:
+            break
+        least = found
+        shrinking = settings(profile, max_examples=_SINGLE)
+        for fixed, k in ((parameters, stiffness), (found.parameters, found.stiffness)):  # the second is closer to what failed
+            single = cases(known, fixed, stiffness=k, pressure=pressure)
+            if (met := _Search(run, search.checks, seconds).among(single, shrinking)) is not None:
+                least = met
+                break
+        again = list(run.failures(least, run.pending))
+        if not again:
+            raise InputError(
+                "the routine answers the same increment in different ways", where="update", remedy="test one that keeps no state"
+            )
+        failures += again
+        named = {f.check.name for f in again}
+        run.pending = [c for c in run.pending if c.name not in named]
+    left_out = {name: why for name, why in run.left_out.items() if name not in run.judged}
+    bad = {f.check.name for f in failures}
+    passed = tuple(c.name for c in asked if c.name in run.judged - bad)
+    return Report(known.name, passed, tuple(failures), left_out, run.points, run.flagged)
+
+
+def assert_conforms(
+    law: Criterion | str | Path, update: Update, parameters: Mapping[str, Any] | None = None, *, most_flagged: float = 0.0, **options: Any
+) -> Report:
+    """:func:`conformance`, raising AssertionError with the shrunk cases if a check fails or more than ``most_flagged`` is flagged."""
+    report = conformance(law, update, parameters, **options)
+    if not report.ok:
+        raise AssertionError(str(report))
+    if report.flagged_share > most_flagged:
+        raise AssertionError(
+            f"the routine flags {report.flagged} of {report.points} increments as not solved, more than a share {most_flagged}"
+        )
+    return report

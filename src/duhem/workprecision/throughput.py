@@ -1,0 +1,141 @@
+"""Cost a point at scale, as ratios to what memory allows and to each other, and the memory taken beyond the results.
+
+The bound is the time to read a trial stress and a pressure and to write stress, slip, multiplier, dissipation and status,
+as plain NumPy copies and fills of arrays that exist already, one thread: nothing that returns these can be faster.
+"""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from duhem.lineup import Contender, LeftOut, Subject
+from duhem.projection.increment import Increment
+from duhem.workprecision.result import Row, Spread, Target
+from duhem.workprecision.timing import timed
+
+__all__ = ["SCENE", "rows", "targets"]
+
+SCENE = "throughput"
+BOUND, WHOLE = "memory bandwidth", "duhem.project"
+_FEW = {"newton": 2_000, "cvxpy": 10}  # points for the slow ones: their cost a point does not depend on N
+_LIMIT = 6.0
+
+
+@dataclass(frozen=True)
+class Load:
+    """N random increments, somewhat more than half of them slipping."""
+
+    subject: Subject
+    question: Increment
+
+    @classmethod
+    def of(cls, subject: Subject, points: int) -> Load:
+        d = len(subject.law.forces)
+        draw = np.random.default_rng(1)
+        reach = [subject.radius(s * axis, subject.pressure) for axis in np.eye(d) for s in (1.0, -1.0)]
+        size = float(np.median([r for r in reach if 0.0 < r < 1e300] or [1.0]))
+        trial = draw.normal(size=(points, d)) * (0.9 * size)
+        pressure = None if subject.pressure is None else -draw.uniform(0.5, 1.5, points)
+        return cls(subject, subject.question(trial, pressure))
+
+    def first(self, n: int) -> Increment:
+        """The question of the first n points."""
+        pressure = None if self.subject.pressure is None else self.question.pressure[:n]
+        return self.subject.question(self.question.trial[:n], pressure)
+
+
+def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[Row]:
+    """Seconds a point: the bound, each method alone (from the checked question to its answer), and duhem.project whole."""
+    n = len(load.question.trial)
+    yield Row(SCENE, BOUND, f"N = {n}", seconds=_bound(load, repeats), note="copies and fills, one thread")
+    seen: set[str] = set()
+    for contender in contenders:
+        if contender.name in seen or (contender.name.startswith("cvxpy") and contender.name != "cvxpy CLARABEL"):
+            continue
+        seen.add(contender.name)
+        few = _FEW.get(contender.method, n)
+        part, count = (load.question, n) if few >= n else (load.first(few), few)
+        solve = contender
+        note = "" if count == n else f"{count} points: its cost a point does not fall with N"
+        if contender.method == "cvxpy":
+            solve, note = Contender.of("cvxpy", "cvxpy", solver="CLARABEL", batch=1), f"{count} points, one problem a point, compiled once"
+        yield _measured(contender.name, count, lambda s=solve, q=part: s.solve(q), repeats, note)  # type: ignore[misc]
+        if contender.method == "closed-form" and not contender.options:
+            yield _memory(contender.name, lambda s=solve: s.solve(load.question))  # type: ignore[misc]
+    first = contenders[0]
+    if first.method == "closed-form":
+        pressure = None if load.subject.pressure is None else load.question.pressure
+
+        def whole() -> object:
+            return first.project(load.subject, load.question.trial, pressure)
+
+        yield _measured(WHOLE, n, whole, min(repeats, 3), "checks, residuals and statuses included")
+        yield _memory(WHOLE, whole)
+
+
+def _measured(name: str, n: int, run: Callable[[], object], repeats: int, note: str) -> Row:
+    try:
+        run()  # what is compiled on first use is compiled here
+        return Row(SCENE, name, f"N = {n}", seconds=timed(run, repeats, 1.0 / n, _LIMIT), note=note)
+    except Exception as fault:  # whatever a method raises is its result
+        return Row(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
+
+
+def _memory(name: str, run: Callable[[], object]) -> Row:
+    """Peak bytes beyond what the results keep, in MB, as an error-free row of its own."""
+    tracemalloc.start()
+    try:
+        kept = run()
+        now, peak = tracemalloc.get_traced_memory()
+        del kept
+    except Exception as fault:
+        return Row(SCENE, name, "extra memory", failure=f"{type(fault).__name__}: {fault}")
+    finally:
+        tracemalloc.stop()
+    return Row(SCENE, name, "extra memory", {"megabytes": (peak - now) / 1e6})
+
+
+def _bound(load: Load, repeats: int) -> Spread:
+    trial, pressure = load.question.trial, load.question.pressure
+    n = len(trial)
+    stress, slip = np.zeros_like(trial), np.zeros_like(trial)
+    multiplier, dissipation, status = np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int8)
+
+    def run() -> None:
+        np.copyto(stress, trial)
+        slip.fill(0.0)
+        np.copyto(multiplier, pressure)
+        dissipation.fill(0.0)
+        status.fill(0)
+
+    return timed(run, max(3 * repeats, 9), 1.0 / n)
+
+
+def targets(rows: Sequence[Row], left_out: Sequence[LeftOut]) -> tuple[Target, ...]:
+    """The ratios of medians that duhem sets itself, within one run; where one was not measured, why."""
+    absent = {part.part: part.reason for part in left_out} | {r.method: f"failed: {r.failure}" for r in rows if r.failure is not None}
+    seconds = {row.method: row.seconds.median for row in rows if row.scene == SCENE and row.seconds is not None}
+    memory = {row.method: row.error["megabytes"] for row in rows if row.scene == SCENE and "megabytes" in row.error}
+    if BOUND not in seconds:
+        return ()
+
+    def ratio(what: str, over: str, under: str, relation: str, bound: float) -> Target:
+        missing = [name for name in (over, under) if name not in seconds]
+        value = None if missing else seconds[over] / seconds[under]
+        return Target(what, value, relation, bound, "; ".join(absent.get(name, f"{name} was not measured") for name in missing))
+
+    def megabytes(name: str) -> Target:
+        return Target(f"extra memory of {name}, MB", memory.get(name), "<=", 16.0, "" if name in memory else f"{name} was not measured")
+
+    return (
+        ratio("closed form (NumPy) / memory bandwidth", "closed-form", BOUND, "<=", 40.0),
+        ratio("closed form (numba) / memory bandwidth", "closed-form, numba", BOUND, "<=", 5.0),
+        ratio("duhem.project, residuals included / memory bandwidth", WHOLE, BOUND, "<=", 40.0),
+        ratio("CVXPY a point / closed form (NumPy)", "cvxpy CLARABEL", "closed-form", ">=", 1e4),
+        megabytes("closed-form"),
+        megabytes(WHOLE),
+    )

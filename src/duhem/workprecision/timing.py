@@ -1,0 +1,20 @@
+"""Repeated runs by the wall clock, with a limit on what one measurement may take."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+
+from duhem.workprecision.result import Spread
+
+__all__ = ["timed"]
+
+
+def timed(run: Callable[[], object], repeats: int, share: float = 1.0, limit: float = 1.5) -> Spread:
+    """Seconds of ``run`` times ``share``: up to ``repeats`` runs, fewer (but three, or one long one) past ``limit`` seconds."""
+    seconds: list[float] = []
+    while len(seconds) < repeats and (sum(seconds) < limit or (len(seconds) < 3 and seconds[0] < limit)):
+        began = perf_counter()
+        run()
+        seconds.append(perf_counter() - began)
+    return Spread.of(seconds, share)

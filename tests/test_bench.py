@@ -1,0 +1,371 @@
+"""Error against run time: the reference against other ways to the same numbers, and rows that tell what happened."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+
+import duhem
+from duhem.__main__ import main
+from duhem.criterion import Criterion
+from duhem.errors import InputError
+from duhem.lineup import Contender, Subject, contenders
+from duhem.projection.increment import Increment
+from duhem.projection.result import Solution
+from duhem.reference import Closest, Drive, NoReference, distance
+from duhem.workprecision import bench
+from duhem.workprecision.result import Result, Row, Spread, Target
+from duhem.workprecision.text import duration, text
+from path_reference import drive
+from projection_oracle import closest
+
+FIGURE_5 = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+MU = tuple(FIGURE_5.values())
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Exit code, standard output and standard error of `duhem ARGUMENTS`."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["duhem", *arguments])
+        code = main()
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def exactly(name: str, values: dict[str, float]) -> tuple[Any, Any, Any]:
+    """g with the parameters at these doubles, the force symbols and the pressure symbol."""
+    law = duhem.load(name)
+    assert isinstance(law, Criterion)
+    table = law.symbols()
+    g = law.g.xreplace({table[n]: sp.Rational(*Fraction(v).as_integer_ratio()) for n, v in values.items()})
+    return g, law.force_symbols(), table[law.pressure] if law.pressure else None
+
+
+def coulomb() -> Criterion:
+    law = duhem.load("coulomb")
+    assert isinstance(law, Criterion)
+    return law.fix({"mu": "1/4"})
+
+
+# -- the reference ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("trial", "load", "k"),
+    [
+        ((0.3, 0.2), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
+        ((-0.3, -0.2), 1.0, [[1.0, 0.0], [0.0, 4.0]]),
+        ((0.3, -0.01), 1.0, [[2.0, 1.0], [1.0, 3.0]]),
+        ((0.3, -0.001), 1.0, [[2.0, 1.9], [1.9, 3.0]]),  # the result lies in another quadrant
+        ((1e16, 1.0), 1.0, [[1.0, 0.0], [0.0, 1e12]]),
+        ((math.nextafter(0.2, 1), 1e-17), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
+        ((3e-290, 2e-290), 1e-290, [[1.0, 0.0], [0.0, 2.0]]),
+        ((3e290, -2e290), 1e290, [[1.0, 0.0], [0.0, 2.0]]),
+        ((0.1, 0.01), 1.0, [[1.0, 0.0], [0.0, 1.0]]),
+    ],
+)
+def test_reference_agrees_with_the_oracle(trial: tuple[float, float], load: float, k: list[list[float]]) -> None:
+    """Two ways: optimality conditions of the formula here, the secular equation of the ellipse there."""
+    found, oracle = Closest(*exactly("antoni2007", FIGURE_5), k)(trial, -load), closest(trial, load, MU, k)
+    assert found.slips == oracle.slips
+    assert found.residual <= 1e-50
+    for mine, other in ((found.stress, oracle.stress), (found.slip, oracle.slip)):
+        size = max(abs(x) for x in other)
+        assert max(abs(a - b) for a, b in zip(mine, other, strict=True)) <= 1e-45 * (size or 1)
+    assert abs(found.multiplier - oracle.multiplier) <= 1e-45 * oracle.multiplier
+
+
+def test_reference_of_a_corner() -> None:
+    """Both faces of a box press: stress in the corner, the multiplier of max(|a|/mu_a, |b|/mu_b) shared by its pieces."""
+    found = Closest(*exactly("box", {"mu_a": 0.5, "mu_b": 0.25}), [[2.0, 0.0], [0.0, 4.0]])((3.0, -2.0), -1.0)
+    assert [float(x) for x in found.stress] == [0.5, -0.25]
+    assert [float(x) for x in found.slip] == [1.25, -0.4375]
+    assert float(found.multiplier) == pytest.approx(0.5 * 1.25 + 0.25 * 0.4375, rel=1e-15)
+    assert found.residual <= 1e-50
+
+
+def test_reference_takes_out_what_has_no_end() -> None:
+    """Von Mises in principal stresses: the radial return, sigma = p + s Y/q, for one stiffness in all directions."""
+    trial = (3.0, 1.0, -1.0)
+    found = Closest(*exactly("von-mises", {"yield_stress": 1.0}), np.eye(3).tolist())(trial)
+    with mpmath.workdps(60):
+        expected = [1 + (t - 1) / mpmath.sqrt(12) for t in trial]  # q^2 = 3/2 |s|^2 = 12
+        assert max(abs(a - b) for a, b in zip(found.stress, expected, strict=True)) <= mpmath.mpf(10) ** -48
+
+
+def test_reference_declines_what_it_cannot_do() -> None:
+    law = Criterion("ball", "norm(a, b, c) - 1", {}, forces=("a", "b", "c"), pressure=None)
+    with pytest.raises(NoReference, match="two bounded directions"):
+        Closest(law.g, law.force_symbols(), None, np.eye(3).tolist())
+    away = Criterion("away", "norm(a - 3, b) - 1", {}, forces=("a", "b"), pressure=None)
+    with pytest.raises(NoReference, match="origin"):
+        Closest(away.g, away.force_symbols(), None, np.eye(2).tolist())((9.0, 1.0))
+
+
+def test_reference_path_agrees_with_the_disk() -> None:
+    """Krieg and Krieg (1977): tan(w/2) = tan(w0/2) exp(-k |du|/(mu |sigma_n|)) for the angle w from du to the stress."""
+    driven = Drive(*exactly("coulomb", {"mu": 0.25}), [[2.0, 0.0], [0.0, 2.0]], -1.0)([[0.0, 0.0], [0.25, 0.0], [0.25, 0.3]])
+    assert driven.error <= 1e-17
+    with mpmath.workdps(40):
+        angle = mpmath.pi / 2 - 2 * mpmath.atan(mpmath.exp(-2 * mpmath.mpf(0.3) / mpmath.mpf(0.25)))  # tan(w0/2) = 1
+        expected = [mpmath.cos(angle) / 4, mpmath.sin(angle) / 4]
+        assert max(abs(a - b) for a, b in zip(driven.stress[-1], expected, strict=True)) <= mpmath.mpf(10) ** -18
+
+
+def test_reference_path_agrees_with_collocation() -> None:
+    """Across a seam of the quarter ellipses; the other way is Gauss collocation on the criterion as it is printed."""
+    points = [[0.0, 0.0], [0.25, -0.05], [0.3, 0.15]]
+    driven = Drive(*exactly("antoni2007", FIGURE_5), [[1.0, 0.0], [0.0, 2.0]], -1.0)(points)
+    for mine, row in zip(driven.stress[1:], drive(points, MU, 1.0, [1.0, 2.0]), strict=True):
+        assert max(abs(float(a - b)) for a, b in zip(mine, row[0], strict=True)) <= 1e-17
+
+
+def test_distance_is_relative_and_knows_what_is_no_number() -> None:
+    assert distance([1.0, 2.0], [mpmath.mpf(1), mpmath.mpf(4)]) == 0.5
+    assert distance([0.0], [mpmath.mpf(0)]) == 0.0
+    assert math.isnan(distance([math.nan], [mpmath.mpf(1)]))
+    assert distance([1.0], [mpmath.mpf(0)]) == math.inf
+
+
+# -- who is measured -------------------------------------------------------------------------------------------------
+
+
+def question(name: str, values: dict[str, Any]) -> Increment:
+    law = duhem.load(name)
+    assert isinstance(law, Criterion)
+    subject = Subject.of(law.fix(values))
+    return subject.question(np.zeros((1, len(law.forces))), subject.pressure)
+
+
+def test_lineup_names_what_is_left_out_and_why() -> None:
+    found, left_out = contenders(question("coulomb", {"mu": "1/4"}), (1e-6, None))
+    names = [c.name for c in found]
+    assert names[0] == "closed-form" and "newton" in names and names.count("cvxpy CLARABEL") == 2
+    reasons = {part.part: part.reason for part in left_out}
+    assert ("closed-form, numba" in names) != ("closed-form, numba" in reasons)
+    if find_spec("numba") is None:
+        assert 'pip install "duhem[fast]"' in reasons["closed-form, numba"]
+    found, left_out = contenders(question("limacon", {"mu": "1/4", "e": "0.3"}))
+    assert [c.name for c in found] == ["newton"]
+    reasons = {part.part: part.reason for part in left_out}
+    assert "no closed form" in reasons["closed-form"] and reasons["cvxpy"]
+
+
+def test_subject_measures_the_law_at_the_doubles_that_methods_read() -> None:
+    subject = Subject.of(coulomb().fix({}))
+    assert subject.radius(np.array([3.0, 4.0]), -2.0) == pytest.approx(0.5 / 5.0, rel=1e-15)
+    law = duhem.load("antoni2007")
+    assert isinstance(law, Criterion)
+    exact = Subject.of(law.fix(FIGURE_5)).law.parameters["mu_a_plus"].value
+    assert Fraction(int(exact.p), int(exact.q)) == Fraction(0.2)  # type: ignore[union-attr]
+
+
+# -- rows ------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Skewed(Contender):
+    """The closed form with every stress a tenth of a percent too large: wrong, and sure of itself."""
+
+    @classmethod
+    def made(cls, name: str = "skewed") -> Contender:
+        right = Contender.of("closed-form", "closed-form")
+
+        def solve(asked: Increment) -> Solution:
+            answer = right.solve(asked)
+            return Solution(answer.stress * 1.001, answer.slip, answer.multiplier, answer.failed)
+
+        return Contender(name, "closed-form", solve, {})
+
+
+def broken() -> Contender:
+    def solve(_: Increment) -> Solution:
+        raise RuntimeError("the solver went away")
+
+    return Contender("broken", "closed-form", solve, {})
+
+
+@pytest.fixture(scope="module")
+def increments() -> Result:
+    lineup = [Contender.of("closed-form", "closed-form"), Skewed.made(), broken()]
+    return bench(coulomb(), scenes=("increment",), repeats=2, lineup=lineup)
+
+
+def test_a_wrong_method_shows_its_error(increments: Result) -> None:
+    rows = {row.method: row for row in increments.rows}
+    assert rows["closed-form"].error["stress"] <= 1e-15 and rows["closed-form"].flagged == 0
+    assert rows["skewed"].error["stress"] == pytest.approx(1e-3, rel=1e-9)
+    assert rows["skewed"].flagged == 4  # by the residuals
+
+
+def test_a_method_that_raises_is_listed_as_failed(increments: Result) -> None:
+    row = next(row for row in increments.rows if row.method == "broken")
+    assert row.failure == "RuntimeError: the solver went away"
+    assert row.seconds is None and row.error == {}
+    assert "failed: RuntimeError: the solver went away" in text(increments)
+    assert not increments.failed
+    assert bench(coulomb(), scenes=("path",), repeats=1, steps=(1,), lineup=[]).failed is False
+
+
+def test_nothing_but_failures_is_a_failure() -> None:
+    assert Result("x", "", {}, 1, (Row("path", "m", "", failure="no"),), (), {}, (), False).failed
+
+
+def test_json_has_every_row_with_its_spread(increments: Result) -> None:
+    found = json.loads(json.dumps(increments.to_dict(), allow_nan=False))
+    assert set(found) == {
+        "law", "subject", "machine", "repeats", "interrupted", "reference", "rows", "targets", "left_out",
+    }  # fmt: skip
+    assert found["reference"]["increment"] <= 1e-50
+    assert {"processor", "python", "system", "versions"} <= set(found["machine"])
+    assert found["machine"]["versions"]["numpy"] == np.__version__
+    for row in found["rows"]:
+        if row["failure"] is None:
+            seconds = row["seconds"]
+            assert 0 < seconds["least"] <= seconds["median"] <= seconds["most"] and seconds["repeats"] == 2
+
+
+def test_path_errors_fall_with_the_order_of_the_integrator() -> None:
+    law = coulomb()
+    result = bench(law, scenes=("path",), repeats=1, steps=(64, 256))
+    error = {(row.method, row.setting): row.error["stress"] for row in result.rows}
+    fall = {m: error[m, "64 steps a segment"] / error[m, "256 steps a segment"] for m in ("implicit", "extrapolated")}
+    assert 3.0 < fall["implicit"] < 5.0  # first order
+    assert fall["extrapolated"] > 8.0  # second, or where it kinks a little less
+    assert max(e for (m, _), e in error.items() if m == "exact") < 1e-13
+    assert isinstance(result.reference["path"], float) and result.reference["path"] <= 1e-17
+
+
+def test_a_path_into_a_corner_has_no_reference() -> None:
+    drive_box = Drive(*exactly("box", {"mu_a": 0.5, "mu_b": 0.25}), [[1.0, 0.0], [0.0, 2.0]], -1.0)
+    with pytest.raises(NoReference, match="corner"):
+        drive_box([[0.0, 0.0], [3.0, 1.0]])
+    face = drive_box([[0.0, 0.0], [3.0, 0.1]])  # along a face, short of the corner
+    assert [float(x) for x in face.stress[-1]] == pytest.approx([0.5, 0.2], rel=1e-16)
+
+
+def test_a_law_without_reference_is_left_out_with_the_reason() -> None:
+    law = Criterion("ball", "norm(a, b, c) - 1", {}, forces=("a", "b", "c"), pressure=None)
+    result = bench(law, scenes=("increment",), repeats=1)
+    assert result.rows == ()
+    assert any(part.part == "scene increment" and "two bounded directions" in part.reason for part in result.left_out)
+    assert "two bounded directions" in text(result)
+
+
+def test_throughput_compares_with_memory_in_the_same_run() -> None:
+    result = bench(coulomb(), scenes=("throughput",), repeats=1, points=3000)
+    targets = {target.what: target for target in result.targets}
+    assert len(targets) == 6
+    assert targets["extra memory of closed-form, MB"].holds is True
+    rows = {(row.method, row.setting): row for row in result.rows}
+    bound, plain = rows["memory bandwidth", "N = 3000"].seconds, rows["closed-form", "N = 3000"].seconds
+    assert bound is not None and plain is not None
+    assert targets["closed form (NumPy) / memory bandwidth"].value == plain.median / bound.median
+    if find_spec("numba") is None:
+        target = targets["closed form (numba) / memory bandwidth"]
+        assert target.holds is None and "numba is not installed" in target.reason
+    assert "Targets" in text(result)
+
+
+def test_targets_and_spreads() -> None:
+    assert Target("x", 41.0, "<=", 40.0).holds is False
+    assert Target("x", 39.0, "<=", 40.0).holds is True
+    assert Target("x", 1e3, ">=", 1e4).holds is False
+    assert Target("x", None, ">=", 1e4).holds is None
+    assert Spread.of([3.0, 1.0, 2.0, 10.0], 0.5) == Spread(0.5, 1.25, 5.0, 4)
+    assert [duration(s) for s in (2.0, 0.0123, 4.5e-6, 7e-10)] == ["2 s", "12.3 ms", "4.5 us", "0.7 ns"]
+
+
+def test_an_interrupted_run_keeps_what_is_done() -> None:
+    def stop(row: Row) -> None:
+        raise KeyboardInterrupt
+
+    result = bench(coulomb(), scenes=("increment", "path"), repeats=1, on_row=stop)
+    assert result.interrupted and len(result.rows) == 1 and result.rows[0].method == "closed-form"
+    assert "Interrupted" in text(result)
+
+
+def test_input_that_cannot_be_used() -> None:
+    law = duhem.load("coulomb")
+    assert isinstance(law, Criterion)
+    with pytest.raises(InputError, match="--set mu=VALUE"):
+        bench(law)
+    with pytest.raises(InputError, match="unknown scene"):
+        bench(coulomb(), scenes=("sideways",))
+    with pytest.raises(InputError, match="repeats"):
+        bench(coulomb(), repeats=0)
+    flowing = duhem.load("radial-flow")
+    assert isinstance(flowing, Criterion)
+    with pytest.raises(InputError, match="flow"):
+        bench(flowing.fix({"mu_a": "0.2", "mu_b": "0.1"}))
+
+
+# -- command line ----------------------------------------------------------------------------------------------------
+
+
+def test_command(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "bench.json"
+    code, out, err = run(
+        "bench", "limacon", "--set", "mu=0.25", "--set", "e=0.3", "--scene", "increment", "--repeats", "1", "--json", str(file)
+    )
+    assert (code, err) == (0, "")
+    assert "newton" in out and "Left out" in out and "closed-form: limacon declares no closed form" in out
+    found = json.loads(file.read_text())
+    assert found["duhem"] == duhem.__version__ and found["rows"][0]["method"] == "newton"
+
+
+def test_command_draws(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "bench.svg"
+    arguments = ("bench", "antoni2007-1d", "--set", "mu_plus=0.2", "--set", "mu_minus=0.1", "--scene", "path", "--repeats", "1", "--plot")
+    code, out, err = run(*arguments, str(file))
+    if find_spec("matplotlib") is None:
+        assert code == 2 and 'pip install "duhem[plot]"' in err
+        return
+    assert (code, err) == (0, "")
+    assert "exact" in out and "svg" in file.read_text()
+    code, _, err = run(*arguments, str(tmp_path / "bench.xyz"))
+    assert code == 2 and "no format of a figure" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("bench", "coulomb"), "--set mu=VALUE"),
+        (("bench", "coulomb", "--set", "mu=0.2", "--stiffness", "1 2 3"), "stiffness"),
+        (("bench", "no-such-law"), "no-such-law"),
+        (("bench", "coulomb", "--set", "mu=0.2", "--repeats", "0"), "--repeats"),
+        (("bench", "radial-flow", "--set", "mu_a=0.2", "--set", "mu_b=0.1"), "flow"),
+    ],
+)
+def test_command_rejects(run: Run, arguments: tuple[str, ...], message: str) -> None:
+    code, out, err = run(*arguments)
+    assert code == 2 and out == "" and message in err
+
+
+def test_command_says_when_it_was_interrupted(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    from duhem.workprecision import increment
+
+    def stopped(*_: Any) -> Any:
+        yield Row("increment", "closed-form", "", {"stress": 0.0, "slip": 0.0}, Spread(1.0, 1.0, 1.0, 1))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(increment, "rows", stopped)
+    code, out, _ = run("bench", "--scene", "increment")
+    assert code == 130
+    assert "closed-form" in out and "Interrupted" in out

@@ -1,0 +1,165 @@
+"""The composition rules against CVXPY's: two implementations of disciplined convex programming, and samples against both.
+
+For each built-in law and for formulas composed at random, node by node.  CVXPY sees numbers in place of parameters;
+its word counts only where its atoms do not cut the domain.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import random
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from duhem import Criterion, InputError, load
+from duhem.catalogue import names
+from duhem.engines import chords, composition
+from duhem.examination import Case
+from duhem.examination.choices import choices
+from duhem.examination.shape import Shape, shape
+from duhem.expression import numpy_
+from duhem.expression.cvxpy_ import expression
+
+cp = pytest.importorskip("cvxpy")
+
+FORMULAS = 60
+
+
+def _affine(rng: random.Random) -> str:
+    return rng.choice(["a", "b", "a + b", "a - 2*b", "a/2 + b - 1/3", "2*a + 1/5", "1 - b"])
+
+
+def _formula(rng: random.Random, depth: int) -> str:
+    """A formula over the whole vocabulary of the rules; convex by luck only."""
+    if depth == 0:
+        return _affine(rng)
+
+    def inner() -> str:
+        return _formula(rng, depth - 1)
+
+    kind = rng.randrange(13)
+    if kind < 4:
+        words = rng.choice(["max", "max", "norm", "norm", "min"])
+        return f"{words}({inner()}, {inner()})"
+    if kind < 7:
+        return f"{rng.choice(['abs', 'pos', 'neg'])}({inner()})"
+    if kind < 9:
+        return f"(({inner()}) + {rng.choice(['1', '2', '1/3'])}*({inner()}))"
+    if kind == 9:
+        return f"(({inner()}) - {rng.choice(['1', '1/2'])}*({inner()}))"
+    if kind == 10:
+        return f"({inner()})**2"
+    if kind == 11:
+        return f"abs({inner()})**{rng.choice(['(3/2)', '3', '(1/2)'])}"
+    return f"exp({_affine(rng)})"
+
+
+def _generated() -> Iterator[Criterion]:
+    for k in range(FORMULAS):
+        rng = random.Random(f"composition/{k}")
+        found = None
+        while found is None:
+            with contextlib.suppress(InputError):  # without forces once simplified: another
+                g = f"{_formula(rng, rng.randint(1, 3))} - {rng.randint(1, 3)}"
+                found = Criterion(name=f"formula-{k}", g=g, forces=("a", "b"), pressure=None)
+        yield found
+
+
+def _laws() -> list[Criterion]:
+    built_in = (load(name) for name in names())
+    return [*(law for law in built_in if isinstance(law, Criterion)), *_generated()]
+
+
+LAWS = {law.name: law for law in _laws()}
+
+
+@cache
+def _case(name: str) -> Case:
+    case = Case(LAWS[name])
+    case.allow(20)
+    return case
+
+
+@cache
+def _numbers(name: str) -> dict[sp.Symbol, sp.Rational]:
+    """The plainest admitted parameters of the law's simplest form."""
+    return {x: sp.Rational(v.numerator, v.denominator) for x, v in next(choices(_case(name), most=1)).items()}
+
+
+def _nodes(name: str) -> Iterator[tuple[sp.Expr, Shape, sp.Expr]]:
+    """Each part of the formula that depends on the forces, what our rules say of it, and the part at those numbers."""
+    case = _case(name)
+    seen = set()
+    for node in sp.preorder_traversal(case.simple.g):
+        if isinstance(node, sp.Expr) and node.free_symbols & set(case.simple.forces) and node not in seen:
+            seen.add(node)
+            at = node.subs(_numbers(name))
+            if at.free_symbols <= set(case.simple.forces):
+                yield node, shape(node, case), at
+
+
+def _cvxpy(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> Any | None:
+    """CVXPY's expression, or None where it has none or restricts the domain."""
+    try:
+        found = expression(expr, {x: cp.Variable(name=str(x)) for x in forces})
+    except InputError:
+        return None
+    return None if found.domain else found
+
+
+def _samples(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> tuple[Any, Any, Any]:
+    """Values at 4000 pairs of points of many sizes, and at their midpoints."""
+    rng = np.random.default_rng(7)
+    p, q = (rng.standard_normal((len(forces), 4000)) * 10.0 ** rng.uniform(-1.5, 1, 4000) for _ in range(2))
+    with np.errstate(all="ignore"):
+        values = [np.broadcast_to(numpy_.evaluate(expr, dict(zip(forces, x, strict=True))), 4000) for x in (p, q, (p + q) / 2)]
+    return values[0], values[1], values[2]
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_samples_do_not_contradict_the_rules(name: str) -> None:
+    forces = _case(name).simple.forces
+    for node, facts, at in _nodes(name):
+        p, q, middle = _samples(at, forces)
+        finite = np.isfinite(p) & np.isfinite(q) & np.isfinite(middle)
+        p, q, middle = p[finite], q[finite], middle[finite]
+        slack = 1e-9 * (1 + np.abs(p) + np.abs(q))
+        assert not facts.convex or np.all(middle <= (p + q) / 2 + slack), node
+        assert not facts.concave or np.all(middle >= (p + q) / 2 - slack), node
+        assert not facts.quasiconvex or np.all(middle <= np.maximum(p, q) + slack), node
+        assert not facts.nonnegative or np.all(p >= -slack), node
+        assert not facts.nonpositive or np.all(p <= slack), node
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_what_cvxpy_proves_is_not_refuted(name: str) -> None:
+    """And what the composition engine proves neither, by the search for chords."""
+    case = _case(name)
+    theirs = _cvxpy(case.simple.g.subs(_numbers(name)), case.simple.forces)
+    convex = theirs is not None and theirs.is_dqcp() and theirs.is_quasiconvex()
+    if convex and case.simple.parameters == ():
+        assert chords.convexity_by_scouting(case) is None
+    if composition.convexity(case) is not None:
+        assert chords.convexity_by_scouting(case) is None
+
+
+def _agreement() -> dict[tuple[bool, bool], int]:
+    """How many parts are convex by (our rules, CVXPY's)."""
+    counts = dict.fromkeys([(a, b) for a in (True, False) for b in (True, False)], 0)
+    for name in LAWS:
+        for _, facts, at in _nodes(name):
+            theirs = _cvxpy(at, _case(name).simple.forces)
+            if theirs is not None:
+                counts[facts.convex, bool(theirs.is_dcp() and theirs.is_convex())] += 1
+    return counts
+
+
+def test_our_rules_know_whatever_cvxpy_knows() -> None:
+    counts = _agreement()
+    assert counts[True, True] > 200 and counts[False, False] > 20
+    assert counts[False, True] == 0  # a rule that CVXPY knows and we lack

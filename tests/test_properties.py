@@ -1,0 +1,120 @@
+"""Every check of duhem.testing on duhem's own increments: every admissible law, every method that applies, parameters over their domain.
+
+`python -m pytest tests/test_properties.py --hypothesis-profile deep` draws a hundred times as much and takes an hour.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+import duhem
+from duhem.criterion import Criterion
+from duhem.errors import InputError
+from duhem.testing import Report, check, checks_for, conformance, pressures, projection
+from duhem.verdict import Verdict
+from literature import KNOWN, THRESHOLDS
+
+EPS = float(np.finfo(np.float64).eps)
+# What each method promises, relative; the rounding that ill-conditioned data cause comes on top (duhem.testing.question).
+ACCURACY = {
+    "closed-form": 16 * EPS,
+    "newton": 1e-11,  # the normal is met within 1e-12, or 1e-10 of |s - u| where rounding turns it
+    "cvxpy": 1e-6,  # an interior point's square root of the gap; project flags residuals above 1e-7
+}
+MOST_FLAGGED = {"closed-form": 0.002, "newton": 0.01, "cvxpy": 0.05}
+EXAMPLES = {"closed-form": 3, "newton": 2, "cvxpy": 1}
+ROWS = {"closed-form": 60, "newton": 60, "cvxpy": 6}
+DEEP = 100 if settings.default.max_examples > 1000 else 1  # the profile `deep`
+
+ALWAYS: list[tuple[str, dict[str, str]]] = [
+    (name, {}) for name, known in KNOWN.items() if Verdict.REFUTED not in (known["convexity"], known.get("normality"))
+]
+AT_VALUES = [
+    (name, values)
+    for name, values, claim, verdict in THRESHOLDS
+    if claim == "convexity" and verdict is Verdict.PROVED and KNOWN[name]["convexity"] is Verdict.REFUTED
+]
+SMOOTH = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.PROVED]
+CORNERS = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.REFUTED]
+
+
+def shown(value: object) -> str | None:
+    return ",".join(f"{k}={v}" for k, v in value.items()) if isinstance(value, dict) else None
+
+
+def without_reason(law: Criterion, method: str) -> str | None:
+    """Why a method does not apply to a law, in its own words."""
+    drawn = {name: 0.5 if name != "p" and name != "m" else 2.5 for name, domain in law.parameters.items() if domain.value is None}
+    if "shift" in drawn:
+        drawn["shift"] = 0.1
+    try:
+        duhem.project(law, np.ones(len(law.forces)), None if law.pressure is None else -1.0, 1.0, drawn, method=method)
+    except InputError as reason:
+        return str(reason)
+    return None
+
+
+def put(law: Criterion, method: str, **options: object) -> Report:
+    return conformance(law, projection(law, method), accuracy=ACCURACY[method], rows=ROWS[method], seconds=5.0, **options)
+
+
+def accepted(report: Report, method: str) -> None:
+    assert report.ok, str(report)
+    assert report.points > 0
+    assert report.flagged_share <= MOST_FLAGGED[method], f"{report.flagged} of {report.points} flagged"
+
+
+@pytest.mark.parametrize("method", ["closed-form", "newton", "cvxpy"])
+@pytest.mark.parametrize(("name", "values"), [*ALWAYS, *AT_VALUES], ids=shown)
+def test_increments_have_every_property(name: str, values: dict[str, str], method: str) -> None:
+    law = duhem.load(name).fix(values)
+    if (reason := without_reason(law, method)) is not None:
+        assert "does not apply" in reason, reason
+        pytest.skip(reason)
+    asked = [c for c in checks_for(law) if method != "cvxpy" or c.name != "path"]  # each step is a solve of its own
+    examples = (EXAMPLES[method] if not values else 1) * DEEP
+    report = put(law, method, checks=asked, max_examples=examples)
+    accepted(report, method)
+    left_out = {"tangent"} | ({"homogeneity"} if "homogeneity" in report.left_out else set())
+    assert set(report.passed) == {c.name for c in asked} - left_out
+
+
+@pytest.mark.parametrize("method", ["closed-form", "newton"])
+@pytest.mark.parametrize(("name", "values"), [*ALWAYS, *AT_VALUES], ids=shown)
+def test_tangents_are_symmetric_between_0_and_k_and_are_the_slope(name: str, values: dict[str, str], method: str) -> None:
+    law = duhem.load(name).fix(values)
+    if (reason := without_reason(law, method)) is not None:
+        pytest.skip(reason)
+    pressed = pressures().filter(bool) if law.pressure else None  # no slope at the tip of a cone
+    update = projection(law, method, tangent=True)
+    report = conformance(
+        law,
+        update,
+        checks=["tangent"],
+        pressure=pressed,
+        accuracy=ACCURACY[method],
+        rows=40,
+        max_examples=(2 if not values else 1) * DEEP,
+        seconds=5.0,
+    )
+    accepted(report, method)
+    assert report.passed == ("tangent",)
+
+
+def cone(trial: np.ndarray, *_: object, **__: object) -> np.ndarray:
+    return trial  # the checks of the law never ask
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_one_normal_at_every_seam(name: str) -> None:
+    report = conformance(name, cone, checks=[check("smoothness")], rows=3, max_examples=10 * DEEP)
+    assert report.ok, str(report)
+    assert report.passed == ("smoothness",) or len(duhem.load(name).forces) == 1
+
+
+@pytest.mark.parametrize("name", CORNERS)
+def test_two_normals_at_a_corner(name: str) -> None:
+    report = conformance(name, cone, checks=[check("smoothness")], rows=10, max_examples=30, seconds=1.0)
+    assert report.failed == {"smoothness"}

@@ -1,0 +1,264 @@
+"""Extreme cases: they are what they say, answers are judged without mercy, and nothing poor passes in silence."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import duhem
+from duhem.__main__ import main
+from duhem.criterion import Criterion
+from duhem.errors import InputError
+from duhem.extremes import AXES, cases, stress
+from duhem.extremes.cases import aspect
+from duhem.extremes.judge import digits
+from duhem.extremes.refusals import refusals
+from duhem.extremes.stress import Result, Row
+from duhem.extremes.text import text
+from duhem.lineup import Contender, Subject
+from duhem.projection.result import Projection, Status
+
+FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Exit code, standard output and standard error of `duhem ARGUMENTS`."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["duhem", *arguments])
+        code = main()
+        return code, *capsys.readouterr()
+
+    return call
+
+
+def formula(name: str, **values: str) -> Criterion:
+    law = duhem.load(name)
+    assert isinstance(law, Criterion)
+    return law.fix(values)
+
+
+def flagship() -> Criterion:
+    return formula("antoni2007", **FIGURE_5)
+
+
+class Doctored(Contender):
+    """The closed form with its answer changed afterwards."""
+
+    change: Callable[[Projection], Projection]
+
+    @classmethod
+    def made(cls, name: str, change: Callable[[Projection], Projection]) -> Doctored:
+        found = cls(name, "closed-form", Contender.of("closed-form", "closed-form").solve, {})
+        object.__setattr__(found, "change", change)
+        return found
+
+    def project(self, *arguments: Any) -> Projection:
+        return self.change(super().project(*arguments))
+
+
+def skewed(done: Projection) -> Projection:
+    return replace(done, stress=done.stress * (1 + 1e-3))
+
+
+def skewed_and_said(done: Projection) -> Projection:
+    return replace(skewed(done), status=np.full_like(done.status, Status.INACCURATE))
+
+
+def lost(done: Projection) -> Projection:
+    return replace(done, stress=np.full_like(done.stress, np.nan))
+
+
+def gone(done: Projection) -> Projection:
+    raise ZeroDivisionError("no")
+
+
+@pytest.fixture(scope="module")
+def doctored() -> Result:
+    changes = {"skewed": skewed, "skewed and said": skewed_and_said, "lost": lost, "gone": gone}
+    lineup = [Contender.of("closed-form", "closed-form"), *(Doctored.made(n, c) for n, c in changes.items())]
+    return stress(flagship(), axes=("trial size",), lineup=lineup)
+
+
+# -- the cases -------------------------------------------------------------------------------------------------------
+
+
+def test_the_axes_span_what_they_say() -> None:
+    found = list(cases(Subject.of(flagship())))
+    by_axis = {axis: [case for case in found if case.axis == axis] for axis in AXES}
+    assert all(by_axis.values())
+    loads = [abs(case.pressure) for case in by_axis["load"] if case.pressure is not None]
+    assert (min(loads), max(loads)) == (1e-290, 1e290)
+    ratios = [case.subject.stiffness[1, 1] / case.subject.stiffness[0, 0] for case in by_axis["stiffness ratio"]]
+    assert (min(ratios), max(ratios)) == (1.0, pytest.approx(1e12))
+    thin = by_axis["aspect of K"][-1].subject
+    up, down = thin.radius(np.array([0.0, 1.0]), -1.0), thin.radius(np.array([0.0, -1.0]), -1.0)
+    assert (up, down) == (pytest.approx(0.12e-8), pytest.approx(0.15e-8))
+    assert thin.radius(np.array([1.0, 0.0]), -1.0) == pytest.approx(0.2)
+    assert {0.0, -0.0} <= set(by_axis["special values"][0].trial.ravel().tolist())
+    assert any(0.0 < np.abs(case.trial).max() < 2.0**-1022 for case in by_axis["special values"])
+
+
+def test_one_ulp_outside_is_just_that() -> None:
+    """By exact arithmetic on the criterion: the next number outwards lies outside, the last inside does not."""
+    named = {case.label: case for case in cases(Subject.of(flagship()), ("boundary distance",))}
+    mu = [Fraction(float(v)) for v in FIGURE_5.values()]
+
+    def outside(point: list[float]) -> bool:
+        a, b = (Fraction(x) for x in point)
+        return (a / mu[0 if a > 0 else 1]) ** 2 + (b / mu[2 if b > 0 else 3]) ** 2 > 1
+
+    assert all(outside(x) for x in named["1 ulp"].trial.tolist())
+    assert not outside(named["0 (last inside)"].trial[0].tolist())
+    assert np.abs(named["1 ulp"].trial / named["0 (last inside)"].trial - 1).max() <= 2.0**-52
+
+
+def test_parameters_that_thin_the_set_are_found_by_trying() -> None:
+    assert aspect(Subject.of(flagship())) == ("mu_b_plus", "mu_b_minus")
+    assert aspect(Subject.of(formula("orthotropic", mu_a="0.2", mu_b="0.1"))) == ("mu_b",)
+    assert aspect(Subject.of(formula("coulomb", mu="0.25"))) == ()
+
+
+# -- the judgement ---------------------------------------------------------------------------------------------------
+
+
+def test_digits() -> None:
+    one = mpmath.mpf(1)
+    assert digits([1.0], [one], one) == 16.0
+    assert digits([1.001], [one], one) == pytest.approx(3.0, abs=1e-3)
+    assert digits([-1.0], [one], one) == 0.0
+    assert digits([1e-9], [mpmath.mpf(0)], one) == pytest.approx(9.0)  # nothing due: relative to the trial
+    assert digits([math.inf], [one], one) == 0.0
+    assert digits([1e308], [mpmath.mpf("1e309")], one) == 0.0
+    assert digits([0.0], [mpmath.mpf("1e-330")], one) == 16.0  # below what any double tells apart
+
+
+def test_poor_and_not_flagged_is_silently_wrong(doctored: Result) -> None:
+    points = sum(row.points for row in doctored.rows if row.method == "skewed")
+    assert points > 0
+    assert doctored.silently_wrong["skewed"] == (points, 0)
+    assert doctored.silently_wrong["skewed and said"] == (0, 0)
+    assert doctored.silently_wrong["closed-form"] == (0, 0)
+    rows = [row for row in doctored.rows if row.method == "skewed"]
+    assert all(row.stress_digits == pytest.approx(3.0, abs=0.01) and row.feasible == 0 and row.flagged == 0 for row in rows)
+    said = [row for row in doctored.rows if row.method == "skewed and said"]
+    assert all(row.flagged == row.points for row in said)
+
+
+def test_numbers_that_are_not_finite_and_errors(doctored: Result) -> None:
+    rows = [row for row in doctored.rows if row.method == "lost"]
+    assert all((row.finite, row.stress_digits, row.wrong_stress) == (0, 0.0, row.points) for row in rows)
+    rows = [row for row in doctored.rows if row.method == "gone"]
+    assert all(row.failure == "ZeroDivisionError: no" and row.flagged == row.points and row.wrong_stress == 0 for row in rows)
+    shown = text(doctored)
+    assert "gone: ZeroDivisionError: no" in shown
+    assert "silently wrong" in shown and " X !stress" in shown
+    assert not doctored.failed
+
+
+def test_closed_form_and_newton_stay_right_or_say_so() -> None:
+    lineup = [Contender.of("closed-form", "closed-form"), Contender.of("newton", "newton")]
+    result = stress(flagship(), axes=("stiffness ratio", "special values"), lineup=lineup)
+    assert result.silently_wrong["closed-form"] == (0, 0)
+    assert result.silently_wrong["newton"][0] == 0
+    assert min(row.stress_digits for row in result.rows if row.method == "closed-form") >= 15.0
+    assert result.reference <= 1e-50
+
+
+def test_refusals_name_argument_and_index() -> None:
+    subject = Subject.of(flagship())
+    found = list(refusals(subject, Contender.of("closed-form", "closed-form")))
+    assert len(found) == 10
+    assert [r for r in found if not r.held] == []
+
+    class Careless(Contender):
+        def project(self, subject: Subject, trial: Any, pressure: Any, stiffness: Any = None) -> Projection:
+            return super().project(subject, np.ones((3, 2)), -1.0)
+
+    careless = Careless("careless", "closed-form", Contender.of("closed-form", "closed-form").solve, {})
+    found = list(refusals(subject, careless))
+    assert not any(r.held for r in found) and all(r.answer.startswith("answered") for r in found)
+
+
+def test_metals_have_no_pressure_and_no_thin_axis() -> None:
+    lineup = [Contender.of("newton", "newton")]
+    result = stress(formula("tresca", yield_stress="1"), axes=("aspect of K", "boundary distance"), lineup=lineup)
+    assert result.silently_wrong["newton"][0] == 0
+    assert [part.reason for part in result.left_out if part.part == "axis aspect of K"] == [
+        "no parameter of the law scales one axis of K alone"
+    ]
+    line = stress(formula("antoni2007-1d", mu_plus="0.2", mu_minus="0.1"), axes=("seam distance",), lineup=lineup)
+    assert line.rows == () and any(part.part == "axis seam distance" for part in line.left_out)
+
+
+def test_an_interrupted_run_keeps_what_is_done() -> None:
+    def stop(_: Row) -> None:
+        raise KeyboardInterrupt
+
+    result = stress(flagship(), axes=("load",), on_row=stop)
+    assert result.interrupted and len(result.rows) == 1
+    assert "Interrupted" in text(result)
+
+
+def test_input_that_cannot_be_used() -> None:
+    with pytest.raises(InputError, match="unknown axis"):
+        stress(flagship(), axes=("sideways",))
+    law = duhem.load("antoni2007")
+    assert isinstance(law, Criterion)
+    with pytest.raises(InputError, match="--set mu_a_plus=VALUE"):
+        stress(law)
+
+
+# -- command line ----------------------------------------------------------------------------------------------------
+
+
+def test_command(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "stress.json"
+    code, out, err = run("stress", "limacon", "--set", "mu=0.25", "--set", "e=0.3", "--axis", "trial size", "--json", str(file))
+    assert (code, err) == (0, "")
+    assert "silently wrong: stress" in out and "trial size: " in out
+    found = json.loads(file.read_text())
+    assert set(found) == {
+        "duhem", "law", "subject", "machine", "interrupted", "reference", "rows", "refusals", "silently_wrong", "left_out",
+    }  # fmt: skip
+    assert {row["method"] for row in found["rows"]} == {"newton"}
+    assert found["reference"] <= 1e-50
+    row = found["rows"][0]
+    assert row["points"] == row["finite"] == 2 and 0 <= row["slip_digits"] <= 16
+
+
+def test_command_draws(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "stress.svg"
+    code, out, err = run("stress", "--set", "mu_a_plus=0.3", "--axis", "seam distance", "--plot", str(file))
+    if find_spec("matplotlib") is None:
+        assert code == 2 and 'pip install "duhem[plot]"' in err
+        return
+    assert (code, err) == (0, "")
+    assert "mu_a_plus = 0.3, mu_a_minus = 0.08" in out and "svg" in file.read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("stress", "coulomb"), "--set mu=VALUE"),
+        (("stress", "--axis", "nowhere"), "unknown axis"),
+        (("stress", "--plot", "figure.xyz"), "figure.xyz"),
+        (("stress", "--set", "mu_a_plus=-1"), "mu_a_plus"),
+    ],
+)
+def test_command_rejects(run: Run, arguments: tuple[str, ...], message: str) -> None:
+    code, out, err = run(*arguments)
+    assert code == 2 and out == "" and message in err

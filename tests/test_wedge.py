@@ -1,0 +1,412 @@
+"""Laws given by a boundary curve: the wedge law and its mutants, each verdict and witness checked in another arithmetic."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from click.testing import CliRunner
+from scipy.optimize import minimize_scalar
+
+import duhem
+from duhem import POSITIVE, Domain, ParametricCriterion, Verdict, Verification, load, verify
+from duhem.cli import cli
+from duhem.errors import InputError
+from duhem.micromodel.wedge import limit_point
+from duhem.report import json as json_report
+from duhem.report import text as text_report
+from duhem.verdict import Witness
+
+PROVED, REFUTED, UNDECIDED, NONE = Verdict.PROVED, Verdict.REFUTED, Verdict.UNDECIDED, Verdict.NOT_APPLICABLE
+SPECIMEN = {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "1/4", "mu_beta": "1/4"}
+DENTED = {"tan_alpha": "29/100", "tan_beta": "156/25", "mu_alpha": "47/50", "mu_beta": "11/100"}
+SETTINGS = [word for name, value in SPECIMEN.items() for word in ("--set", f"{name}={value}")]
+
+
+@cache
+def found(name: str) -> Verification:
+    return verify(CURVES[name] if name in CURVES else load("wedge"), SPECIMEN if name == "specimen" else None)
+
+
+# -- the law ----------------------------------------------------------------------------------------------------------
+
+
+def numeric(law: ParametricCriterion, values: Mapping[str, Any], angle: Any) -> list[np.ndarray]:
+    """Boundary and flow in floats, by SymPy's own lambdify: neither our NumPy fold nor our balls."""
+    table = law.symbols()
+    names = [table[law.angle], *(table[n] for n in law.parameters)]
+    numbers = [float(Fraction(str(values[n]))) for n in law.parameters]
+    flow = law.flow or (sp.diff(law.boundary[1], names[0]), -sp.diff(law.boundary[0], names[0]))
+    return [np.broadcast_to(sp.lambdify(names, x)(angle, *numbers), np.shape(angle)) for x in (*law.boundary, *flow)]
+
+
+@pytest.mark.parametrize("values", [SPECIMEN, DENTED])
+def test_the_law_and_the_micro_model_are_the_same_curve(values: dict[str, str]) -> None:
+    """The formula of the law in SymPy, and the facet forces averaged in NumPy."""
+    slopes = [math.atan(Fraction(values[n])) for n in ("tan_alpha", "tan_beta")]
+    phi = np.linspace(-np.pi, np.pi, 101)
+    expected = limit_point(phi, *slopes, *(float(Fraction(values[n])) for n in ("mu_alpha", "mu_beta")))
+    a, b, da, db = numeric(load("wedge"), values, phi)
+    np.testing.assert_allclose(np.stack([a, b], axis=1), expected, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose([da, db], [np.cos(phi), np.sin(phi)])
+
+
+def test_points_by_hand() -> None:
+    law = load("wedge").fix(SPECIMEN)
+    table = law.symbols()
+    at = {table[n]: d.value for n, d in law.parameters.items()}
+
+    def point(angle: sp.Expr) -> list[sp.Expr]:
+        return [sp.simplify(x.subs(at).subs(table["phi"], angle)) for x in law.boundary]
+
+    assert point(sp.S.Zero) == [sp.Rational(1, 3), 0]
+    assert point(sp.pi) == [-sp.Rational(23, 75), 0]
+    across, along = point(sp.pi / 2)
+    assert across == 0 and math.isclose(float(along), 0.276866, abs_tol=5e-7)
+
+
+def test_parameters_have_their_domain() -> None:
+    law = load("wedge")
+    assert isinstance(law, ParametricCriterion) and load(law) is law
+    assert list(law.parameters) == list(SPECIMEN)
+    with pytest.raises(InputError, match="no parameter values satisfy mu_alpha"):
+        verify(law, {"tan_alpha": 2, "mu_alpha": "1/2"})
+    with pytest.raises(InputError, match="outside its domain positive"):
+        verify(law, {"mu_beta": 0})
+    with pytest.raises(InputError, match="unknown parameter 'mu'"):
+        law.fix({"mu": 1})
+
+
+# -- verdicts of the wedge law ----------------------------------------------------------------------------------------
+
+
+def verdicts(verification: Verification) -> dict[str, Verdict]:
+    return {r.claim: r.verdict for r in verification.results}
+
+
+def test_the_specimen() -> None:
+    assert verdicts(found("specimen")) == {
+        "origin": PROVED,
+        "convexity": PROVED,
+        "smoothness": PROVED,
+        "normality": REFUTED,
+        "dissipation": PROVED,
+        "duality": NONE,
+        "state_laws": PROVED,
+    }
+    assert found("specimen").generalized_standard is False
+    assert found("specimen").dissipative is True
+
+
+def test_the_whole_domain() -> None:
+    """Convexity fails near the limits of sliding; that the curve is simple everywhere is proved by the micro-model only."""
+    assert verdicts(found("wedge")) == {
+        "origin": PROVED,
+        "convexity": REFUTED,
+        "smoothness": UNDECIDED,
+        "normality": REFUTED,
+        "dissipation": PROVED,
+        "duality": NONE,
+        "state_laws": PROVED,
+    }
+    assert found("wedge")["dissipation"].scope == "all parameters"
+
+
+def test_a_dented_wedge() -> None:
+    dented = verify("wedge", DENTED)
+    assert verdicts(dented)["convexity"] is REFUTED
+    assert verdicts(dented)["smoothness"] is verdicts(dented)["origin"] is PROVED
+    assert all(holds(load("wedge"), r.claim, r.witness) for r in dented.results if r.witness is not None)
+
+
+@pytest.mark.parametrize("free", ["tan_alpha", "mu_beta"])
+def test_some_parameters_free(free: str) -> None:
+    """What holds for all values holds with one parameter free and the others fixed."""
+    some = verify("wedge", {n: v for n, v in SPECIMEN.items() if n != free}, claims=["origin", "dissipation"])
+    assert verdicts(some) == {"origin": PROVED, "dissipation": PROVED}
+    assert some["dissipation"].scope.startswith("all other parameters")
+
+
+# -- the greatest deviation, a second way -----------------------------------------------------------------------------
+
+
+def deviation(values: Mapping[str, str], phi: float) -> float:
+    """Degrees between slip and normal at an angle, the tangent by differences in thirty digits."""
+    law = load("wedge")
+    at = {law.symbols()[n]: sp.Rational(v) for n, v in values.items()}
+    with mpmath.workdps(30):
+        slope = [mpmath.diff(sp.lambdify(law.symbols()["phi"], c.subs(at), "mpmath"), mpmath.mpf(phi)) for c in law.boundary]
+        d = (mpmath.cos(phi), mpmath.sin(phi))
+        return float(mpmath.degrees(abs(mpmath.atan2(d[0] * slope[0] + d[1] * slope[1], d[0] * slope[1] - d[1] * slope[0]))))
+
+
+@pytest.mark.parametrize("values", [SPECIMEN, DENTED, {"tan_alpha": "2", "tan_beta": "1/2", "mu_alpha": "2/5", "mu_beta": "1/10"}])
+def test_greatest_deviation_by_optimisation(values: dict[str, str]) -> None:
+    witness = verify("wedge", values, claims=["normality"])["normality"].witness
+    assert witness is not None
+    phi = np.linspace(0, np.pi, 721)
+    slopes = [math.atan(Fraction(values[n])) for n in ("tan_alpha", "tan_beta")]
+    args = (*slopes, *(float(Fraction(values[n])) for n in ("mu_alpha", "mu_beta")))
+    tangent = limit_point(phi + 1e-6, *args) - limit_point(phi - 1e-6, *args)
+    sampled = np.abs(
+        np.arctan2(tangent[:, 0] * np.cos(phi) + tangent[:, 1] * np.sin(phi), np.cos(phi) * tangent[:, 1] - np.sin(phi) * tangent[:, 0])
+    )
+    k = int(np.argmax(sampled))
+    best = minimize_scalar(
+        lambda x: -deviation(values, x), bounds=(phi[k] - 0.01, phi[k] + 0.01), method="bounded", options={"xatol": 1e-9}
+    )
+    assert math.isclose(witness.measures["deviation_degrees"], -best.fun, abs_tol=1e-6)
+    assert math.isclose(abs(witness.measures["slip_angle_degrees"]), math.degrees(best.x), abs_tol=1e-3)
+    low, high = (float(x) for x in witness.values["greatest deviation in degrees"])
+    assert high - low < 1e-6 and low - 1e-7 <= -best.fun <= high + 1e-7
+
+
+def test_the_specimen_deviates_by_degrees() -> None:
+    witness = found("specimen")["normality"].witness
+    assert witness is not None and 2.4 < witness.measures["deviation_degrees"] < 2.5
+
+
+# -- witnesses in another arithmetic ----------------------------------------------------------------------------------
+
+IV = mpmath.iv
+Interval = Any
+
+
+def _interval(node: Any, values: Mapping[sp.Symbol, Interval]) -> Interval:
+    """An expression in mpmath's intervals."""
+    if node.is_Symbol:
+        return values[node]
+    if node.is_Rational:
+        return IV.mpf(int(node.p)) / int(node.q)
+    if isinstance(node, sp.cos | sp.sin):
+        return values[node]
+    parts = [_interval(a, values) for a in node.args]
+    if node.is_Add:
+        return sum(parts, IV.mpf(0))
+    if node.is_Mul:
+        return math.prod(parts, start=IV.mpf(1))
+    if node.is_Pow and node.exp.is_Integer:
+        return parts[0] ** int(node.exp)
+    if node.is_Pow and abs(node.exp) == sp.S.Half:
+        return IV.sqrt(parts[0]) ** (1 if node.exp > 0 else -1)
+    raise NotImplementedError(type(node).__name__)
+
+
+def _at(law: ParametricCriterion, witness: Witness, t: str) -> list[Interval]:
+    """Boundary and flow at tan(angle/2) = t: cosine and sine are rational."""
+    table = law.symbols()
+    half = IV.mpf(Fraction(t).numerator) / Fraction(t).denominator
+    turn = table[law.angle]
+    values: dict[Any, Interval] = {sp.cos(turn): (1 - half**2) / (1 + half**2), sp.sin(turn): 2 * half / (1 + half**2)}
+    for name, value in witness.parameters.items():
+        values[table[name]] = IV.mpf(Fraction(value).numerator) / Fraction(value).denominator
+    flow = law.flow or (sp.diff(law.boundary[1], turn), -sp.diff(law.boundary[0], turn))
+    return [_interval(x, values) for x in (*law.boundary, *flow)]
+
+
+def _admissible(law: ParametricCriterion, witness: Witness) -> bool:
+    at = {law.symbols()[n]: sp.Rational(v) for n, v in witness.parameters.items()}
+    inside = all(sp.Rational(v) in law.parameters[n] for n, v in witness.parameters.items())
+    return set(witness.parameters) == set(law.parameters) and inside and all(c.subs(at) == sp.true for c in law.constraints)
+
+
+def _winding(law: ParametricCriterion, witness: Witness, x: float, y: float) -> int:
+    """Turns of a polygon of 100 000 points around (x, y), farther from it than the polygon is from the curve (an eighth of the second difference)."""
+    a, b, *_ = numeric(law, witness.parameters, np.linspace(-np.pi, np.pi, 100_001))
+    curve = (a - x) + 1j * (b - y)
+    assert np.abs(curve).min() > np.abs(np.diff(curve, 2)).max()
+    return round(float(np.sum(np.angle(curve[1:] / curve[:-1])) / (2 * np.pi)))
+
+
+def _leans(law: ParametricCriterion, witness: Witness) -> bool:
+    (sa, sb, da, db), (ta, tb, *_) = (_at(law, witness, witness.points[role][f"tan_half_{law.angle}"]) for role in ("sigma", "tau"))
+    return bool((da * (ta - sa) + db * (tb - sb)).a > 0)
+
+
+def _pushes_back(law: ParametricCriterion, witness: Witness) -> bool:
+    a, b, da, db = _at(law, witness, witness.points["sigma"][f"tan_half_{law.angle}"])
+    return bool((a * da + b * db).b < 0)
+
+
+def _hollow(law: ParametricCriterion, witness: Witness) -> bool:
+    corners = [_at(law, witness, witness.points[role][f"tan_half_{law.angle}"])[:2] for role in "pmq"]
+    z = [Fraction(witness.points["z"][force]) for force in law.forces]
+    inner = [IV.mpf(x.numerator) / x.denominator for x in z]
+    sides = [
+        (b[0] - a[0]) * (inner[1] - a[1]) - (b[1] - a[1]) * (inner[0] - a[0])
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True)
+    ]
+    one_side = all(s.a > 0 for s in sides) or all(s.b < 0 for s in sides)
+    return one_side and _winding(law, witness, *(float(x) for x in z)) == 0
+
+
+def _empty(law: ParametricCriterion, witness: Witness) -> bool:
+    return _winding(law, witness, 0.0, 0.0) == 0
+
+
+CHECKS: dict[str, Callable[[ParametricCriterion, Witness], bool]] = {
+    "normality": _leans,
+    "dissipation": _pushes_back,
+    "convexity": _hollow,
+    "origin": _empty,
+}
+
+
+def holds(law: ParametricCriterion, claim: str, witness: Witness) -> bool:
+    """Whether a witness violates the claim in intervals of another library, at parameters of the domain."""
+    return _admissible(law, witness) and CHECKS[claim](law, witness)
+
+
+# -- mutants ----------------------------------------------------------------------------------------------------------
+
+RADIAL = ("cos(phi)", "sin(phi)")
+LOBE = "(4*cos(phi)**3 - 3*cos(phi))"  # cos 3 phi
+
+
+def curve(boundary: Sequence[str], flow: Sequence[str] | None = RADIAL, **domains: Domain) -> ParametricCriterion:
+    pair = None if flow is None else (flow[0], flow[1])
+    return ParametricCriterion("mutant", (boundary[0], boundary[1]), parameters=domains, flow=pair)  # type: ignore[arg-type]
+
+
+ELLIPSE = ("mu_a*cos(phi)", "mu_b*sin(phi)")
+AXES = {"mu_a": POSITIVE, "mu_b": POSITIVE}
+CURVES: dict[str, ParametricCriterion] = {
+    "circle": curve(("mu*cos(phi)", "mu*sin(phi)"), mu=POSITIVE),
+    "associated ellipse": curve(ELLIPSE, None, **AXES),
+    "ellipse with its normal": curve(ELLIPSE, ("cos(phi)/mu_a", "sin(phi)/mu_b"), **AXES),
+    "ellipse with radial flow": curve(ELLIPSE, **AXES),
+    "dent": curve((f"(1 + {LOBE}/2)*cos(phi)", f"(1 + {LOBE}/2)*sin(phi)")),
+    "associated dent": curve((f"(1 + {LOBE}/2)*cos(phi)", f"(1 + {LOBE}/2)*sin(phi)"), None),
+    "slight dent": curve((f"(1 + {LOBE}*101/1000)*cos(phi)", f"(1 + {LOBE}*101/1000)*sin(phi)")),
+    "no dent": curve((f"(1 + {LOBE}*99/1000)*cos(phi)", f"(1 + {LOBE}*99/1000)*sin(phi)"), None),
+    "flow inwards": curve(RADIAL, ("-cos(phi)", "-sin(phi)")),
+    "flow turned beyond a right angle": curve(RADIAL, ("-2*sin(phi) - cos(phi)/10", "2*cos(phi) - sin(phi)/10")),
+    "flow turned by a millionth": curve(RADIAL, ("cos(phi) - sin(phi)/1000000", "sin(phi) + cos(phi)/1000000")),
+    "origin outside": curve(("2 + cos(phi)", "sin(phi)")),
+    "clockwise": curve(("cos(phi)", "-sin(phi)"), None),
+    "inner loop": curve(("(1/2 + cos(phi))*cos(phi)", "(1/2 + cos(phi))*sin(phi)")),
+    "cusps": curve(("cos(phi)**3", "sin(phi)**3")),
+    "kinks": curve(("2*pos(cos(phi)) - neg(cos(phi))", "sin(phi)"), None),
+    "jump": curve(("where(mu > 1, 3, 1)*cos(phi) + where(mu > 1, 1, 0)*5", "sin(phi)"), None, mu=POSITIVE),
+}
+CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation")
+TRUTH: dict[str, tuple[Verdict, ...]] = {
+    "circle": (PROVED,) * 5,
+    "associated ellipse": (PROVED,) * 5,
+    "ellipse with its normal": (PROVED,) * 5,
+    "ellipse with radial flow": (PROVED, PROVED, PROVED, REFUTED, PROVED),
+    "dent": (PROVED, REFUTED, PROVED, REFUTED, PROVED),
+    "associated dent": (PROVED, REFUTED, PROVED, REFUTED, PROVED),
+    "slight dent": (PROVED, REFUTED, PROVED, REFUTED, PROVED),
+    "no dent": (PROVED,) * 5,
+    "flow inwards": (PROVED, PROVED, PROVED, REFUTED, REFUTED),
+    "flow turned beyond a right angle": (PROVED, PROVED, PROVED, REFUTED, REFUTED),
+    "flow turned by a millionth": (PROVED, PROVED, PROVED, REFUTED, PROVED),
+    "origin outside": (REFUTED, PROVED, PROVED, PROVED, REFUTED),
+    # out of reach of the methods, and so left open: never proved, never refuted
+    "clockwise": (PROVED, UNDECIDED, UNDECIDED, UNDECIDED, UNDECIDED),
+    "inner loop": (UNDECIDED,) * 5,
+    "cusps": (PROVED, REFUTED, UNDECIDED, UNDECIDED, PROVED),
+    "kinks": (PROVED, UNDECIDED, UNDECIDED, UNDECIDED, UNDECIDED),
+}
+
+
+@pytest.mark.parametrize("name", TRUTH)
+def test_mutants_get_their_verdict(name: str) -> None:
+    assert dict(zip(CLAIMS, TRUTH[name], strict=True)) == {c: v for c, v in verdicts(found(name)).items() if c in CLAIMS}
+
+
+def test_a_curve_that_jumps_with_a_parameter_is_not_proved_from_one_choice() -> None:
+    """Plain values of mu have 0 inside; for mu > 1 it is outside."""
+    assert verify(CURVES["jump"], claims=["origin"])["origin"].verdict is not PROVED
+
+
+@pytest.mark.parametrize("name", [*TRUTH, "specimen", "wedge"])
+def test_witnesses_hold_in_another_arithmetic(name: str) -> None:
+    law = CURVES.get(name) or load("wedge")
+    for result in found(name).results:
+        assert result.witness is None or holds(law, result.claim, result.witness), result.claim
+
+
+def test_witnesses_do_not_hold_of_another_law() -> None:
+    """The checks above can fail."""
+    witness = found("dent")["convexity"].witness
+    assert witness is not None and not holds(CURVES["no dent"], "convexity", witness)
+    witness = found("flow inwards")["dissipation"].witness
+    assert witness is not None and not holds(CURVES["circle"].fix({"mu": 1}), "dissipation", Witness({"mu": "1"}, witness.points, {}, ""))
+
+
+def test_the_greatest_deviation_of_an_ellipse_is_known() -> None:
+    """Radial flow on an ellipse of axes a, b: at most asin(|a - b|/(a + b))."""
+    done = verify(CURVES["ellipse with radial flow"], {"mu_a": 3, "mu_b": 1}, claims=["normality"])["normality"].witness
+    assert done is not None and math.isclose(done.measures["deviation_degrees"], math.degrees(math.asin(0.5)), abs_tol=1e-6)
+
+
+# -- stating a curve --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("made", "said"),
+    [
+        (lambda: curve(("phi", "sin(phi)")), r"otherwise than as cos\(phi\) and sin\(phi\)"),
+        (lambda: curve(("cos(2*phi)", "sin(phi)")), "otherwise than as"),
+        (lambda: curve(("mu*cos(phi)", "sin(phi)")), "mu"),
+        (lambda: curve(("sigma_a*cos(phi)", "sin(phi)")), r"boundary uses \['sigma_a'\]"),
+        (lambda: ParametricCriterion("m", ("cos(phi)", "sin(phi)"), forces=("a",)), "takes two forces"),  # type: ignore[arg-type]
+        (lambda: ParametricCriterion("m", ("cos(phi)", "sin(phi)"), angle="sigma_a"), "different names"),  # type: ignore[arg-type]
+        (lambda: ParametricCriterion("m", ("cos(phi)",)), "two components"),  # type: ignore[arg-type]
+    ],
+)
+def test_what_is_no_curve(made: Callable[[], Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        made()
+
+
+# -- reports and other commands ---------------------------------------------------------------------------------------
+
+
+def test_reports() -> None:
+    report = json.loads(json_report.complete(found("specimen")))
+    witness = next(c for c in report["claims"] if c["claim"] == "normality")["witness"]
+    assert report["criterion"] == "wedge" and report["parameters"]["tan_beta"] == "= 1/4"
+    assert math.isclose(witness["deviation_degrees"], 2.41905, abs_tol=1e-5)
+    assert math.isclose(witness["slip_angle_degrees"], 67.8401, abs_tol=1e-3)
+    assert all(Fraction(point["tan_half_phi"]) for point in witness["points"].values())
+    said = text_report.complete(found("specimen"))
+    assert "|sigma_n| (" in said and "phi from 0 to 2 pi" in said and "generalized standard: no (normality refuted)" in said
+
+
+def run(*arguments: str) -> tuple[int, str]:
+    done = CliRunner().invoke(cli, list(arguments), standalone_mode=False)
+    return (done.return_value if done.exception is None else 2), done.output + str(done.exception or "")
+
+
+def test_verify_and_list_on_the_command_line() -> None:
+    code, said = run("verify", "wedge", *SETTINGS, "--claims", "dissipation,normality", "--strict")
+    assert code == 1 and "2.41905 degrees" in said
+    assert "wedge" in run("list")[1]
+    assert "(18)" in run("derive", "wedge")[1]
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda: run("project", "wedge", *SETTINGS, "--trial", "0.3", "0.1", "--pressure", "-1"),
+        lambda: duhem.project("wedge", [0.3, 0.1], -1.0, 1.0, {}),
+        lambda: duhem.derive("wedge"),
+    ],
+)
+def test_what_needs_a_formula_says_so(ask: Callable[[], Any]) -> None:
+    try:
+        said = ask()[1]
+    except InputError as fault:
+        said = str(fault)
+    assert "wedge has no formula g" in said and "antoni2007" in said and "\n" not in said.strip()
