@@ -271,7 +271,7 @@ def test_a_law_without_reference_is_left_out_with_the_reason() -> None:
 def test_throughput_compares_with_memory_in_the_same_run() -> None:
     result = bench(coulomb(), scenes=("throughput",), repeats=1, points=3000)
     targets = {target.what: target for target in result.targets}
-    assert len(targets) == 6
+    assert len(targets) == 7
     assert targets["extra memory of closed-form, MB"].holds is True
     rows = {(row.method, row.setting): row for row in result.rows}
     bound, plain = rows["memory bandwidth", "N = 3000"].seconds, rows["closed-form", "N = 3000"].seconds

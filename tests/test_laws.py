@@ -98,7 +98,8 @@ def test_one_file_is_one_short_documented_law(module: Any) -> None:
     code = [line for line in text.split('"""', 2)[2].splitlines() if line.strip()]
     assert len(code) <= 15
     assert module.__doc__ is not None
-    for part in ("g = " if isinstance(law, Criterion) else "boundary", "Force", "Verdicts:", "Source:", *(["sigma_n <= 0"] if law.pressure else [])):
+    stated = "g = " if isinstance(law, Criterion) else "boundary"
+    for part in (stated, "Force", "Verdicts:", "Source:", *(["sigma_n <= 0"] if law.pressure else [])):
         assert part in module.__doc__
     assert law.summary and law.source
 

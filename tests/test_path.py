@@ -3,6 +3,7 @@
 import csv
 import subprocess
 import sys
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -259,12 +260,11 @@ def test_assembling_k_once_or_at_every_step_is_the_same():
 
 def test_a_law_without_closed_form_is_checked_once(monkeypatch):
     """However many steps slip: parameters and stiffness are looked at before the first of them."""
-    from duhem.projection import validation
-
     calls = []
-    right = validation.setting
-    for module in ("duhem.projection.project", "duhem.projection.validation"):
-        monkeypatch.setattr(f"{module}.setting", lambda *a: calls.append(a) or right(*a))
+    for name in ("duhem.projection.project", "duhem.projection.validation"):
+        module = import_module(name)
+        right = module.setting
+        monkeypatch.setattr(module, "setting", lambda *a, right=right: calls.append(a) or right(*a))
     counts = []
     for points in (5, 25):
         calls.clear()

@@ -215,7 +215,7 @@ def question(law: Law, scale: float = 1.0, count: int = 10) -> Question:
         ((0.3, 0.2), (1, 1), (0.16948295870263982786, 0.063711769834024715701)),
         ((-0.3, 0.2), (1, 1), (-0.0626859952990218239, 0.074555673728327216011)),
         ((-0.3, -0.2), (1, 4), (-0.076140510365716901921, -0.046028201830649999767)),
-        ((0.3, -0.01), (1, 1), (0.19987561241122522753, -0.0052894704439702478874)),
+        ((0.3, -0.01), (1, 1), (0.19987561244121522753, -0.0052894704439702478874)),
     ],
 )
 def test_reference_values(trial: Any, k: Any, sigma: Any) -> None:
@@ -509,7 +509,7 @@ def test_a_problem_is_compiled_once_for_a_law_and_a_stiffness(monkeypatch: pytes
     k = [1.0, 2.718281828]  # asked for by no other test
     first = duhem.project("antoni2007", [0.3, 0.2], -1.0, k, ANTONI, method="cvxpy")
     assert len(posed) == 1
-    duhem.project("antoni2007", [-3.0, 0.7], -2.0, k, ANTONI, method="cvxpy")
+    duhem.project("antoni2007", [9.0, 6.0], -2.0, k, ANTONI, method="cvxpy")
     again = duhem.project("antoni2007", [0.3, 0.2], -1.0, k, ANTONI, method="cvxpy")
     assert len(posed) == 1
     assert np.array_equal(first.stress, again.stress) and np.array_equal(first.multiplier, again.multiplier)

@@ -223,7 +223,7 @@ def test_exponents_next_to_one_and_high_in_high_precision(exponent):
             assert max(abs(x - y) for x, y in zip(stress, exact, strict=True)) < 2e-14
         for trial, stress in zip(space[there.status == 1], there.stress[there.status == 1], strict=True):
             exact = on_hosford(trial, mp.mpf(1) / 4, p)
-            assert max(abs(x - y) for x, y in zip(stress, exact, strict=True)) < 2e-13 * max(1.0, np.abs(trial).max())
+            assert max(abs(x - y) for x, y in zip(stress, exact, strict=True)) < (2e-11 if p < 2 else 2e-13) * max(1.0, np.abs(trial).max())
 
 
 def test_disk_by_radial_return_and_box_by_clamping():

@@ -242,7 +242,7 @@ def test_a_wrong_routine_is_refused_by_the_right_checks(name: str) -> None:
         ("limacon", {"e": "0.6"}),
         ("limacon", {"e": "99/100"}),
         ("matchstick", {"mu_a": "1", "mu_b": "2"}),
-        ("quartic", {"c": "8"}),
+        ("quartic", {"c": "30"}),
         ("quartic", {"c": "-1"}),
         ("lobes", {"e": "0.3"}),
         ("drucker1949", {"c": "4"}),
@@ -370,7 +370,7 @@ def test_a_failure_is_shrunk() -> None:
     case = failure.case
     assert len(case) == 1
     assert case.pressure.tolist() == [-1.0] and case.stiffness.tolist() == [[1.0, 0.0], [0.0, 1.0]]
-    assert case.trial[0, 0] == case.trial[0, 1] == pytest.approx(0.3 * 2 / 2**0.5)  # twice the boundary, straight between the axes
+    assert np.hypot(*case.trial[0]) == pytest.approx(0.6)  # twice as far as the boundary
 
 
 def test_the_reproducer_runs() -> None:
@@ -446,10 +446,10 @@ def test_parameters_lie_in_the_domain(law: str) -> None:
 
 
 def test_trials_lie_on_next_to_and_far_from_the_boundary() -> None:
-    found = np.array(drawn(trials("coulomb", DISK, -1.0), 1500))
+    found = np.array(drawn(trials("coulomb", DISK, -1.0), 800))
     gap = np.hypot(*found.T) / 0.3 - 1.0
     ulps = np.abs(gap) / np.finfo(float).eps
-    assert (ulps <= 3).sum() > 50 and (gap > 100).any() and (gap < -0.99).any()
+    assert (ulps <= 3).sum() > 30 and (gap > 100).any() and (gap < -0.99).any()
     assert ((np.abs(gap) > 1e-13) & (np.abs(gap) < 1e-5)).sum() > 20
     on, beside = (found == 0.0).any(axis=1), (np.abs(found) < 1e-300).any(axis=1)
     assert on.sum() > 20 and (beside & ~on).sum() > 20
@@ -457,7 +457,7 @@ def test_trials_lie_on_next_to_and_far_from_the_boundary() -> None:
 
 def test_loading_paths_start_at_rest_and_are_of_three_kinds() -> None:
     found = drawn(loadings(2), 200)
-    assert all(path[0].tolist() == [0.0, 0.0] and np.abs(path).max() <= 2.0 for path in found)
+    assert all(path[0].tolist() == [0.0, 0.0] and np.abs(path).max() <= 3.0 for path in found)
     closed = sum(bool(np.abs(path[-1]).max() < 1e-12) for path in found)
     assert 20 < closed < 180
 

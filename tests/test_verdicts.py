@@ -14,7 +14,7 @@ import pytest
 from duhem import Criterion, Verdict, Verification, load, verify
 from duhem.claims import CLAIMS as REGISTERED
 from duhem.criteria.lobes import lobe_law
-from duhem.engines import chords, composition, corners, evaluation, flow, implicit, polar
+from duhem.engines import chords, composition, corners, evaluation, flow, implicit, polar, polyhedral
 from duhem.examination import Case
 from duhem.verdict import Evidence
 from literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
@@ -138,14 +138,19 @@ def test_independent_engines_prove_the_same(row: tuple[str, dict[str, str], list
 
 
 PROVERS: dict[str, list[Engine]] = {
-    "convexity": [composition.convexity, polar.convexity, implicit.convexity, implicit.hessian],
+    "convexity": [composition.convexity, polyhedral.convexity, polar.convexity, implicit.convexity, implicit.hessian],
     "smoothness": [composition.smoothness, polar.smoothness, implicit.smoothness],
     "dissipation": [polar.dissipation, implicit.dissipation],
     "normality": [flow.normality],
     "origin": [evaluation.origin, polar.origin],
 }
 REFUTERS: dict[str, list[Engine]] = {
-    "convexity": [chords.convexity_by_scouting, chords.convexity_at_dents, chords.convexity_by_thorough_scouting],
+    "convexity": [
+        chords.convexity_by_scouting,
+        chords.convexity_at_dents,
+        chords.convexity_at_seams,
+        chords.convexity_by_thorough_scouting,
+    ],
     "smoothness": [corners.smoothness],
     "dissipation": [flow.dissipation_refuted],
     "normality": [flow.normality_refuted],

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -14,6 +15,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from click.testing import CliRunner
+from mpmath.ctx_iv import MPIntervalContext
 from scipy.optimize import minimize_scalar
 
 import duhem
@@ -85,6 +87,16 @@ def test_parameters_have_their_domain() -> None:
         law.fix({"mu": 1})
 
 
+def test_nothing_general_names_the_law() -> None:
+    home = Path(duhem.__path__[0])
+    general = [
+        *home.glob("*.py"),
+        *(f for part in ("claims", "engines", "examination", "report", "cli") for f in (home / part).glob("*.py")),
+    ]
+    assert len(general) > 60
+    assert [str(f) for f in general if "wedge" in f.read_text("utf-8")] == []
+
+
 # -- verdicts of the wedge law ----------------------------------------------------------------------------------------
 
 
@@ -125,6 +137,22 @@ def test_a_dented_wedge() -> None:
     assert verdicts(dented)["convexity"] is REFUTED
     assert verdicts(dented)["smoothness"] is verdicts(dented)["origin"] is PROVED
     assert all(holds(load("wedge"), r.claim, r.witness) for r in dented.results if r.witness is not None)
+
+
+EXTREME = [
+    {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "999/1000", "mu_beta": "1/4"},  # nearly stuck: almost a right angle
+    {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "0.999999", "mu_beta": "3.999999"},
+    {"tan_alpha": "1/1000", "tan_beta": "1/2000", "mu_alpha": "1/4", "mu_beta": "1/4"},  # nearly flat: a millionth of a degree
+    {"tan_alpha": "1000", "tan_beta": "1/1000", "mu_alpha": "1/2000", "mu_beta": "1/2"},
+]
+
+
+@pytest.mark.parametrize("values", EXTREME)
+def test_extreme_profiles(values: dict[str, str]) -> None:
+    done = verify("wedge", values)
+    assert [r.claim for r in done.results if r.verdict is UNDECIDED] == []
+    assert [verdicts(done)[c] for c in ("origin", "smoothness", "normality", "dissipation")] == [PROVED, PROVED, REFUTED, PROVED]
+    assert all(holds(load("wedge"), r.claim, r.witness) for r in done.results if r.witness is not None)
 
 
 @pytest.mark.parametrize("free", ["tan_alpha", "mu_beta"])
@@ -176,7 +204,8 @@ def test_the_specimen_deviates_by_degrees() -> None:
 
 # -- witnesses in another arithmetic ----------------------------------------------------------------------------------
 
-IV = mpmath.iv
+IV = MPIntervalContext()
+IV.prec = 256
 Interval = Any
 
 
@@ -219,10 +248,16 @@ def _admissible(law: ParametricCriterion, witness: Witness) -> bool:
 
 
 def _winding(law: ParametricCriterion, witness: Witness, x: float, y: float) -> int:
-    """Turns of a polygon of 100 000 points around (x, y), farther from it than the polygon is from the curve (an eighth of the second difference)."""
+    """Turns of a polygon of 100 000 points around (x, y).
+
+    Each arc is within an eighth of the second differences at its ends from its chord, and (x, y) farther.
+    """
     a, b, *_ = numeric(law, witness.parameters, np.linspace(-np.pi, np.pi, 100_001))
     curve = (a - x) + 1j * (b - y)
-    assert np.abs(curve).min() > np.abs(np.diff(curve, 2)).max()
+    start, chord = curve[:-1], np.diff(curve)
+    nearest = start + chord * np.clip(-(np.conj(chord) * start).real / np.abs(chord) ** 2, 0, 1)
+    bend = np.abs(np.diff(curve, 2, append=curve[1]))
+    assert (np.abs(nearest) > np.maximum(bend, np.roll(bend, 1))).all()
     return round(float(np.sum(np.angle(curve[1:] / curve[:-1])) / (2 * np.pi)))
 
 
@@ -295,6 +330,7 @@ CURVES: dict[str, ParametricCriterion] = {
     "inner loop": curve(("(1/2 + cos(phi))*cos(phi)", "(1/2 + cos(phi))*sin(phi)")),
     "cusps": curve(("cos(phi)**3", "sin(phi)**3")),
     "kinks": curve(("2*pos(cos(phi)) - neg(cos(phi))", "sin(phi)"), None),
+    "pole": curve(("1/cos(phi)", "sin(phi)")),
     "jump": curve(("where(mu > 1, 3, 1)*cos(phi) + where(mu > 1, 1, 0)*5", "sin(phi)"), None, mu=POSITIVE),
 }
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation")
@@ -316,6 +352,7 @@ TRUTH: dict[str, tuple[Verdict, ...]] = {
     "inner loop": (UNDECIDED,) * 5,
     "cusps": (PROVED, REFUTED, UNDECIDED, UNDECIDED, PROVED),
     "kinks": (PROVED, UNDECIDED, UNDECIDED, UNDECIDED, UNDECIDED),
+    "pole": (UNDECIDED,) * 5,
 }
 
 
@@ -370,6 +407,20 @@ def test_what_is_no_curve(made: Callable[[], Any], said: str) -> None:
         made()
 
 
+def test_a_curve_in_a_module_of_ones_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "my_curves.py").write_text(
+        "from sympy import cos, sin\nfrom duhem.parametric import parametric\n"
+        "@parametric(flow=['cos(phi)', 'sin(phi)'], instead='coulomb')\n"
+        "def round_off(phi, mu):\n    'A circle.'\n    return mu * cos(phi), mu * sin(phi)\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    law = load("my_curves:round_off")
+    assert law.name == "round-off" and law.summary == "A circle." and load("round-off") is law
+    assert verify(law).generalized_standard is True
+    with pytest.raises(InputError, match="such as coulomb"):
+        duhem.project(law, [1.0, 0.0], -1.0, 1.0, {"mu": 1})
+
+
 # -- reports and other commands ---------------------------------------------------------------------------------------
 
 
@@ -396,12 +447,20 @@ def test_verify_and_list_on_the_command_line() -> None:
     assert "(18)" in run("derive", "wedge")[1]
 
 
+def test_derive() -> None:
+    assert duhem.derive("wedge")["implication"].number == "18"
+    with pytest.raises(InputError, match="for all parameters"):
+        duhem.derive("wedge", SPECIMEN)
+    with pytest.raises(InputError, match="mutant has no formula g"):
+        duhem.derive(CURVES["circle"])
+
+
 @pytest.mark.parametrize(
     "ask",
     [
         lambda: run("project", "wedge", *SETTINGS, "--trial", "0.3", "0.1", "--pressure", "-1"),
         lambda: duhem.project("wedge", [0.3, 0.1], -1.0, 1.0, {}),
-        lambda: duhem.derive("wedge"),
+        lambda: duhem.simulate("wedge", duhem.Path(np.eye(2), -np.ones(2), np.arange(2.0)), stiffness=1.0),
     ],
 )
 def test_what_needs_a_formula_says_so(ask: Callable[[], Any]) -> None:

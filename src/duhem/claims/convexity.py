@@ -12,7 +12,9 @@ composition (g is quasiconvex by the rules of disciplined convex programming); a
 polyhedra (K is the intersection of the half-spaces of its faces); polar form (for the gauge gamma of a star-shaped K in
 two forces, gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams included); chords across a dent or a kink so
 found; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch.
-Refuted only by two points of K whose midpoint is outside, in exact arithmetic.""",
+Refuted only by two points of K whose midpoint is outside, in exact arithmetic.
+A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
+boundary points that the curve does not wind around.""",
     engines=(
         composition.convexity,
         chords.convexity_by_scouting,

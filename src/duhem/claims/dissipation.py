@@ -22,7 +22,8 @@ CLAIM = Claim(
 The intrinsic dissipation of the law reduces to D = sigma . u_in' (Clausius-Duhem, Antoni et al. 2007, Eqs. 22, 23).
 It follows from 0 in K and normality (Fenchel: D = Phi*(sigma) + Phi(u_in') >= 0), but does not need them: a star-shaped K
 with associated flow dissipates by Euler's relation, and a non-associated law may dissipate too.
-Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.""",
+Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.
+For a boundary curve T with flow d it is the sign of T . d all around, in balls or by sign rules for all parameters.""",
     engines=(polar.dissipation, flow.dissipation_refuted, implicit.dissipation, sampling.sampled),
     curve_engines=(curve.dissipation, curve_refutation.dissipation),
     needs=("origin", "normality"),

@@ -26,7 +26,9 @@ Normality rule (Moreau 1970; Antoni et al. 2007, Eqs. 28, 36): u_in' in dI_K(sig
 tangential plane at frozen sigma_n.  d is in the normal cone at sigma exactly when d . (tau - sigma) <= 0 for all tau in K.
 An associated law obeys it by definition when K is convex; when K is not, grad g fails it where a chord leaves K.
 A law with a flow of its own obeys it when that flow is a non-negative multiple of grad g on the boundary.
-Refuted by a boundary point, held between two rational ones, and a point tau of K towards which the flow points.""",
+Refuted by a boundary point, held between two rational ones, and a point tau of K towards which the flow points.
+For a boundary curve the deviation between flow and normal is greatest at an angle found by branch and bound in balls; two
+boundary points at exact angles show the violation.""",
     engines=(flow.normality_refuted, sampling.sampled),
     curve_engines=(curve.normality, curve_deviation.normality, curve_refutation.normality_of_a_dent),
     needs=("convexity",),

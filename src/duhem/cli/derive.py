@@ -19,7 +19,6 @@ def derive(law: str, form: str) -> None:
     """Print the symbolic derivation of LAW."""
     chosen = read_law(law)
     from duhem import derivation
-    from duhem.parametric import ParametricCriterion
 
-    derived = chosen.derive() if isinstance(chosen, ParametricCriterion) and chosen.derivation else derivation.derive(chosen)
+    derived = derivation.derive(chosen)
     say({"text": derived.text, "latex": derived.latex, "markdown": derived.markdown}[form]())

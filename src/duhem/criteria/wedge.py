@@ -8,8 +8,9 @@ v = (cos phi, sin phi, t cos phi) and is pushed by a force along n/|n| - mu v/|v
 Forces: two tangential stresses; pressure sigma_n <= 0 in compression; one common unit; slopes and local friction
 coefficients positive and dimensionless, mu_alpha tan_alpha < 1 and mu_beta tan_beta < 1 (Eqs. 4, 16: springs slide up each side).
 
-Verdicts: the law dissipates in every direction and its boundary is smooth, but the slip is not normal to it, and near the
-limits of sliding the curve is dented.  On t_a it reduces to the coefficients of Eqs. (13), (15).
+Verdicts: the law dissipates in every direction, but the slip is not normal to the boundary, and near the limits of sliding
+the curve is dented.  At given values the boundary is shown to be smooth; that it is star-shaped about zero, hence simple, for
+all values is proved by duhem.micromodel.oblique.  On t_a it reduces to the coefficients of Eqs. (13), (15).
 
 Source: N. Antoni, J.-L. Ligier, P. Saffré and J. Pastor (2007), Int. J. Eng. Sci. 45, 587-600, section 2 (announced there).
 """

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from duhem.catalogue import load_formula
+from duhem.catalogue import load, load_formula
 from duhem.criterion import Criterion
 from duhem.derivation.energy import state_equations
 from duhem.derivation.equation import Derivation, Equation
@@ -15,7 +15,8 @@ from duhem.derivation.increment import increment_equations, interval, one_dimens
 from duhem.derivation.names import Names
 from duhem.derivation.pieces import MOST, pieces
 from duhem.derivation.support_function import fixed, support_function
-from duhem.parametric import Law
+from duhem.errors import InputError
+from duhem.parametric import Law, ParametricCriterion
 
 __all__ = ["derive"]
 
@@ -27,9 +28,15 @@ def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, s
     ``parameters`` fixes some of them; ``stiffness`` is ``orthotropic`` (one k per force), ``isotropic`` (one k) or
     ``full`` (any symmetric positive definite matrix), in stress per length.  sigma_n <= 0 in compression.  What has no
     closed form is left out and listed with its reason.  Raises InputError for an unknown law,
-    parameter or stiffness.
+    parameter or stiffness.  A law given by a boundary curve has the derivation it names, for all parameters, or none.
     """
-    stated = fixed(load_formula(law), parameters)
+    chosen = load(law)
+    if isinstance(chosen, ParametricCriterion) and chosen.derivation:
+        if parameters:
+            raise InputError("this derivation is for all parameters", where="parameters", remedy="leave them out")
+        own: Derivation = chosen.derive()
+        return own
+    stated = fixed(load_formula(chosen), parameters)
     names = Names.of(stated, stiffness)
     left_out: list[tuple[str, str]] = []
     return Derivation(stated.name, tuple(_equations(stated, names, left_out)), tuple(left_out), names)

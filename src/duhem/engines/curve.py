@@ -10,7 +10,7 @@ from __future__ import annotations
 import sympy as sp
 
 from duhem.examination.curve import LEAD, LEAN, POWER, STAR, TURNING, CurveCase
-from duhem.expression.vocabulary import Neg, Pos, Where
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 from duhem.positivity import Sense
 from duhem.verdict import Evidence, Verdict
 
@@ -81,7 +81,7 @@ def _star(case: CurveCase) -> str | None:
 
 def _analytic(case: CurveCase) -> bool:
     """Whether T is built from analytic functions, roots of what is > 0 only (balls show that where parameters are fixed)."""
-    if any(x.has(*_KINKS) for x in case.boundary):
+    if any(x.has(*_KINKS) or (case.free and x.has(Norm)) for x in case.boundary):
         return False
     radicands = {p.base for x in case.boundary for p in x.atoms(sp.Pow) if not p.exp.is_Integer}
     return not case.free or all(case.ask(r, Sense.POSITIVE).method for r in radicands)

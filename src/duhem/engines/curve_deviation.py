@@ -54,25 +54,20 @@ def _deviates(case: CurveCase, values: Values) -> bool:
 
 
 def deviation(jet: Jet) -> tuple[Ball, Ball, Ball]:
-    """The angle between flow and outward normal, its slope and second derivative by the angle (not a number at its kinks)."""
+    """The angle from the outward normal to the flow, its slope and second derivative by the angle (not a number at a jump)."""
     tangent = [flint.arb_series([v[i] / factorial(k) for k, v in enumerate(jet.boundary[1:4])], prec=3) for i in (0, 1)]
     flow = [flint.arb_series([v[i] / factorial(k) for k, v in enumerate(jet.flow[:3])], prec=3) for i in (0, 1)]
     lead, lean = cross(flow, tangent), dot(flow, tangent)
-    side = certain_sign(lean[0])
+    side, half = certain_sign(lean[0]), flint.arb.pi() / 2
     if lead[0] > 0:
-        signed = (lean / lead).atan()
-        size = abs(signed[0])
-    elif lead[0] < 0:
-        signed = -(lean / -lead).atan()
-        size = flint.arb.pi() - abs(signed[0])
+        signed, shift = (lean / lead).atan(), flint.arb(0)
     elif side in (1, -1):
-        signed = -(lead / lean).atan()
-        size = flint.arb.pi() / 2 + side * signed[0]
+        signed, shift = -(lead / lean).atan(), side * half
+    elif lead[0] < 0:  # about pi, on either side
+        return 2 * half - abs((lean / -lead).atan()[0]), flint.arb("nan"), flint.arb("nan")
     else:
-        return flint.arb.pi() * flint.arb("0.5 +/- 0.5"), flint.arb("nan"), flint.arb("nan")
-    if side in (1, -1):
-        return size, side * signed[1], 2 * side * signed[2]
-    return size, flint.arb("nan"), flint.arb("nan")
+        return half + half * flint.arb(0, 1), flint.arb("nan"), flint.arb("nan")
+    return signed[0] + shift, signed[1], 2 * signed[2]
 
 
 def _place(curve: NumericCurve, worst: Greatest) -> float:
@@ -80,7 +75,8 @@ def _place(curve: NumericCurve, worst: Greatest) -> float:
     low, high = _cluster(worst.arcs)
     for _ in range(40):
         middle = (low + high) / 2
-        rising = certain_sign(deviation(curve.over((middle, middle), 3))[1])
+        value, slope, _ = deviation(curve.over((middle, middle), 3))
+        rising = certain_sign(value * slope)
         if rising is None:
             break
         low, high = (middle, high) if rising > 0 else (low, middle)
@@ -131,5 +127,5 @@ def _targets(case: CurveCase, values: Values, jet: Jet, angle: float) -> Iterato
     for other in CurveScouts(case).at(values).targets(slip, point):
         yield half_tangent(other)
     turn = math.atan2(float(LEAN.of(jet)), float(LEAD.of(jet)))
-    for share in (1.0, 0.3, 0.1, 0.03):
-        yield half_tangent(angle + share * turn, 15)
+    for digits in range(8):
+        yield half_tangent(angle + turn / 10**digits, 15)

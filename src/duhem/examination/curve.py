@@ -130,8 +130,9 @@ class CurveCase:
             return "interval" if self.at({}).positive(quantity.of, quantity.order) else None
         if any(x.has(Where) for x in (*self.boundary, *(self.flow or ()))):
             return None  # it might jump, and then signs say nothing of how it turns
-        whole = self.ask(quantity.of(self._jet(self.boundary)), Sense.POSITIVE)
-        return whole.method or (self._by_parts(quantity) if quantity.linear and self.flow is not None else None)
+        if quantity.linear and self.flow is not None and (method := self._by_parts(quantity)):
+            return method
+        return self.ask(quantity.of(self._jet(self.boundary)), Sense.POSITIVE).method or None
 
     def _by_parts(self, quantity: Quantity) -> str | None:
         """Sum of parts: each is greater than what it is without its own parameters, and what is left is >= 0.
@@ -142,18 +143,19 @@ class CurveCase:
         left = sp.S.Zero
         for part, own in self._parts():
             whole = quantity.of(self._jet(part))
+            if not own:
+                left += whole
+                continue
             bare = whole.subs(dict.fromkeys(own, 0))
             if bare.has(sp.nan, sp.zoo, sp.oo):
                 return None
-            answer = self.ask(self._here(whole), Sense.POSITIVE)
-            if not answer.method:  # not by itself: compared with what it is without its own parameters
-                answer = self.ask(self._here(whole - bare), Sense.POSITIVE)
-                left += bare
+            answer = self.ask(self._here(whole - bare), Sense.POSITIVE)
             if not answer.method:
                 return None
             used.add(answer.method)
+            left += bare
         settled = self.ask(self._here(sp.simplify(left)), Sense.NONNEGATIVE)
-        return ", ".join(sorted(used)) if settled.method else None
+        return ", ".join(sorted(used)) if used and settled.method else None
 
     def _parts(self) -> Iterator[tuple[Vector, set[sp.Symbol]]]:
         """The boundary as a sum of vectors, each with the parameters that are its own, fixed ones included."""
@@ -191,9 +193,9 @@ class CurveCase:
 
     def vanishes(self, quantity: Quantity) -> bool:
         """Whether the quantity is 0 at every angle and for every parameter value."""
-        somewhere = self.at(next(self.choices(1), {})).at(Fraction(1, 3), quantity.order)
-        if certain_sign(quantity.of(somewhere)) in (1, -1):
-            return False
+        for values in self.choices(1):  # a look at one point spares the algebra
+            if certain_sign(quantity.of(self.at(values).at(Fraction(1, 3), quantity.order))) in (1, -1):
+                return False
         return self.ask(sp.simplify(quantity.of(self._jet(self.boundary))), Sense.ZERO).method != ""
 
     def turns_once(self, derivative: int, sign: Quantity) -> bool:
@@ -205,7 +207,7 @@ class CurveCase:
             return False
         if self.positive(sign) is None:
             return False
-        return self.turns_at(next(self.choices(1), {}), derivative) == 1
+        return any(self.turns_at(values, derivative) == 1 for values in self.choices(1))
 
     def turns_at(self, values: Values, derivative: int) -> int | None:
         """How often T (0) or T' (1) turns at one choice of parameters."""

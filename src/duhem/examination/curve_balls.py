@@ -53,7 +53,7 @@ class Jet:
 
 @dataclass(frozen=True)
 class Greatest:
-    """The greatest value of a function of the angle lies in ``value`` and is taken in ``arcs`` only (units of pi)."""
+    """The greatest size of a function of the angle lies in ``value`` and is taken in ``arcs`` only (units of pi)."""
 
     value: Ball
     arcs: tuple[Span, ...]
@@ -131,10 +131,10 @@ class NumericCurve:
         return None if turns is None else int(turns)
 
     def greatest(self, quantity: Callable[[Jet], Sequence[Ball]], order: int, width: float) -> Greatest | None:
-        """The greatest value of a quantity over all angles, to within ``width`` or as well as time allows; None if it stays open.
+        """The greatest size of a quantity over all angles, to within ``width`` or as well as time allows; None if it stays open.
 
         ``quantity`` gives value, slope and second derivative; what is not finite says nothing.  Arcs that cannot hold the
-        greatest value are dropped: their enclosure lies below a value met, or their slope has one sign.
+        greatest size are dropped: their enclosure lies below one met, or their slope has one sign.
         """
         best, queue = flint.arb("-inf"), _pieces(32)
         found: Greatest | None = None
@@ -145,14 +145,14 @@ class NumericCurve:
                     return found
                 middle = (span[0] + span[1]) / 2
                 here, over = quantity(self.over((middle, middle), order)), quantity(self.over(span, order))
-                if here[0].is_finite() and here[0].lower() > best:
-                    best = here[0].lower()
+                if here[0].is_finite() and here[0].abs_lower() > best:
+                    best = here[0].abs_lower()
                 reach = flint.arb.pi() * ball((span[0] - span[1]) / 2, (span[1] - span[0]) / 2)
                 slopes = (over[1], here[1] + over[2] * reach)
                 if any(certain_sign(slope) in (1, -1) for slope in slopes):
                     continue
                 bounds = [over[0], here[0] + slopes[0] * reach, here[0] + here[1] * reach + over[2] * reach * reach / 2]
-                kept.append((span, min((x.upper() for x in bounds if x.is_finite()), key=float, default=flint.arb("inf"))))
+                kept.append((span, min((x.abs_upper() for x in bounds if x.is_finite()), key=float, default=flint.arb("inf"))))
             kept = [(span, bound) for span, bound in kept if not bound < best]
             if not kept:
                 return found
@@ -229,18 +229,26 @@ def _constant(node: Any) -> Ball:
 
 def _power(node: sp.Pow, base: Any, exponent: Any) -> Any:
     if node.exp.is_Integer:
-        return base ** int(node.exp)
+        raised = base ** abs(int(node.exp))
+        return raised if node.exp > 0 else _inverse(raised)
     if node.exp == sp.S.Half:
         return base.sqrt()
     return base**exponent
+
+
+def _inverse(x: Any) -> Any:
+    """1/x; not a number where x may vanish, which a series would refuse."""
+    if isinstance(x, flint.arb_series) and certain_sign(x[0]) not in (1, -1):
+        return flint.arb_series([flint.arb("nan")] * x.prec, prec=x.prec)
+    return 1 / x
 
 
 def _signed(node: sp.Basic, x: Any, left: int, right: int) -> Any:
     """left * x below 0 and right * x above; where the sign is open the value is enclosed and no derivative known."""
     here = x[0] if isinstance(x, flint.arb_series) else x
     sign = certain_sign(here)
-    if sign is not None:
-        return x * (left if sign < 0 else right)
+    if sign in (1, -1):
+        return x * (left if sign == -1 else right)
     value = (here * left).union(here * right) if here.is_finite() else here
     return flint.arb_series([value, *([flint.arb("nan")] * (x.prec - 1))], prec=x.prec) if isinstance(x, flint.arb_series) else value
 

@@ -161,7 +161,7 @@ def _distances(subject: Subject, axis: str) -> Iterator[Case]:
         yield Case(axis, f"1e{-j}", -j, subject, edge * (1.0 + 10.0**-j), subject.pressure)
     out = np.where(edge == 0.0, 0.0, np.nextafter(edge, np.copysign(np.inf, edge)))
     yield Case(axis, "1 ulp", -16, subject, out, subject.pressure)
-    yield Case(axis, "0 (last inside)", -17, subject, edge, subject.pressure)
+    yield Case(axis, "0 by doubles", -17, subject, edge, subject.pressure)
 
 
 def _specials(subject: Subject, axis: str) -> Iterator[Case]:

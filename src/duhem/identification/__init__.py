@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from duhem.identification.identify import identify
+from duhem.identification.entry import identify
 from duhem.identification.points import Points
 from duhem.identification.result import Estimate, Identification, Outlier
 

@@ -32,7 +32,8 @@ CLAIMS = ("origin", "convexity", "normality", "dissipation")
 _UNFELT = 1e-9
 _SINGULAR = 1e-8
 _SNAP = 1e-12
-_NEAR = 1e-4
+_NEAR = 1e-9
+_SHARE = 0.01
 _TAILS = (0.025, 0.975)
 
 
@@ -143,19 +144,24 @@ def _check_settled(problem: Problem, solved: Solved) -> None:
 
 
 def _check_at_rest(problem: Problem, solved: Solved, robust: bool) -> None:
-    """The pull of the residuals on each parameter that is not held by its domain, as a cosine, is nothing."""
+    """One more step would move no parameter, unless its domain holds it, by much of its standard error or of itself."""
     size = HUBER * solved.level
     pull = np.clip(solved.residual, -size, size) if robust else solved.residual
-    if float(np.max(np.abs(solved.residual))) <= problem.rounding():
-        return
-    cosine = np.abs(solved.slope.T @ pull) / (np.linalg.norm(solved.slope, axis=0) * np.linalg.norm(pull))
     low, high = problem.coordinates.bounds
     x = problem.coordinates.inward(solved.theta)
     free = (x > low + _NEAR) & (x < high - _NEAR)
-    if np.any(cosine[free] > _NEAR):
-        names = ", ".join(n for n, c, f in zip(_names(problem), cosine, free, strict=True) if f and c > _NEAR)
+    columns = (solved.slope * problem.coordinates.stretch(solved.theta))[:, free]
+    if not columns.size:
+        return
+    step = np.abs(np.linalg.lstsq(columns, pull)[0])
+    inverse = np.linalg.inv(np.linalg.qr(columns, mode="r"))
+    error = np.linalg.norm(inverse, axis=1) * float(np.sqrt(np.mean(np.square(pull))))
+    if np.any(moving := step > _SHARE * error + _NEAR):
+        names = ", ".join(np.array(_names(problem))[free][moving])
         raise DuhemError(
-            f"the fit of {names} has not come to rest", where=problem.points.where, remedy="look for wrong points, or fix one with --set"
+            f"the fit of {names} has not come to rest",
+            where=problem.points.where,
+            remedy="look for wrong points, try --robust, or fix one with --set",
         )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from fractions import Fraction
 from typing import Any
 
@@ -11,7 +12,9 @@ import sympy as sp
 
 from duhem.positivity.roots import square_free
 
-__all__ = ["DegenerateError", "Integral", "OpenError", "Poly", "at_rational", "joined", "leading", "true"]
+__all__ = ["DegenerateError", "Integral", "OpenError", "Poly", "at_rational", "projection", "true"]
+
+_MOST_DEGREE = 400  # of a projection: beyond, it costs more than the other deciders
 
 Poly = Any  # flint.fmpz_mpoly in (x, y)
 
@@ -44,14 +47,34 @@ def true(value: int, op: str) -> bool:
     return value >= 0 if op == ">=" else value > 0 if op == ">" else value == 0 if op == "==" else value != 0
 
 
-def leading(poly: Poly) -> Poly:
+def projection(curves: Iterable[Poly], pairs: Iterable[tuple[Poly, Poly]], more: Iterable[Poly] = ()) -> Any:
+    """The square-free polynomial in x (``flint.fmpz_poly``) where the roots in y of the curves escape, meet or meet each other's.
+
+    ``more`` are polynomials in x alone.  Raises DegenerateError where one of these is identically 0.
+    """
+    curves, pairs = list(curves), list(pairs)
+    bends = [f for f in curves if f.degrees()[1] > 1]
+    bound = sum(_bound(f, f) for f in bends) + sum(_bound(f, h) for f, h in pairs)
+    if bound > _MOST_DEGREE:
+        raise OpenError(f"the projection may have degree {bound}")
+    resultants = (f.resultant(h, 1) for f, h in pairs)
+    return _joined([*more, *(_leading(f) for f in curves), *(f.discriminant(1) for f in bends), *resultants])
+
+
+def _bound(one: Poly, two: Poly) -> int:
+    """Degree in x of the resultant by y, at most (Sylvester's matrix)."""
+    (a, b), (c, d) = one.degrees(), two.degrees()
+    return int(a * d + c * b)
+
+
+def _leading(poly: Poly) -> Poly:
     """Leading coefficient as a polynomial in y."""
     top = poly.degrees()[1]
     return poly.context().from_dict({(i, 0): c for (i, j), c in poly.to_dict().items() if j == top})
 
 
-def joined(polys: list[Poly]) -> Any:
-    """The square-free product of polynomials in x alone, as ``flint.fmpz_poly``; DegenerateError if one is 0."""
+def _joined(polys: list[Poly]) -> Any:
+    """The square-free product of polynomials in x alone."""
     total = flint.fmpz_poly([1])
     for poly in polys:
         if poly.is_zero():

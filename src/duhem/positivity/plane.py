@@ -21,7 +21,7 @@ import flint
 import sympy as sp
 
 from duhem.expression.balls import certain_sign, precision
-from duhem.positivity.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, joined, leading, true
+from duhem.positivity.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, projection, true
 from duhem.positivity.polynomials import Relation, System
 from duhem.positivity.question import Answer
 from duhem.positivity.reduction import variables
@@ -31,7 +31,6 @@ __all__ = ["by_plane"]
 
 _METHOD = "plane-cells"
 _BITS = (128, 512, 2048)
-_MOST_DEGREE = 160  # of the projection: beyond, the roots cost more than the other deciders
 _SHEARS = (0, 1, -1, 2, -2, 3)
 
 Sign = tuple[Poly, str]
@@ -110,28 +109,21 @@ class _Component:
     goal: Sign
 
     def violation(self, deadline: float) -> tuple[Fraction, Fraction] | None:
-        projection = self._projection()
-        degree = projection.degree()
-        if degree > _MOST_DEGREE:
-            raise OpenError(f"the projection has degree {degree}")
+        others = [(p, self.curve) for p, _ in (*self.given, self.goal) if not p.is_constant()]
+        special = projection([self.curve], others)
         for bits in _BITS:
             if time.monotonic() > deadline:
                 raise OpenError("time ran out")
             try:
-                return self._beside(projection, bits) or self._above(projection, bits, deadline)
+                return self._beside(special, bits) or self._above(special, bits, deadline)
             except OpenError:
                 if bits == _BITS[-1]:
                     raise
         return None
 
-    def _projection(self) -> Any:
-        discriminant = [self.curve.discriminant(1)] if self.curve.degrees()[1] > 1 else []
-        others = [p.resultant(self.curve, 1) for p, _ in (*self.given, self.goal) if not p.is_constant()]
-        return joined([leading(self.curve), *discriminant, *others])
-
-    def _beside(self, projection: Any, bits: int) -> tuple[Fraction, Fraction] | None:
+    def _beside(self, special: Any, bits: int) -> tuple[Fraction, Fraction] | None:
         """Over one rational x in each cell the signs are exact."""
-        for at in between(real_roots(projection, bits)):
+        for at in between(real_roots(special, bits)):
             here = at_rational(self.curve, at)
             others = [(at_rational(p, at), op) for p, op in self.given]
             wanted = at_rational(self.goal[0], at), self.goal[1]
@@ -142,11 +134,11 @@ class _Component:
                         return at, Fraction(int(middle.p), int(middle.q))
         return None
 
-    def _above(self, projection: Any, bits: int, deadline: float) -> tuple[Fraction, Fraction] | None:
+    def _above(self, special: Any, bits: int, deadline: float) -> tuple[Fraction, Fraction] | None:
         """Over the roots of the projection: balls on the whole line above each."""
         slopes = (self.curve.derivative(0), self.curve.derivative(1))
         strict = all(op in (">", "!=") for _, op in self.given)
-        for root in real_roots(projection, bits):
+        for root in real_roots(special, bits):
             with precision(bits):
                 line = _columns(self.curve, root)
                 if line[-1].contains(0):
@@ -155,6 +147,8 @@ class _Component:
                 above = [(_poly(_columns(p, root)), op) for p, op in self.given]
                 goal, curve = _poly(_columns(self.goal[0], root)), _poly(line)
                 gradient = [_poly(_columns(p, root)) for p in slopes]
+                if not float(bound.upper()) < 1e300:
+                    raise OpenError("the curve has a point too far away")
                 end = 2.0 ** math.ceil(math.log2(float(bound.upper())) + 0.01)
                 queue, narrowest = [(flint.arb(0), end)], end / 2.0 ** (bits // 3)
                 while queue:

@@ -37,7 +37,7 @@ class Question:
 
         None at all if the relations contradict each other; only itself if the formula is undefined there or nothing is 0.
         """
-        zero = {s for s in self.expr.free_symbols.union(*(r.free_symbols for r in self.given)) if self._makes_zero(s)}
+        zero = self._zeros()
         if not zero:
             return (self,)
         places: list[dict[sp.Symbol, sp.Expr]] = [dict.fromkeys(zero, sp.S.Zero)]
@@ -55,10 +55,24 @@ class Question:
                 found.append(Question(expr, self.sense, tuple(r for r in given if r is not sp.true), circle))
         return tuple(found)
 
-    def _makes_zero(self, s: sp.Symbol) -> bool:
-        below, above = {sp.LessThan(s, 0), sp.GreaterThan(-s, 0)}, {sp.GreaterThan(s, 0), sp.LessThan(-s, 0)}
-        relations = set(self.given)
-        return sp.Eq(s, 0) in relations or bool(relations & below and relations & above)
+    def _zeros(self) -> set[sp.Symbol]:
+        """Symbols with s = 0 among the relations, or both s >= 0 and -s >= 0."""
+        zero: set[sp.Symbol] = set()
+        above: set[sp.Symbol] = set()
+        below: set[sp.Symbol] = set()
+        for relation in self.given:
+            if isinstance(relation, sp.Eq):
+                found, side = zero, relation.lhs if relation.rhs.is_zero else None
+            elif isinstance(relation, sp.GreaterThan | sp.LessThan):
+                upward = relation.lts.is_zero
+                found, side = (above, relation.gts) if upward else (below, relation.lts if relation.gts.is_zero else None)
+                if side is not None and side.could_extract_minus_sign():
+                    found, side = below if upward else above, -side
+            else:
+                continue
+            if side is not None and side.is_Symbol:
+                found.add(side)
+        return zero | (above & below)
 
 
 @dataclass(frozen=True)

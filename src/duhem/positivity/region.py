@@ -14,7 +14,7 @@ from itertools import combinations
 import flint
 import sympy as sp
 
-from duhem.positivity.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, joined, leading, true
+from duhem.positivity.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, projection, true
 from duhem.positivity.plane import by_plane
 from duhem.positivity.polynomials import Relation, System
 from duhem.positivity.question import Answer
@@ -25,7 +25,6 @@ __all__ = ["by_region"]
 
 _METHOD = "plane-cells"
 _BITS = 256
-_MOST_DEGREE = 200
 
 
 def by_region(system: System, seconds: float = 5.0) -> Answer:
@@ -78,15 +77,8 @@ def _violation(given: list[tuple[Poly, str]], goal: Poly, deadline: float) -> tu
             factors += [f for f, _ in poly.factor()[1] if f not in factors]
     upright = [f for f in factors if f.degrees()[1] == 0]
     curves = [f for f in factors if f.degrees()[1] > 0]
-    projection = joined([
-        *upright,
-        *(leading(f) for f in curves),
-        *(f.discriminant(1) for f in curves if f.degrees()[1] > 1),
-        *(f.resultant(h, 1) for f, h in combinations(curves, 2)),
-    ])  # fmt: skip
-    if projection.degree() > _MOST_DEGREE:
-        raise OpenError(f"the projection has degree {projection.degree()}")
-    for x in between(real_roots(projection, _BITS)):
+    special = projection(curves, combinations(curves, 2), upright)
+    for x in between(real_roots(special, _BITS)):
         if time.monotonic() > deadline:
             raise OpenError("time ran out")
         product = flint.fmpz_poly([1])

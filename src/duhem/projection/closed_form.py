@@ -18,6 +18,11 @@ from duhem.projection.tangent import tangent
 __all__ = ["applies", "solve", "tangent"]
 
 
+# Until arrays of megabytes have come and gone, the C library gives the memory of a larger block back after each operation
+# and has it faulted in again, at twice the time; the checks of this many points are such arrays.
+_MANY, _SMALL_BLOCK = 300_000, 6_144
+
+
 def applies(increment: Increment) -> str | None:
     """None where the law declares a shape this method projects onto, else why not, with the remedy."""
     law, shape = increment.law, increment.law.closed_form
@@ -45,8 +50,9 @@ def solve(increment: Increment, *, compiled: bool = False) -> Solution:
     project = _on_interval(found, increment) if isinstance(shape, Interval) else _on_quarters(found, increment, compiled)
     load, slope = of_pressure(increment, shape.load), of_pressure(increment, shape.slope)
     middles = [of_pressure(increment, c) for c in centre(shape)]
-    for start in range(0, n, BLOCK):
-        block = slice(start, start + BLOCK)
+    size = BLOCK if n >= _MANY else _SMALL_BLOCK
+    for start in range(0, n, size):
+        block = slice(start, start + size)
         pressure = increment.pressure[block]
         middle = np.stack([c(pressure) for c in middles], axis=1) if middles else None
         trial = increment.trial[block] if middle is None else increment.trial[block] - middle

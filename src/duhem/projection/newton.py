@@ -77,7 +77,7 @@ def solve(increment: Increment) -> Solution:
     size = inner.size
     with np.errstate(over="ignore", invalid="ignore"):  # a step may go anywhere; what is not better is not taken
         found = _project(inner, trial[who] / size[:, None], centre)
-    _snap(inner, found.x)
+        _snap(inner, found.x)
     with np.errstate(over="ignore", invalid="ignore"):
         stress[who] = found.x * size[:, None]
         slip[who] = (found.normal @ np.linalg.inv(root)) * (size / stiffness)[:, None]

@@ -14,7 +14,7 @@ from duhem.projection.result import Array
 
 __all__ = ["BLOCK", "CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project"]
 
-BLOCK = 6_144  # larger ones make the allocator give memory back after each step and fault it in again: half the time
+BLOCK = 16_384
 _FORMULAS = formulas()
 SAFE = 2.0**300  # squares of what lies between 1/SAFE and SAFE neither overflow nor vanish
 CLOSE = 2.0**-45  # relative; closer than this, F of two words is not good to the last digits

@@ -18,8 +18,8 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from duhem.reference.closest import extents, root
 from duhem.reference.formula import Choices, Formula, NoReference, Slice
+from duhem.reference.ray import extents, root
 
 __all__ = ["Drive", "Driven"]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ __all__ = ["Case"]
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """N increments; a case prints as Python that builds it again to the last bit.
+    """N increments; a case of one prints as Python that builds it again to the last bit.
 
     ``parameters`` by name; ``stiffness`` (d, d) in Pa/m; ``pressure`` (N,), None for a law without; ``trial``, ``other`` and
     ``third`` (N, d) trial stresses under that pressure; ``inside`` and ``beside`` (N, d) stresses of K; ``stretch`` (N,) >= 0,
@@ -48,10 +49,17 @@ class Case:
         """The case of one increment alone."""
         whole = ("parameters", "stiffness", "factor")
         parts = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in whole}
-        return replace(self, **{name: None if part is None else part[i : i + 1] for name, part in parts.items()})
+        rows: dict[str, Any] = {name: None if part is None else part[i : i + 1] for name, part in parts.items()}
+        return replace(self, **rows)
 
     def __repr__(self) -> str:
+        if len(self) > 1:
+            return f"<Case of {len(self)} increments, parameters {dict(self.parameters)}>"
         parts = {f.name: getattr(self, f.name) for f in fields(self)}
         texts = {name: repr(part.tolist() if isinstance(part, np.ndarray) else part) for name, part in parts.items()}
         texts["parameters"] = repr(dict(self.parameters))
         return f"Case({', '.join(f'{name}={text}' for name, text in texts.items())})"
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """As Hypothesis and IPython print: by the representation above, not field by field."""
+        printer.text(repr(self))

@@ -262,7 +262,7 @@ def conformance(
     free = tuple(name for name, domain in known.fix(parameters).parameters.items() if domain.value is None)
     run = _Run(known, update, free, accuracy, asked)
     drawn = cases(known, parameters, stiffness=stiffness, pressure=pressure, rows=rows)
-    options = {} if max_examples is None else {"max_examples": max_examples}
+    options: dict[str, Any] = {} if max_examples is None else {"max_examples": max_examples}
     profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **options)
     failures: list[Failure] = []
     while run.pending:

@@ -73,7 +73,7 @@ class Region:
     def _first_outside(self, way: Array, pressure: Array, radii: Array) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
         points = (radii[:, :, None] * way[:, None, :]).reshape(-1, way.shape[1])
         inside = (self.level(points, np.repeat(pressure, radii.shape[1])) <= 0.0).reshape(radii.shape)
-        return np.argmin(inside, axis=1), inside.all(axis=1)
+        return np.argmin(inside, axis=1), np.asarray(inside.all(axis=1))
 
     def _others(self, pressure: Array) -> list[Any]:
         return [*([pressure] if self.law.pressure else []), *(self.parameters[name] for name in self.law.parameters)]

@@ -125,6 +125,7 @@ def _unit(ways: Array) -> Array:
 _PLACES: list[tuple[str, float]] = [
     ("ray", 2.0),
     ("ray", 0.5),
+    *[("ray", 0.0)] * 2,
     *(("ray", m * 10.0**k) for m in _MANTISSAS for k in (0, -1, 1, -3, 2, 3)),
     *(("normal", m * 10.0**k) for m in _MANTISSAS[:6] for k in (0, -2, 1, -6, -10, 3)),
     *(("ray", 1.0 + s * x) for x in (1e-3, 1e-6, 1e-8, 1e-12) for s in (1.0, -1.0)),
@@ -254,7 +255,8 @@ def _case(region: Region, k: Array, factor: float, loads: Array, columns: list[A
     size = np.maximum(np.abs(trial).max(axis=1), np.abs(edge).max(axis=1))[:, None]
     ends = np.where(np.isfinite(reaches), reaches, 1.0)[:, :, None]  # any point where K does not end
     amplitude = np.array(others[6]) * np.abs(edge).max(axis=1)
-    path = np.array([a * _path(kind, *three, _STEPS) for a, kind, *three in zip(amplitude, others[5], *all_ways, strict=True)])
+    turns = zip(amplitude, others[5], way, way_2, way_3, strict=True)
+    path = np.array([size_ * _path(kind, a, b, c, _STEPS) for size_, kind, a, b, c in turns])
     between = np.linspace(0.0, 1.0, _STEPS)
     return Case(
         parameters=region.parameters,

@@ -33,7 +33,8 @@ class Spread:
 class Row:
     """One method at one setting.
 
-    ``error`` by quantity, relative, the largest; ``seconds`` an increment, a path or a point, as the scene has it;
+    ``error`` by quantity, relative, the largest; ``seconds`` an increment, a path (by the wall clock) or a point (by
+    the processor's), as the scene has it;
     ``flagged`` how many answers the method itself calls inaccurate or failed; ``failure`` why there is no answer.
     """
 

@@ -14,7 +14,7 @@ WIDTH = 110
 _TITLES = {
     increment.SCENE: "One increment: four trial stresses, each solved alone; largest relative error, time an increment",
     path.SCENE: "A loading path of four straight steps: largest error of the stress at the corners, time of the whole path",
-    throughput.SCENE: "Many increments at once: time a point",
+    throughput.SCENE: "Many increments at once: processor time a point",
 }
 
 
