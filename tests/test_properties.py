@@ -28,8 +28,8 @@ EXAMPLES = {"closed-form": 3, "newton": 2, "cvxpy": 1}
 ROWS = {"closed-form": 60, "newton": 60, "cvxpy": 6}
 DEEP = 100 if settings.default.max_examples > 1000 else 1  # the profile `deep`
 
-# Exponents are taken at plain numbers: an exponent of 53 random bits takes SymPy minutes to raise a coefficient to.
-EXPONENTS = {"superellipse": {"p": "4", "mu_a": "1/2", "mu_b": "1/10"}, "hosford": {"m": "8"}}
+# The check that a tangent is the slope needs a finite curvature, which a superellipse has from p = 2 on.
+EXPONENTS = {"superellipse": {"p": "4"}, "hosford": {"m": "8"}}
 ALWAYS: list[tuple[str, dict[str, str]]] = [
     (name, EXPONENTS.get(name, {})) for name, known in KNOWN.items() if Verdict.REFUTED not in (known["convexity"], known.get("normality"))
 ]
@@ -38,6 +38,9 @@ AT_VALUES = [
     for name, values, claim, verdict in THRESHOLDS
     if claim == "convexity" and verdict is Verdict.PROVED and KNOWN[name]["convexity"] is Verdict.REFUTED
 ]
+# Their boundaries have flat points, near which the slope changes faster than differences of rounded numbers can tell; newton's
+# tangents of such laws are compared with derivatives in many digits in test_projection_newton.py.
+FLAT = {"superellipse", "quartic", "matchstick"}
 SMOOTH = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.PROVED]
 CORNERS = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.REFUTED]
 
@@ -79,24 +82,23 @@ def test_increments_have_every_property(name: str, values: dict[str, str], metho
     examples = (EXAMPLES[method] if not values else 1) * DEEP
     report = put(law, method, checks=asked, max_examples=examples)
     accepted(report, method)
-    left_out = {"tangent"} | ({"homogeneity"} if "homogeneity" in report.left_out else set())
+    left_out = {"tangent", "slope"} | ({"homogeneity"} if "homogeneity" in report.left_out else set())
     assert set(report.passed) == {c.name for c in asked} - left_out
 
 
 @pytest.mark.parametrize("method", ["closed-form", "newton"])
 @pytest.mark.parametrize(("name", "values"), [*ALWAYS, *AT_VALUES], ids=shown)
-def test_tangents_are_symmetric_between_0_and_k_and_are_the_slope(name: str, values: dict[str, str], method: str) -> None:
+def test_tangents_are_symmetric_between_0_and_k_and_the_slope(name: str, values: dict[str, str], method: str) -> None:
     law = duhem.load(name).fix(values)
     if (reason := without_reason(law, method)) is not None:
         pytest.skip(reason)
-    if (name, method) == ("antoni2007", "newton"):
-        pytest.xfail("at a force of exactly 0, pos and neg both follow their zero piece: the curvature is lost and C = k there")
     pressed = pressures().filter(bool) if law.pressure else None  # no slope at the tip of a cone
     update = projection(law, method, tangent=True)
+    checks = ["tangent"] if name in FLAT else ["tangent", "slope"]
     report = conformance(
         law,
         update,
-        checks=["tangent"],
+        checks=checks,
         pressure=pressed,
         accuracy=ACCURACY[method],
         rows=40,
@@ -104,7 +106,7 @@ def test_tangents_are_symmetric_between_0_and_k_and_are_the_slope(name: str, val
         seconds=5.0,
     )
     accepted(report, method)
-    assert report.passed == ("tangent",)
+    assert report.passed == tuple(checks)
 
 
 def cone(trial: np.ndarray, *_: object, **__: object) -> np.ndarray:

@@ -19,6 +19,7 @@ from sympy.core.relational import Relational
 from duhem.closed_form import Shape, converted
 from duhem.errors import InputError
 from duhem.expression import symbol
+from duhem.expression.held import held_exponent
 from duhem.expression.parse import exact_number, parse_expression, parse_relation
 
 __all__ = ["FORCES", "POSITIVE", "PRESSURE", "REAL", "Criterion", "Domain", "criterion", "narrowed", "register", "registered"]
@@ -179,6 +180,12 @@ class Criterion:
     def force_symbols(self) -> tuple[sp.Symbol, ...]:
         """The symbols of the forces, in order."""
         return tuple(symbol(name) for name in self.forces)
+
+    def settled(self) -> dict[sp.Symbol, sp.Expr]:
+        """The fixed parameters with the numbers to put in their places; exponents as numbers that SymPy leaves alone."""
+        exponents = {x for power in self.g.atoms(sp.Pow) for x in power.exp.free_symbols}
+        fixed = {self.symbols()[name]: domain.value for name, domain in self.parameters.items() if domain.value is not None}
+        return {x: held_exponent(value) if x in exponents else value for x, value in fixed.items()}
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""

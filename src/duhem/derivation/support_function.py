@@ -65,8 +65,7 @@ def rate_symbols(law: Criterion) -> tuple[sp.Symbol, ...]:
 def fixed(law: Criterion, parameters: Mapping[str, Any] | None = None) -> Criterion:
     """The law with ``parameters`` fixed, every fixed value in the place of its symbol."""
     law = law.fix(parameters)
-    symbols = law.symbols()
-    values = {symbols[name]: domain.value for name, domain in law.parameters.items() if domain.value is not None}
+    values = law.settled()
     if not values:
         return law
     return replace(law, g=law.g.xreplace(values), flow=None if law.flow is None else tuple(c.xreplace(values) for c in law.flow))

@@ -14,6 +14,7 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression.fold import fold
+from duhem.expression.held import Held, held_exponent
 from duhem.expression.vocabulary import NODES, WORDS, Neg, Norm, Pos, Where
 
 __all__ = ["approximate", "call", "power", "product", "relation", "total", "unacceptable"]
@@ -51,7 +52,7 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
             raise InputError("division by zero", remedy="correct the divisor")
     elif base.is_number and (_is_zero(base) or approximate(base) < 0):
         raise InputError("a variable power of a number that is not positive is not real", remedy="use a positive base")
-    return _checked(sp.Pow(base, exponent))
+    return _checked(sp.Pow(base, held_exponent(exponent)))
 
 
 def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
@@ -94,7 +95,7 @@ def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> str | None:
                 return f"no meaning is given to {type(node).__name__} in {str(node)[:60]!r}"
             if isinstance(node, sp.Pow) and node.exp.is_number and abs(approximate(node.exp)) > MOST_EXPONENT:
                 return f"the exponent of {str(node.base)[:40]!r} is too large"
-        elif not (node in known or isinstance(node, sp.Rational) or node in (sp.pi, sp.E)):
+        elif not (node in known or isinstance(node, sp.Rational | Held) or node in (sp.pi, sp.E)):
             return f"{node} is not a real number"
     return None
 

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.held import Held
 
 __all__ = ["Table", "fold"]
 
@@ -28,7 +29,7 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
         if node in done:
             continue
         if not node.args:
-            done[node] = leaf(node)
+            done[node] = leaf(node.value if isinstance(node, Held) else node)
         elif ready:
             done[node] = _row(node, table)(node, *(done[a] for a in node.args))
         else:

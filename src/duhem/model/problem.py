@@ -100,7 +100,7 @@ def _replaced(problem: Problem, values: Mapping[sp.Symbol, Any], notes: tuple[st
 def state(law: Criterion) -> Problem:
     """The law's problem: fixed parameters in place, sigma_n replaced by -N."""
     table = law.symbols()
-    fixed: dict[sp.Symbol, Any] = {table[n]: d.value for n, d in law.parameters.items() if d.value is not None}
+    fixed: dict[sp.Symbol, Any] = law.settled()
     magnitude = None
     swap: dict[sp.Symbol, Any] = dict(fixed)
     if law.pressure is not None:
@@ -115,7 +115,7 @@ def state(law: Criterion) -> Problem:
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
         flow=None if law.flow is None else tuple(c.subs(swap) for c in law.flow),
-        slice=fixed,
+        slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
     )
 
 

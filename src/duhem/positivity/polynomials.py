@@ -15,6 +15,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 
 from duhem.errors import InputError
 from duhem.expression import Norm, fold
+from duhem.expression.held import MOST_ROOT
 from duhem.positivity.question import Question
 
 __all__ = ["NotAlgebraicError", "Relation", "System", "polynomial_system"]
@@ -82,7 +83,7 @@ class _Roots:
         """``expr`` with every radical replaced by its symbol."""
 
         def power(node: sp.Basic, base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-            if not exponent.is_Rational:
+            if not exponent.is_Rational or exponent.q > MOST_ROOT:
                 raise NotAlgebraicError(f"the exponent {exponent} is not a number")
             if exponent.is_Integer:
                 return base**exponent

@@ -272,7 +272,9 @@ def _abs(_: Any, index: int, kinks: _Kinks, x: Jet) -> Jet:
 
 
 def _ramp(node: Any, index: int, kinks: _Kinks, x: Jet) -> Jet:
-    side = kinks.choose(index, node.slope * x.value > 0)
+    # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
+    rising = x.value >= 0 if node.slope > 0 else x.value < 0
+    side = kinks.choose(index, rising)
     return _chain_linear(x, node.slope * side.astype(np.float64))
 
 

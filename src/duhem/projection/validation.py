@@ -87,7 +87,8 @@ def _parameters(law: Criterion, given: Mapping[str, Any] | None) -> dict[str, sp
 
 
 def _formula(law: Criterion, values: Mapping[str, sp.Rational]) -> sp.Expr:
-    g = law.g.xreplace({law.symbols()[name]: value for name, value in values.items()})
+    fixed = law.fix(values)
+    g = fixed.g.xreplace(fixed.settled())
     if g.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
         at = ", ".join(f"{name} = {value}" for name, value in values.items())
         raise InputError(

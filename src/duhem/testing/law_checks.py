@@ -51,7 +51,7 @@ def convexity(q: Question) -> Finding:
     statement="the boundary has one normal at a seam, whichever side it is taken from",
     formula="n from the left = n from the right, where the piece of g changes",
     source="theory of gauges: gamma' continuous across seams (Antoni et al. 2007, Eq. 35)",
-    tolerance="64 eps: both normals are gradients at the same point, a unit in the last place off the seam",
+    tolerance="64 eps + what the normal of either piece turns over 16 eps, which is how far the point may lie off the seam",
     law_only=True,
     demanded=False,
 )
@@ -61,8 +61,11 @@ def smoothness(q: Question) -> Finding:
     first, last = _directed(q.case.inside), _directed(q.case.beside)
     low, high = np.zeros(len(first)), np.ones(len(first))
 
+    def towards(share: Array) -> Array:
+        return np.asarray((1.0 - share)[:, None] * first + share[:, None] * last)
+
     def at(share: Array) -> Array:
-        way = (1.0 - share)[:, None] * first + share[:, None] * last
+        way = towards(share)
         reach = q.region.reach(way, q.pressure)
         return np.where(np.isfinite(reach), reach, 1.0)[:, None] * way
 
@@ -79,10 +82,16 @@ def smoothness(q: Question) -> Finding:
         same = (piece == here).all(axis=1)
         low, high, there = np.where(same, middle, low), np.where(same, high, middle), np.where(same[:, None], there, piece)
     seam = at(low)
-    left, right = (_directed(q.region.slope(seam, q.pressure, choices=piece)[0]) for piece in (here, there))
-    jump = np.linalg.norm(left - right, axis=1)
-    whole = (np.abs(seam).max(axis=1) > 0.0) & apart & np.isfinite(jump)
-    return Finding(np.where(whole, jump, 0.0), np.full(len(seam), 64.0 * _EPS))
+    blur = 16.0 * _EPS * np.linalg.norm(seam, axis=1) / np.maximum(np.linalg.norm(towards(low), axis=1), _EPS)
+    beside = seam + blur[:, None] * _directed(last - first)
+
+    def normal(point: Array, piece: Array) -> Array:
+        return _directed(q.region.slope(point, q.pressure, choices=piece)[0])
+
+    jump = np.linalg.norm(normal(seam, here) - normal(seam, there), axis=1)
+    turn = np.max([np.linalg.norm(normal(seam, piece) - normal(beside, piece), axis=1) for piece in (here, there)], axis=0)
+    whole = (np.abs(seam).max(axis=1) > 0.0) & apart & np.isfinite(jump) & np.isfinite(turn)
+    return Finding(np.where(whole, jump, 0.0), 64.0 * _EPS + np.where(whole, turn, 0.0))
 
 
 def _directed(vectors: Array) -> Array:

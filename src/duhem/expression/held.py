@@ -1,0 +1,69 @@
+"""Exponents that SymPy leaves alone."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import sympy as sp
+
+__all__ = ["MOST_ROOT", "Held", "held_exponent"]
+
+# 0.3**3.0012 has SymPy write out 3**30012; up to this denominator the integers stay small and the algebra is worth having.
+MOST_ROOT = 12
+
+
+class Held(sp.NumberSymbol):
+    """The rational ``value`` as a number that is never combined with others, as pi is; every interpreter reads the value."""
+
+    is_real = True
+    is_rational = True
+    is_irrational = False
+    is_integer = False
+    is_algebraic = True
+    is_transcendental = False
+
+    value: sp.Rational
+
+    def __new__(cls, value: sp.Rational) -> Held:
+        return _only(value)
+
+    def _eval_is_positive(self) -> bool:
+        return bool(self.value > 0)
+
+    def _eval_is_negative(self) -> bool:
+        return bool(self.value < 0)
+
+    def _eval_is_zero(self) -> bool:
+        return False
+
+    def _hashable_content(self) -> tuple[Any, ...]:
+        return (self.value,)
+
+    def _as_mpf_val(self, prec: int) -> Any:
+        return self.value._as_mpf_val(prec)
+
+    def approximation_interval(self, number_cls: Any) -> tuple[Any, Any]:
+        return (self.value, self.value)
+
+    def _sympystr(self, printer: Any) -> str:
+        return str(printer._print(self.value))
+
+    def _latex(self, printer: Any) -> str:
+        return str(printer._print(self.value))
+
+    def __getnewargs__(self) -> tuple[sp.Rational]:
+        return (self.value,)
+
+
+@lru_cache(maxsize=256)
+def _only(value: sp.Rational) -> Held:
+    """One object for each value: SymPy compares such numbers by identity."""
+    found: Held = sp.AtomicExpr.__new__(Held)
+    found.value = value
+    return found
+
+
+def held_exponent(value: Any) -> Any:
+    """A rational with a long denominator as :class:`Held`; anything else as it is."""
+    return Held(value) if isinstance(value, sp.Rational) and value.q > MOST_ROOT else value
