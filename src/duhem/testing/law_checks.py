@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from duhem.projection.jets import Choices
 from duhem.projection.result import Array
 from duhem.testing.question import LeftOut, Question
 from duhem.testing.registry import Finding, register
@@ -85,11 +86,11 @@ def smoothness(q: Question) -> Finding:
     blur = 16.0 * _EPS * np.linalg.norm(seam, axis=1) / np.maximum(np.linalg.norm(towards(low), axis=1), _EPS)
     beside = seam + blur[:, None] * _directed(last - first)
 
-    def normal(point: Array, piece: Array) -> Array:
+    def normal(point: Array, piece: Choices) -> Array:
         return _directed(q.region.slope(point, q.pressure, choices=piece)[0])
 
     jump = np.linalg.norm(normal(seam, here) - normal(seam, there), axis=1)
-    turn = np.max([np.linalg.norm(normal(seam, piece) - normal(beside, piece), axis=1) for piece in (here, there)], axis=0)
+    turn = np.maximum(*(np.linalg.norm(normal(seam, side) - normal(beside, side), axis=1) for side in (here, there)))
     whole = (np.abs(seam).max(axis=1) > 0.0) & apart & np.isfinite(jump) & np.isfinite(turn)
     return Finding(np.where(whole, jump, 0.0), 64.0 * _EPS + np.where(whole, turn, 0.0))
 

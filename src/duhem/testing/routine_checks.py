@@ -8,6 +8,7 @@ rounding of the check itself.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from duhem.projection.result import Array
 from duhem.testing.question import Answer, LeftOut, Question
@@ -313,7 +314,7 @@ def slope(q: Question) -> Finding:
     return Finding(worst, np.ones(len(worst)))
 
 
-def _tangent(q: Question) -> tuple[Array, Array]:
+def _tangent(q: Question) -> tuple[Array, NDArray[np.bool_]]:
     """The routine's tangents in the metric of k, and which are finite (the others as 0)."""
     given = q.first[0].tangent
     if given is None:
