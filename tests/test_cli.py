@@ -153,7 +153,8 @@ def test_progress_only_on_a_terminal(run: Run, monkeypatch: pytest.MonkeyPatch) 
 
 
 INTERRUPTED = """
-import sys, time
+import signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # where whoever started the tests ignores it
 from duhem import verification
 from duhem.__main__ import main
 from duhem.verdict import Verdict
