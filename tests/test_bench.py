@@ -19,8 +19,8 @@ import sympy as sp
 
 import duhem
 from duhem.__main__ import main
-from duhem.criterion import Criterion
 from duhem.errors import InputError
+from duhem.law import Criterion
 from duhem.lineup import Contender, Subject, contenders
 from duhem.projection.increment import Increment
 from duhem.projection.result import Solution

@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 import duhem.criteria
 from duhem.criteria.lobes import lobe_law
-from duhem.criterion import Criterion, Domain, exact_number
 from duhem.expression import mpmath_, numpy_
 from duhem.expression.balls import ball, enclose, precision
+from duhem.law import Criterion, Domain, exact_number
 from duhem.parametric import Law
 from duhem.verdict import Verdict
 from literature import CLAIMS, KNOWN, LOBES, OUTSIDE, THRESHOLDS

@@ -17,7 +17,7 @@ NEW_LAW = '''\
 Forces: two tangential stresses; pressure sigma_n <= 0 in compression.  Verdicts: every claim holds.  Source: made up.
 """
 
-from duhem.criterion import Domain, criterion
+from duhem.law import Domain, criterion
 from duhem.expression import Norm
 
 

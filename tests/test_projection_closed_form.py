@@ -15,9 +15,9 @@ import sympy as sp
 import duhem
 from duhem import catalogue
 from duhem.closed_form import Disk, Interval, Quadrants
-from duhem.criterion import Criterion, Domain
 from duhem.errors import MissingExtraError
 from duhem.expression import mpmath_
+from duhem.law import Criterion, Domain
 from duhem.projection import Status, quadrants
 from duhem.projection.quadrants import BLOCK, Quarters
 from projection_oracle import Exact, closest

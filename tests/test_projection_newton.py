@@ -14,7 +14,7 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem.criterion import Criterion
+from duhem.law import Criterion
 from duhem.projection import newton
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import settings
 
 import duhem
-from duhem.criterion import Criterion
 from duhem.errors import InputError
+from duhem.law import Criterion
 from duhem.testing import Report, check, checks_for, conformance, pressures, projection
 from duhem.verdict import Verdict
 from literature import KNOWN, THRESHOLDS

@@ -18,7 +18,6 @@ import pytest
 
 import duhem
 from duhem.__main__ import main
-from duhem.criterion import Criterion
 from duhem.errors import InputError
 from duhem.extremes import AXES, cases, stress
 from duhem.extremes.cases import aspect
@@ -26,6 +25,7 @@ from duhem.extremes.judge import digits
 from duhem.extremes.refusals import refusals
 from duhem.extremes.stress import Result, Row
 from duhem.extremes.text import text
+from duhem.law import Criterion
 from duhem.lineup import Contender, Subject
 from duhem.projection.result import Projection, Status
 

@@ -40,10 +40,10 @@ __all__ = [
 
 if TYPE_CHECKING:
     from duhem.catalogue import load
-    from duhem.criterion import POSITIVE, REAL, Criterion, Domain, criterion
     from duhem.derivation import Derivation, derive
     from duhem.errors import DuhemError, InputError, MissingExtraError
     from duhem.identification import Identification, identify
+    from duhem.law import POSITIVE, REAL, Criterion, Domain, criterion
     from duhem.parametric import ParametricCriterion
     from duhem.path import History, Path, simulate
     from duhem.projection import Projection, Status, project
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "catalogue": ("load",),
-    "criterion": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
+    "law": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
     "derivation": ("Derivation", "derive"),
     "errors": ("DuhemError", "InputError", "MissingExtraError"),
     "identification": ("Identification", "identify"),

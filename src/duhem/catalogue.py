@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, overload
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
-    from duhem.criterion import Criterion
+    from duhem.law import Criterion
     from duhem.parametric import Law, ParametricCriterion
 
 __all__ = ["load", "load_formula", "names", "summary", "template"]
@@ -75,7 +75,7 @@ def load(law: str | Path | Law) -> Law:
 
 def load_formula(law: str | Path | Law) -> Criterion:
     """:func:`load` for what needs a formula g; InputError where the law has none."""
-    from duhem.criterion import Criterion
+    from duhem.law import Criterion
 
     found = load(law)
     if isinstance(found, Criterion):
@@ -116,7 +116,7 @@ def _added() -> Mapping[str, EntryPoint]:
 
 def _registered() -> Mapping[str, Law]:
     """Laws registered in this process; none if nothing was imported yet."""
-    home = sys.modules.get("duhem.criterion")
+    home = sys.modules.get("duhem.law")
     return home.registered() if home else {}
 
 

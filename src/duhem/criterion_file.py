@@ -1,4 +1,4 @@
-"""Criterion files: TOML in, a frozen :class:`duhem.criterion.Criterion` out, every fault with its line and column."""
+"""Criterion files: TOML in, a frozen :class:`duhem.law.Criterion` out, every fault with its line and column."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from typing import Any
 import sympy as sp
 from sympy.core.relational import Relational
 
-from duhem.criterion import FORCES, POSITIVE, PRESSURE, Criterion, Domain
 from duhem.domain_check import check_domain
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.parse import parse_expression, parse_relation
+from duhem.law import FORCES, POSITIVE, PRESSURE, Criterion, Domain
 
 __all__ = ["read", "reads"]
 

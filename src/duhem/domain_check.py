@@ -7,9 +7,9 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.criterion import Domain
 from duhem.errors import InputError
 from duhem.expression import Neg, Pos, fold
+from duhem.law import Domain
 from duhem.parametric import Law
 
 __all__ = ["check_domain", "simple_points"]

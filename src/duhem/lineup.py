@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from duhem.criterion import Criterion, Domain
 from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
+from duhem.law import Criterion, Domain
 from duhem.projection.increment import Increment
 from duhem.projection.project import METHODS, project
 from duhem.projection.result import Array, Projection, Solution

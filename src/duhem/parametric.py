@@ -16,10 +16,10 @@ from typing import Any
 import sympy as sp
 from sympy.core.relational import Relational
 
-from duhem.criterion import FORCES, POSITIVE, PRESSURE, Criterion, Domain, narrowed, register
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import parse_expression, parse_relation
+from duhem.law import FORCES, POSITIVE, PRESSURE, Criterion, Domain, narrowed, register
 
 __all__ = ["ANGLE", "Law", "ParametricCriterion", "parametric"]
 
@@ -126,7 +126,7 @@ def parametric(
 ) -> Callable[[Callable[..., Any]], ParametricCriterion]:
     """Turn a function of ``phi`` and the parameters, which returns both components, into a registered law.
 
-    As :func:`duhem.criterion.criterion`: the docstring's first line is the summary, the name the function's, and
+    As :func:`duhem.law.criterion`: the docstring's first line is the summary, the name the function's, and
     parameters that are not declared are positive.
     """
 

@@ -12,12 +12,12 @@ import sympy as sp
 from duhem import __version__
 from duhem.catalogue import load
 from duhem.claims import CLAIMS
-from duhem.criterion import Criterion
 from duhem.domain_check import check_domain
 from duhem.errors import InputError
 from duhem.examination import Case, CurveCase
 from duhem.examination.regularity import regularity
 from duhem.expression.text import formula
+from duhem.law import Criterion
 from duhem.parametric import Law
 from duhem.positivity import Question, Sense, decide
 from duhem.verdict import Evidence, Verdict, Witness

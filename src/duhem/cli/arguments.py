@@ -13,7 +13,7 @@ from click.shell_completion import CompletionItem
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
-    from duhem.criterion import Criterion
+    from duhem.law import Criterion
     from duhem.parametric import Law
 
 __all__ = ["Vectors", "law_argument", "read_fixed_formula", "read_fixed_law", "read_law", "read_number", "read_numbers", "settings_option"]

@@ -14,8 +14,8 @@ Source: N. Antoni, J.-L. Ligier, P. Saffré, J. Pastor (2007), Int. J. Eng. Sci.
 from sympy import Abs, Expr
 
 from duhem.closed_form import Quadrants
-from duhem.criterion import criterion
 from duhem.expression import Neg, Norm, Pos
+from duhem.law import criterion
 
 QUARTERS = Quadrants("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus")
 

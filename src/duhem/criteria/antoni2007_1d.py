@@ -14,8 +14,8 @@ Source: N. Antoni, J.-L. Ligier, P. Saffré, J. Pastor (2007), Int. J. Eng. Sci.
 from sympy import Abs, Expr
 
 from duhem.closed_form import Interval
-from duhem.criterion import criterion
 from duhem.expression import Neg, Pos
+from duhem.law import criterion
 
 SEGMENT = Interval("mu_plus", "mu_minus")
 

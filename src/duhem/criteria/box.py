@@ -13,7 +13,7 @@ Source: R. T. Rockafellar (1970), Convex Analysis, section 13 (support functions
 
 from sympy import Abs, Expr, Max
 
-from duhem.criterion import criterion
+from duhem.law import criterion
 
 
 @criterion(source="Koiter (1953)")

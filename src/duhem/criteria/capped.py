@@ -13,8 +13,8 @@ Source: E. Orowan (1943), Proc. Inst. Mech. Eng. 150, 140-167.
 from sympy import Abs, Expr, Min
 
 from duhem.closed_form import Disk
-from duhem.criterion import criterion
 from duhem.expression import Norm
+from duhem.law import criterion
 
 
 @criterion(source="Orowan (1943)", closed_form=Disk(load="min(mu*abs(sigma_n), tau_max)"))

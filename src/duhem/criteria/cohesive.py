@@ -13,8 +13,8 @@ Source: C. A. Coulomb (1776), Mém. Acad. R. Sci. 7, 343-382.
 from sympy import Abs, Expr
 
 from duhem.closed_form import Disk
-from duhem.criterion import criterion
 from duhem.expression import Norm
+from duhem.law import criterion
 
 
 @criterion(source="Coulomb (1776)", closed_form=Disk(load="cohesion + mu*abs(sigma_n)"))

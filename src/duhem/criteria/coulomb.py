@@ -15,8 +15,8 @@ Source: C. A. Coulomb (1785), Théorie des machines simples; J. J. Moreau (1970)
 from sympy import Abs, Expr
 
 from duhem.closed_form import Disk
-from duhem.criterion import criterion
 from duhem.expression import Norm
+from duhem.law import criterion
 
 
 @criterion(source="Coulomb (1785)", closed_form=Disk("mu"))

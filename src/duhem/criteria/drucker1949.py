@@ -16,7 +16,7 @@ Solids 6, 613-630 (range of c).
 
 from sympy import Expr
 
-from duhem.criterion import REAL, criterion
+from duhem.law import REAL, criterion
 
 
 @criterion(forces=["s1", "s2", "s3"], pressure=None, parameters={"c": REAL}, constraints=["c < 27/4"], source="Drucker (1949)")

@@ -14,7 +14,7 @@ Source: W. F. Hosford (1972), J. Appl. Mech. 39, 607-609.
 
 from sympy import Abs, Expr
 
-from duhem.criterion import Domain, criterion
+from duhem.law import Domain, criterion
 
 
 @criterion(

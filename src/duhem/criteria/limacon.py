@@ -15,8 +15,8 @@ Source: E. H. Lockwood (1961), A Book of Curves, Cambridge University Press (lim
 
 from sympy import Abs, Expr
 
-from duhem.criterion import Domain, criterion
 from duhem.expression import Norm
+from duhem.law import Domain, criterion
 
 
 @criterion(parameters={"e": Domain.between(0, 1)}, constraints=["e < 1"], source="Lockwood (1961)")

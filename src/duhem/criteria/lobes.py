@@ -16,8 +16,8 @@ r^2 + 2 r'^2 - r r'' >= 0; least where cos n theta = -sign e).
 
 from sympy import Abs, Expr, I, expand, re
 
-from duhem.criterion import Criterion, Domain, criterion
 from duhem.expression import Norm
+from duhem.law import Criterion, Domain, criterion
 
 DEPTH = Domain.between(-1, 1)
 

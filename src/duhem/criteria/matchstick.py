@@ -15,8 +15,8 @@ Source: J. D. Lawrence (1972), A Catalog of Special Plane Curves, Dover (hippope
 
 from sympy import Abs, Expr
 
-from duhem.criterion import criterion
 from duhem.expression import Norm
+from duhem.law import criterion
 
 
 @criterion(source="Lawrence (1972)")

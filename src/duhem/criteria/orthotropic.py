@@ -13,8 +13,8 @@ Source: R. Michałowski and Z. Mróz (1978), Arch. Mech. 30, 259-276; A. Curnier
 from sympy import Abs, Expr
 
 from duhem.closed_form import Quadrants
-from duhem.criterion import criterion
 from duhem.expression import Norm
+from duhem.law import criterion
 
 
 @criterion(source="Michałowski and Mróz (1978)", closed_form=Quadrants("mu_a", "mu_a", "mu_b", "mu_b"))

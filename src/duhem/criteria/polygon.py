@@ -15,7 +15,7 @@ Source: A. Klarbring (1986), Comput. Methods Appl. Mech. Eng. 58, 175-200 (piece
 
 from sympy import Abs, Expr, Max
 
-from duhem.criterion import criterion
+from duhem.law import criterion
 
 
 @criterion(source="Klarbring (1986)")

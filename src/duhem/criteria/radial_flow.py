@@ -12,8 +12,8 @@ Source: R. Michałowski and Z. Mróz (1978), Arch. Mech. 30, 259-276 (associated
 
 from sympy import Abs, Expr
 
-from duhem.criterion import criterion
 from duhem.expression import Norm
+from duhem.law import criterion
 
 
 @criterion(flow=["sigma_a", "sigma_b"], source="Michałowski and Mróz (1978)")

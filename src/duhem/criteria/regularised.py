@@ -14,8 +14,8 @@ Source: A. J. Abbo and S. W. Sloan (1995), Comput. Struct. 54, 427-441 (the hype
 from sympy import Abs, Expr
 
 from duhem.closed_form import Disk
-from duhem.criterion import criterion
 from duhem.expression import Norm
+from duhem.law import criterion
 
 DISK = Disk(
     load="sqrt(mu*abs(sigma_n)*(mu*abs(sigma_n) + 2*c))", slope="sqrt(mu*abs(sigma_n)*(mu*abs(sigma_n) + 2*c))/(mu*abs(sigma_n) + c)"

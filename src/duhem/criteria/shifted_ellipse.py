@@ -14,8 +14,8 @@ Source: R. T. Rockafellar (1970), Convex Analysis, section 13 (support function 
 from sympy import Abs, Expr
 
 from duhem.closed_form import Quadrants
-from duhem.criterion import REAL, criterion
 from duhem.expression import Norm
+from duhem.law import REAL, criterion
 
 OFF_CENTRE = Quadrants("mu_a", "mu_a", "mu_b", "mu_b", centre_a="shift*abs(sigma_n)")
 INSIDE = ["shift < mu_a", "-mu_a < shift"]  # the origin

@@ -15,7 +15,7 @@ section 15 (polar gauges).
 
 from sympy import Abs, Expr
 
-from duhem.criterion import Domain, criterion
+from duhem.law import Domain, criterion
 
 
 @criterion(parameters={"p": Domain.between(1, None)}, constraints=["p > 1"], source="Lamé (1818)")

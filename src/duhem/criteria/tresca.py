@@ -13,7 +13,7 @@ Source: H. Tresca (1864), C. R. Acad. Sci. Paris 59, 754-758; W. T. Koiter (1953
 
 from sympy import Abs, Expr, Max
 
-from duhem.criterion import criterion
+from duhem.law import criterion
 
 
 @criterion(forces=["s1", "s2", "s3"], pressure=None, source="Tresca (1864)")

@@ -13,8 +13,8 @@ Source: R. von Mises (1913), Nachr. Ges. Wiss. Göttingen, Math.-Phys. Klasse, 5
 
 from sympy import Expr, sqrt
 
-from duhem.criterion import criterion
 from duhem.expression import Norm
+from duhem.law import criterion
 
 
 @criterion(forces=["s1", "s2", "s3"], pressure=None, source="von Mises (1913)")

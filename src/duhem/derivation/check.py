@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 import sympy as sp
 
-from duhem.criterion import Criterion
+from duhem.law import Criterion
 
 if TYPE_CHECKING:
     from duhem.derivation.support_function import SupportFunction

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from duhem.catalogue import load, load_formula
-from duhem.criterion import Criterion
 from duhem.derivation.energy import state_equations
 from duhem.derivation.equation import Derivation, Equation
 from duhem.derivation.evolution import evolution_equations, potential_equations
@@ -16,6 +15,7 @@ from duhem.derivation.names import Names
 from duhem.derivation.pieces import MOST, pieces
 from duhem.derivation.support_function import fixed, support_function
 from duhem.errors import InputError
+from duhem.law import Criterion
 from duhem.parametric import Law, ParametricCriterion
 
 __all__ = ["derive"]

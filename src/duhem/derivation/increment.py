@@ -10,7 +10,6 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from duhem.criterion import Criterion
 from duhem.derivation.check import compiled, sample_values
 from duhem.derivation.energy import column, energy, equal
 from duhem.derivation.equation import Belongs, Equation
@@ -18,6 +17,7 @@ from duhem.derivation.names import Names
 from duhem.derivation.pieces import Pieces
 from duhem.derivation.recognise import read_ball
 from duhem.derivation.support_function import compression
+from duhem.law import Criterion
 
 __all__ = ["Interval", "increment_equations", "interval", "one_dimensional_equations"]
 

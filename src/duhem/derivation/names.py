@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import sympy as sp
 
-from duhem.criterion import Criterion
 from duhem.derivation.support_function import compression, rate_symbols
 from duhem.errors import InputError
 from duhem.expression import symbol
+from duhem.law import Criterion
 
 __all__ = ["STIFFNESSES", "Names"]
 

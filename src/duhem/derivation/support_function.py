@@ -13,9 +13,9 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.criterion import Criterion
 from duhem.derivation.check import defects, gauges_agree
 from duhem.derivation.recognise import read_ball
+from duhem.law import Criterion
 
 __all__ = ["Biconjugate", "SupportFunction", "biconjugate", "compression", "fixed", "rate_symbols", "support_function"]
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.criterion import Criterion
 from duhem.examination.switches import plain_switches
 from duhem.expression import Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
+from duhem.law import Criterion
 from duhem.model import Problem, Star, star_form, state
 from duhem.positivity import Answer, Question, Sense, decide
 

@@ -17,11 +17,11 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.criterion import Domain
 from duhem.domain_check import simple_points
 from duhem.examination.curve_balls import Jet, NumericCurve, Vector, cross, dot, normals
 from duhem.expression.balls import certain_sign
 from duhem.expression.vocabulary import Where
+from duhem.law import Domain
 from duhem.parametric import ParametricCriterion
 from duhem.positivity import Answer, Question, Sense, decide
 

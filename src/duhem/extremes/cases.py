@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from duhem.criterion import Domain
+from duhem.law import Domain
 from duhem.lineup import Subject
 from duhem.projection.result import Array
 

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from duhem.criterion import Criterion
 from duhem.errors import InputError
 from duhem.extremes.cases import AXES, Case, cases
 from duhem.extremes.judge import Judged, judged
 from duhem.extremes.refusals import Refusal, refusals
+from duhem.law import Criterion
 from duhem.lineup import Contender, LeftOut, Subject, contenders, machine
 from duhem.projection import Status
 from duhem.reference import Answer, Closest, NoReference

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike
 
-from duhem.criterion import Criterion
 from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
 from duhem.figures.value import Array
+from duhem.law import Criterion
 
 __all__ = ["boundary"]
 

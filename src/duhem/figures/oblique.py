@@ -14,7 +14,7 @@ from duhem.micromodel.fit import associated_fit
 from duhem.micromodel.wedge import limit_point, slip_direction
 
 if TYPE_CHECKING:
-    from duhem.criterion import Criterion
+    from duhem.law import Criterion
 
 __all__ = ["RECIPE", "oblique"]
 

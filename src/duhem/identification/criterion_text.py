@@ -6,9 +6,9 @@ import json
 
 import sympy as sp
 
-from duhem.criterion import Criterion, Domain
 from duhem.errors import InputError
 from duhem.expression.text import formula
+from duhem.law import Criterion, Domain
 
 __all__ = ["criterion_text"]
 

@@ -10,11 +10,11 @@ import numpy as np
 import sympy as sp
 
 from duhem.catalogue import load_formula
-from duhem.criterion import Criterion
 from duhem.domain_check import check_domain
 from duhem.errors import InputError
 from duhem.identification.points import Points
 from duhem.identification.result import Identification
+from duhem.law import Criterion
 
 __all__ = ["identify"]
 

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.criterion import Criterion
 from duhem.errors import InputError
+from duhem.law import Criterion
 
 __all__ = ["Points"]
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem import __version__
-from duhem.criterion import Criterion
 from duhem.errors import InputError
 from duhem.identification.points import Points
+from duhem.law import Criterion
 
 if TYPE_CHECKING:
     from duhem.verification import Verification

@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.criterion import Domain
 from duhem.errors import DuhemError
 from duhem.identification.fit import HUBER, Problem
 from duhem.identification.points import Points
 from duhem.identification.surface import QuarterEllipses
+from duhem.law import Domain
 
 __all__ = ["convex", "guesses"]
 

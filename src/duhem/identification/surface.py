@@ -17,7 +17,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.closed_form import Disk, Interval, Quadrants
-from duhem.criterion import Criterion
+from duhem.law import Criterion
 from duhem.projection.jets import Formula, formula
 
 __all__ = ["AnyFormula", "QuarterEllipses", "Surface", "free_parameters", "surface"]

@@ -13,8 +13,8 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.criterion import Criterion
 from duhem.expression import symbol
+from duhem.law import Criterion
 from duhem.model.angles import algebraic_angles
 from duhem.model.lineality import invariant_directions
 from duhem.model.scaling import removable

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.catalogue import load_formula
-from duhem.criterion import Criterion
 from duhem.errors import InputError
+from duhem.law import Criterion
 from duhem.path.history import History
 from duhem.path.loading import Path
 from duhem.path.problem import Ledger, Problem

@@ -10,9 +10,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.criterion import Criterion
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
+from duhem.law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.metric import factors
 from duhem.projection.result import Array

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from duhem import __version__
 
 if TYPE_CHECKING:
-    from duhem.criterion import Criterion
+    from duhem.law import Criterion
     from duhem.projection import Projection
 
 __all__ = ["json", "text"]

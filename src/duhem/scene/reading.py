@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from duhem.catalogue import load_formula
-from duhem.criterion import Criterion
 from duhem.errors import InputError
+from duhem.law import Criterion
 from duhem.path.loading import CONTROLS, Path
 from duhem.path.simulate import METHODS, plan
 from duhem.scene.scene import Scene

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from duhem.closed_form import Interval
-from duhem.criterion import Criterion
+from duhem.law import Criterion
 from duhem.path.history import History
 from duhem.path.loading import Path
 from duhem.path.problem import Problem

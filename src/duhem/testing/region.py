@@ -11,9 +11,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.criterion import Criterion
 from duhem.expression import mpmath_
 from duhem.expression.numpy_ import Program, compiled
+from duhem.law import Criterion
 from duhem.projection.jets import Choices, Formula, formula
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import scaled

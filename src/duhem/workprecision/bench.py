@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from duhem.criterion import Criterion
 from duhem.errors import InputError
+from duhem.law import Criterion
 from duhem.lineup import Contender, LeftOut, Subject, contenders, machine
 from duhem.reference import NoReference
 from duhem.workprecision import increment, path, throughput

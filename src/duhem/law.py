@@ -7,10 +7,9 @@ share one unit; what else carries a unit is the law's affair.
 from __future__ import annotations
 
 import inspect
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType, ModuleType
+from types import MappingProxyType
 from typing import Any, overload
 
 import sympy as sp
@@ -306,13 +305,3 @@ def register(name: str, law: Any) -> None:
 def registered() -> Mapping[str, Any]:
     """The laws registered so far in this process, by name."""
     return MappingProxyType(_registered)
-
-
-class _CallableModule(ModuleType):
-    """``@duhem.criterion`` names this module, because a submodule hides what its package exports under the same name."""
-
-    def __call__(self, *args: Any, **options: Any) -> Any:
-        return criterion(*args, **options)
-
-
-sys.modules[__name__].__class__ = _CallableModule
