@@ -72,12 +72,12 @@ def bench(
 
     import json
 
-    from duhem import workprecision
+    from duhem import canvas, workprecision
     from duhem.workprecision import figure
     from duhem.workprecision.text import text
 
     if plot is not None:
-        figure.check(plot)
+        canvas.check(plot)
     with Progress("measuring") as progress:
         done = workprecision.bench(
             fixed,

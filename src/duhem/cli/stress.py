@@ -37,12 +37,12 @@ def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: st
 
     import json
 
-    from duhem import extremes
+    from duhem import canvas, extremes
     from duhem.extremes import figure
     from duhem.extremes.text import text
 
     if plot is not None:
-        figure.check(plot)
+        canvas.check(plot)
     with Progress("measuring") as progress:
         done = extremes.stress(
             fixed,

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.canvas import check
+from duhem.errors import InputError
 from duhem.extremes.cases import AXES
 from duhem.extremes.judge import MOST, POOR
 from duhem.extremes.stress import Result
@@ -13,18 +14,7 @@ from duhem.extremes.stress import Result
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check", "save"]
-
-
-def check(file: str | os.PathLike[str]) -> None:
-    """Fail before the work rather than after it: MissingExtraError without matplotlib, InputError for an unknown ending."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-    except ImportError:
-        raise MissingExtraError("matplotlib", "plot") from None
-    ending = os.path.splitext(os.fspath(file))[1].removeprefix(".").lower()
-    if ending not in FigureCanvasAgg.get_supported_filetypes():
-        raise InputError(f"{ending or 'no ending'} is no format of a figure", where=f"{file}", remedy="end the name in .png, .pdf or .svg")
+__all__ = ["save"]
 
 
 def save(result: Result, file: str | os.PathLike[str]) -> None:

@@ -5,28 +5,18 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.canvas import check
+from duhem.errors import InputError
 from duhem.workprecision import increment, path
 from duhem.workprecision.result import Result, Row
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check", "save"]
+__all__ = ["save"]
 
 _EXACT = 2.0**-54  # where a method with no error at all is drawn
 _TITLES = {increment.SCENE: "one increment", path.SCENE: "a loading path"}
-
-
-def check(file: str | os.PathLike[str]) -> None:
-    """Fail before the work rather than after it: MissingExtraError without matplotlib, InputError for an unknown ending."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-    except ImportError:
-        raise MissingExtraError("matplotlib", "plot") from None
-    ending = os.path.splitext(os.fspath(file))[1].removeprefix(".").lower()
-    if ending not in FigureCanvasAgg.get_supported_filetypes():
-        raise InputError(f"{ending or 'no ending'} is no format of a figure", where=f"{file}", remedy="end the name in .png, .pdf or .svg")
 
 
 def save(result: Result, file: str | os.PathLike[str]) -> None:
