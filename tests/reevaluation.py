@@ -23,7 +23,7 @@ __all__ = ["Interval", "confirmed", "gradient", "value"]
 
 _DIGITS = 100
 _HALVINGS = 60
-_TURNS = 240
+_TURNS = 720
 _IV = MPIntervalContext()
 _IV.dps = _DIGITS
 _MP = mpmath.MPContext()

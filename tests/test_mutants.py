@@ -111,8 +111,7 @@ INADMISSIBLE = [
     Mutant(
         "mu for 1/mu in one quadrant",
         f"where(sigma_b > 0, norm(abs(sigma_a)/mu_a_plus, {B}), norm(abs(sigma_a)*mu_a_plus, {B})) - {N}",
-        {"origin": True, "convexity": False},
-        elusive=("normality",),
+        {"origin": True, "convexity": False, "normality": False},
     ),
     Mutant(
         "shifted away from the origin",

@@ -377,7 +377,7 @@ def test_projection_does_not_expand_and_is_its_own_fixed_point():
         assert np.linalg.norm((once.stress[i] - once.stress[j]) * metric) <= np.linalg.norm((trial[i] - trial[j]) * metric) * (1 + 1e-12)
 
 
-SMOOTH = [CONVEX[i] for i in (0, 6, 9, 16, 17, 24)]
+SMOOTH = [*(CONVEX[i] for i in (0, 6, 9, 10, 11, 16, 17, 24)), ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(4)})]
 
 
 @pytest.mark.parametrize(("law", "values"), SMOOTH, ids=lambda x: x if isinstance(x, str) else "")
