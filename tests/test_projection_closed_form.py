@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import tracemalloc
-from collections.abc import Iterator
-from importlib.util import find_spec
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import mpmath
@@ -15,11 +15,12 @@ import sympy as sp
 import duhem
 from duhem import catalogue
 from duhem.closed_form import Disk, Interval, Quadrants
-from duhem.errors import MissingExtraError
+from duhem.errors import InputError, MissingExtraError
 from duhem.expression import mpmath_
 from duhem.law import Criterion, Domain
-from duhem.projection import Status, quadrants
+from duhem.projection import Status, closed_form, compiled, quadrants
 from duhem.projection.quadrants import BLOCK, Quarters
+from duhem.projection.validation import increment
 from projection_oracle import Exact, closest
 
 EPS = 2.0**-52
@@ -104,7 +105,7 @@ def _boundary(shape: Any, at: Any, rng: np.random.Generator) -> list[tuple[Any, 
         ((0.3, -0.01), (1, 1), ("0.19987561244121522752839620677181", "-0.0052894704439702478874")),
     ],
 )
-def test_reference_values(trial: tuple[float, float], k: tuple[float, float], stress: tuple[str, str]) -> None:
+def test_reference_values(trial: tuple[float, float], k: tuple[float, float], stress: tuple[str, str], solved: Kernel) -> None:
     done = duhem.project("antoni2007", trial, -1.0, k, FIGURE_5)
     for i in (0, 1):
         assert abs(done.stress[0, i] - float(stress[i])) <= 1e-15 * abs(float(stress[i]))
@@ -112,12 +113,23 @@ def test_reference_values(trial: tuple[float, float], k: tuple[float, float], st
     assert done.method == "closed-form"
 
 
-def solved(trial: Any, load: Any, mu: Any, k: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Stress, slip and multiplier of the kernel."""
-    trial, load = np.asarray(trial, dtype=float), np.asarray(load, dtype=float)
-    stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
-    quadrants.project(trial, load, Quarters.of(mu, np.asarray(k, dtype=float)), stress, slip, multiplier)
-    return stress, slip, multiplier
+Kernel = Callable[[Any, Any, Any, Any], tuple[np.ndarray, np.ndarray, np.ndarray]]
+
+
+@pytest.fixture(params=["numpy", "numba"])
+def solved(request: pytest.FixtureRequest) -> Kernel:
+    """Stress, slip and multiplier of a kernel, plain or compiled."""
+    if request.param == "numba":
+        pytest.importorskip("numba")
+    project = compiled.project if request.param == "numba" else quadrants.project
+
+    def run(trial: Any, load: Any, mu: Any, k: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        trial, load = np.asarray(trial, dtype=float), np.asarray(load, dtype=float)
+        stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
+        project(trial, load, Quarters.of(mu, np.asarray(k, dtype=float)), stress, slip, multiplier)
+        return stress, slip, multiplier
+
+    return run
 
 
 def off(x: float, exact: Any) -> float:
@@ -151,7 +163,7 @@ def exact(trial: np.ndarray, load: np.ndarray, mu: Any, k: Any) -> list[Exact]:
 
 
 @pytest.mark.parametrize("seed", range(60))
-def test_diagonal_stiffness_componentwise(seed: int) -> None:
+def test_diagonal_stiffness_componentwise(seed: int, solved: Kernel) -> None:
     """mu ratio up to 1e8, k ratio up to 1e12, |sigma_n| from 1e-290 to 1e290."""
     rng = np.random.default_rng(seed)
     mu = 10 ** rng.uniform(-4, 4, 4) if seed % 2 else 10 ** rng.uniform(-1, 0, 4)
@@ -180,7 +192,7 @@ def test_diagonal_stiffness_componentwise(seed: int) -> None:
 
 @pytest.mark.parametrize("power", [-15, -12, -8, -4, -1])
 @pytest.mark.parametrize("ratio", [1e-12, 1e-6, 0.3])
-def test_at_the_evolute_cusp(power: int, ratio: float) -> None:
+def test_at_the_evolute_cusp(power: int, ratio: float, solved: Kernel) -> None:
     """At the centre of curvature of the vertex, where the quartic has a triple root, and within 10^power of it."""
     mu, k = (1.0, 1.0, 1.0, 1.0), np.diag([1.0, ratio])
     cusp = 1.0 - ratio  # for e = 1, p_1 = 0, A = C
@@ -194,7 +206,7 @@ def test_at_the_evolute_cusp(power: int, ratio: float) -> None:
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_full_stiffness_normwise(seed: int) -> None:
+def test_full_stiffness_normwise(seed: int, solved: Kernel) -> None:
     """Condition up to 1e12; the result may lie in another quadrant than its trial."""
     rng = np.random.default_rng(1000 + seed)
     mu = 10 ** rng.uniform(-4, 4, 4) if seed % 2 else 10 ** rng.uniform(-1, 0, 4)
@@ -215,14 +227,14 @@ def test_full_stiffness_normwise(seed: int) -> None:
             assert off(multiplier[n], answer.multiplier) <= 450
 
 
-def test_full_stiffness_crosses_a_seam() -> None:
+def test_full_stiffness_crosses_a_seam(solved: Kernel) -> None:
     k = np.array([[1.0, 0.9], [0.9, 1.0]])
     trial = np.array([[0.5, 0.3], [0.5, 0.02], [-0.4, 0.02]])
     stress, _, _ = solved(trial, np.ones(3), MU, k)
     assert (np.sign(stress) != np.sign(trial)).any()
 
 
-def test_full_stiffness_on_a_seam_with_unlike_coefficients() -> None:
+def test_full_stiffness_on_a_seam_with_unlike_coefficients(solved: Kernel) -> None:
     """So close to a seam that rounding would take the wrong side's coefficient, eight digits of the multiplier away."""
     mu = (32.9925832402876, 0.00799058912998657, 471.2710847143024, 1528.5132255629605)
     k = [[0.05564165564760973, 0.18146370806520418], [0.18146370806520418, 0.9651307392562352]]
@@ -233,7 +245,7 @@ def test_full_stiffness_on_a_seam_with_unlike_coefficients() -> None:
     assert off(stress[0, 1], answer.stress[1]) <= 8
 
 
-def test_full_stiffness_with_one_seam_only() -> None:
+def test_full_stiffness_with_one_seam_only(solved: Kernel) -> None:
     """Where the two senses of b share a coefficient, a result on the seam of a keeps its b."""
     mu, k = (0.2, 0.1, 0.3, 0.3), np.array([[1.0, 0.6], [0.6, 1.0]])
     n = np.array([0.0, -1.0])  # normal at (0, -0.3)
@@ -328,7 +340,7 @@ def test_zero_coefficients() -> None:
     assert done.status[0] == Status.SLIP
 
 
-def test_a_quarter_without_width_is_a_segment() -> None:
+def test_a_quarter_without_width_is_a_segment(solved: Kernel) -> None:
     stress, slip, multiplier = solved([[3.0, 4.0], [0.1, 4.0], [3.0, -1.0]], np.ones(3), (0.5, 0.5, 0.0, 1.0), np.diag([1.0, 2.0]))
     assert stress[:2].tolist() == [[0.5, 0.0], [0.1, 0.0]]
     assert slip[:2].tolist() == [[2.5, 2.0], [0.0, 2.0]]
@@ -336,7 +348,7 @@ def test_a_quarter_without_width_is_a_segment() -> None:
     assert stress[2, 1] < 0
 
 
-def test_no_stick_is_reported_where_a_slip_leaves_the_stress_as_it_was() -> None:
+def test_no_stick_is_reported_where_a_slip_leaves_the_stress_as_it_was(solved: Kernel) -> None:
     """One ulp outside on an axis: the nearest number to the boundary may be the trial itself."""
     radius = 0.2 * 0.7
     trial = np.array([[x, 0.0] for x in (np.nextafter(radius, 0), radius, np.nextafter(radius, 1), radius * (1 + 4 * EPS))])
@@ -365,20 +377,61 @@ def test_memory_beyond_the_results_is_that_of_a_block() -> None:
     assert peak < 16e6
 
 
-def test_compiled_kernel_agrees_or_says_what_to_install() -> None:
+def test_compiled_kernel_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "numba", None)
+    compiled.kernel.cache_clear()
+    with pytest.raises(MissingExtraError, match=r'pip install "duhem\[fast\]"'):
+        duhem.project("antoni2007", [0.3, 0.2], -1.0, parameters=FIGURE_5, compiled=True)
+
+
+@pytest.mark.parametrize("name", WITH_SHAPE)
+def test_compiled_kernel_agrees(name: str) -> None:
+    pytest.importorskip("numba")
     rng = np.random.default_rng(5)
-    trial, pressure = rng.normal(size=(4000, 2)) * 10 ** rng.uniform(-3, 3, (4000, 1)), -(10 ** rng.uniform(-2, 2, 4000))
-    if find_spec("numba") is None:
-        with pytest.raises(MissingExtraError, match=r'pip install "duhem\[fast\]"'):
-            duhem.project("antoni2007", trial, pressure, parameters=FIGURE_5, compiled=True)
-        return
-    for k in (1.0, [1.0, 1e6], [[2.0, 1.0], [1.0, 3.0]]):
-        plain = duhem.project("antoni2007", trial, pressure, k, FIGURE_5)
-        fast = duhem.project("antoni2007", trial, pressure, k, FIGURE_5, compiled=True)
+    law = duhem.load(name)
+    n, d = 4000, len(law.forces)
+    trial, pressure = rng.normal(size=(n, d)) * 10 ** rng.uniform(-3, 3, (n, 1)), -(10 ** rng.uniform(-2, 2, n))
+    trial[7], pressure[8], trial[9] = 0.0, -0.0, 1e200  # the last two leave the vectors
+    for k in ([1.0] * d, [1.0, 1e6][:d], [[2.0, 1.0], [1.0, 3.0]] if d == 2 else [2.0]):
+        plain = duhem.project(law, trial, pressure, k, values(law))
+        fast = duhem.project(law, trial, pressure, k, values(law), compiled=True)
         scale = np.abs(plain.stress).max(axis=1, keepdims=True)
         assert (np.abs(fast.stress - plain.stress) <= 16 * EPS * scale).all()
         assert (np.abs(fast.multiplier - plain.multiplier) <= 16 * EPS * plain.multiplier).all()
         assert (fast.status == plain.status).all()
+
+
+@pytest.mark.parametrize("fast", [False, True], ids=["numpy", "numba"])
+def test_a_number_out_of_range_fails_its_point_alone(fast: bool) -> None:
+    if fast:
+        pytest.importorskip("numba")
+    trial = np.array([[0.3, 0.2], [1e200, 1.0], [0.3, -0.2]])
+    done = duhem.project("antoni2007", trial, -1.0, 1e-200, FIGURE_5, compiled=fast)  # a slip of 1e400
+    assert done.status.tolist() == [Status.SLIP, Status.FAILED, Status.SLIP]
+
+
+@pytest.mark.parametrize("coupled", [0.0, 0.1])
+def test_the_multiplier_is_nan_where_a_slip_is_out_of_range(coupled: float, solved: Kernel) -> None:
+    k = np.array([[1.0, coupled], [coupled, 1.0]]) * 1e-110
+    _, slip, multiplier = solved([[1e200, 1.0], [1e-9, 1e-9]], [1.0, 1.0], (1e-6,) * 4, k)
+    assert np.isinf(slip[0]).any() and np.isnan(multiplier[0])  # mu times it is 1e304
+    assert multiplier[1] == 0.0
+
+
+@pytest.mark.parametrize("fast", [False, True], ids=["numpy", "numba"])
+def test_the_arrays_of_an_earlier_solution_are_used_again(fast: bool) -> None:
+    if fast:
+        pytest.importorskip("numba")
+    rng = np.random.default_rng(6)
+    steps = [increment(duhem.load("antoni2007"), rng.normal(size=(3000, 2)), -rng.uniform(0.1, 9.0, 3000), 2.0, FIGURE_5) for _ in range(2)]
+    room = closed_form.solve(steps[0], compiled=fast)
+    again = closed_form.solve(steps[1], compiled=fast, into=room)
+    anew = closed_form.solve(steps[1], compiled=fast)
+    assert again is room
+    for name in ("stress", "slip", "multiplier", "failed"):
+        assert (getattr(again, name) == getattr(anew, name)).all()
+    with pytest.raises(InputError, match=r"stress of into has shape \(3000, 2\)"):
+        closed_form.solve(increment(duhem.load("antoni2007"), rng.normal(size=(5, 2)), -1.0, 2.0, FIGURE_5), into=room)
 
 
 # -- tangents --------------------------------------------------------------------------------------------------------

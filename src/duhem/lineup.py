@@ -11,7 +11,7 @@ from functools import partial
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -121,6 +121,10 @@ class Contender:
     def of(cls, name: str, method: str, **options: Any) -> Contender:
         """One of duhem's own methods."""
         return cls(name, method, partial(import_module(f"duhem.projection.{METHODS[method]}").solve, **options), options)
+
+    def again(self, question: Increment, into: Solution) -> Solution:
+        """The same into the arrays of an earlier solution of as many points; TypeError for a method that cannot."""
+        return cast(Solution, import_module(f"duhem.projection.{METHODS[self.method]}").solve(question, into=into, **self.options))
 
     def project(self, subject: Subject, trial: Array, pressure: Any, stiffness: Array | None = None) -> Projection:
         """The increment with statuses and residuals, as users get it."""

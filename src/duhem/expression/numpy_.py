@@ -79,7 +79,9 @@ class Program:
         with np.errstate(all="ignore"):
             for function, arguments in self.steps:
                 registers.append(function(*(registers[i] for i in arguments)))
-        return np.array(np.broadcast_to(registers[self.last], shape))
+        last = registers[self.last]
+        own = isinstance(last, np.ndarray) and last.shape == shape and last.base is None and not any(last is r for r in registers[:-1])
+        return last if own else np.array(np.broadcast_to(last, shape))
 
 
 def _same(value: float) -> float:

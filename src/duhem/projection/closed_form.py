@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 
 import numpy as np
 import sympy as sp
 
 from duhem.closed_form import Interval
+from duhem.errors import InputError
 from duhem.projection import quadrants
+from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.quadrants import BLOCK, Quarters
 from duhem.projection.result import Array, Solution
-from duhem.projection.shape import Coefficients, centre, coefficients, declared, of_pressure, own_entries
+from duhem.projection.shape import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
 from duhem.projection.tangent import tangent
 
 __all__ = ["applies", "solve", "tangent"]
 
 
-# Until arrays of megabytes have come and gone, the C library gives the memory of a larger block back after each operation
-# and has it faulted in again, at twice the time; the checks of this many points are such arrays.
-_MANY, _SMALL_BLOCK = 300_000, 6_144
+_COMPILED_BLOCK = 65_536  # the kernel has blocks of its own; these are for what NumPy does before and after it
 
 
 def applies(increment: Increment) -> str | None:
@@ -38,19 +39,21 @@ def applies(increment: Increment) -> str | None:
     return None
 
 
-def solve(increment: Increment, *, compiled: bool = False) -> Solution:
+def solve(increment: Increment, *, compiled: bool = False, into: Solution | None = None) -> Solution:
     """The closest points, in blocks; units as in :class:`Increment`.
 
-    ``compiled`` runs the same formulas through numba; a missing numba raises MissingExtraError.
+    ``compiled`` runs the same formulas through numba; a missing numba raises MissingExtraError.  ``into``: the solution of
+    as many points, written over and returned: at a million points new arrays cost as much as what is written to them.
     """
     n, d = increment.trial.shape
-    solution = Solution(np.empty((n, d)), np.empty((n, d)), np.empty(n), np.zeros(n, dtype=np.bool_))
+    solution = _room(n, d) if into is None else _checked(into, n, d)
     shape = declared(increment)
     found = coefficients(increment)
     project = _on_interval(found, increment) if isinstance(shape, Interval) else _on_quarters(found, increment, compiled)
-    load, slope = of_pressure(increment, shape.load), of_pressure(increment, shape.slope)
+    load, share = of_pressure(increment, shape.load), _share(increment, found)
     middles = [of_pressure(increment, c) for c in centre(shape)]
-    size = BLOCK if n >= _MANY else _SMALL_BLOCK
+    size = _COMPILED_BLOCK if compiled else BLOCK
+    keep_freed_memory(n)
     for start in range(0, n, size):
         block = slice(start, start + size)
         pressure = increment.pressure[block]
@@ -62,13 +65,44 @@ def solve(increment: Increment, *, compiled: bool = False) -> Solution:
         if middle is not None:
             slips = multiplier > 0.0
             stress[:] = np.where(slips[:, None], stress + middle, increment.trial[block])
-        steep = slope(pressure)
-        multiplier /= np.where(steep > 0.0, steep, 1.0) * found.scale  # no slope where K is one point: every slip is normal
-        sound = np.isfinite(multiplier)
-        for i in range(d):  # column by column: there are many rows and few columns
-            sound &= np.isfinite(stress[:, i]) & np.isfinite(slip[:, i])
-        np.logical_not(sound, out=solution.failed[block])
+            multiplier[~np.isfinite(stress).all(axis=1)] = np.nan
+        if share is not None:
+            multiplier /= share(pressure)
+        failed = np.isfinite(multiplier, out=solution.failed[block])
+        np.logical_not(failed, out=failed)
     return solution
+
+
+def _share(increment: Increment, found: Coefficients) -> Callable[[Array], Array] | None:
+    """What to divide the multiplier of the shape's gauge by to have that of the law's g; None for 1 everywhere.
+
+    No slope where K is one point: every slip is normal.
+    """
+    steep = declared(increment).slope
+    if uniform(increment, steep) == 1.0 and found.scale == 1.0:
+        return None
+    slope = of_pressure(increment, steep)
+
+    def share(pressure: Array) -> Array:
+        at = slope(pressure)
+        return np.where(at > 0.0, at, 1.0) * found.scale
+
+    return share
+
+
+def _room(n: int, d: int) -> Solution:
+    return Solution(np.empty((n, d)), np.empty((n, d)), np.empty(n), np.empty(n, dtype=np.bool_))
+
+
+def _checked(into: Solution, n: int, d: int) -> Solution:
+    """``into`` where it fits the question."""
+    expected = {field.name: getattr(_room(0, d), field.name) for field in fields(Solution)}
+    for name, like in expected.items():
+        given = getattr(into, name)
+        if given.shape != (n, *like.shape[1:]) or given.dtype != like.dtype or not given.flags.c_contiguous or not given.flags.writeable:
+            what = f"{name} of into has shape {given.shape} and type {given.dtype}, not {(n, *like.shape[1:])} and {like.dtype}"
+            raise InputError(what, where="into", remedy="give a solution of as many points, whole and writable")
+    return into
 
 
 Project = Callable[[Array, Array, Array, Array, Array], None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -15,37 +15,55 @@ from duhem.projection.quadrants import CLOSE, SAFE, SEAM, SURE, Quarters
 from duhem.projection.quarter_ellipse import formulas
 from duhem.projection.result import Array
 
-__all__ = ["project"]
+__all__ = ["kernel", "project"]
 
-_CHUNK = 1024  # points looked at together: their numbers stay in the nearest cache
+_CHUNK = 504  # points looked at together: their numbers stay in the nearest cache, and rows of them apart in it
 
 
 def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
     """As :func:`duhem.projection.quadrants.project`; MissingExtraError without numba."""
-    kernel = _kernel()
-    if quarters.flat.any():  # a segment is a clamp: nothing to gain
-        quadrants.project(trial, load, quarters, stress, slip, multiplier)
+    q, run = quarters, kernel()
+    if q.flat.any():  # a segment is a clamp: nothing to gain
+        quadrants.project(trial, load, q, stress, slip, multiplier)
         return
-    q = quarters
     axes = (np.ascontiguousarray(q.axes), np.ascontiguousarray(q.axes_low))
-    kernel(trial, load, q.mu, *axes, q.ratio, q.rest, q.compliance, q.power, q.first, stress, slip, multiplier)
+    trial, load = np.ascontiguousarray(trial), np.ascontiguousarray(load)
+    run(trial, load, q.mu, *axes, q.ratio, q.compliance, q.power, q.first, stress, slip, multiplier)
 
 
 @cache
-def _kernel() -> Callable[..., None]:
+def kernel() -> Callable[..., None]:
+    """The compiled function, for quarters of which none is flat; MissingExtraError without numba.
+
+    Loops that run on vectors have no branch in them, know their arrays apart from a few addresses, and are short enough
+    for several turns of them to be under way at once: hence three of them, with what they pass on in ``seen``.
+    """
     try:
         import numba
     except ImportError:
         raise MissingExtraError("numba", "fast") from None
     jit: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True)
+    loose: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+    rounded_once = _fused(numba)
 
     @jit
     def where(condition: bool, a: float, b: float) -> float:
         return a if condition else b
 
-    plain = formulas(jit, where)
+    @jit
+    def exact(a: float, b: float) -> Any:
+        high = a * b
+        return high, rounded_once(a, b, -high)
+
+    @jit
+    def nearly(t: float, mu: float, inverse: float) -> Any:
+        """t/mu as a sum of two numbers, without dividing: what the first is off, the second makes up for."""
+        high = t * inverse
+        return high, rounded_once(-high, mu, t) * inverse
+
+    plain = formulas(jit, where, exact, loose)
     quotient, product, excess, close_excess = plain.quotient, plain.product, plain.excess, plain.close_excess
-    direction, multiplier_of = plain.direction, plain.multiplier
+    direction, start, root, along, multiplier_of = plain.direction, plain.start, plain.root, plain.turned, plain.multiplier
 
     @jit
     def ratios(t1: float, t2: float, mu1: float, mu2: float, e: float) -> Any:
@@ -67,7 +85,7 @@ def _kernel() -> Callable[..., None]:
         return y + small, small - ((y + small) - y)
 
     @jit
-    def oblique(t1: float, t2: float, e: float, start: int, mu: Any, axes: Any, low: Any, ratio: Any, rest: Any) -> Any:
+    def oblique(t1: float, t2: float, e: float, start: int, mu: Any, axes: Any, low: Any, ratio: Any) -> Any:
         best, w1, w2, z, used = np.inf, 0.0, 0.0, np.nan, start
         for flip in range(4):
             q = start ^ flip
@@ -76,7 +94,7 @@ def _kernel() -> Callable[..., None]:
             p1, p2 = math.copysign(p1, t1), math.copysign(p2, t2)
             y1, _ = turned(axes[q, 0], low[q, 0], p1, l1, p2, l2)
             y2, y2_low = turned(axes[q, 1], low[q, 1], p1, l1, p2, l2)
-            v1, v2 = direction(abs(y1), abs(y2), math.copysign(1.0, y2) * y2_low, e, ratio[q], rest[q])
+            v1, v2 = direction(abs(y1), abs(y2), math.copysign(1.0, y2) * y2_low, e, ratio[q])
             c = multiplier_of(f, v1, v2, e, ratio[q])
             v1, v2 = math.copysign(v1, y1), math.copysign(v2, y2)
             a = axes[q, 0, 0] * v1 + axes[q, 1, 0] * v2
@@ -108,37 +126,68 @@ def _kernel() -> Callable[..., None]:
         else:
             lam[n] = math.ldexp(z, power)
             slip[n, 0], slip[n, 1] = math.ldexp(z * (w1 / mu1), power), math.ldexp(z * (w2 / mu2), power)
+        if not abs(slip[n, 0]) + abs(slip[n, 1]) < np.inf:
+            lam[n] = np.nan
 
     @jit
-    def examine(seen: Any, size: int, mu: Any) -> None:
-        """Ratios and F of the points of a chunk, and whether each sticks (0), slips (1) or needs care (2): no branch."""
+    def examine(trial: Any, load: Any, mu: Any, inverse: Any, ratio: Any, first: Any, seen: Any) -> None:
+        """Into the rows of ``seen``: the trial and the load, F or nan where that needs care, and the quartic with a first root."""
         a_plus, a_minus, b_plus, b_minus = mu[0, 0], mu[1, 0], mu[0, 1], mu[2, 1]
-        for i in range(size):
-            t1, t2, e = seen[0, i], seen[1, i], seen[2, i]
-            p1, l1 = quotient(abs(t1), where(t1 < 0.0, a_minus, a_plus))
-            p2, l2 = quotient(abs(t2), where(t2 < 0.0, b_minus, b_plus))
+        over_a_plus, over_a_minus, over_b_plus, over_b_minus = inverse[0, 0], inverse[1, 0], inverse[0, 1], inverse[2, 1]
+        r0, r1, r2, r3 = ratio[0], ratio[1], ratio[2], ratio[3]
+        f0, f1, f2, f3 = first[0] == 1, first[1] == 1, first[2] == 1, first[3] == 1
+        for i in range(load.shape[0]):
+            t1, t2, e = trial[2 * i], trial[2 * i + 1], load[i]
+            a, b = t1 < 0.0, t2 < 0.0
+            r = where(a, where(b, r3, r1), where(b, r2, r0))
+            swapped = where(a, where(b, f3, f1), where(b, f2, f0))
+            p1, l1 = nearly(abs(t1), where(a, a_minus, a_plus), where(a, over_a_minus, over_a_plus))
+            p2, l2 = nearly(abs(t2), where(b, b_minus, b_plus), where(b, over_b_minus, over_b_plus))
             f = excess(p1, l1, p2, l2, e)
-            most = where(abs(t1) > abs(t2), abs(t1), abs(t2))
-            rough = (most > SAFE) | (e > SAFE) | (e < 1.0 / SAFE) | (abs(f) <= CLOSE * e * e)
-            seen[3, i], seen[4, i], seen[5, i], seen[6, i], seen[7, i] = p1, l1, p2, l2, f
-            seen[8, i] = where(rough, 2.0, where(f > 0.0, 1.0, 0.0))
+            near, beta, three, one, h = start(where(swapped, p2, p1), where(swapped, p1, p2), where(swapped, l1, l2), e, r)
+            clear = (abs(f) > CLOSE * (e * e) + 1.0 / SAFE**2) & (f <= SAFE**2)
+            seen[0, i], seen[1, i], seen[2, i], seen[3, i] = t1, t2, e, where(clear, f, np.nan)
+            seen[4, i], seen[5, i], seen[6, i], seen[7, i] = where(near, 1.0, 0.0), beta, three, one
+            seen[8, i] = h
 
     @jit
-    def directions(work: Any, count: int) -> None:
-        """w_1, w_2, z of the points gathered in ``work``: no branch, so that the loop runs on vectors."""
-        for j in range(count):
-            p1, p2, l2, f = work[0, j], work[1, j], work[2, j], work[3, j]
-            e, r, rest = work[4, j], work[5, j], work[6, j]
-            w1, w2 = direction(p1, p2, l2, e, r, rest)
-            work[0, j], work[1, j], work[2, j] = w1, w2, multiplier_of(f, w1, w2, e, r)
+    def solve(seen: Any, size: int) -> None:
+        """The root of each quartic, whether its point slips or not."""
+        for i in range(size):
+            seen[8, i] = root(seen[5, i], seen[6, i], seen[7, i], seen[8, i])
+
+    @jit
+    def answer(seen: Any, mu: Any, inverse: Any, ratio: Any, first: Any, unit: Any, stress: Any, slip: Any, multiplier: Any) -> None:
+        """Stress, slip and multiplier; the multiplier is nan where a number may be out of range or F is."""
+        a_plus, a_minus, b_plus, b_minus = mu[0, 0], mu[1, 0], mu[0, 1], mu[2, 1]
+        over_a_plus, over_a_minus, over_b_plus, over_b_minus = inverse[0, 0], inverse[1, 0], inverse[0, 1], inverse[2, 1]
+        r0, r1, r2, r3 = ratio[0], ratio[1], ratio[2], ratio[3]
+        u0, u1, u2, u3 = unit[0], unit[1], unit[2], unit[3]
+        f0, f1, f2, f3 = first[0] == 1, first[1] == 1, first[2] == 1, first[3] == 1
+        for i in range(multiplier.shape[0]):
+            t1, t2, e, f = seen[0, i], seen[1, i], seen[2, i], seen[3, i]
+            a, b = t1 < 0.0, t2 < 0.0
+            m1, m2 = where(a, a_minus, a_plus), where(b, b_minus, b_plus)
+            n1, n2 = where(a, over_a_minus, over_a_plus), where(b, over_b_minus, over_b_plus)
+            r = where(a, where(b, r3, r1), where(b, r2, r0))
+            u = where(a, where(b, u3, u1), where(b, u2, u0))
+            swapped = where(a, where(b, f3, f1), where(b, f2, f0))
+            v1, v2 = along(seen[4, i] > 0.0, seen[8, i])
+            slips = f > 0.0
+            z = where(f <= 0.0, 0.0, multiplier_of(f, v1, v2, e, r) * u)
+            w1, w2 = math.copysign(where(swapped, v2, v1), t1), math.copysign(where(swapped, v1, v2), t2)
+            stress[2 * i], stress[2 * i + 1] = where(slips, m1 * e * w1, t1), where(slips, m2 * e * w2, t2)
+            slip[2 * i], slip[2 * i + 1] = where(slips, z * (w1 * n1), 0.0), where(slips, z * (w2 * n2), 0.0)
+            multiplier[i] = where(z <= SAFE**4, z, np.nan)
 
     @jit
     def single(
-        n: int, trial: Any, load: Any, mu: Any, axes: Any, low: Any, ratio: Any, rest: Any, compliance: Any, power: Any, first: Any,
+        n: int, trial: Any, load: Any, mu: Any, axes: Any, low: Any, ratio: Any, compliance: Any, power: Any, first: Any,
         stress: Any, slip: Any, multiplier: Any,
     ) -> None:  # fmt: skip
         """One point, whatever its numbers."""
         t1, t2, e = trial[n, 0], trial[n, 1], load[n]
+        stress[n, 0], stress[n, 1], slip[n, 0], slip[n, 1], multiplier[n] = t1, t2, 0.0, 0.0, 0.0
         q = (1 if t1 < 0.0 else 0) + (2 if t2 < 0.0 else 0)
         scale = 0
         if max(abs(t1), abs(t2), e) > SAFE or e < 1.0 / SAFE:
@@ -148,11 +197,11 @@ def _kernel() -> Callable[..., None]:
         if f <= 0.0:
             return
         if first[q] < 0:
-            w1, w2, z, q = oblique(t1, t2, e, q, mu, axes, low, ratio, rest)
+            w1, w2, z, q = oblique(t1, t2, e, q, mu, axes, low, ratio)
         else:
             if first[q] == 1:
                 p1, p2, l2 = p2, p1, l1
-            w1, w2 = direction(p1, p2, l2, e, ratio[q], rest[q])
+            w1, w2 = direction(p1, p2, l2, e, ratio[q])
             z = multiplier_of(f, w1, w2, e, ratio[q])
             if first[q] == 1:
                 w1, w2 = w2, w1
@@ -160,58 +209,44 @@ def _kernel() -> Callable[..., None]:
         finish(n, w1, w2, z * compliance[q], scale + power[q], mu[q, 0], mu[q, 1], load[n], stress, slip, multiplier)
 
     @numba.njit(error_model="numpy")  # type: ignore[untyped-decorator,unused-ignore]
-    def kernel(
-        trial: Any, load: Any, mu: Any, axes: Any, low: Any, ratio: Any, rest: Any, compliance: Any, power: Any, first: Any,
+    def run(
+        trial: Any, load: Any, mu: Any, axes: Any, low: Any, ratio: Any, compliance: Any, power: Any, first: Any,
         stress: Any, slip: Any, multiplier: Any,
     ) -> None:  # fmt: skip
-        """In chunks, each a sequence of loops without branches, so that they run on vectors; points that need care by themselves."""
-        seen, work = np.empty((9, _CHUNK)), np.empty((7, _CHUNK))
-        place = np.empty(_CHUNK, np.int64)
-        unit, plain = np.empty(4), True
+        """In chunks on vectors; what that leaves open, and every point where the axes are oblique, one by one."""
+        flat_trial, flat_stress, flat_slip = trial.reshape(-1), stress.reshape(-1), slip.reshape(-1)
+        seen = np.empty((9, _CHUNK))
+        unit, inverse, straight = np.empty(4), 1.0 / mu, mu.min() > 1.0 / SAFE and mu.max() < SAFE
         for q in range(4):
-            plain = plain and first[q] >= 0 and -900 < power[q] < 900
+            straight = straight and first[q] >= 0 and -900 < power[q] < 900
             unit[q] = math.ldexp(compliance[q], power[q])
-        for start in range(0, trial.shape[0], _CHUNK):
-            size = min(_CHUNK, trial.shape[0] - start)
-            for i in range(size):
-                seen[0, i], seen[1, i], seen[2, i] = trial[start + i, 0], trial[start + i, 1], load[start + i]
-            stress[start : start + size] = trial[start : start + size]
-            slip[start : start + size] = 0.0
-            multiplier[start : start + size] = 0.0
-            examine(seen, size, mu)
-            careful = 0.0
-            for i in range(size):
-                careful = max(careful, seen[8, i])
-            if careful == 2.0 or not plain:
-                for i in range(size):
-                    if seen[8, i] == 2.0 or (seen[8, i] == 1.0 and not plain):
-                        single(
-                            start + i, trial, load, mu, axes, low, ratio, rest, compliance, power, first, stress, slip, multiplier
-                        )  # fmt: skip
-            if not plain:
-                continue
-            count = 0
-            for i in range(size):
-                place[count] = i
-                count += 1 if seen[8, i] == 1.0 else 0
-            for j in range(count):
-                i = place[j]
-                q = (1 if seen[0, i] < 0.0 else 0) + (2 if seen[1, i] < 0.0 else 0)
-                swapped = first[q] == 1
-                work[0, j], work[1, j] = where(swapped, seen[5, i], seen[3, i]), where(swapped, seen[3, i], seen[5, i])
-                work[2, j], work[3, j] = where(swapped, seen[4, i], seen[6, i]), seen[7, i]
-                work[4, j], work[5, j], work[6, j] = seen[2, i], ratio[q], rest[q]
-            directions(work, count)
-            for j in range(count):
-                n = start + place[j]
-                t1, t2, e = trial[n, 0], trial[n, 1], load[n]
-                q = (1 if t1 < 0.0 else 0) + (2 if t2 < 0.0 else 0)
-                swapped = first[q] == 1
-                w1 = math.copysign(where(swapped, work[1, j], work[0, j]), t1)
-                w2 = math.copysign(where(swapped, work[0, j], work[1, j]), t2)
-                m1, m2 = mu[q, 0], mu[q, 1]
-                z = work[2, j] * unit[q]
-                stress[n, 0], stress[n, 1] = m1 * e * w1, m2 * e * w2
-                slip[n, 0], slip[n, 1], multiplier[n] = z * (w1 / m1), z * (w2 / m2), z
+        for begin in range(0, load.shape[0], _CHUNK):
+            stop = min(begin + _CHUNK, load.shape[0])
+            two, lengths = slice(2 * begin, 2 * stop), multiplier[begin:stop]
+            if straight:
+                examine(flat_trial[two], load[begin:stop], mu, inverse, ratio, first, seen)
+                solve(seen, lengths.shape[0])
+                answer(seen, mu, inverse, ratio, first, unit, flat_stress[two], flat_slip[two], lengths)
+                left = 0
+                for i in range(lengths.shape[0]):
+                    left += lengths[i] != lengths[i]
+                if left == 0:
+                    continue
+            for n in range(begin, stop):
+                if not straight or np.isnan(multiplier[n]):
+                    single(n, trial, load, mu, axes, low, ratio, compliance, power, first, stress, slip, multiplier)
 
-    return kernel
+    return run
+
+
+def _fused(numba: Any) -> Callable[..., Any]:
+    """a b + c rounded once: one instruction where the processor has it, a call that does the same where not."""
+    from numba.extending import intrinsic
+
+    double = numba.types.float64
+
+    @intrinsic  # type: ignore[untyped-decorator,unused-ignore]
+    def rounded_once(context: Any, a: Any, b: Any, c: Any) -> Any:
+        return double(double, double, double), lambda target, builder, signature, arguments: builder.fma(*arguments)
+
+    return cast(Callable[..., Any], rounded_once)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ __all__ = ["BLOCK", "CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "pro
 
 BLOCK = 16_384
 _FORMULAS = formulas()
-SAFE = 2.0**300  # squares of what lies between 1/SAFE and SAFE neither overflow nor vanish
+SAFE = 2.0**200  # of what lies between 1/SAFE and SAFE cubes neither overflow nor vanish, nor if times a ratio above 1/SAFE^2
 CLOSE = 2.0**-45  # relative; closer than this, F of two words is not good to the last digits
 SURE = 1e-14  # a result this far within its quadrant, as a direction, is not there by rounding
 SEAM = 1e-6  # a result this far beyond its quadrant, as a direction, is none
@@ -28,7 +29,7 @@ class Quarters:
     """Constants of the quarters, indexed by 2 (sigma_b < 0) + (sigma_a < 0): computed exactly, rounded once.
 
     ``mu`` (4, 2): coefficients; ``axes`` (4, 2, 2): rows v_1, v_2 of the principal axes of D k^-1 D, D = diag(mu), with
-    ``axes_low`` what rounding took off; ``ratio`` r = c_2/c_1, ``rest`` 1 - r, and 1/c_1 = ``compliance`` 2^``power``.
+    ``axes_low`` what rounding took off; ``ratio`` r = c_2/c_1, and 1/c_1 = ``compliance`` 2^``power``.
     ``flat``: a coefficient is zero there.  ``first``: the place of v_1 if the axes are those of the law, else -1.
     """
 
@@ -36,7 +37,6 @@ class Quarters:
     axes: Array
     axes_low: Array
     ratio: Array
-    rest: Array
     compliance: Array
     power: NDArray[np.intc]
     flat: NDArray[np.bool_]
@@ -48,9 +48,10 @@ class Quarters:
         """From (a_plus, a_minus, b_plus, b_minus) >= 0 and the (2, 2) stiffness in Pa/m."""
         a, b = coefficients[:2], coefficients[2:]
         mu = np.array([(a[i & 1], b[i >> 1]) for i in range(4)])
-        rows = [_quarter(pair, stiffness) for pair in mu.tolist()]
-        axes, low, ratio, rest, compliance, power, first = (np.array([row[i] for row in rows]) for i in range(7))
-        return cls(mu, axes, low, ratio, rest, compliance, power.astype(np.intc), (mu == 0.0).any(axis=1), first, np.asarray(stiffness))
+        k = (float(stiffness[0, 0]), float(stiffness[0, 1]), float(stiffness[1, 1]))
+        rows = [_quarter((m1, m2), k) for m1, m2 in mu.tolist()]
+        axes, low, ratio, compliance, power, first = (np.array([row[i] for row in rows]) for i in range(6))
+        return cls(mu, axes, low, ratio, compliance, power.astype(np.intc), (mu == 0.0).any(axis=1), first, np.asarray(stiffness))
 
     @property
     def diagonal(self) -> bool:
@@ -60,20 +61,21 @@ class Quarters:
     @property
     def round(self) -> bool:
         """Whether the closest point lies on the ray of the trial."""
-        return bool((self.rest == 0.0).all())
+        return bool((self.ratio == 1.0).all())
 
 
-def _quarter(mu: Sequence[float], stiffness: Array) -> tuple[object, ...]:
-    """Axes, their low parts, r, 1 - r, 1/c_1 as fraction and exponent, and the place of axis 1, for one quarter."""
-    k11, k12, k22 = (Fraction(float(stiffness[i, j])) for i, j in ((0, 0), (0, 1), (1, 1)))
-    m1, m2 = (Fraction(m) for m in mu)
+@lru_cache(maxsize=1024)
+def _quarter(mu: tuple[float, float], stiffness: tuple[float, float, float]) -> tuple[object, ...]:
+    """Axes, their low parts, r, 1/c_1 as fraction and exponent, and the place of axis 1, for one quarter."""
+    k11, k12, k22 = map(Fraction, stiffness)
+    m1, m2 = map(Fraction, mu)
     det = k11 * k22 - k12 * k12
     if k12 == 0:
         a, b = m1 * m1 / k11, m2 * m2 / k22  # 1/c_1 is the smaller of the two
         first = 0 if a <= b else 1
         small, large = min(a, b), max(a, b)
         ratio = small / large if large else Fraction(1)
-        return np.eye(2)[[first, 1 - first]], np.zeros((2, 2)), float(ratio), float(1 - ratio), *_parts(small), first
+        return np.eye(2)[[first, 1 - first]], np.zeros((2, 2)), float(ratio), *_parts(small), first
     from mpmath import MPContext
 
     context = MPContext()
@@ -91,7 +93,7 @@ def _quarter(mu: Sequence[float], stiffness: Array) -> tuple[object, ...]:
     exact = [[-sin, cos], [cos, sin]]  # v_2 belongs to the larger eigenvalue of D k^-1 D
     high = np.array([[float(x) for x in row] for row in exact])
     low = np.array([[float(x - y) for x, y in zip(row, rounded, strict=True)] for row, rounded in zip(exact, high.tolist(), strict=True)])
-    return high, low, float(small / large), float((large - small) / large), float(context.frexp(small)[0]), int(context.frexp(small)[1]), -1
+    return high, low, float(small / large), float(context.frexp(small)[0]), int(context.frexp(small)[1]), -1
 
 
 def _parts(x: Fraction) -> tuple[float, int]:
@@ -104,6 +106,7 @@ def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: 
     """Fill ``stress`` (n, 2), ``slip`` (n, 2) and ``multiplier`` (n,) of the gauge for one block of trial stresses.
 
     ``load`` (n,) >= 0, in the unit of the stresses.  Points inside keep their trial stress, slip and multiplier zero.
+    The multiplier is nan where a number of the slip or the stress has left the range of a float.
     """
     with np.errstate(all="ignore"):
         _project(trial, load, quarters, stress, slip, multiplier)
@@ -118,11 +121,14 @@ def _exponents(trial: Array, load: Array) -> NDArray[np.intc] | None:
 
 def _project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
     stress[:], slip[:], multiplier[:] = trial, 0.0, 0.0
-    quadrant = (trial[:, 0] < 0.0) + 2 * (trial[:, 1] < 0.0)
+    negative = trial < 0.0
+    quadrant = negative[:, 0] + 2 * negative[:, 1]
     scale = _exponents(trial, load)
     scaled, e = (trial, load) if scale is None else (np.ldexp(trial, -scale[:, None]), np.ldexp(load, -scale))
-    p1, p2 = scaled[:, 0] / quarters.mu[:, 0].take(quadrant), scaled[:, 1] / quarters.mu[:, 1].take(quadrant)
-    outside = np.flatnonzero(~(p1 * p1 + p2 * p2 <= e * e * (1.0 - 1e-13)))
+    p = scaled * (1.0 / quarters.mu).take(quadrant, axis=0)
+    p *= p
+    inner = e * (1.0 - 1e-13)  # within that, rounding does not decide
+    outside = np.flatnonzero(~(p[:, 0] + p[:, 1] <= inner * inner))
     if quarters.flat.any():
         flat = quarters.flat.take(quadrant.take(outside))
         _flat(outside[flat], trial, load, quarters, quadrant, stress, slip, multiplier)
@@ -135,13 +141,15 @@ def _project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip:
     plain = scale is None and np.abs(quarters.power).max() < 900
     z = z * (np.ldexp(quarters.compliance, quarters.power) if plain else quarters.compliance).take(used)
     power = None if plain else quarters.power.take(used) + (0 if scale is None else scale.take(at))
-    multiplier[at] = z if power is None else np.ldexp(z, power)
-    load = load.take(at)
+    lengths = z if power is None else np.ldexp(z, power)
+    load, sound = load.take(at), np.isfinite(lengths)
     for i in (0, 1):
         mu = quarters.mu[:, i].take(used)
         slipped = z * (w[i] / mu)
-        stress[:, i][at] = mu * load * w[i]
-        slip[:, i][at] = slipped if power is None else np.ldexp(slipped, power)
+        slipped = slipped if power is None else np.ldexp(slipped, power)
+        stress[:, i][at], slip[:, i][at] = mu * load * w[i], slipped  # the stress is within the trial's size
+        sound &= np.isfinite(slipped)
+    multiplier[at] = np.where(sound, lengths, np.nan)
 
 
 def _ratios(t: Array, quadrant: NDArray[np.intp], e: Array, quarters: Quarters) -> tuple[Array, Array, Array, Array, Array]:
@@ -173,7 +181,7 @@ def _straight(t: Array, e: Array, quadrant: NDArray[np.intp], quarters: Quarters
         w1, w2 = p1 / length, p2 / length
     else:
         first, second = np.where(swapped, p2, p1), np.where(swapped, p1, p2)
-        v1, v2 = _FORMULAS.direction(first, second, np.where(swapped, l1, l2), e, ratio, quarters.rest.take(quadrant))
+        v1, v2 = _FORMULAS.direction(first, second, np.where(swapped, l1, l2), e, ratio)
         w1, w2 = np.where(swapped, v2, v1), np.where(swapped, v1, v2)
     z = _FORMULAS.multiplier(f, np.where(swapped, w2, w1), np.where(swapped, w1, w2), e, ratio)
     return kept, (np.copysign(w1, t[:, 0]), np.copysign(w2, t[:, 1])), z, quadrant
@@ -226,7 +234,7 @@ def _in_quarter(t: Array, e: Array, quadrant: NDArray[np.intp], quarters: Quarte
         rotated.append((high + rounding, rounding - ((high + rounding) - high)))
     (y1, _), (y2, y2_low) = rotated
     ratio = quarters.ratio.take(quadrant)
-    w1, w2 = _FORMULAS.direction(np.abs(y1), np.abs(y2), np.where(np.signbit(y2), -y2_low, y2_low), e, ratio, quarters.rest.take(quadrant))
+    w1, w2 = _FORMULAS.direction(np.abs(y1), np.abs(y2), np.where(np.signbit(y2), -y2_low, y2_low), e, ratio)
     z = _FORMULAS.multiplier(f, w1, w2, e, ratio)
     w1, w2 = np.copysign(w1, y1), np.copysign(w2, y2)
     axes = quarters.axes.take(quadrant, axis=0)

@@ -8,7 +8,6 @@ Karush, Kuhn and Tucker for the closest point (R. T. Rockafellar, 1970, Convex A
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import lru_cache, reduce
 from itertools import combinations
@@ -67,7 +66,7 @@ class _Judge:
         lower, inverse = factors(increment.stiffness)
         self.of_slip, self.of_stress, self.to_stress = lower, inverse.T, lower.T
         self.largest = float(increment.pressure.min(initial=0.0))
-        self.reaches = _reaches(self.g, len(self.forces), self.largest if law.pressure else None)
+        self.tips = _tips(self.g, len(self.forces), self.largest if law.pressure else None)
 
     def value(self, stress: Array, pressure: Array) -> Array:
         return self.g(*stress.T) if self.pressure is None else self.g(*stress.T, pressure)
@@ -123,14 +122,16 @@ class _Judge:
 
     def _excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, reach: Array) -> Array:
         """The largest (sigma_tr - sigma) . k^-1 (tau - sigma) over known points tau of K, relative; lengths are over ``size``."""
-        worst, work = np.zeros(len(whole)), _dot(point, moved)
-        for known in self._known(pressure):
-            other = known @ self.of_stress / size
-            excess = _dot(other, moved) - work
+        worst, work, length = np.zeros(len(whole)), _dot(point, moved), size[:, 0]
+        share = (np.ones(pressure.size) if self.largest == 0.0 else pressure / self.largest) / length
+        for tip in self.tips:
+            other = tip @ self.of_stress
+            excess = share * (moved @ other) - work
             if (beyond := np.flatnonzero(excess > 0.0)).size:
-                inside = self.value(known[beyond], pressure[beyond]) < 0.0  # at = 0 it may be rounding alone
-                share = _share(excess[beyond], whole[beyond] * (_length(other[beyond]) + reach[beyond]))
-                worst[beyond] = np.fmax(worst[beyond], np.where(inside, share, 0.0))
+                at = share[beyond]
+                inside = self.value((at * length[beyond])[:, None] * tip, pressure[beyond]) < 0.0  # at = 0 it may be rounding alone
+                relative = _share(excess[beyond], whole[beyond] * (at * np.sqrt(other @ other) + reach[beyond]))
+                worst[beyond] = np.fmax(worst[beyond], np.where(inside, relative, 0.0))
         return worst
 
     def _unbalanced(self, trial: Array, stress: Array, slip: Array) -> Array:
@@ -138,14 +139,6 @@ class _Judge:
         k = self.stiffness
         missed = trial - slip @ k - stress
         return np.sign(missed) * np.maximum(np.abs(missed) - _ROUNDING * (np.abs(slip) @ np.abs(k) + np.abs(trial) + np.abs(stress)), 0.0)
-
-    def _known(self, pressure: Array) -> Iterator[Array]:
-        """Points of K at each pressure, or close guesses: the origin, and what lies on the axes both ways."""
-        n, d = pressure.size, len(self.forces)
-        yield np.zeros((n, d))
-        share = np.ones(n) if self.largest == 0.0 else pressure / self.largest
-        for way, reach in zip(np.vstack([np.eye(d), -np.eye(d)]), self.reaches, strict=True):
-            yield share[:, None] * (reach * way)
 
     def _off_cone(self, suspect: _Suspect) -> Array:
         """The least length of boundary around a stress in which K has its slip for a normal, as a share of the stress.
@@ -223,8 +216,11 @@ class _Suspect:
 
 
 @lru_cache(maxsize=256)
-def _reaches(g: Program, d: int, pressure: float | None) -> tuple[float, ...]:
-    """How far K goes along the axes at one pressure, from within, by bisection; 0 where it does not contain the origin."""
+def _tips(g: Program, d: int, pressure: float | None) -> Array:
+    """Points of K at one pressure (2 d + 1, d), or close guesses: the origin, and how far K goes along the axes both ways.
+
+    From within, by bisection; the origin again where K does not contain it.
+    """
     ways = np.vstack([np.eye(d), -np.eye(d)])
     rest = () if pressure is None else (np.full(2 * d, pressure),)
     low, high = np.zeros(2 * d), np.full(2 * d, 1e300)
@@ -236,7 +232,7 @@ def _reaches(g: Program, d: int, pressure: float | None) -> tuple[float, ...]:
             low, high = np.where(inside, middle, low), np.where(inside, high, middle)
             if ((high - low <= 1e-12 * high) | (high == 0.0)).all():
                 break
-    return tuple(low.tolist())
+    return np.vstack([np.zeros(d), low[:, None] * ways])
 
 
 def _ways(d: int) -> Array:
@@ -246,7 +242,7 @@ def _ways(d: int) -> Array:
 
 
 def _dot(first: Array, second: Array) -> Array:
-    return np.asarray(np.einsum("ij,ij->i", first, second))
+    return reduce(np.add, (a * b for a, b in zip(first.T, second.T, strict=True)))  # as in _widest
 
 
 def _length(vectors: Array) -> Array:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import lru_cache
 
 import numpy as np
 import sympy as sp
 
 from duhem.closed_form import Disk, Interval, Quadrants, Shape
-from duhem.expression.numpy_ import compiled as program
+from duhem.expression.numpy_ import Program, compiled
+from duhem.law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 
-__all__ = ["Coefficients", "centre", "coefficients", "declared", "of_pressure", "own_entries"]
+__all__ = ["Coefficients", "centre", "coefficients", "declared", "of_pressure", "own_entries", "uniform"]
 
 
 @dataclass(frozen=True)
@@ -38,14 +39,13 @@ def declared(increment: Increment) -> Shape:
 
 def coefficients(increment: Increment) -> Coefficients:
     """The coefficients of the declared shape at the parameter values."""
-    shape = declared(increment)
-    table = increment.law.symbols()
-    values = {table[name]: value for name, value in increment.parameters.items()}
 
     def number(entry: object) -> float:
-        return float(program(sp.sympify(entry), tuple(values))(*values.values()))
+        value = uniform(increment, entry)
+        assert value is not None, entry  # refused by applies
+        return value
 
-    match shape:
+    match shape := declared(increment):
         case Interval():
             return Coefficients((number(shape.plus), number(shape.minus)))
         case Disk():
@@ -57,17 +57,37 @@ def coefficients(increment: Increment) -> Coefficients:
 
 def of_pressure(increment: Increment, entry: object) -> Callable[[Array], Array]:
     """An entry of the shape as a function of the pressures (n,)."""
-    table = increment.law.symbols()
-    values = {table[name]: value for name, value in increment.parameters.items()}
-    names = tuple(values) if increment.law.pressure is None else (table[increment.law.pressure], *values)
-    run = program(sp.sympify(entry), names)
-    fixed = tuple(values.values())
+    values = _values(increment)
+    value = _at(increment.law, entry, values)
+    if isinstance(value, float):
+        return lambda pressure: np.broadcast_to(value, pressure.shape)
 
     def at(pressure: Array) -> Array:
-        given: tuple[Any, ...] = fixed if increment.law.pressure is None else (pressure, *fixed)
-        return np.broadcast_to(run(*given) + 0.0, pressure.shape)  # no -0
+        found = value(pressure, *values)
+        found += 0.0  # no -0
+        return found
 
     return at
+
+
+def uniform(increment: Increment, entry: object) -> float | None:
+    """The value of an entry that is the same at every pressure, else None."""
+    value = _at(increment.law, entry, _values(increment))
+    return value if isinstance(value, float) else None
+
+
+def _values(increment: Increment) -> tuple[float, ...]:
+    return tuple(increment.parameters[name] for name in increment.law.parameters)
+
+
+@lru_cache(maxsize=4096)
+def _at(law: Criterion, entry: object, values: tuple[float, ...]) -> float | Program:
+    """The value of an entry at these parameters; where the pressure enters, a program over it and them."""
+    symbols, formula = law.symbols(), sp.sympify(entry)
+    own = [symbols[name] for name in law.parameters]
+    if law.pressure is not None and symbols[law.pressure] in formula.free_symbols:
+        return compiled(formula, [symbols[law.pressure], *own])
+    return float(compiled(formula, own)(*values)) + 0.0
 
 
 def own_entries(shape: Shape) -> tuple[object, ...]:
