@@ -15,7 +15,7 @@ import sympy as sp
 
 import duhem
 from duhem.law import Criterion
-from duhem.projection import newton
+from duhem.projection import Status, newton
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
 from duhem.projection.jets import formula
@@ -520,3 +520,19 @@ if __name__ == "__main__":
         for size_ in (5e-3, 1e-2, 5e-2):
             failures_, worst_, seconds_ = campaign(law_, values_, size_, 10_000)
             print(f"{law_} {values_.get('m', '')} |trial| {size_}: {failures_} failures, worst {worst_:.1e}, {seconds_:.1f} s")
+
+
+@pytest.mark.parametrize("slender", [1e-1, 1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("name", ["box", "superellipse"])
+def test_a_slender_set_ends_at_its_short_sides_too(name: str, slender: float) -> None:
+    """Few samples of a slender set meet its short sides: they must not be taken for missing."""
+    trial = np.array([[1.001, 1e-4], [1.1, 0.5], [3.0, 0.1], [3.0, 2.0], [0.5, 2.0], [-1.0 - 1e-9, 0.0]]) * [1.0, slender]
+    values = {"mu_a": 1.0, "mu_b": slender} | ({"p": 4} if name == "superellipse" else {})
+    for order in (1, -1):  # the short side first, or last
+        given = {"mu_a": values["mu_b"], "mu_b": values["mu_a"]} if order < 0 else {}
+        done = duhem.project(name, trial[:, ::order], -1.0, [1.0, slender**2][::order], values | given, method="newton")
+        assert (done.status == Status.SLIP).all()
+        if name == "box":
+            assert (
+                np.abs(done.stress[:, ::order] - np.clip(trial, [-1.0, -slender], [1.0, slender])) <= 2.0**-52 * np.array([1.0, slender])
+            ).all()

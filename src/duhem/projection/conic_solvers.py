@@ -35,7 +35,7 @@ class _Dialect:
     infeasibility: tuple[str, ...] = ()
     almost_gap: tuple[str, ...] = ()
     almost_infeasibility: tuple[str, ...] = ()
-    ladder: tuple[float, ...] = (1e-10, 1e-8)
+    ladder: tuple[float, ...] = (1e-12, 1e-10, 1e-8)
     ways: tuple[Options, ...] = (_PLAIN,)
 
     def rung(self, tolerance: float) -> tuple[Options, ...]:

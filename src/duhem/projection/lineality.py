@@ -1,21 +1,23 @@
 """Directions along which K does not end, in either sense: the pressure axis of a metal, for one.
 
 Along them the projection keeps the trial stress, and taking them out first keeps the digits that a large pressure part
-would cost.  They are found numerically, as the directions orthogonal to every gradient of a sample; whoever uses them
-checks the result on the formula itself.
+would cost.  They are found numerically, as the directions orthogonal to every gradient of a sample, along which the level does
+not change from the origin either: a sample may miss the short sides of a slender K.  Whoever uses them checks the result
+on the formula itself.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from duhem.projection.body import Body
+from duhem.projection.body import Body, Index
 from duhem.projection.result import Array
 
 __all__ = ["lineality"]
 
 _SAMPLES = 64
 _ALIKE = 1e-9
+_SIZES = (-8.0, -1.0, 1.0, 8.0)
 
 
 def lineality(body: Body) -> Array:
@@ -28,4 +30,17 @@ def lineality(body: Body) -> Array:
     if sound.sum() < len(at) // 2:
         return np.zeros((d, 0))
     _, values, directions = np.linalg.svd(np.linalg.qr(normal[sound], mode="r"))
-    return np.asarray(directions[values <= _ALIKE * values[0]].T)
+    endless = np.asarray(directions[values <= _ALIKE * values[0]].T)
+    return endless if _constant(body, endless, at) else np.zeros((d, 0))
+
+
+def _constant(body: Body, endless: Array, at: Index) -> bool:
+    """Whether the level at the origin is that a few sizes of K away, along each direction and all of them together."""
+    d, r = endless.shape
+    ways = np.vstack([np.zeros(r), np.eye(r), np.ones(r)]) @ endless.T @ body.root.T
+    who, origin = np.repeat(at, len(ways)), np.zeros((len(at), d))
+    start = np.repeat(body.level(origin, at), len(ways))
+    return all(
+        bool((np.abs(body.level(np.tile(size * ways, (len(at), 1)), who) - start) <= _ALIKE * (1.0 + np.abs(start))).all())
+        for size in _SIZES
+    )

@@ -139,7 +139,7 @@ def _project(k: Body, trial: Array, centre: Array) -> _Found:
     found = _search(k, trial - along, centre)
     x = found.x + along
     level = k.piece(x, np.arange(len(x)), second=False).level
-    doubtful = ~found.failed & ~(np.abs(level) <= _DEPTH * _reach(k, x))
+    doubtful = found.failed | ~(np.abs(level) <= _DEPTH * _reach(k, x))
     found.x[:] = x
     if doubtful.any():
         who = np.flatnonzero(doubtful)

@@ -2,10 +2,11 @@
 
 |s| = (s . k^-1 s)^1/2 is the length of a stress.  A routine is held to an error in its stress of
 
-    u = accuracy (|sigma_tr| + |sigma|) + 8 eps cond(k)^1/2 (|sigma_tr| + |sigma| + |K|),
+    u = accuracy (|sigma_tr| + |sigma|) + 8 eps cond(k)^1/2 (|sigma_tr| + |sigma| + |K|) + 2 dg/|grad g|,
 
 the second part being what a few roundings of the components of a stress, of the trial and of K, make in that length: a
-relative error eps of one component is eps cond(k)^1/2 of the whole.  |K| is the farthest point of K on the axes.  The
+relative error eps of one component is eps cond(k)^1/2 of the whole.  |K| is the farthest point of K on the axes.  In the
+third, dg bounds what g, as the law's formula has it, may be off by in doubles: so far the boundary is not known.  The
 tolerance of each check follows from u by the triangle inequality, and is written where the check is.
 """
 
@@ -63,6 +64,7 @@ class Question:
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
+    _units: dict[int, tuple[Answer, Array]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.sound = np.ones(len(self.case), dtype=np.bool_)
@@ -97,8 +99,14 @@ class Question:
 
     def unit(self, answer: Answer) -> Array:
         """The error u in stress the routine is held to (N,)."""
-        size = self.length(answer.trial) + self.length(answer.stress)
-        return self.accuracy * size + self._rounding * (size + self._extent)
+        if id(answer) not in self._units:
+            size = self.length(answer.trial) + self.length(answer.stress)
+            gradient, _ = self.region.slope(answer.stress, self.pressure)
+            steep = self.dual_length(gradient)
+            blur = self.region.rounding(answer.stress, self.pressure) / np.where(steep > 0.0, steep, np.inf)
+            unit = self.accuracy * size + self._rounding * (size + self._extent) + 2.0 * blur
+            self._units[id(answer)] = answer, unit  # the answer is kept, so that no other can have its identity
+        return self._units[id(answer)][1]
 
     @cached_property
     def _rounding(self) -> float:

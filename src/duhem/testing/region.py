@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+import flint
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.expression import mpmath_
+from duhem.expression.balls import enclose, precision
 from duhem.expression.numpy_ import Program, compiled
 from duhem.law import Criterion
 from duhem.projection.jets import Choices, Formula, formula
@@ -21,6 +23,7 @@ from duhem.projection.scaled_formula import scaled
 __all__ = ["Region", "homogeneous"]
 
 _DIGITS = 60
+_DOUBLE = 53  # bits
 _PARTS = 256
 _LEAST = -128  # powers of two; powers of smaller stresses vanish in double precision, and K is the origin alone
 
@@ -45,6 +48,19 @@ class Region:
     def outside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
         """Whether g > 0 (N,), in 60 digits: the stresses count as exact."""
         return np.array([self._exactly(s, p) for s, p in zip(stress.tolist(), pressure.tolist(), strict=True)], dtype=np.bool_)
+
+    def rounding(self, stress: Array, pressure: Array) -> Array:
+        """A bound (N,) on what evaluating g in doubles may be off by, as the formula is written; 0 where none is known.
+
+        Ball arithmetic with the precision of doubles: F. Johansson (2017), IEEE Trans. Comput. 66, 1281-1292.
+        """
+        symbols = tuple(self.law.symbols().values())
+        fixed = [flint.arb(self.parameters[name]) for name in self.law.parameters]
+        rest = pressure[:, None] if self.law.pressure else np.zeros((len(pressure), 0))
+        with precision(_DOUBLE):
+            rows = [[*map(flint.arb, row), *fixed] for row in np.hstack([stress, rest]).tolist()]
+            values = [enclose(self.law.g, dict(zip(symbols, row, strict=True))) for row in rows]
+        return np.array([float(value.rad()) if value.is_finite() else 0.0 for value in values])
 
     def reach(self, way: Array, pressure: Array) -> Array:
         """The largest r (N,) with r ``way`` in K, to the last digit from within; inf where K does not end, 0 without the origin.
