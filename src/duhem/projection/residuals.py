@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import Program
+from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.increment import Increment
 from duhem.projection.jets import Choices, Formula, Jet, formula, program
 from duhem.projection.metric import factors
@@ -40,6 +41,7 @@ def residuals(increment: Increment, solution: Solution) -> Residuals:
     n = len(solution.multiplier)
     out = Residuals(*(np.zeros(n) for _ in range(5)))
     judge = _Judge(increment)
+    keep_freed_memory(n)
     with np.errstate(all="ignore"):
         for start in range(0, n, _BLOCK):
             block = slice(start, start + _BLOCK)
