@@ -24,6 +24,8 @@ ACCURACY = {
     "cvxpy": 1e-6,  # an interior point's square root of the gap; project flags residuals above 1e-7
 }
 MOST_FLAGGED = {"closed-form": 0.002, "newton": 0.01, "cvxpy": 0.1}  # of a few dozen points only
+# Where c is far larger than mu |sigma_n|, the rounding of this formula hides the boundary, and newton says so.
+HIDDEN = {("regularised", "newton"): 0.03}
 EXAMPLES = {"closed-form": 3, "newton": 2, "cvxpy": 2}
 ROWS = {"closed-form": 60, "newton": 60, "cvxpy": 8}
 DEEP = 100 if settings.default.max_examples > 1000 else 1  # the profile `deep`
@@ -68,7 +70,8 @@ def put(law: Criterion, method: str, **options: object) -> Report:
 def accepted(report: Report, method: str) -> None:
     assert report.ok, str(report)
     assert report.points > 0
-    assert report.flagged_share <= MOST_FLAGGED[method], f"{report.flagged} of {report.points} flagged"
+    most = HIDDEN.get((report.law, method), MOST_FLAGGED[method])
+    assert report.flagged_share <= most, f"{report.flagged} of {report.points} flagged"
 
 
 @pytest.mark.parametrize("method", ["closed-form", "newton", "cvxpy"])
