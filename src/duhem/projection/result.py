@@ -59,7 +59,9 @@ class Projection:
 
     ``slip`` = k^-1 (sigma_tr - sigma) = lambda dg/dsigma (in m for stiffness in Pa/m); ``multiplier`` lambda >= 0;
     ``dissipation`` sigma . slip >= 0; ``status`` one :class:`Status` a point; ``method`` the one that was taken, ``why`` the
-    reason; ``tangent`` d sigma/d u (N, d, d) and ``tangent_pressure`` d sigma/d sigma_n (N, d) where asked for.
+    reason; newton and cvxpy take the slip from sigma_tr - sigma, so that close to the boundary it has the digits of the
+    stress less the decades by which that difference is smaller; ``tangent`` d sigma/d u (N, d, d) and ``tangent_pressure``
+    d sigma/d sigma_n (N, d) where asked for.
     """
 
     stress: Array
