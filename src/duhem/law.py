@@ -116,12 +116,14 @@ class Criterion:
     summary: str = ""
     source: str = ""
     closed_form: Shape | None = None
+    _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "forces", tuple(self.forces))
         put(self, "parameters", MappingProxyType(dict(self.parameters)))
         self._check_names()
+        put(self, "_symbols", MappingProxyType(self._declared()))
         known = self.symbols()
         put(self, "g", _expression(self.g, known, f"g of {self.name}"))
         put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}") for c in self.constraints))
@@ -171,6 +173,9 @@ class Criterion:
 
     def symbols(self) -> dict[str, sp.Symbol]:
         """Every declared name with its symbol: forces, pressure, parameters, in this order."""
+        return dict(self._symbols)
+
+    def _declared(self) -> dict[str, sp.Symbol]:
         table = {name: symbol(name) for name in self.forces}
         if self.pressure is not None:
             table[self.pressure] = symbol(self.pressure, nonpositive=True)
