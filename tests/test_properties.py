@@ -24,8 +24,9 @@ ACCURACY = {
     "cvxpy": 1e-6,  # an interior point's square root of the gap; project flags residuals above 1e-7
 }
 MOST_FLAGGED = {"closed-form": 0.002, "newton": 0.01, "cvxpy": 0.1}  # of a few dozen points only
-# Where c is far larger than mu |sigma_n|, the rounding of this formula hides the boundary, and newton says so.
-HIDDEN = {("regularised", "newton"): 0.03}
+# Where c is far larger than mu |sigma_n|, rounding hides the boundary of the one; the sextic cone of the other costs the solver
+# digits, and residuals of 2e-7 are common.  Both are said, not hidden.
+FLAGGED_MORE = {("regularised", "newton"): 0.03, ("drucker1949", "cvxpy"): 0.25}
 EXAMPLES = {"closed-form": 3, "newton": 2, "cvxpy": 2}
 ROWS = {"closed-form": 60, "newton": 60, "cvxpy": 8}
 DEEP = 100 if settings.default.max_examples > 1000 else 1  # the profile `deep`
@@ -70,7 +71,7 @@ def put(law: Criterion, method: str, **options: object) -> Report:
 def accepted(report: Report, method: str) -> None:
     assert report.ok, str(report)
     assert report.points > 0
-    most = HIDDEN.get((report.law, method), MOST_FLAGGED[method])
+    most = FLAGGED_MORE.get((report.law, method), MOST_FLAGGED[method])
     assert report.flagged_share <= most, f"{report.flagged} of {report.points} flagged"
 
 
