@@ -176,6 +176,9 @@ def test_values_broadcast_and_the_result_is_fresh() -> None:
     same = numpy_.evaluate(x, {x: grid})
     same[0, 0] = 99.0
     assert grid[0, 0] == 0.0
+    whole = np.zeros(3)  # an array of its own, no view
+    numpy_.evaluate(x, {x: whole})[0] = 99.0
+    assert whole[0] == 0.0
 
 
 def test_compiled_walks_once_and_shares_what_is_equal() -> None:

@@ -80,8 +80,8 @@ class Program:
             for function, arguments in self.steps:
                 registers.append(function(*(registers[i] for i in arguments)))
         last = registers[self.last]
-        own = isinstance(last, np.ndarray) and last.shape == shape and last.base is None and not any(last is r for r in registers[:-1])
-        return last if own else np.array(np.broadcast_to(last, shape))
+        fresh = self.last >= len(self.symbols) and isinstance(last, np.ndarray) and last.shape == shape and last.base is None
+        return last if fresh and sum(last is r for r in registers) == 1 else np.array(np.broadcast_to(last, shape))
 
 
 def _same(value: float) -> float:
