@@ -124,15 +124,14 @@ class _Judge:
 
     def _excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, reach: Array) -> Array:
         """The largest (sigma_tr - sigma) . k^-1 (tau - sigma) over known points tau of K, relative; lengths are over ``size``."""
-        worst, work, length = np.zeros(len(whole)), _dot(point, moved), size[:, 0]
-        share = (np.ones(pressure.size) if self.largest == 0.0 else pressure / self.largest) / length
-        for tip in self.tips:
-            other = tip @ self.of_stress
-            excess = share * (moved @ other) - work
+        worst, work = np.zeros(len(whole)), _dot(point, moved)
+        share = np.ones(pressure.size) if self.largest == 0.0 else pressure / self.largest
+        for tip, way, far in zip(self.tips, *map(np.nan_to_num, _unit(self.tips @ self.of_stress)), strict=True):  # the origin has no way
+            away = share * (far / size[:, 0])
+            excess = away * (moved @ way) - work
             if (beyond := np.flatnonzero(excess > 0.0)).size:
-                at = share[beyond]
-                inside = self.value((at * length[beyond])[:, None] * tip, pressure[beyond]) < 0.0  # at = 0 it may be rounding alone
-                relative = _share(excess[beyond], whole[beyond] * (at * np.sqrt(other @ other) + reach[beyond]))
+                inside = self.value(share[beyond, None] * tip, pressure[beyond]) < 0.0  # at = 0 it may be rounding alone
+                relative = _share(excess[beyond], whole[beyond] * (away[beyond] + reach[beyond]))
                 worst[beyond] = np.fmax(worst[beyond], np.where(inside, relative, 0.0))
         return worst
 
