@@ -25,8 +25,8 @@ ACCURACY = {
 }
 MOST_FLAGGED = {"closed-form": 0.002, "newton": 0.01, "cvxpy": 0.1}  # of a few dozen points only
 # Where c is far larger than mu |sigma_n|, rounding hides the boundary of the one; the sextic cone of the other costs the solver
-# digits, and residuals of 2e-7 are common.  Both are said, not hidden.
-FLAGGED_MORE = {("regularised", "newton"): 0.03, ("drucker1949", "cvxpy"): 0.25}
+# digits, and residuals of 2e-7 are common.  Measured over thousands of points: 1.0 % and 14 %.
+FLAGGED_MORE = {("regularised", "newton"): 0.02, ("drucker1949", "cvxpy"): 0.2}
 EXAMPLES = {"closed-form": 3, "newton": 2, "cvxpy": 2}
 ROWS = {"closed-form": 60, "newton": 60, "cvxpy": 8}
 DEEP = 100 if settings.default.max_examples > 1000 else 1  # the profile `deep`

@@ -43,7 +43,7 @@ def solve(increment: Increment, *, compiled: bool = False, into: Solution | None
     """The closest points, in blocks; units as in :class:`Increment`.
 
     ``compiled`` runs the same formulas through numba; a missing numba raises MissingExtraError.  ``into``: the solution of
-    as many points, written over and returned: at a million points new arrays cost as much as what is written to them.
+    as many points, written over and returned: memory that the system has to find and to clear first may cost half as much again.
     """
     n, d = increment.trial.shape
     solution = _room(n, d) if into is None else _checked(into, n, d)

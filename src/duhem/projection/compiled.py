@@ -1,4 +1,4 @@
-"""The quarter-ellipse kernel point by point through numba: the same formulas, compiled on first use (some seconds)."""
+"""The quarter-ellipse kernel through numba: the same formulas, compiled on first use (some seconds)."""
 
 from __future__ import annotations
 
@@ -85,10 +85,10 @@ def kernel() -> Callable[..., None]:
         return y + small, small - ((y + small) - y)
 
     @jit
-    def oblique(t1: float, t2: float, e: float, start: int, mu: Any, axes: Any, low: Any, ratio: Any) -> Any:
-        best, w1, w2, z, used = np.inf, 0.0, 0.0, np.nan, start
+    def oblique(t1: float, t2: float, e: float, own: int, mu: Any, axes: Any, low: Any, ratio: Any) -> Any:
+        best, w1, w2, z, used = np.inf, 0.0, 0.0, np.nan, own
         for flip in range(4):
-            q = start ^ flip
+            q = own ^ flip
             p1, l1, p2, l2, f = ratios(t1, t2, mu[q, 0], mu[q, 1], e)
             l1, l2 = math.copysign(1.0, t1) * l1, math.copysign(1.0, t2) * l2
             p1, p2 = math.copysign(p1, t1), math.copysign(p2, t2)

@@ -31,7 +31,7 @@ def lineality(body: Body) -> Array:
         return np.zeros((d, 0))
     _, values, directions = np.linalg.svd(np.linalg.qr(normal[sound], mode="r"))
     endless = np.asarray(directions[values <= _ALIKE * values[0]].T)
-    return endless if _constant(body, endless, at) else np.zeros((d, 0))
+    return endless if not endless.size or _constant(body, endless, at) else np.zeros((d, 0))
 
 
 def _constant(body: Body, endless: Array, at: Index) -> bool:

@@ -62,7 +62,7 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
     """Seconds a point: the bound, each method alone (from the checked question to its answer), and duhem.project whole."""
     n = len(load.question.trial)
     yield Row(SCENE, BOUND, f"N = {n}", seconds=_bound(load, repeats, new=False), note="copies and fills, one thread")
-    yield Row(SCENE, BOUND_NEW, f"N = {n}", seconds=_bound(load, repeats, new=True), note="the same")
+    yield Row(SCENE, BOUND_NEW, f"N = {n}", seconds=_bound(load, repeats, new=True), note="copies and fills, one thread")
     for contender in contenders:
         if contender.method == "cvxpy":
             continue
