@@ -14,7 +14,7 @@ digits, from formulas written by hand in polar form: zero at the threshold, of t
 
 from __future__ import annotations
 
-from duhem.verdict import Verdict
+from duhem.proof.verdict import Verdict
 
 __all__ = ["CLAIMS", "KNOWN", "LOBES", "OUTSIDE", "THRESHOLDS"]
 

@@ -19,15 +19,15 @@ import sympy as sp
 
 import duhem
 from duhem.__main__ import main
+from duhem.benchmark.contenders import Contender, Subject, contenders
+from duhem.benchmark.reference import Closest, Drive, NoReference, distance
+from duhem.benchmark.work_precision import bench
+from duhem.benchmark.work_precision.result import Result, Row, Spread, Target
+from duhem.benchmark.work_precision.text import duration, text
 from duhem.errors import InputError
-from duhem.law import Criterion
-from duhem.lineup import Contender, Subject, contenders
+from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.result import Solution
-from duhem.reference import Closest, Drive, NoReference, distance
-from duhem.workprecision import bench
-from duhem.workprecision.result import Result, Row, Spread, Target
-from duhem.workprecision.text import duration, text
 from path_reference import drive
 from projection_oracle import closest
 
@@ -362,7 +362,7 @@ def test_command_rejects(run: Run, arguments: tuple[str, ...], message: str) -> 
 
 
 def test_command_says_when_it_was_interrupted(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    from duhem.workprecision import increment
+    from duhem.benchmark.work_precision import increments as increment
 
     def stopped(*_: Any) -> Any:
         yield Row("increment", "closed-form", "", {"stress": 0.0, "slip": 0.0}, Spread(1.0, 1.0, 1.0, 1))

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import duhem
-from duhem import catalogue
-from duhem.criterion_file import read, reads
 from duhem.errors import InputError
+from duhem.law import catalogue
+from duhem.law.criterion_file import read, reads
 
 LAWS = catalogue.names()
 
@@ -39,13 +39,13 @@ def test_every_name_loads_a_law_of_that_name(name: str) -> None:
 
 
 def test_names_and_summaries_import_nothing_heavy() -> None:
-    loaded = modules_after("from duhem import catalogue; assert [catalogue.summary(n) for n in catalogue.names()]")
-    assert not {"sympy", "numpy", "duhem.law", "duhem.criteria.coulomb"} & loaded
+    loaded = modules_after("from duhem.law import catalogue; assert [catalogue.summary(n) for n in catalogue.names()]")
+    assert not {"sympy", "numpy", "duhem.law.formula_law", "duhem.law.builtin.coulomb"} & loaded
 
 
 def test_only_the_law_asked_for_is_imported() -> None:
     loaded = modules_after("import duhem; duhem.load('coulomb')")
-    assert {m for m in loaded if m.startswith("duhem.criteria.")} == {"duhem.criteria.coulomb"}
+    assert {m for m in loaded if m.startswith("duhem.law.builtin.")} == {"duhem.law.builtin.coulomb"}
 
 
 def test_underscores_name_the_same_law() -> None:
@@ -104,14 +104,15 @@ def test_laws_of_other_distributions(tmp_path: Path) -> None:
     info = tmp_path / "outside-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[duhem.criteria]\nouter = outside_laws:outer\n")
+    (info / "entry_points.txt").write_text("[duhem.law.builtin]\nouter = outside_laws:outer\n")
     (tmp_path / "outside_laws.py").write_text(
         "from duhem import Criterion, POSITIVE\n"
         "outer = Criterion(name='outer', g='norm(sigma_a, sigma_b)/mu + sigma_n', parameters={'mu': POSITIVE})\n"
     )
     code = (
         f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n"
-        "from duhem import catalogue, load\n"
+        "from duhem import load\n"
+        "from duhem.law import catalogue\n"
         "assert 'outer' in catalogue.names() and catalogue.summary('outer') == 'from outside'\n"
         "assert 'outside_laws' not in sys.modules\n"
         "assert load('outer').name == 'outer'"

@@ -9,10 +9,10 @@ import pytest
 import sympy as sp
 
 from duhem.expression import symbol
-from duhem.positivity.exact import by_exact
-from duhem.positivity.polynomials import Relation, System
-from duhem.positivity.question import Answer
-from duhem.positivity.smt import by_smt
+from duhem.proof.decide.exact import by_exact
+from duhem.proof.decide.polynomials import Relation, System
+from duhem.proof.decide.question import Answer
+from duhem.proof.decide.smt import by_smt
 
 x, y = symbol("x"), symbol("y")
 

@@ -16,14 +16,16 @@ from typing import Any
 import pytest
 
 import duhem
-from duhem import catalogue, doctor, verification
 from duhem.__main__ import main
-from duhem.claims import CLAIMS
+from duhem.cli import installation as doctor
 from duhem.errors import MissingExtraError
-from duhem.report import json as json_report
-from duhem.report import text as text_report
-from duhem.verdict import Verdict, Witness
-from duhem.verification import ClaimResult, LeftOut, Verification
+from duhem.law import catalogue
+from duhem.proof import report_json as json_report
+from duhem.proof import report_text as text_report
+from duhem.proof import verification
+from duhem.proof.claims import CLAIMS
+from duhem.proof.verdict import Verdict, Witness
+from duhem.proof.verification import ClaimResult, LeftOut, Verification
 
 SOURCE = Path(duhem.__path__[0]).parent
 Run = Callable[..., tuple[int, str, str]]

@@ -17,13 +17,13 @@ import pytest
 import sympy as sp
 
 from duhem import Criterion, InputError, load
-from duhem.catalogue import names
-from duhem.engines import chords, composition
-from duhem.examination import Case
-from duhem.examination.choices import choices
-from duhem.examination.shape import Shape, shape
 from duhem.expression import numpy_
 from duhem.expression.cvxpy_ import expression
+from duhem.law.catalogue import names
+from duhem.proof.facts.case import Case
+from duhem.proof.facts.curvature import Shape, shape
+from duhem.proof.methods import chords, composition
+from duhem.proof.search.choices import choices
 
 cp = pytest.importorskip("cvxpy")
 

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 import sympy as sp
 
-from duhem.criterion_file import read, reads
-from duhem.domain_check import check_domain
 from duhem.errors import InputError
 from duhem.expression import Norm
-from duhem.law import POSITIVE, REAL, Criterion, Domain
+from duhem.law.criterion_file import read, reads
+from duhem.law.formula_law import POSITIVE, REAL, Criterion, Domain
+from duhem.law.parameter_domain import check_domain
 
 WHOLE = """\
 # [parameters] in a comment is no section

@@ -16,13 +16,13 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem.catalogue import load, names
 from duhem.derivation import Derivation, derive
-from duhem.derivation.check import sample_values
+from duhem.derivation.numerical_check import sample_values
 from duhem.errors import InputError
 from duhem.expression import mpmath_
 from duhem.expression.parse import parse_expression
-from duhem.law import POSITIVE, Criterion
+from duhem.law.catalogue import load, names
+from duhem.law.formula_law import POSITIVE, Criterion
 
 LAWS = (
     "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "drucker1949", "hosford", "limacon", "lobes", "matchstick",

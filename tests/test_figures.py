@@ -16,9 +16,9 @@ import pytest
 import duhem
 from duhem.__main__ import main
 from duhem.errors import InputError, MissingExtraError
-from duhem.figures import FIGURES, Figure, Table
-from duhem.figures.boundary import boundary
-from duhem.figures.value import Arrows, Curve
+from duhem.micromodel.figures import FIGURES, Figure, Table
+from duhem.micromodel.figures.boundary import boundary
+from duhem.micromodel.figures.value import Arrows, Curve
 
 DRAWN = [name for name, recipe in FIGURES.items() if name != "8"]
 Run = Callable[..., tuple[int, str, str]]
@@ -342,7 +342,7 @@ def test_data_is_what_the_figure_holds(run: Run, no_matplotlib: None) -> None:
 def test_drawing_without_matplotlib_names_the_extra(run: Run, no_matplotlib: None) -> None:
     code, _, err = run("9")
     assert code == 2 and err.count("\n") == 1 and 'pip install "duhem[plot]"' in err
-    from duhem.figures.drawing import save
+    from duhem.micromodel.figures.drawing import save
 
     with pytest.raises(MissingExtraError):
         save(default("9"), "figure.png")
@@ -359,7 +359,7 @@ def test_formats(run: Run, form: str, magic: bytes) -> None:
 @pytest.mark.parametrize("name", DRAWN)
 def test_every_figure_is_drawn_and_the_same_each_time(name: str, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
-    from duhem.figures.drawing import save
+    from duhem.micromodel.figures.drawing import save
 
     figure = default(name)
     assert isinstance(figure, Figure)

@@ -6,7 +6,7 @@ import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, Verdict, load, project, verify
 from duhem.expression import mpmath_
-from duhem.expression.held import Held, held_exponent
+from duhem.expression.inert_number import Held, held_exponent
 from duhem.expression.parse import parse_expression
 
 P = "3.00123456789"

@@ -14,16 +14,16 @@ import sympy as sp
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-import duhem.criteria
-from duhem.criteria.lobes import lobe_law
+import duhem.law.builtin
 from duhem.expression import mpmath_, numpy_
 from duhem.expression.balls import ball, enclose, precision
-from duhem.law import Criterion, Domain, exact_number
-from duhem.parametric import Law
-from duhem.verdict import Verdict
+from duhem.law.builtin.lobes import lobe_law
+from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion, Domain, exact_number
+from duhem.proof.verdict import Verdict
 from literature import CLAIMS, KNOWN, LOBES, OUTSIDE, THRESHOLDS
 
-MODULES = [importlib.import_module(f"duhem.criteria.{found.name}") for found in pkgutil.iter_modules(duhem.criteria.__path__)]
+MODULES = [importlib.import_module(f"duhem.law.builtin.{found.name}") for found in pkgutil.iter_modules(duhem.law.builtin.__path__)]
 LAWS = {law.name: law for module in MODULES for law in vars(module).values() if isinstance(law, Criterion)}
 R = sp.Rational
 

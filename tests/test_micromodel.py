@@ -20,7 +20,7 @@ from duhem.micromodel import derivation, facets, oblique, proofs
 from duhem.micromodel.fit import associated_fit
 from duhem.micromodel.profile import by_quadrature, simulate_profile
 from duhem.micromodel.wedge import coefficients, limit_point, slip_direction
-from duhem.verdict import Verdict
+from duhem.proof.verdict import Verdict
 
 STEEL = (np.pi / 4, np.arctan(0.25), 0.25, 0.25)  # the specimen of the paper at mu = 1/4
 EXACT = {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "1/4", "mu_beta": "1/4"}

@@ -15,20 +15,20 @@ from typing import Any
 import pytest
 import sympy as sp
 
-import duhem.engines.implicit as implicit
-import duhem.engines.polar as polar
-import duhem.examination.case as case_module
-import duhem.examination.choices as choices_module
-import duhem.examination.search as search
-import duhem.examination.shape as shape_module
-import duhem.examination.witness as witness_module
-import duhem.model.problem as problem_module
-import duhem.positivity.cells as cells
+import duhem.proof.decide.line as cells
+import duhem.proof.facts.case as case_module
+import duhem.proof.facts.curvature as shape_module
+import duhem.proof.methods.implicit as implicit
+import duhem.proof.methods.polar as polar
+import duhem.proof.search.choices as choices_module
+import duhem.proof.search.chords as search
+import duhem.proof.statement.problem as problem_module
+import duhem.proof.witness.points as witness_module
 from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
-from duhem.examination import Case
-from duhem.examination.profile import Profile
-from duhem.examination.regularity import Regularity
-from duhem.positivity import Answer, Question, Sense, decide
+from duhem.proof.decide import Answer, Question, Sense, decide
+from duhem.proof.facts.case import Case
+from duhem.proof.facts.polar_form import Profile
+from duhem.proof.facts.regularity import Regularity
 from reevaluation import confirmed
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED

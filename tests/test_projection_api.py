@@ -17,7 +17,7 @@ import pytest
 import duhem
 from duhem.__main__ import main
 from duhem.errors import InputError
-from duhem.law import Criterion, Domain
+from duhem.law.formula_law import Criterion, Domain
 from duhem.projection import Status, closed_form, newton, projector
 from duhem.projection.increment import Increment
 from duhem.projection.metric import factors

@@ -13,11 +13,11 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem import catalogue
-from duhem.closed_form import Disk, Interval, Quadrants
 from duhem.errors import InputError, MissingExtraError
 from duhem.expression import mpmath_
-from duhem.law import Criterion, Domain
+from duhem.law import catalogue
+from duhem.law.formula_law import Criterion, Domain
+from duhem.law.shapes import Disk, Interval, Quadrants
 from duhem.projection import Status, closed_form, compiled, quadrants
 from duhem.projection.quadrants import BLOCK, Quarters
 from duhem.projection.validation import increment

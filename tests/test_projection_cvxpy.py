@@ -15,7 +15,7 @@ import pytest
 import duhem
 from duhem.errors import InputError
 from duhem.expression.numpy_ import evaluate
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
 from duhem.projection.conic_solvers import rungs
 from duhem.projection.cvxpy_method import applies, solve
 from duhem.projection.increment import Increment

@@ -14,12 +14,12 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem.law import Criterion
+from duhem.expression.jets import formula
+from duhem.law.formula_law import Criterion
 from duhem.projection import Status, newton
+from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
-from duhem.projection.jets import formula
-from duhem.projection.lineality import lineality
 
 R = sp.Rational
 ANTONI = {"mu_a_plus": R(1, 5), "mu_a_minus": R(2, 25), "mu_b_plus": R(3, 25), "mu_b_minus": R(3, 20)}

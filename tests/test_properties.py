@@ -11,9 +11,9 @@ from hypothesis import settings
 
 import duhem
 from duhem.errors import InputError
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
+from duhem.proof.verdict import Verdict
 from duhem.testing import Report, check, checks_for, conformance, pressures, projection
-from duhem.verdict import Verdict
 from literature import KNOWN, THRESHOLDS
 
 EPS = float(np.finfo(np.float64).eps)

@@ -18,15 +18,15 @@ import pytest
 
 import duhem
 from duhem.__main__ import main
+from duhem.benchmark.contenders import Contender, Subject
+from duhem.benchmark.extreme_cases import AXES, cases, stress
+from duhem.benchmark.extreme_cases.cases import aspect
+from duhem.benchmark.extreme_cases.judge import digits
+from duhem.benchmark.extreme_cases.refusals import refusals
+from duhem.benchmark.extreme_cases.stress import Result, Row
+from duhem.benchmark.extreme_cases.text import text
 from duhem.errors import InputError
-from duhem.extremes import AXES, cases, stress
-from duhem.extremes.cases import aspect
-from duhem.extremes.judge import digits
-from duhem.extremes.refusals import refusals
-from duhem.extremes.stress import Result, Row
-from duhem.extremes.text import text
-from duhem.law import Criterion
-from duhem.lineup import Contender, Subject
+from duhem.law.formula_law import Criterion
 from duhem.projection.result import Projection, Status
 
 FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}

@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from duhem.catalogue import load
-from duhem.derivation.check import defects, sample_values
 from duhem.derivation.gauge import Holder, Polytope, Side
+from duhem.derivation.numerical_check import defects, sample_values
 from duhem.derivation.support_function import SupportFunction, biconjugate, rate_symbols, support_function
 from duhem.expression import Neg, Norm, Pos, mpmath_, numpy_
-from duhem.law import POSITIVE, REAL, Criterion, Domain
+from duhem.law.catalogue import load
+from duhem.law.formula_law import POSITIVE, REAL, Criterion, Domain
 
 CLOSED = (
     "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "orthotropic", "polygon", "radial-flow", "regularised",

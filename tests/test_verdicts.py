@@ -12,11 +12,11 @@ from functools import cache
 import pytest
 
 from duhem import Criterion, Verdict, Verification, load, verify
-from duhem.claims import CLAIMS as REGISTERED
-from duhem.criteria.lobes import lobe_law
-from duhem.engines import chords, composition, corners, evaluation, flow, implicit, polar, polyhedral
-from duhem.examination import Case
-from duhem.verdict import Evidence
+from duhem.law.builtin.lobes import lobe_law
+from duhem.proof.claims import CLAIMS as REGISTERED
+from duhem.proof.facts.case import Case
+from duhem.proof.methods import chords, composition, corners, evaluation, flow, implicit, polar, polyhedral
+from duhem.proof.verdict import Evidence
 from literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
 from reevaluation import confirmed
 

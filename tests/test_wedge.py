@@ -23,9 +23,9 @@ from duhem import POSITIVE, Domain, ParametricCriterion, Verdict, Verification, 
 from duhem.cli import cli
 from duhem.errors import InputError
 from duhem.micromodel.wedge import limit_point
-from duhem.report import json as json_report
-from duhem.report import text as text_report
-from duhem.verdict import Witness
+from duhem.proof import report_json as json_report
+from duhem.proof import report_text as text_report
+from duhem.proof.verdict import Witness
 
 PROVED, REFUTED, UNDECIDED, NONE = Verdict.PROVED, Verdict.REFUTED, Verdict.UNDECIDED, Verdict.NOT_APPLICABLE
 SPECIMEN = {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "1/4", "mu_beta": "1/4"}
@@ -91,7 +91,7 @@ def test_nothing_general_names_the_law() -> None:
     home = Path(duhem.__path__[0])
     general = [
         *home.glob("*.py"),
-        *(f for part in ("claims", "engines", "examination", "report", "cli") for f in (home / part).glob("*.py")),
+        *(f for part in ("proof", "cli") for f in (home / part).rglob("*.py")),
     ]
     assert len(general) > 60
     assert [str(f) for f in general if "wedge" in f.read_text("utf-8")] == []
@@ -409,7 +409,7 @@ def test_what_is_no_curve(made: Callable[[], Any], said: str) -> None:
 
 def test_a_curve_in_a_module_of_ones_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "my_curves.py").write_text(
-        "from sympy import cos, sin\nfrom duhem.parametric import parametric\n"
+        "from sympy import cos, sin\nfrom duhem.law.curve_law import parametric\n"
         "@parametric(flow=['cos(phi)', 'sin(phi)'], instead='coulomb')\n"
         "def round_off(phi, mu):\n    'A circle.'\n    return mu * cos(phi), mu * sin(phi)\n"
     )

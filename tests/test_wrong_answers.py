@@ -9,10 +9,10 @@ import pytest
 import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, Verification, verify
-from duhem.criteria.lobes import lobe_law
 from duhem.expression import Neg, Norm, Pos, Where, symbol
 from duhem.expression.balls import ball, enclose
-from duhem.positivity import Answer, Question, Sense, decide
+from duhem.law.builtin.lobes import lobe_law
+from duhem.proof.decide import Answer, Question, Sense, decide
 from reevaluation import confirmed
 
 x, y, z = (symbol(name) for name in "xyz")
@@ -90,7 +90,7 @@ def test_a_question_without_time_stays_open() -> None:
 @pytest.mark.parametrize("reason", ["unknown", "timeout", "delta-sat with a model that is not one"])
 def test_an_open_decider_refutes_nothing(monkeypatch: pytest.MonkeyPatch, reason: str) -> None:
     """Whatever the deciders leave open, or suggest by a wrong model, a law that is convex is not refuted."""
-    from duhem.examination import case
+    from duhem.proof.facts import case
 
     def shrug(question: Question, seconds: float = 0.0) -> Answer:
         if reason.startswith("delta"):

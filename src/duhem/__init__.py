@@ -8,7 +8,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from duhem.version import __version__
 
 __all__ = [
     "POSITIVE",
@@ -39,28 +39,28 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from duhem.catalogue import load
     from duhem.derivation import Derivation, derive
     from duhem.errors import DuhemError, InputError, MissingExtraError
     from duhem.identification import Identification, identify
-    from duhem.law import POSITIVE, REAL, Criterion, Domain, criterion
-    from duhem.parametric import ParametricCriterion
+    from duhem.law.catalogue import load
+    from duhem.law.curve_law import ParametricCriterion
+    from duhem.law.formula_law import POSITIVE, REAL, Criterion, Domain, criterion
     from duhem.path import History, Path, simulate
     from duhem.projection import Projection, Status, project
-    from duhem.verdict import Verdict, Witness
-    from duhem.verification import Verification, verify
+    from duhem.proof.verdict import Verdict, Witness
+    from duhem.proof.verification import Verification, verify
 
 _HOMES = {
-    "catalogue": ("load",),
-    "law": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
     "derivation": ("Derivation", "derive"),
     "errors": ("DuhemError", "InputError", "MissingExtraError"),
     "identification": ("Identification", "identify"),
-    "parametric": ("ParametricCriterion",),
+    "law.catalogue": ("load",),
+    "law.curve_law": ("ParametricCriterion",),
+    "law.formula_law": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
     "path": ("History", "Path", "simulate"),
     "projection": ("Projection", "Status", "project"),
-    "verdict": ("Verdict", "Witness"),
-    "verification": ("Verification", "verify"),
+    "proof.verdict": ("Verdict", "Witness"),
+    "proof.verification": ("Verification", "verify"),
 }
 
 

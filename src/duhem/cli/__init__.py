@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import click
 
-from duhem import __version__
 from duhem.cli.bench import bench
 from duhem.cli.derive import derive
 from duhem.cli.figures import figures
@@ -14,6 +13,7 @@ from duhem.cli.simulate import simulate
 from duhem.cli.stress import stress
 from duhem.cli.surroundings import doctor, init, list_laws
 from duhem.cli.verify import explain, verify
+from duhem.version import __version__
 
 __all__ = ["cli"]
 

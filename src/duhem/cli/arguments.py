@@ -13,14 +13,14 @@ from click.shell_completion import CompletionItem
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
-    from duhem.law import Criterion
-    from duhem.parametric import Law
+    from duhem.law.curve_law import Law
+    from duhem.law.formula_law import Criterion
 
 __all__ = ["Vectors", "law_argument", "read_fixed_formula", "read_fixed_law", "read_law", "read_number", "read_numbers", "settings_option"]
 
 
 def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    from duhem import catalogue
+    from duhem.law import catalogue
 
     named = [CompletionItem(name) for name in catalogue.names() if name.startswith(incomplete)]
     return [*named, CompletionItem(incomplete, type="file")]
@@ -36,7 +36,7 @@ settings_option = click.option(
 
 
 def read_law(text: str) -> Law:
-    from duhem import catalogue
+    from duhem.law import catalogue
 
     if ":" in text and os.getcwd() not in sys.path:  # a law in a module beside the user, as with python -m
         sys.path.insert(0, os.getcwd())
@@ -46,7 +46,7 @@ def read_law(text: str) -> Law:
 
 def read_fixed_formula(text: str, settings: Sequence[str]) -> Criterion:
     """A law that has a formula g; an error names one to take where it has none."""
-    from duhem import catalogue
+    from duhem.law import catalogue
 
     catalogue.load_formula(read_law(text))
     return catalogue.load_formula(read_fixed_law(text, settings))
@@ -54,8 +54,8 @@ def read_fixed_formula(text: str, settings: Sequence[str]) -> Criterion:
 
 def read_fixed_law(text: str, settings: Sequence[str]) -> Law:
     law = read_law(text)
-    from duhem.domain_check import check_domain
     from duhem.expression.number import exact_number
+    from duhem.law.parameter_domain import check_domain
 
     values = {}
     for setting in settings:

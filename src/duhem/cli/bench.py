@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import click
 
-from duhem import __version__
 from duhem.cli.arguments import read_fixed_formula, read_numbers, settings_option
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
 from duhem.cli.output import Progress, say
+from duhem.version import __version__
 
 __all__ = ["FIGURE_5", "FLAGSHIP", "bench", "settled", "written"]
 
@@ -72,9 +72,10 @@ def bench(
 
     import json
 
-    from duhem import canvas, workprecision
-    from duhem.workprecision import figure
-    from duhem.workprecision.text import text
+    from duhem.benchmark import work_precision as workprecision
+    from duhem.benchmark.work_precision import figure
+    from duhem.benchmark.work_precision.text import text
+    from duhem.show import figure as canvas
 
     if plot is not None:
         canvas.check(plot)

@@ -14,7 +14,7 @@ from duhem.cli.output import say
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
-    from duhem.figures import Recipe
+    from duhem.micromodel.figures import Recipe
 
 __all__ = ["figures"]
 
@@ -32,7 +32,7 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
     Each is computed from the model and written as figure-NAME; the numbers it rests on are printed.  Figure 8 is a table:
     it is printed, and written as CSV.
     """
-    from duhem.figures import FIGURES, Table, unknown
+    from duhem.micromodel.figures import FIGURES, Table, unknown
 
     for name in names:
         if name not in FIGURES:
@@ -55,7 +55,7 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
         if data or isinstance(figure, Table):
             _write(file, figure.to_csv())
         else:
-            from duhem.figures.drawing import save
+            from duhem.micromodel.figures.drawing import save
 
             save(figure, file)
         say(f"{file}  {figure.title}")
@@ -68,7 +68,7 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
 
 def _read(settings: Sequence[str], chosen: Sequence[Recipe]) -> dict[str, float]:
     """The settings as numbers; each has to be a parameter of one of the figures at least."""
-    from duhem.figures import unknown
+    from duhem.micromodel.figures import unknown
 
     known = {name: default for recipe in chosen for name, default in recipe.parameters.items()}
     values: dict[str, float] = {}

@@ -40,7 +40,7 @@ def project(
 
     from duhem.projection import Status
     from duhem.projection import project as closest
-    from duhem.report import increment
+    from duhem.projection import report as increment
 
     d = len(fixed.forces)
     k = [rows[i : i + d] for i in range(0, d * d, d)] if len(rows) == d * d and d > 1 else rows if len(rows) > 1 else rows[0]

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import click
 
-from duhem import __version__
 from duhem.cli.arguments import read_fixed_formula, read_numbers, settings_option
 from duhem.cli.bench import FLAGSHIP, settled, written
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
 from duhem.cli.output import Progress, say
+from duhem.version import __version__
 
 __all__ = ["stress"]
 
@@ -37,9 +37,10 @@ def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: st
 
     import json
 
-    from duhem import canvas, extremes
-    from duhem.extremes import figure
-    from duhem.extremes.text import text
+    from duhem.benchmark import extreme_cases as extremes
+    from duhem.benchmark.extreme_cases import figure
+    from duhem.benchmark.extreme_cases.text import text
+    from duhem.show import figure as canvas
 
     if plot is not None:
         canvas.check(plot)

@@ -16,7 +16,7 @@ __all__ = ["doctor", "init", "list_laws"]
 @click.command("list")
 def list_laws() -> None:
     """List the laws that can be named."""
-    from duhem import catalogue
+    from duhem.law import catalogue
 
     names = catalogue.names()
     width = max(map(len, names))
@@ -28,7 +28,7 @@ def list_laws() -> None:
 @click.argument("name")
 def init(name: str) -> None:
     """Write NAME.toml, a commented criterion file to start from."""
-    from duhem import catalogue
+    from duhem.law import catalogue
 
     stem = name.removesuffix(".toml")
     content, path = catalogue.template(stem), Path(f"{stem}.toml")
@@ -48,7 +48,7 @@ def doctor() -> int:
 
     Ends with facts about the machine that help with a bug report.
     """
-    from duhem import doctor as parts
+    from duhem.cli import installation as parts
 
     say(parts.report())
     return FAILED if parts.missing() else HELD

@@ -14,8 +14,8 @@ from duhem.cli.output import Progress, say
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
-    from duhem.verdict import Verdict
-    from duhem.verification import ClaimResult
+    from duhem.proof.verdict import Verdict
+    from duhem.proof.verification import ClaimResult
 
 __all__ = ["explain", "verify"]
 
@@ -37,8 +37,9 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, str
     asked = None if claims is None else _named(claims)
     fixed = read_fixed_law(law, settings)
 
-    from duhem import verification
-    from duhem.report import json, text
+    from duhem.proof import report_json as json
+    from duhem.proof import report_text as text
+    from duhem.proof import verification
 
     report = {"text": text, "json": json}[form]
     decided: list[ClaimResult] = []
@@ -61,7 +62,7 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, str
 @click.argument("claim", required=False)
 def explain(claim: str | None) -> None:
     """Explain the theory of CLAIM, or list the claims."""
-    from duhem.claims import CLAIMS
+    from duhem.proof.claims import CLAIMS
 
     if claim is None:
         width = max(map(len, CLAIMS))
@@ -73,7 +74,7 @@ def explain(claim: str | None) -> None:
 
 
 def _named(text: str) -> tuple[str, ...]:
-    from duhem.claims import CLAIMS
+    from duhem.proof.claims import CLAIMS
 
     asked = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
     for name in asked:

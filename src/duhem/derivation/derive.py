@@ -6,17 +6,17 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from duhem.catalogue import load, load_formula
+from duhem.derivation.closest_point import increment_equations, interval, one_dimensional_equations
 from duhem.derivation.energy import state_equations
 from duhem.derivation.equation import Derivation, Equation
 from duhem.derivation.evolution import evolution_equations, potential_equations
-from duhem.derivation.increment import increment_equations, interval, one_dimensional_equations
-from duhem.derivation.names import Names
+from duhem.derivation.notation import Names
 from duhem.derivation.pieces import MOST, pieces
 from duhem.derivation.support_function import fixed, support_function
 from duhem.errors import InputError
-from duhem.law import Criterion
-from duhem.parametric import Law, ParametricCriterion
+from duhem.law.catalogue import load, load_formula
+from duhem.law.curve_law import Law, ParametricCriterion
+from duhem.law.formula_law import Criterion
 
 __all__ = ["derive"]
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import sympy as sp
 
 from duhem.derivation.equation import Equation
-from duhem.derivation.names import Names
+from duhem.derivation.notation import Names
 
 __all__ = ["column", "energy", "equal", "free_energy", "state_equations"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from duhem.derivation.names import Names
+from duhem.derivation.notation import Names
 
 __all__ = ["Belongs", "Derivation", "Equation"]
 

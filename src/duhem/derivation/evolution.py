@@ -11,11 +11,11 @@ import sympy as sp
 
 from duhem.derivation.energy import column, equal
 from duhem.derivation.equation import Belongs, Equation
-from duhem.derivation.names import Names
+from duhem.derivation.notation import Names
 from duhem.derivation.pieces import Pieces, Seams, seams
 from duhem.derivation.support_function import SupportFunction, biconjugate
 from duhem.expression.vocabulary import Norm
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
 
 __all__ = ["evolution_equations", "potential_equations"]
 

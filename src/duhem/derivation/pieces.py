@@ -16,10 +16,10 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from duhem.derivation.check import compiled, reach, sample_values
+from duhem.derivation.numerical_check import compiled, reach, sample_values
 from duhem.expression.branches import Branch, TooManyBranchesError, branches
 from duhem.expression.vocabulary import Norm
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
 
 __all__ = ["MOST", "Corner", "Pieces", "Seams", "pieces", "seams"]
 

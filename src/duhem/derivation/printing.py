@@ -13,7 +13,7 @@ from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 from duhem.derivation.equation import Derivation, Equation
-from duhem.derivation.names import Names
+from duhem.derivation.notation import Names
 from duhem.derivation.support_function import compression
 
 __all__ = ["latex", "markdown", "text"]

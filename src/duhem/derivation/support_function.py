@@ -13,9 +13,9 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.derivation.check import defects, gauges_agree
+from duhem.derivation.numerical_check import defects, gauges_agree
 from duhem.derivation.recognise import read_ball
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
 
 __all__ = ["Biconjugate", "SupportFunction", "biconjugate", "compression", "fixed", "rate_symbols", "support_function"]
 
@@ -74,7 +74,7 @@ def fixed(law: Criterion, parameters: Mapping[str, Any] | None = None) -> Criter
 def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None) -> SupportFunction | None:
     """Closed form of sup { sigma . d : g(sigma, sigma_n) <= 0 }, or None where the calculus has none.
 
-    What the rules give is returned only after :func:`duhem.derivation.check.defects` finds nothing against it: the
+    What the rules give is returned only after :func:`duhem.derivation.numerical_check.defects` finds nothing against it: the
     maximiser lies in K and attains the potential, and no point of K exceeds it, at random exact parameters.
     """
     law = fixed(law, parameters)

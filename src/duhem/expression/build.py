@@ -14,7 +14,7 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression.fold import fold
-from duhem.expression.held import Held, held_exponent
+from duhem.expression.inert_number import Held, held_exponent
 from duhem.expression.vocabulary import NODES, WORDS, Neg, Norm, Pos, Where
 
 __all__ = ["approximate", "call", "power", "product", "relation", "total", "unacceptable"]

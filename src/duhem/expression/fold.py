@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.held import Held
+from duhem.expression.inert_number import Held
 
 __all__ = ["Table", "fold"]
 

@@ -1,4 +1,4 @@
-"""A criterion as the text of a criterion file; :func:`duhem.criterion_file.reads` reads the same law back."""
+"""A criterion as the text of a criterion file; :func:`duhem.law.criterion_file.reads` reads the same law back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.text import formula
-from duhem.law import Criterion, Domain
+from duhem.law.formula_law import Criterion, Domain
 
 __all__ = ["criterion_text"]
 

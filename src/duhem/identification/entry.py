@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from duhem.catalogue import load_formula
-from duhem.domain_check import check_domain
 from duhem.errors import InputError
 from duhem.identification.points import Points
 from duhem.identification.result import Identification
-from duhem.law import Criterion
+from duhem.law.catalogue import load_formula
+from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import check_domain
 
 __all__ = ["identify"]
 

@@ -11,7 +11,6 @@ import sympy as sp
 from numpy.typing import NDArray
 from scipy import stats
 
-from duhem.domain_check import check_domain
 from duhem.errors import DuhemError, InputError
 from duhem.identification.coordinates import Coordinates
 from duhem.identification.fit import HUBER, Problem, Solved
@@ -20,9 +19,10 @@ from duhem.identification.result import Estimate, Identification, Outlier
 from duhem.identification.start import convex, guesses
 from duhem.identification.statistics import bootstrapped, covariance, fisher_information, outlying, scatter_level
 from duhem.identification.surface import QuarterEllipses, free_parameters, surface
-from duhem.law import Criterion, Domain
-from duhem.verdict import Verdict
-from duhem.verification import Verification, verify
+from duhem.law.formula_law import Criterion, Domain
+from duhem.law.parameter_domain import check_domain
+from duhem.proof.verdict import Verdict
+from duhem.proof.verification import Verification, verify
 
 __all__ = ["estimated"]
 

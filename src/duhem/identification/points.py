@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
 
 __all__ = ["Points"]
 

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem import __version__
 from duhem.errors import InputError
 from duhem.identification.points import Points
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
+from duhem.version import __version__
 
 if TYPE_CHECKING:
-    from duhem.verification import Verification
+    from duhem.proof.verification import Verification
 
 __all__ = ["Estimate", "Identification", "Outlier"]
 

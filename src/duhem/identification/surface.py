@@ -16,9 +16,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.closed_form import Disk, Interval, Quadrants
-from duhem.law import Criterion
-from duhem.projection.jets import Formula, formula
+from duhem.expression.jets import Formula, formula
+from duhem.law.formula_law import Criterion
+from duhem.law.shapes import Disk, Interval, Quadrants
 
 __all__ = ["AnyFormula", "QuarterEllipses", "Surface", "free_parameters", "surface"]
 

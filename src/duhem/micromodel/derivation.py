@@ -10,14 +10,14 @@ from dataclasses import replace
 
 import sympy as sp
 
-from duhem.catalogue import load_formula
 from duhem.derivation import Derivation, Equation
-from duhem.derivation.names import Names
+from duhem.derivation.notation import Names
 from duhem.errors import DuhemError
 from duhem.expression import symbol
+from duhem.law.catalogue import load_formula
 from duhem.micromodel.facets import DELTA, F_0, HEIGHT, K_N, MU, SLOPE, U, apparent, averages, height, sliding, spring_force
 from duhem.micromodel.proofs import asymmetry, load, proofs
-from duhem.verdict import Evidence, Verdict
+from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["derive"]
 

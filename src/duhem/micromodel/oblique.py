@@ -15,8 +15,8 @@ from __future__ import annotations
 import sympy as sp
 
 from duhem.expression import symbol
-from duhem.positivity import Question, Sense, decide
-from duhem.verdict import Evidence, Verdict
+from duhem.proof.decide import Question, Sense, decide
+from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["star_shaped"]
 

@@ -1,6 +1,6 @@
 """What the micro-model claims, proved for every slope, local coefficient, spring bed and distribution of heights.
 
-Each answer is an :class:`duhem.verdict.Evidence`: an identity by cancelling, a sign by the deciders of duhem.positivity.
+Each answer is an :class:`duhem.proof.verdict.Evidence`: an identity by cancelling, a sign by the deciders of duhem.proof.decide.
 Source: Antoni et al. (2007), Eqs. (13)-(18) and the remark after (18).
 """
 
@@ -13,8 +13,8 @@ import sympy as sp
 from duhem.expression import symbol
 from duhem.micromodel.facets import DELTA, F_0, HEIGHT, K_N, MU, SLOPE, apparent, averages, sliding
 from duhem.micromodel.oblique import star_shaped
-from duhem.positivity import Question, Sense, decide
-from duhem.verdict import Evidence, Verdict
+from duhem.proof.decide import Question, Sense, decide
+from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["asymmetry", "difference", "heights_cancel", "implication", "independence", "load", "proofs", "reversal"]
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.closed_form import Disk, Interval, Quadrants
 from duhem.errors import DuhemError
+from duhem.law.shapes import Disk, Interval, Quadrants
 from duhem.projection import Status, closed_form, projector, quadrants
+from duhem.projection.coefficients import coefficients, of_pressure
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
-from duhem.projection.shape import coefficients, of_pressure
 
 __all__ = ["Closest", "Numbers", "closest", "numbers"]
 

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from duhem.closed_form import Disk, Interval
 from duhem.errors import InputError
+from duhem.law.shapes import Disk, Interval
 from duhem.path.closest import Numbers, numbers
 from duhem.path.problem import Ledger, Problem
 from duhem.path.straight import Move, on_ellipse, on_interval

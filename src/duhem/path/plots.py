@@ -14,7 +14,7 @@ from duhem.path.history import History
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from duhem.law import Criterion
+    from duhem.law.formula_law import Criterion
 
 __all__ = ["energies", "hysteresis", "save", "stress_path"]
 

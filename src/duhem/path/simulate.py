@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from duhem.catalogue import load_formula
 from duhem.errors import InputError
-from duhem.law import Criterion
+from duhem.law.catalogue import load_formula
+from duhem.law.formula_law import Criterion
 from duhem.path.history import History
 from duhem.path.loading import Path
 from duhem.path.problem import Ledger, Problem

@@ -13,9 +13,9 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
+from duhem.expression.jets import Choices, Formula, formula, program
 from duhem.expression.numpy_ import Program
 from duhem.projection.increment import Increment
-from duhem.projection.jets import Choices, Formula, formula, program
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import ScaledFormula
 

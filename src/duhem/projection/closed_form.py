@@ -1,4 +1,4 @@
-"""Slip increments onto the shape a law declares (:mod:`duhem.closed_form`): exact to rounding, no iteration to tune."""
+"""Slip increments onto the shape a law declares (:mod:`duhem.law.shapes`): exact to rounding, no iteration to tune."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from dataclasses import fields
 import numpy as np
 import sympy as sp
 
-from duhem.closed_form import Interval
 from duhem.errors import InputError
+from duhem.law.shapes import Interval
 from duhem.projection import quadrants
 from duhem.projection.allocation import keep_freed_memory
+from duhem.projection.closed_form_tangent import tangent
+from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
 from duhem.projection.increment import Increment
 from duhem.projection.quadrants import BLOCK, Quarters
 from duhem.projection.result import Array, Solution
-from duhem.projection.shape import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
-from duhem.projection.tangent import tangent
 
 __all__ = ["applies", "solve", "tangent"]
 

@@ -28,11 +28,11 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.cvxpy_ import dcp_fault, expression
+from duhem.expression.jets import program
 from duhem.expression.number import exact_number
 from duhem.projection import conic_solvers
 from duhem.projection.conic_solvers import Rungs
 from duhem.projection.increment import Increment
-from duhem.projection.jets import program
 from duhem.projection.point import shrunk
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Solution

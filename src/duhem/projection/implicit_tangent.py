@@ -16,10 +16,10 @@ from itertools import product
 
 import numpy as np
 
+from duhem.expression.jets import Choices, Formula, formula
 from duhem.projection.body import whitening
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
-from duhem.projection.jets import Choices, Formula, formula
 from duhem.projection.result import Array, Solution
 
 __all__ = ["tangent"]

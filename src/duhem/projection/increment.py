@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 
 __all__ = ["Increment"]

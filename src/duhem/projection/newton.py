@@ -15,13 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.expression.jets import Choices
 from duhem.projection.body import Body, Index, body, crossing, power_of_two, whitening
 from duhem.projection.centre import centres
+from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.increment import Increment
-from duhem.projection.jets import Choices
-from duhem.projection.lineality import lineality
 from duhem.projection.point import shrunk
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import scaled

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.catalogue import load_formula
 from duhem.errors import InputError
-from duhem.law import Criterion
+from duhem.law.catalogue import load_formula
+from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Projection, Residuals, Solution, Status

@@ -15,10 +15,10 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.expression.jets import Choices, Formula, Jet, formula, program
 from duhem.expression.numpy_ import Program
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.increment import Increment
-from duhem.projection.jets import Choices, Formula, Jet, formula, program
 from duhem.projection.metric import factors
 from duhem.projection.result import Array, Residuals, Solution
 

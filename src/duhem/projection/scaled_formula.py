@@ -16,8 +16,8 @@ import numpy as np
 import sympy as sp
 
 from duhem.expression import NODES, Neg, Norm, Pos, Table, fold
+from duhem.expression.jets import program
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.projection.jets import program
 from duhem.projection.result import Array
 
 __all__ = ["Datum", "ScaledFormula", "scaled"]

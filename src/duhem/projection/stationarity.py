@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from duhem.expression.jets import Choices
 from duhem.projection.body import Body, Index
-from duhem.projection.jets import Choices
 from duhem.projection.result import Array
 
 __all__ = ["Stationary", "refine", "stationary"]

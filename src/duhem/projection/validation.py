@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.metric import factors
 from duhem.projection.result import Array

@@ -15,9 +15,9 @@ from hypothesis import Phase, Verbosity, find, settings
 from hypothesis.errors import NoSuchExample
 from numpy.typing import ArrayLike
 
-from duhem.catalogue import load
 from duhem.errors import InputError
-from duhem.law import Criterion
+from duhem.law.catalogue import load
+from duhem.law.formula_law import Criterion
 from duhem.testing import law_checks, routine_checks  # noqa: F401 (they register their checks)
 from duhem.testing.case import Case
 from duhem.testing.question import LeftOut, NoAnswer, Question

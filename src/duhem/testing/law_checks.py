@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from duhem.projection.jets import Choices
+from duhem.expression.jets import Choices
 from duhem.projection.result import Array
 from duhem.testing.question import LeftOut, Question
 from duhem.testing.registry import Finding, register

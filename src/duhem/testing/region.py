@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from duhem.expression import mpmath_
 from duhem.expression.balls import enclose, precision
+from duhem.expression.jets import Choices, Formula, formula
 from duhem.expression.numpy_ import Program, compiled
-from duhem.law import Criterion
-from duhem.projection.jets import Choices, Formula, formula
+from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import scaled
 

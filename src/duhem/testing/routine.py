@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from duhem.law import Criterion
+from duhem.law.formula_law import Criterion
 from duhem.projection import Status, project
 from duhem.projection.result import Array
 

@@ -15,10 +15,10 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
-from duhem.catalogue import load
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
-from duhem.law import Criterion, Domain
+from duhem.law.catalogue import load
+from duhem.law.formula_law import Criterion, Domain
 from duhem.projection.metric import factors
 from duhem.projection.result import Array
 from duhem.testing.case import Case

@@ -1,0 +1,185 @@
+"""The extreme cases: one axis of difficulty each, from harmless to the edge of what doubles hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from duhem.benchmark.contenders import Subject
+from duhem.law.formula_law import Domain
+from duhem.projection.result import Array
+
+__all__ = ["AXES", "Case", "aspect", "cases"]
+
+AXES = {
+    "load": "|sigma_n| (or the trial stress, for a law without pressure), by powers of ten",
+    "stiffness ratio": "largest over smallest stiffness, by powers of ten",
+    "aspect of K": "one axis of K shortened by its parameters, by powers of ten",
+    "trial size": "trial stress over the reach of K, by powers of ten",
+    "seam distance": "component across a coordinate axis over the reach of K, by powers of ten",
+    "boundary distance": "how far outside K the trial stress lies, relative, by powers of ten",
+    "special values": "zeros, denormals, vanishing pressure",
+}
+LOADS = (-290, -250, -200, -150, -100, -60, -30, -15, -8, -4, 0, 4, 8, 15, 30, 60, 100, 150, 200, 250, 290)
+_TINY = 5e-324
+
+
+@dataclass(frozen=True)
+class Case:
+    """Trial stresses (M, d) under one pressure, at one place of one axis."""
+
+    axis: str
+    label: str
+    decade: float
+    subject: Subject
+    trial: Array
+    pressure: float | None
+
+
+def cases(subject: Subject, axes: tuple[str, ...] = tuple(AXES)) -> Iterator[Case]:
+    """Every case of ``axes``, the harmless end first; axes that the law does not have yield nothing."""
+    makers = {
+        "load": _loads,
+        "stiffness ratio": _stiffnesses,
+        "aspect of K": _aspects,
+        "trial size": _sizes,
+        "seam distance": _seams,
+        "boundary distance": _distances,
+        "special values": _specials,
+    }
+    for axis in axes:
+        yield from makers[axis](subject, axis)
+
+
+def _ways(d: int) -> Array:
+    """Two unlike directions, away from the axes."""
+    first = 0.6 + 0.5 * np.arange(d) / max(d, 1)
+    second = -0.9 + 1.3 * np.arange(d) / max(d - 1, 1)
+    return np.array([first * np.where(np.arange(d) % 2, -1.0, 1.0), second])
+
+
+def _reached(subject: Subject, ways: Array, pressure: float | None) -> Array:
+    """The last points of K along the directions, those in which it ends (M, d)."""
+    reach = [subject.radius(way, pressure) for way in ways]
+    return np.array([r * way for r, way in zip(reach, ways, strict=True) if 0.0 < r < 1e305]).reshape(-1, ways.shape[1])
+
+
+def _loads(subject: Subject, axis: str) -> Iterator[Case]:
+    d = len(subject.law.forces)
+    for e in LOADS:
+        if subject.pressure is None:
+            trial = 10.0**e * _ways(d)
+            yield Case(axis, f"1e{e}", e, subject, trial, None)
+        else:
+            pressure = -(10.0**e)
+            edge = _reached(subject, _ways(d), pressure)
+            if len(edge):
+                yield Case(axis, f"1e{e}", e, subject, 3.0 * edge, pressure)
+
+
+def _stiffnesses(subject: Subject, axis: str) -> Iterator[Case]:
+    d = len(subject.law.forces)
+    if d < 2:
+        return
+    edge = _reached(subject, _ways(d), subject.pressure)
+    for e in range(0, 13, 2):
+        k = np.diag(10.0 ** (e * np.arange(d) / (d - 1)))
+        yield Case(axis, f"1e{e}", e, replace(subject, stiffness=k), 3.0 * edge, subject.pressure)
+
+
+def aspect(subject: Subject) -> tuple[str, ...]:
+    """The parameters that scale the reach of K along the last axis alone, found by trying."""
+    d, axes = len(subject.law.forces), np.eye(len(subject.law.forces))
+    if d < 2:
+        return ()
+    before = np.array([[subject.radius(s * a, subject.pressure) for s in (1.0, -1.0)] for a in axes])
+    if not (np.isfinite(before).all() and (before > 0.0).all()):
+        return ()
+    found = []
+    for name in subject.law.parameters:
+        other = _scaled(subject, (name,), Fraction(1, 2))
+        after = np.array([[other.radius(s * a, subject.pressure) for s in (1.0, -1.0)] for a in axes])
+        share = after / before
+        if (
+            np.allclose(share[:-1], 1.0, rtol=1e-9)
+            and (np.isclose(share[-1], 0.5) | np.isclose(share[-1], 1.0)).all()
+            and (share[-1] < 0.9).any()
+        ):
+            found.append(name)
+    return tuple(found)
+
+
+def _scaled(subject: Subject, names: tuple[str, ...], factor: Fraction) -> Subject:
+    """The law with some parameters times ``factor``, at doubles taken exactly."""
+
+    def moved(name: str, domain: Domain) -> Domain:
+        value = domain.value
+        assert value is not None
+        return Domain.fixed(Fraction(float(Fraction(int(value.p), int(value.q)) * factor))) if name in names else domain
+
+    law = replace(subject.law, parameters={name: moved(name, domain) for name, domain in subject.law.parameters.items()})
+    return Subject(law, law, subject.stiffness)
+
+
+def _aspects(subject: Subject, axis: str) -> Iterator[Case]:
+    names = aspect(subject)
+    if not names:
+        return
+    for e in range(0, 9):
+        thin = _scaled(subject, names, Fraction(1, 10**e))
+        edge = _reached(subject, np.eye(len(subject.law.forces)), subject.pressure)
+        size = np.abs(edge).max(axis=0)
+        yield Case(axis, f"1e{e}", e, thin, _ways(len(size)) * size * 3.0, subject.pressure)
+
+
+def _sizes(subject: Subject, axis: str) -> Iterator[Case]:
+    edge = _reached(subject, _ways(len(subject.law.forces)), subject.pressure)
+    for e in range(0, 17, 2):
+        yield Case(axis, f"1e{e}", e, subject, 1.5 * 10.0**e * edge, subject.pressure)
+
+
+def _seams(subject: Subject, axis: str) -> Iterator[Case]:
+    d = len(subject.law.forces)
+    if d < 2:
+        return
+    edge = _reached(subject, np.eye(d)[:1], subject.pressure)
+    if not len(edge):
+        return
+    size = float(edge[0, 0])
+    for label, e, off in [*((f"1e{-j}", -j, size * 10.0**-j) for j in range(0, 21, 2)), ("1e-300", -300, size * 1e-300), ("0", -330, 0.0)]:
+        trial = np.zeros((2, d))
+        trial[:, 0], trial[:, 1] = 2.0 * size, (off, -off)
+        yield Case(axis, label, e, subject, trial, subject.pressure)
+
+
+def _distances(subject: Subject, axis: str) -> Iterator[Case]:
+    edge = _reached(subject, _ways(len(subject.law.forces)), subject.pressure)
+    for j in range(0, 16):
+        yield Case(axis, f"1e{-j}", -j, subject, edge * (1.0 + 10.0**-j), subject.pressure)
+    out = np.where(edge == 0.0, 0.0, np.nextafter(edge, np.copysign(np.inf, edge)))
+    yield Case(axis, "1 ulp", -16, subject, out, subject.pressure)
+    yield Case(axis, "0 by doubles", -17, subject, edge, subject.pressure)
+
+
+def _specials(subject: Subject, axis: str) -> Iterator[Case]:
+    d = len(subject.law.forces)
+    signs = np.where(np.arange(d) % 2, -1.0, 1.0)
+    denormal = np.array([_TINY * signs, -_TINY * signs, 1e-310 * signs])
+    zeros = np.array([np.zeros(d), -np.zeros(d), np.copysign(0.0, signs)])
+    plain = _ways(d)
+    named: list[tuple[str, Array, float | None]] = [("trial +-0", zeros, subject.pressure), ("trial denormal", denormal, subject.pressure)]
+    if subject.pressure is not None:
+        named += [
+            ("sigma_n = 0", plain, 0.0),
+            ("sigma_n = -0", plain, -0.0),
+            ("both 0", zeros, 0.0),
+            ("sigma_n = -5e-324", plain, -_TINY),
+            ("sigma_n = -1e-300", plain, -1e-300),
+            ("all denormal", denormal, -1e-310),
+            ("trial 1e300", 1e300 * plain, -1.0),
+        ]
+    for i, (label, trial, pressure) in enumerate(named):
+        yield Case(axis, label, float(i), subject, trial, pressure)

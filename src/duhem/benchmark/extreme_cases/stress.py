@@ -1,0 +1,166 @@
+"""Every method on every extreme case, judged against many digits."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from duhem.benchmark.contenders import Contender, LeftOut, Subject, contenders, machine
+from duhem.benchmark.extreme_cases.cases import AXES, Case, cases
+from duhem.benchmark.extreme_cases.judge import Judged, judged
+from duhem.benchmark.extreme_cases.refusals import Refusal, refusals
+from duhem.benchmark.reference import Answer, Closest, NoReference
+from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
+from duhem.projection import Status
+
+__all__ = ["Result", "Row", "stress"]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one place of an axis: counts over ``points`` and the fewest accurate digits of stress and slip.
+
+    ``wrong_stress`` and ``wrong_slip`` count answers with fewer than 6 digits that the method did not flag.
+    """
+
+    axis: str
+    label: str
+    decade: float
+    method: str
+    points: int
+    finite: int
+    feasible: int
+    flagged: int
+    stress_digits: float
+    slip_digits: float
+    wrong_stress: int
+    wrong_slip: int
+    failure: str | None = None
+
+
+@dataclass(frozen=True)
+class Result:
+    """Rows in the order taken; ``refusals`` of input that cannot be used; ``reference`` the largest error of the reference."""
+
+    law: str
+    subject: str
+    machine: dict[str, Any]
+    rows: tuple[Row, ...]
+    refusals: tuple[Refusal, ...]
+    reference: float
+    left_out: tuple[LeftOut, ...]
+    interrupted: bool
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """Who was measured, in order."""
+        return tuple(dict.fromkeys(row.method for row in self.rows))
+
+    @property
+    def silently_wrong(self) -> dict[str, tuple[int, int]]:
+        """By method: points whose stress, and whose slip, is wrong without a flag."""
+        return {
+            m: (sum(r.wrong_stress for r in self.rows if r.method == m), sum(r.wrong_slip for r in self.rows if r.method == m))
+            for m in self.methods
+        }
+
+    @property
+    def failed(self) -> bool:
+        """Whether nothing at all gave an answer."""
+        return bool(self.rows) and all(row.finite == 0 for row in self.rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "law": self.law,
+            "subject": self.subject,
+            "machine": self.machine,
+            "interrupted": self.interrupted,
+            "reference": self.reference if math.isfinite(self.reference) else None,
+            "rows": [asdict(row) for row in self.rows],
+            "refusals": [asdict(refusal) for refusal in self.refusals],
+            "silently_wrong": {m: {"stress": a, "slip": b} for m, (a, b) in self.silently_wrong.items()},
+            "left_out": [asdict(part) for part in self.left_out],
+        }
+
+
+def stress(
+    law: Criterion,
+    *,
+    axes: Sequence[str] = tuple(AXES),
+    stiffness: Sequence[float] | None = None,
+    lineup: Sequence[Contender] | None = None,
+    on_row: Callable[[Row], None] | None = None,
+) -> Result:
+    """Every method that applies to ``law``, all parameters fixed, on the cases of ``axes``.
+
+    ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; ``lineup`` replaces the contenders.  KeyboardInterrupt ends it
+    with what is done.  Raises InputError for a parameter without value, a law with a flow of its own, an unknown axis.
+    """
+    if strange := [axis for axis in axes if axis not in AXES]:
+        raise InputError(f"unknown axis {strange[0]!r}", where="axes", remedy=f"choose {', '.join(AXES)}")
+    subject = Subject.of(law, stiffness)
+    found, left_out = contenders(subject.question(np.zeros((1, len(law.forces))), subject.pressure))
+    chosen = list(found if lineup is None else lineup)
+    rows: list[Row] = []
+    refused: list[Refusal] = []
+    worst, interrupted, seen = 0.0, False, set[str]()
+    try:
+        for case in cases(subject, tuple(axes)):
+            seen.add(case.axis)
+            try:
+                closest = case.subject.reference()
+                answers = [closest(x.tolist(), case.pressure) for x in case.trial]
+            except NoReference as fault:
+                left_out.append(LeftOut(f"{case.axis} {case.label}", f"no reference: {fault}"))
+                continue
+            worst = max([worst, *(a.residual for a in answers)])
+            for contender in chosen:
+                row = _row(case, contender, closest, answers)
+                rows.append(row)
+                if on_row is not None:
+                    on_row(row)
+        left_out += [LeftOut(f"axis {axis}", _absent(subject, axis)) for axis in axes if axis not in seen]
+        refused += [refusal for contender in chosen for refusal in refusals(subject, contender)]
+    except KeyboardInterrupt:
+        interrupted = True
+    return Result(law.name, subject.describe(), machine(), tuple(rows), tuple(refused), worst, tuple(left_out), interrupted)
+
+
+def _absent(subject: Subject, axis: str) -> str:
+    if axis == "aspect of K" and len(subject.law.forces) > 1:
+        return "no parameter of the law scales one axis of K alone"
+    return f"a law in {len(subject.law.forces)} force has none"
+
+
+def _row(case: Case, contender: Contender, closest: Closest, answers: Sequence[Answer]) -> Row:
+    where = (case.axis, case.label, case.decade, contender.name, len(case.trial))
+    try:
+        each = list(_judged(case, contender, closest, answers))
+    except Exception as fault:  # an error is a flag: nothing was returned
+        return Row(*where, 0, 0, len(case.trial), 0.0, 0.0, 0, 0, f"{type(fault).__name__}: {fault}")
+    return Row(
+        *where,
+        sum(j.finite for j in each),
+        sum(j.feasible for j in each),
+        sum(j.flagged for j in each),
+        min(j.stress for j in each),
+        min(j.slip for j in each),
+        sum(j.wrong_stress for j in each),
+        sum(j.wrong_slip for j in each),
+    )
+
+
+def _judged(case: Case, contender: Contender, closest: Closest, answers: Sequence[Answer]) -> Iterator[Judged]:
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")  # an overflow on the way is no flag: what comes back is judged
+        done = contender.project(case.subject, case.trial, case.pressure)
+    for i, answer in enumerate(answers):
+        flagged = done.status[i] in (Status.INACCURATE, Status.FAILED)
+        yield judged(closest, case.trial[i].tolist(), case.pressure, answer, done.stress[i], done.slip[i], bool(flagged))

@@ -1,0 +1,92 @@
+"""The scenes of a benchmark in turn; what is done when it is interrupted is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from duhem.benchmark.contenders import Contender, LeftOut, Subject, contenders, machine
+from duhem.benchmark.reference import NoReference
+from duhem.benchmark.work_precision import increments as increment
+from duhem.benchmark.work_precision import paths as path
+from duhem.benchmark.work_precision import throughput
+from duhem.benchmark.work_precision.result import Result, Row
+from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
+
+__all__ = ["SCENES", "bench"]
+
+SCENES = (increment.SCENE, path.SCENE, throughput.SCENE)
+
+
+def bench(
+    law: Criterion,
+    *,
+    scenes: Sequence[str] = SCENES,
+    stiffness: Sequence[float] | None = None,
+    repeats: int = 5,
+    points: int = 1_000_000,
+    steps: Sequence[int] = path.STEPS,
+    lineup: Sequence[Contender] | None = None,
+    on_row: Callable[[Row], None] | None = None,
+) -> Result:
+    """Error against run time of every method that applies to ``law``, all parameters fixed.
+
+    ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; the pressure is -1.  ``scenes``: ``increment`` (each method and
+    conic solver over its tolerances), ``path`` (each integrator over ``steps`` a segment), ``throughput`` (``points``
+    increments at once).  Each measurement runs ``repeats`` times, fewer where it is slow, and says so.  ``lineup`` replaces
+    the contenders.  A method that raises is a row with its failure.  KeyboardInterrupt ends it with what is done.
+    Raises InputError for a parameter without value, a law with a flow of its own, or an unknown scene.
+    """
+    if strange := [scene for scene in scenes if scene not in SCENES]:
+        raise InputError(f"unknown scene {strange[0]!r}", where="scenes", remedy=f"choose {', '.join(SCENES)}")
+    for name, count in (("repeats", repeats), ("points", points)):
+        if count < 1:
+            raise InputError(f"{name} is {count}", where=name, remedy="give a whole number >= 1")
+    subject = Subject.of(law, stiffness)
+    question = subject.question(np.zeros((1, len(law.forces))), subject.pressure)
+    found, left_out = contenders(question, increment.TOLERANCES)
+    chosen = list(found if lineup is None else lineup)
+    rows: list[Row] = []
+    reference: dict[str, float | str] = {}
+
+    def increments() -> Iterator[Row]:
+        work = increment.exercise(subject)
+        reference[increment.SCENE] = work.residual
+        yield from increment.rows(work, chosen, repeats)
+
+    def paths() -> Iterator[Row]:
+        work = path.route(subject)
+        reference[path.SCENE] = work.driven.error
+        yield from path.rows(work, repeats, left_out, tuple(steps))
+
+    def loads() -> Iterator[Row]:
+        load = throughput.Load.of(subject, points)
+        yield from throughput.rows(load, chosen, repeats)
+
+    runs = {increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
+    interrupted = False
+    try:
+        for scene in scenes:
+            try:
+                for row in runs[scene]():
+                    rows.append(row)
+                    if on_row is not None:
+                        on_row(row)
+            except NoReference as fault:
+                reference[scene] = str(fault)
+                left_out.append(LeftOut(f"scene {scene}", f"no reference: {fault}"))
+    except KeyboardInterrupt:
+        interrupted = True
+    return Result(
+        law=law.name,
+        subject=subject.describe(),
+        machine=machine(),
+        repeats=repeats,
+        rows=tuple(rows),
+        targets=throughput.targets(rows, left_out),
+        reference=reference,
+        left_out=tuple(left_out),
+        interrupted=interrupted,
+    )

@@ -1,0 +1,66 @@
+"""What is installed and on what machine it runs, from package metadata alone: nothing is imported."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+
+__all__ = ["CORE", "EXTRAS", "missing", "report"]
+
+# As in pyproject.toml, by the names of the distributions; a test compares the two.
+CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "python-flint", "scipy", "sympy", "z3-solver")
+EXTRAS = {
+    "parquet": ("pyarrow",),
+    "plot": ("matplotlib",),
+    "notebooks": ("ipykernel", "nbclient", "nbformat", "matplotlib"),
+    "fast": ("numba",),
+    "second": ("cvc5",),
+    "test": ("import-linter", "mypy", "pytest", "pytest-xdist", "pyyaml", "ruff"),
+}
+# Distributions that bring the same module under another name.
+_ALSO = {"cvxpy-base": "cvxpy"}
+
+
+def report() -> str:
+    """Core and optional packages with their versions, the remedy for each gap, and facts for a bug report."""
+    from duhem.version import __version__
+
+    lines = [f"duhem {__version__}", "", "core", *_rows(CORE, "duhem")]
+    for extra, packages in EXTRAS.items():
+        lines += ["", f"extra {extra}", *_rows(packages, f"duhem[{extra}]")]
+    return "\n".join([*lines, "", "machine", *_machine()])
+
+
+def missing() -> tuple[str, ...]:
+    """The core packages that are not installed."""
+    return tuple(name for name in CORE if _version(name) is None)
+
+
+def _rows(packages: tuple[str, ...], requirement: str) -> Iterator[str]:
+    for name in packages:
+        yield f"  {name:<16} {_version(name) or 'not installed'}"
+    if any(_version(name) is None for name in packages):
+        yield f'  install with: pip install "{requirement}"'
+
+
+def _version(name: str) -> str | None:
+    for candidate in (name, _ALSO.get(name)):
+        try:
+            return version(candidate) if candidate else None
+        except PackageNotFoundError:
+            continue
+    return None
+
+
+def _machine() -> Iterator[str]:
+    facts = {
+        "python": f"{platform.python_version()} ({platform.python_implementation()}, {platform.architecture()[0]})",
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "processors": f"{len(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else os.cpu_count()} usable",
+        "encoding": f"{sys.stdout.encoding or 'unknown'}, file system {sys.getfilesystemencoding()}",
+    }
+    for name, fact in facts.items():
+        yield f"  {name:<16} {fact}"

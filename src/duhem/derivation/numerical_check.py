@@ -1,0 +1,167 @@
+"""What can be said against a claimed support function, by evaluation at random exact parameters.
+
+Three facts make a support function: its maximiser lies in K, attains the potential, and no point of K exceeds it.
+The first two are evaluated with 40 digits; the third on points of the boundary of K found from g alone, along rays,
+without any use of how K was read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+import sympy as sp
+
+from duhem.law.formula_law import Criterion
+
+if TYPE_CHECKING:
+    from duhem.derivation.support_function import SupportFunction
+
+__all__ = ["compiled", "defects", "gauges_agree", "reach", "sample_values"]
+
+DIGITS = 40
+SMALL = mpmath.mpf(10) ** -25
+
+_WORDS: dict[str, Callable[..., Any]] = {
+    "Pos": lambda x: max(x, 0),
+    "Neg": lambda x: max(-x, 0),
+    "Norm": lambda *x: mpmath.sqrt(mpmath.fsum(v * v for v in x)),
+    "Where": lambda condition, a, b: a if condition else b,
+    "Abs": abs,
+    "Max": max,
+    "Min": min,
+}
+
+
+def compiled(exprs: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> Callable[..., list[Any]]:
+    """The expressions as one function of the symbols' values, in mpmath's working precision."""
+    function = sp.lambdify(list(symbols), list(exprs), modules=[_WORDS, "mpmath"])
+
+    def evaluate(*values: Any) -> list[Any]:
+        return list(function(*(mpmath.mpf(int(v.p)) / int(v.q) if isinstance(v, sp.Rational) else v for v in values)))
+
+    return evaluate
+
+
+def sample_values(law: Criterion, requires: Sequence[sp.Expr], random: Random, count: int) -> Iterator[dict[sp.Symbol, sp.Rational]]:
+    """Rational values of pressure and free parameters inside the domain, the constraints and ``requires``."""
+    symbols = law.symbols()
+    names = [name for name, domain in law.parameters.items() if domain.value is None]
+    found = 0
+    for _ in range(200 * count):
+        values = {symbols[name]: _inside(law.parameters[name], random) for name in names}
+        values |= {symbols[name]: domain.value for name, domain in law.parameters.items() if domain.value is not None}
+        if law.pressure is not None:
+            values[symbols[law.pressure]] = -sp.Rational(random.randint(1, 40), random.randint(1, 12))
+        if all(c.subs(values) == True for c in law.constraints) and all((r > 0).subs(values) == True for r in requires):  # noqa: E712
+            yield values
+            found += 1
+            if found == count:
+                return
+
+
+def _inside(domain: Any, random: Random) -> sp.Rational:
+    share = sp.Rational(random.randint(1, 23), 24)
+    if domain.low is not None and domain.high is not None:
+        return domain.low + share * (domain.high - domain.low)
+    size = sp.Rational(random.randint(1, 30), random.randint(4, 16))
+    if domain.low is not None:
+        return domain.low + size
+    return domain.high - size if domain.high is not None else size * random.choice((-1, 1))
+
+
+def defects(law: Criterion, support: SupportFunction, parameters: int = 3, directions: int = 6) -> tuple[str, ...]:
+    """What was found against ``support``: empty where nothing was; not to be able to evaluate it is a defect too."""
+    try:
+        return tuple(_defects(law, support, parameters, directions))
+    except (ArithmeticError, TypeError, ValueError, mpmath.libmp.NoConvergence) as error:
+        return (f"the claim cannot be evaluated: {error}",)
+
+
+def _defects(law: Criterion, support: SupportFunction, parameters: int, directions: int) -> Iterator[str]:
+    random, forces = Random(2007), law.force_symbols()
+    others = [s for s in law.symbols().values() if s not in forces]
+    g = compiled([law.g], [*forces, *others])
+    claim = compiled([support.potential, *(support.maximiser or ()), *support.centre], [*support.rates, *others])
+    tried = 0
+    with mpmath.workdps(DIGITS):
+        for values in sample_values(law, support.requires, random, parameters):
+            rest = [values[s] for s in others]
+            tried += 1
+            rates = [_direction(support, values, random) for _ in range(directions)]
+            claims = [claim(*d, *rest) for d in rates]
+            n = len(forces)
+            centre = claims[0][-n:]
+            with mpmath.workdps(15):
+                reached = [(ray, reach(_at(g, rest), centre, ray)) for ray in _rays(n, random, 4 * directions)]
+            cloud = [[c + t * r for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
+            scale = max([abs(c[0]) for c in claims] + [mpmath.mpf(10) ** -6])
+            for d, (potential, *found) in zip(rates, claims, strict=True):
+                size = mpmath.sqrt(mpmath.fsum(mpmath.mpf(x.p) ** 2 / mpmath.mpf(x.q) ** 2 for x in d))
+                if support.maximiser is not None:
+                    point = found[:n]
+                    if g(*point, *rest)[0] > SMALL * scale:
+                        yield f"the maximiser lies outside K at {values}, d = {d}"
+                    if abs(_dot(point, d) - potential) > SMALL * scale:
+                        yield f"the maximiser does not attain the potential at {values}, d = {d}"
+                if any(_dot(x, d) > potential + size * SMALL * scale for x in cloud):
+                    yield f"a point of K exceeds the potential at {values}, d = {d}"
+    if not tried:
+        yield "no parameter values satisfy what the potential requires"
+
+
+def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, points: int = 24) -> bool:
+    """Whether two gauges of K agree to 30 digits at random exact points, and agree with g on what lies inside."""
+    random, forces = Random(1970), law.force_symbols()
+    others = [s for s in law.symbols().values() if s not in forces]
+    both = compiled([gauge, support.gauge, law.g], [*forces, *others])
+    with mpmath.workdps(DIGITS):
+        for values in sample_values(law, support.requires, random, 4):
+            for _ in range(points):
+                x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
+                first, second, g = both(*x, *(values[s] for s in others))
+                apart = abs(first - second) > mpmath.mpf(10) ** -30 * (1 + abs(second))
+                if apart or (g > SMALL and first < 1) or (g < -SMALL and first > 1):
+                    return False
+    return True
+
+
+def _dot(x: Sequence[Any], d: Sequence[sp.Rational]) -> Any:
+    return mpmath.fsum(a * mpmath.mpf(int(b.p)) / int(b.q) for a, b in zip(x, d, strict=True))
+
+
+def _direction(support: SupportFunction, values: Mapping[sp.Symbol, sp.Rational], random: Random) -> list[sp.Rational]:
+    """A nonzero rational rate on the domain of the potential."""
+    rows = sp.Matrix([[form.coeff(d) for d in support.rates] for form in support.domain]).subs(values) if support.domain else None
+    basis = rows.nullspace() if rows is not None else [sp.Matrix(column) for column in sp.eye(len(support.rates)).tolist()]
+    while True:
+        weights = [sp.Rational(random.randint(-9, 9), random.randint(1, 7)) for _ in basis]
+        if any(weights):
+            return list(sum((w * b for w, b in zip(weights, basis, strict=True)), sp.zeros(len(support.rates), 1)))
+
+
+def _at(g: Callable[..., list[Any]], rest: Sequence[Any]) -> Callable[[list[Any]], Any]:
+    return lambda x: g(*x, *rest)[0]
+
+
+def _rays(dimension: int, random: Random, count: int) -> list[list[Any]]:
+    return [[mpmath.mpf(random.gauss(0, 1)) for _ in range(dimension)] for _ in range(count)]
+
+
+def reach(g: Callable[[list[Any]], Any], centre: Sequence[Any], ray: Sequence[Any]) -> Any:
+    """The greatest t found with g(centre + t ray) <= 0, by bisection to 12 digits; None if the ray starts outside or never leaves."""
+
+    def inside(t: Any) -> bool:
+        return bool(g([c + t * r for c, r in zip(centre, ray, strict=True)]) <= 0)
+
+    low, high = mpmath.mpf(0), mpmath.mpf(10) ** -4
+    while inside(high):
+        low, high = high, 4 * high
+        if high > 10**8:
+            return None
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if inside(middle) else (low, middle)
+    return low or None

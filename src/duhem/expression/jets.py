@@ -1,0 +1,336 @@
+"""Value, gradient and Hessian of a formula with respect to the forces, on arrays of points.
+
+Forward differentiation over the one formula tree, each node a rule for second-order jets.  Norms, those
+spelt as powers included, are differentiated as norms, relative to their value, so that |s|^100 neither overflows nor
+vanishes on the way.  At a kink (abs, pos, neg, max, min, where) a jet follows one smooth piece: the one that holds at
+the point, or, when ``choices`` are given, the one they name.  So a piece can be followed beyond its own region, which
+is what Newton's method at a corner needs, and one-sided gradients at a seam are gradients of pieces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial, reduce
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.expression.fold import Table, fold
+from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+
+__all__ = ["Choices", "Formula", "Jet", "formula", "program"]
+
+Array = NDArray[np.float64]
+Choices = NDArray[np.int8]
+
+_TINY = 1e-120  # below this share of a norm an argument counts as this share: keeps |x|^(p-2) finite for p < 2
+
+
+@dataclass(frozen=True)
+class Jet:
+    """``value`` (N,), ``gradient`` (N, d) and ``hessian`` (N, d, d); None stands for zero.  ``order`` 1: no hessian is followed."""
+
+    value: Array
+    gradient: Array | None = None
+    hessian: Array | None = None
+    order: int = 2
+
+
+class _Kinks:
+    """The pieces followed during one evaluation: those given, or else those that hold, noted as they are met."""
+
+    def __init__(self, given: Choices | None, size: int, count: int) -> None:
+        self.given = given
+        self.taken = np.zeros((size, count), dtype=np.int8) if given is None else given
+
+    def choose(self, index: int, natural: NDArray[Any]) -> NDArray[Any]:
+        if self.given is None:
+            self.taken[:, index] = natural
+        return self.taken[:, index]
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula as steps over registers: the forces, the other symbols, then one register per node."""
+
+    kinks: int
+    steps: tuple[tuple[Callable[..., Jet], tuple[int, ...]], ...]
+    last: int
+
+    def __call__(self, forces: Array, others: Sequence[Array], choices: Choices | None = None, second: bool = True) -> tuple[Jet, Choices]:
+        """Jet at ``forces`` (N, d) with the ``others`` (N,) fixed, and the piece followed at each kink (N, kinks)."""
+        n, d = forces.shape
+        noted = _Kinks(choices, n, self.kinks)
+        unit = np.eye(d)
+        order = 2 if second else 1
+        registers = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, d)), None, order) for i in range(d)]
+        registers += [Jet(v, order=order) for v in others]
+        with np.errstate(all="ignore"):
+            for step, arguments in self.steps:
+                registers.append(step(noted, *(registers[i] for i in arguments)))
+        last = registers[self.last]
+        value = np.broadcast_to(last.value, (n,))
+        gradient = np.zeros((n, d)) if last.gradient is None else last.gradient
+        hessian = (np.zeros((n, d, d)) if last.hessian is None else last.hessian) if second else None
+        return Jet(value, gradient, hessian), noted.taken
+
+
+def formula(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Formula:
+    """``expr`` compiled once: differentiated in the ``forces``, the ``others`` held fixed."""
+    return _recorded(expr, (*forces, *others))
+
+
+@lru_cache(maxsize=256)
+def program(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> Program:
+    """The value alone, over ``symbols``; compiled once, like :func:`formula`."""
+    return compiled(expr, symbols)
+
+
+@lru_cache(maxsize=256)
+def _recorded(expr: sp.Expr, order: tuple[sp.Symbol, ...]) -> Formula:
+    steps: list[tuple[Callable[..., Jet], tuple[int, ...]]] = []
+    kinks = 0
+
+    def register(step: Callable[..., Jet], arguments: tuple[int, ...]) -> int:
+        steps.append((step, arguments))
+        return len(order) + len(steps) - 1
+
+    def leaf(node: Any) -> int:
+        return order.index(node) if node in order else register(partial(_same, Jet(np.array(_number(node)))), ())
+
+    def recorder(row: Callable[..., Jet]) -> Callable[..., int]:
+        return lambda node, *arguments: register(partial(_smooth, row, node), arguments)
+
+    def brancher(row: Callable[..., Jet]) -> Callable[..., int]:
+        def record(node: Any, *arguments: int) -> int:
+            nonlocal kinks
+            kinks += 1
+            return register(partial(row, node, kinks - 1), arguments)
+
+        return record
+
+    rows = {kind: recorder(row) for kind, row in _SMOOTH.items()} | {kind: brancher(row) for kind, row in _KINKED.items()}
+    last = fold(recognised(expr), rows, leaf)
+    return Formula(kinks, tuple(steps), last)
+
+
+def _same(jet: Jet, _: _Kinks) -> Jet:
+    return jet
+
+
+def _smooth(row: Callable[..., Jet], node: Any, _: _Kinks, *arguments: Jet) -> Jet:
+    return row(node, *arguments)
+
+
+def _number(node: Any) -> float:
+    if node.is_Rational:
+        return int(node.p) / int(node.q)
+    if node.is_number:
+        return float(node)
+    if node in (sp.true, sp.false):
+        return float(node is sp.true)
+    raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+
+
+def _times(factor: Any, array: Array | None) -> Array | None:
+    if array is None:
+        return None
+    f = np.asarray(factor)
+    return f.reshape(f.shape + (1,) * (array.ndim - f.ndim)) * array if f.ndim else f * array
+
+
+def _sum(first: Array | None, second: Array | None) -> Array | None:
+    if first is None or second is None:
+        return second if first is None else first
+    return first + second
+
+
+def _outer(first: Array, second: Array) -> Array:
+    return first[:, :, None] * second[:, None, :]
+
+
+def _chain(x: Jet, value: Any, slope: Any, curvature: Callable[[], Any]) -> Jet:
+    """f(x) from f, f', f''."""
+    if x.gradient is None:
+        return Jet(value)
+    gradient = _times(slope, x.gradient)
+    if x.order == 1:
+        return Jet(value, gradient, None, 1)
+    return Jet(value, gradient, _sum(_times(slope, x.hessian), _times(curvature(), _outer(x.gradient, x.gradient))))
+
+
+def _order(jets: Sequence[Jet]) -> int:
+    """Constants have all derivatives, whatever is followed of the rest."""
+    return min((j.order for j in jets if j.gradient is not None), default=2)
+
+
+def _add(_: Any, *terms: Jet) -> Jet:
+    return reduce(
+        lambda a, b: Jet(a.value + b.value, _sum(a.gradient, b.gradient), _sum(a.hessian, b.hessian), _order((a, b))),
+        terms,
+    )
+
+
+def _product(a: Jet, b: Jet) -> Jet:
+    gradient, order = _sum(_times(a.value, b.gradient), _times(b.value, a.gradient)), _order((a, b))
+    hessian = _sum(_times(a.value, b.hessian), _times(b.value, a.hessian))
+    if order == 2 and a.gradient is not None and b.gradient is not None:
+        cross = _outer(a.gradient, b.gradient)
+        hessian = _sum(hessian, cross + np.swapaxes(cross, 1, 2))
+    return Jet(a.value * b.value, gradient, hessian, order)
+
+
+def _power(node: Any, base: Jet, exponent: Jet) -> Jet:
+    if exponent.gradient is not None:
+        return _exp(node, _product(exponent, _log(node, base)))
+    e, b = exponent.value, base.value
+    if node.exp == 2:
+        return _chain(base, np.square(b), 2.0 * b, lambda: np.full_like(b, 2.0))
+    if base.gradient is None:
+        return Jet(np.power(b, e))
+    slope = e * np.power(b, e - 1) if node.exp != 1 else np.ones_like(b)
+    return _chain(base, np.power(b, e), slope, lambda: e * (e - 1) * np.power(b, e - 2))
+
+
+def _exp(_: Any, x: Jet) -> Jet:
+    value = np.exp(x.value)
+    return _chain(x, value, value, lambda: value)
+
+
+def _log(_: Any, x: Jet) -> Jet:
+    return _chain(x, np.log(x.value), 1 / x.value, lambda: -1 / np.square(x.value))
+
+
+def _sin(_: Any, x: Jet) -> Jet:
+    return _chain(x, np.sin(x.value), np.cos(x.value), lambda: -np.sin(x.value))
+
+
+def _cos(_: Any, x: Jet) -> Jet:
+    return _chain(x, np.cos(x.value), -np.sin(x.value), lambda: -np.cos(x.value))
+
+
+def _tan(_: Any, x: Jet) -> Jet:
+    t = np.tan(x.value)
+    return _chain(x, t, 1 + t * t, lambda: 2 * t * (1 + t * t))
+
+
+def _tanh(_: Any, x: Jet) -> Jet:
+    t = np.tanh(x.value)
+    return _chain(x, t, 1 - t * t, lambda: -2 * t * (1 - t * t))
+
+
+def _atan(_: Any, x: Jet) -> Jet:
+    s = 1 / (1 + np.square(x.value))
+    return _chain(x, np.arctan(x.value), s, lambda: -2 * x.value * s * s)
+
+
+def _norm(_: Any, *args: Jet) -> Jet:
+    return _p_norm(2.0, reduce(np.hypot, [a.value for a in args], np.zeros(())), args)
+
+
+def _pnorm(_: Any, p: Jet, *args: Jet) -> Jet:
+    exponent = float(p.value)
+    sizes = [np.abs(a.value) for a in args]
+    largest = reduce(np.maximum, sizes)
+    unit = np.where((largest > 0.0) & np.isfinite(largest), largest, 1.0)
+    value = unit * np.power(reduce(np.add, [np.power(s / unit, exponent) for s in sizes]), 1.0 / exponent)
+    return _p_norm(exponent, value, args)
+
+
+def _p_norm(p: float, value: Any, args: tuple[Jet, ...]) -> Jet:
+    """(sum |a_i|^p)^(1/p) of value P: slopes (|a_i|/P)^(p-1), second derivatives by pairs, so that they keep their sign."""
+    unit = np.where(value > 0.0, value, 1.0)
+    shares = [np.minimum(np.abs(a.value) / unit, 1.0) for a in args]
+    slopes = [np.sign(a.value) * np.power(s, p - 1) for a, s in zip(args, shares, strict=True)]
+    gradient: Array | None = None
+    hessian: Array | None = None
+    for a, slope in zip(args, slopes, strict=True):
+        gradient = _sum(gradient, _times(slope, a.gradient))
+        hessian = _sum(hessian, _times(slope, a.hessian))
+    if (order := _order(args)) == 1:
+        return Jet(value, gradient, None, 1)
+    signs = [np.where(a.value < 0, -1.0, 1.0) for a in args]
+    for i, j in combinations(range(len(args)), 2):
+        turn = _sum(_times(shares[j] * signs[i], args[i].gradient), _times(-shares[i] * signs[j], args[j].gradient))
+        if turn is None:
+            continue
+        weight = (p - 1) * np.power(np.maximum(shares[i], _TINY), p - 2) * np.power(np.maximum(shares[j], _TINY), p - 2) / unit
+        hessian = _sum(hessian, _times(np.where(value > 0.0, weight, 0.0), _outer(turn, turn)))
+    return Jet(value, gradient, hessian, order)
+
+
+def _abs(_: Any, index: int, kinks: _Kinks, x: Jet) -> Jet:
+    side = kinks.choose(index, np.where(x.value < 0, -1, 1))
+    return _chain_linear(x, side.astype(np.float64))
+
+
+def _ramp(node: Any, index: int, kinks: _Kinks, x: Jet) -> Jet:
+    # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
+    rising = x.value >= 0 if node.slope > 0 else x.value < 0
+    side = kinks.choose(index, rising)
+    return _chain_linear(x, node.slope * side.astype(np.float64))
+
+
+def _chain_linear(x: Jet, slope: Array) -> Jet:
+    return Jet(slope * x.value, _times(slope, x.gradient), _times(slope, x.hessian), x.order)
+
+
+def _extreme(node: Any, index: int, kinks: _Kinks, *args: Jet) -> Jet:
+    sense = 1 if isinstance(node, sp.Max) else -1
+    values = np.broadcast_arrays(*(sense * a.value for a in args), kinks.taken[:, index])[:-1]
+    return _select(kinks.choose(index, np.argmax(np.stack(values), axis=0)), args)
+
+
+def _where(_: Any, index: int, kinks: _Kinks, condition: Jet, then: Jet, otherwise: Jet) -> Jet:
+    holds = np.broadcast_to(condition.value == 1.0, kinks.taken[:, index].shape)
+    return _select(kinks.choose(index, np.where(holds, 0, 1)), (then, otherwise))
+
+
+def _select(which: NDArray[Any], args: tuple[Jet, ...]) -> Jet:
+    """The chosen argument at each point."""
+    value = np.choose(which, [a.value for a in args])
+
+    def chosen(parts: list[Array | None]) -> Array | None:
+        known = [p for p in parts if p is not None]
+        if not known:
+            return None
+        shape = which.shape + (1,) * (known[0].ndim - 1)
+        picked = np.zeros((which.size, *known[0].shape[1:]))
+        for i, part in enumerate(parts):
+            if part is not None:
+                picked = np.where(which.reshape(shape) == i, part, picked)
+        return picked
+
+    return Jet(value, chosen([a.gradient for a in args]), chosen([a.hessian for a in args]), _order(args))
+
+
+def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Jet]:
+    return lambda _, a, b: Jet(np.where(compare(a.value, b.value), 1.0, 0.0))
+
+
+_SMOOTH: Table[Jet] = {
+    sp.Add: _add,
+    sp.Mul: lambda _, *factors: reduce(_product, factors),
+    sp.Pow: _power,
+    sp.exp: _exp,
+    sp.log: _log,
+    sp.sin: _sin,
+    sp.cos: _cos,
+    sp.tan: _tan,
+    sp.tanh: _tanh,
+    sp.atan: _atan,
+    Norm: _norm,
+    PNorm: _pnorm,
+    sp.StrictGreaterThan: _comparison(np.greater),
+    sp.GreaterThan: _comparison(np.greater_equal),
+    sp.StrictLessThan: _comparison(np.less),
+    sp.LessThan: _comparison(np.less_equal),
+}
+_KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}

@@ -1,0 +1,4 @@
+"""What a law is: a frozen value over a formula or a boundary curve, its domains, its file, and the catalogue of all of them.
+
+Nothing is imported here: naming the laws of the catalogue must not cost an import of SymPy.
+"""

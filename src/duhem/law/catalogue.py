@@ -1,0 +1,186 @@
+"""Laws by name: one module of :mod:`duhem.law.builtin` each, what other distributions add, files, and ``module:attribute``.
+
+The names are read from the file system and from entry points; only the law that is asked for is imported.
+Other distributions add laws by the entry point group ``duhem.criteria``.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections.abc import Mapping
+from difflib import get_close_matches
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
+from pkgutil import iter_modules
+from typing import TYPE_CHECKING, Any, overload
+
+from duhem.errors import InputError
+
+if TYPE_CHECKING:
+    from duhem.law.curve_law import Law, ParametricCriterion
+    from duhem.law.formula_law import Criterion
+
+__all__ = ["load", "load_formula", "names", "summary", "template"]
+
+_PACKAGE = "duhem.law.builtin"
+_GROUP = "duhem.criteria"
+
+
+def names() -> tuple[str, ...]:
+    """Every law that can be loaded by name, sorted."""
+    return tuple(sorted({*_built_in(), *_added(), *_registered()}))
+
+
+@overload
+def load(law: Criterion) -> Criterion: ...
+@overload
+def load(law: ParametricCriterion) -> ParametricCriterion: ...
+@overload
+def load(law: str | Path | Law) -> Any: ...  # a name decides between the kinds of law, which no type can say
+
+
+def load(law: str | Path | Law) -> Law:
+    """A law: itself, a name of :func:`names`, the path of a criterion file, or ``module:attribute``.
+
+    InputError for a name that is unknown or a file that cannot be used.
+    """
+    from duhem.law.curve_law import Law
+
+    if isinstance(law, Law):
+        return law
+    if isinstance(law, Path):
+        return _from_file(law)
+    if not isinstance(law, str):
+        raise InputError(f"{type(law).__name__} is no law", remedy="give a name, the path of a criterion file, or a Criterion")
+    name = law.strip().replace("_", "-")
+    if name in _registered():
+        return _registered()[name]
+    if name in (modules := _built_in()):
+        import_module(modules[name])
+        return _registered()[name]
+    if law.endswith(".toml") or _exists(law):
+        return _from_file(law)
+    if name in (points := _added()):
+        return _attribute(points[name].value, name)
+    if ":" in law:
+        return _attribute(law, law)
+    near = get_close_matches(name, names(), n=3, cutoff=0.5)
+    remedy = f"did you mean {' or '.join(near)}?" if near else "duhem list names the laws; files end in .toml"
+    raise InputError(f"unknown law {law[:60]!r}", remedy=remedy)
+
+
+def load_formula(law: str | Path | Law) -> Criterion:
+    """:func:`load` for what needs a formula g; InputError where the law has none."""
+    from duhem.law.formula_law import Criterion
+
+    found = load(law)
+    if isinstance(found, Criterion):
+        return found
+    other = f"such as {found.instead}" if found.instead else "such as antoni2007"
+    raise InputError(f"{found.name} has no formula g, only a boundary curve", remedy=f"take a law that has one, {other}")
+
+
+def summary(name: str) -> str:
+    """One line about a law of :func:`names`, read from its source without running it."""
+    if (law := _registered().get(name)) is not None:
+        return law.summary
+    if name in (modules := _built_in()):
+        spec = find_spec(modules[name])
+        source = spec.loader.get_source(modules[name]) if spec and spec.loader and hasattr(spec.loader, "get_source") else ""
+        return (ast.get_docstring(ast.parse(source or "")) or "").split("\n", 1)[0]
+    point = _added().get(name)
+    return f"from {point.dist.name}" if point and point.dist else ""
+
+
+def template(name: str) -> str:
+    """A criterion file to start from, with every key explained; it loads and verifies as it stands."""
+    if not re.fullmatch(r"[A-Za-z0-9][\w.-]{0,60}", name):
+        raise InputError(f"{name[:60]!r} cannot name a law", remedy="use letters, digits, hyphens and underscores")
+    return _TEMPLATE.replace("NAME", name)
+
+
+def _built_in() -> Mapping[str, str]:
+    spec = find_spec(_PACKAGE)
+    paths = spec.submodule_search_locations if spec else None
+    found = (m.name for m in iter_modules(paths) if not m.name.startswith("_"))
+    return {module.replace("_", "-"): f"{_PACKAGE}.{module}" for module in found}
+
+
+def _added() -> Mapping[str, EntryPoint]:
+    return {point.name.replace("_", "-"): point for point in entry_points(group=_GROUP)}
+
+
+def _registered() -> Mapping[str, Law]:
+    """Laws registered in this process; none if nothing was imported yet."""
+    home = sys.modules.get("duhem.law.formula_law")
+    return home.registered() if home else {}
+
+
+def _exists(path: str) -> bool:
+    try:
+        return Path(path).exists()
+    except (OSError, ValueError):
+        return False
+
+
+def _from_file(path: str | Path) -> Criterion:
+    from duhem.law.criterion_file import read
+
+    return read(path)
+
+
+def _attribute(reference: str, shown: str) -> Law:
+    """The law ``module:attribute``; importing the module runs it, which is what the caller asks for."""
+    from duhem.law.curve_law import Law
+
+    module, _, path = reference.partition(":")
+    if not all(part.isidentifier() for part in (*module.split("."), *path.split("."))):
+        raise InputError(f"{shown[:60]!r} is not of the form module:attribute", remedy="write for example mylaws:ellipse")
+    try:
+        found: Any = import_module(module)
+        for part in path.split("."):
+            found = getattr(found, part)
+    except Exception as fault:  # whatever the module does on import is the caller's, and so is its error
+        reason = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
+        raise InputError(
+            f"{shown[:60]} cannot be imported ({reason})", remedy="check its name and that its folder is on the path"
+        ) from fault
+    if not isinstance(found, Law):
+        raise InputError(f"{shown[:60]} is a {type(found).__name__}, not a Criterion", remedy="decorate the function with @duhem.criterion")
+    return found
+
+
+_TEMPLATE = """\
+# A criterion for duhem.  Verify it with:  duhem verify NAME.toml
+
+[criterion]
+name = "NAME"
+summary = "Orthotropic friction with a shifted centre"  # optional, one line
+source = ""                                             # optional: author (year), equation
+
+# The forces g depends on, and the normal stress, which is <= 0 in compression.  These are the defaults;
+# pressure = false for a law without one.
+forces = ["sigma_a", "sigma_b"]
+pressure = "sigma_n"
+
+# The admissible states are g <= 0.  Decimals are read exactly.  The words are
+#   abs sqrt exp log sin cos tan tanh atan min max pos neg norm where
+# with pos(x) = max(x, 0), neg(x) = max(-x, 0), norm(x, y) = sqrt(x**2 + y**2) and where(x > 0, a, b).
+g = "norm((sigma_a - shift*abs(sigma_n))/mu_a, sigma_b/mu_b) - abs(sigma_n)"
+
+# Relations between parameters, part of their domain (optional).
+constraints = ["shift < mu_a"]
+
+[parameters]                              # verified for every value of these domains
+mu_a = { positive = true }                # every positive real; {} is every real
+mu_b = { value = 0.15 }                   # one value
+shift = { min = 0, max = 0.5 }            # a closed interval; either end may be left out
+
+# The slip direction, one expression per force.  Left out, it is normal to g = 0 (associated law).
+# [flow]
+# direction = ["sigma_a", "sigma_b"]
+"""

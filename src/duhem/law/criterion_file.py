@@ -1,0 +1,320 @@
+"""Criterion files: TOML in, a frozen :class:`duhem.law.formula_law.Criterion` out, every fault with its line and column."""
+
+from __future__ import annotations
+
+import keyword
+import re
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from difflib import get_close_matches
+from os import PathLike
+from typing import Any
+
+import sympy as sp
+from sympy.core.relational import Relational
+
+from duhem.errors import InputError
+from duhem.expression import WORDS, symbol
+from duhem.expression.parse import parse_expression, parse_relation
+from duhem.law.formula_law import FORCES, POSITIVE, PRESSURE, Criterion, Domain
+from duhem.law.parameter_domain import check_domain
+
+__all__ = ["read", "reads"]
+
+MOST_BYTES = 1_000_000
+_CRITERION = ("name", "summary", "source", "forces", "pressure", "g", "constraints")
+_PARAMETER = ("positive", "min", "max", "value")
+
+
+def read(path: str | PathLike[str]) -> Criterion:
+    """The criterion of a TOML file; InputError names file, line and column of whatever is wrong in it."""
+    try:
+        with open(path, "rb") as stream:
+            data = stream.read(MOST_BYTES + 1)
+    except FileNotFoundError:
+        raise InputError("there is no such file", where=f"{path}", remedy="check the path, or make one with: duhem init NAME") from None
+    except IsADirectoryError:
+        raise InputError("this is a directory", where=f"{path}", remedy="name a criterion file in it") from None
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, "strerror", None) or str(fault)
+        raise InputError(f"the file cannot be read: {reason}", where=f"{path}", remedy="check its name and permissions") from None
+    if len(data) > MOST_BYTES:
+        raise InputError(f"the file is larger than {MOST_BYTES} bytes", where=f"{path}", remedy="is it a criterion file?")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as fault:
+        line = data.count(b"\n", 0, fault.start) + 1
+        raise InputError("this is not text in UTF-8", where=f"{path}:{line}", remedy="is it a criterion file?") from None
+    return reads(text, where=f"{path}")
+
+
+def reads(text: str, where: str = "criterion") -> Criterion:
+    """The criterion written in ``text``; ``where`` names it in messages."""
+    return _File(where, text, _toml(text, where)).criterion()
+
+
+def _toml(text: str, where: str) -> dict[str, Any]:
+    if not text.strip():
+        raise InputError("the file is empty", where=where, remedy="start from the template: duhem init NAME")
+    try:
+        return tomllib.loads(text, parse_float=Decimal)
+    except tomllib.TOMLDecodeError as fault:
+        what, _, place = str(fault).partition(" (at ")
+        if numbers := re.fullmatch(r"line (\d+), column (\d+)\)", place):
+            at = f"{where}:{numbers[1]}:{numbers[2]}"
+        else:
+            at = f"{where}:{text.count(chr(10), 0, len(text.rstrip())) + 1}" if place else where
+        raise InputError(what[:1].lower() + what[1:], where=at, remedy="correct the TOML syntax") from None
+    except (RecursionError, ValueError, ArithmeticError):
+        raise InputError("the file nests too deeply or holds a number that is too large", where=where, remedy="simplify it") from None
+
+
+@dataclass(frozen=True)
+class _File:
+    """A parsed document next to its text, from which the places of keys are read."""
+
+    where: str
+    text: str
+    document: Mapping[str, Any]
+
+    def criterion(self) -> Criterion:
+        self.keys("", self.document, ("criterion", "parameters", "flow"))
+        head = self.table("criterion")
+        self.keys("criterion", head, _CRITERION)
+        name = self.line("criterion", "name")
+        forces = self.names()
+        pressure = self.pressure()
+        domains = {p: self.domain(p, entry) for p, entry in self.table("parameters", required=False).items()}
+        self.check_names([*forces, *([pressure] if pressure else [])], domains)
+        parameters = {p: domain.symbol(p) for p, domain in domains.items()}
+        known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {}) | parameters
+        g = self.expression("criterion", "g", known)
+        if not g.free_symbols & {known[f] for f in forces}:
+            raise self.error("g does not depend on any force", "criterion", "g", remedy=f"use at least one of {', '.join(forces)}")
+        constraints = self.constraints(parameters)
+        flow = self.flow(forces, known)
+        try:
+            law = Criterion(
+                name=name,
+                g=g,
+                parameters=domains,
+                forces=tuple(forces),
+                pressure=pressure,
+                constraints=constraints,
+                flow=flow,
+                summary=self.line("criterion", "summary", required=False),
+                source=self.line("criterion", "source", required=False),
+            )
+        except InputError as fault:
+            raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None
+        check_domain(law, where=self.place("criterion", "constraints"))
+        return law
+
+    # -- the parts ---------------------------------------------------------------------------------------------
+
+    def names(self) -> list[str]:
+        given = self.document["criterion"].get("forces", list(FORCES))
+        if not (isinstance(given, list) and given and all(isinstance(f, str) for f in given)):
+            raise self.error("forces is not a list of names", "criterion", "forces", remedy='write forces = ["sigma_a", "sigma_b"]')
+        return given
+
+    def pressure(self) -> str | None:
+        given = self.document["criterion"].get("pressure", PRESSURE)
+        if given is False:
+            return None
+        if not isinstance(given, str):
+            raise self.error(
+                "pressure is not a name", "criterion", "pressure", remedy='write pressure = "sigma_n", or false for a law without'
+            )
+        return given
+
+    def check_names(self, axes: Sequence[str], domains: Mapping[str, Domain]) -> None:
+        for name in [*axes, *domains]:
+            section, key = ("parameters", name) if name in domains else ("criterion", "pressure" if name == axes[-1] else "forces")
+            if not name.isidentifier():
+                raise self.error(f"{name!r} is not a name", section, key, remedy="use letters, digits and underscores")
+            if name in WORDS or name == "pi" or keyword.iskeyword(name):
+                raise self.error(f"the name {name!r} already means something", section, key, remedy="choose another")
+            if [*axes, *domains].count(name) > 1:
+                raise self.error(f"{name!r} is declared twice", section, key, remedy="give each force and parameter a name of its own")
+
+    def domain(self, name: str, entry: Any) -> Domain:
+        if not isinstance(entry, dict):
+            number = isinstance(entry, (int, Decimal)) and not isinstance(entry, bool)
+            remedy = f"write {name} = {{ value = {entry} }}" if number else f"write {name} = {{ positive = true }}"
+            raise self.error(f"the domain of {name} is not a table", "parameters", name, remedy=remedy)
+        self.keys("parameters", entry, _PARAMETER, inside=name)
+        if ("value" in entry and len(entry) > 1) or ("positive" in entry and "min" in entry):
+            mixed = " and ".join(entry)
+            remedy = "use positive = true, or min and max, or value, or {} for every real number"
+            raise self.error(f"the domain of {name} mixes {mixed}", "parameters", name, remedy=remedy)
+        if entry.get("positive", True) is not True:
+            raise self.error(f"positive of {name} is not true", "parameters", name, remedy="leave it out, or write positive = true")
+        try:
+            if "value" in entry:
+                return Domain.fixed(entry["value"])
+            high = Domain.between(None, entry.get("max")).high
+            return Domain(POSITIVE.low, high, positive=True) if "positive" in entry else Domain.between(entry.get("min"), high)
+        except InputError as fault:
+            raise self.error(f"{name}: {fault.what}", "parameters", name, remedy=fault.remedy) from None
+
+    def constraints(self, parameters: Mapping[str, sp.Symbol]) -> tuple[Relational, ...]:
+        given = self.document["criterion"].get("constraints", [])
+        if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
+            raise self.error(
+                "constraints is not a list of comparisons", "criterion", "constraints", remedy='write constraints = ["e < mu_b"]'
+            )
+        placed = self.formulas("criterion", "constraints", given)
+        return tuple(parse_relation(t, parameters, where=self.where, line=line, column=column) for t, line, column in placed)
+
+    def flow(self, forces: Sequence[str], known: Mapping[str, sp.Symbol]) -> tuple[sp.Expr, ...] | None:
+        if "flow" not in self.document:
+            return None
+        self.keys("flow", self.table("flow"), ("direction",))
+        given = self.document["flow"].get("direction")
+        example = ", ".join(f'"{f}"' for f in forces)
+        if given is None:
+            raise self.error("[flow] has no direction", "", "flow", remedy=f"write direction = [{example}]")
+        if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
+            raise self.error("direction is not a list of expressions", "flow", "direction", remedy=f"write direction = [{example}]")
+        if len(given) != len(forces):
+            counts = f"{len(given)} components for {len(forces)} forces"
+            raise self.error(
+                f"the flow direction has {counts}", "flow", "direction", remedy=f"give one expression for each of {', '.join(forces)}"
+            )
+        placed = self.formulas("flow", "direction", given)
+        return tuple(parse_expression(t, known, where=self.where, line=line, column=column) for t, line, column in placed)
+
+    def expression(self, section: str, key: str, known: Mapping[str, sp.Symbol]) -> sp.Expr:
+        given = self.string(section, key)
+        ((text, line, column),) = self.formulas(section, key, [given])
+        return parse_expression(text, known, where=self.where, line=line, column=column)
+
+    # -- tables and values -------------------------------------------------------------------------------------
+
+    def table(self, section: str, *, required: bool = True) -> Mapping[str, Any]:
+        given = self.document.get(section)
+        if given is None and required:
+            raise InputError(f"there is no [{section}]", where=self.where, remedy="start from the template: duhem init NAME")
+        if given is not None and not isinstance(given, dict):
+            raise self.error(f"{section} is not a table", "", section, remedy=f"write [{section}] on a line of its own")
+        return given or {}
+
+    def keys(self, section: str, given: Mapping[str, Any], allowed: Sequence[str], inside: str = "") -> None:
+        for key in given:
+            if key not in allowed:
+                near = get_close_matches(key, allowed, n=1)
+                remedy = f"did you mean {near[0]!r}?" if near else f"known are: {', '.join(allowed)}"
+                what = "section" if not section else "key"
+                raise self.error(
+                    f"unknown {what} {key[:40]!r}" + (f" of {inside}" if inside else ""), section, inside or key, remedy=remedy
+                )
+
+    def string(self, section: str, key: str, *, required: bool = True) -> str:
+        given = self.document[section].get(key, None if required else "")
+        if given is None:
+            raise self.error(f"[{section}] has no {key}", "", section, remedy=f'add {key} = "..."')
+        if not isinstance(given, str) or (required and not given.strip()):
+            raise self.error(f"{key} is not a text" if given != "" else f"{key} is empty", section, key, remedy=f'write {key} = "..."')
+        return given
+
+    def line(self, section: str, key: str, *, required: bool = True) -> str:
+        """A text for people, as one printable line."""
+        given = " ".join(self.string(section, key, required=required).split())
+        if not given.isprintable() or len(given) > 500:
+            raise self.error(f"{key} is not a printable line of at most 500 characters", section, key, remedy="shorten it")
+        return given
+
+    # -- places ------------------------------------------------------------------------------------------------
+
+    def error(self, what: str, section: str, key: str, *, remedy: str) -> InputError:
+        return InputError(what, where=self.place(section, key), remedy=remedy)
+
+    def place(self, section: str, key: str) -> str:
+        """file:line:column of a key, or the file where the key is not found."""
+        at = _find(self.text, section, key)
+        if at is None:
+            return self.where
+        column = at[0] - (self.text.rfind("\n", 0, at[0]) + 1)
+        return f"{self.where}:{self.text.count(chr(10), 0, at[0]) + 1}:{column + 1}"
+
+    def formulas(self, section: str, key: str, given: Sequence[str]) -> Iterator[tuple[str, int, int]]:
+        """Each formula with the line (from 1) and column (from 0) at which it begins.
+
+        The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
+        """
+        at = _find(self.text, section, key)
+        spans = list(_strings(self.text, at[1])) if at is not None else []
+        for i, value in enumerate(given):
+            start, end = spans[i] if len(spans) == len(given) else (self.text.find(value), -1)
+            written = re.sub(r"\\([ \t]*\r?\n)", r" \1", self.text[start:end])
+            start = max(start, 0)
+            line = self.text.count("\n", 0, start) + 1
+            yield (value if end < 0 or "\\" in written else written), line, start - (self.text.rfind("\n", 0, start) + 1)
+
+
+_LITERAL = re.compile(
+    r'"""\n?(?P<a>(?:[^\\]|\\.)*?"{0,2})"""(?!")'  # multi-line basic
+    r"|'''\n?(?P<b>.*?'{0,2})'''(?!')"  # multi-line literal
+    r'|"(?P<c>(?:[^"\\\n]|\\.)*)"'  # basic
+    r"|'(?P<d>[^'\n]*)'",  # literal
+    re.DOTALL,
+)
+_LINE = re.compile(r"[ \t]*(?:\[\s*(?P<section>[^\]\n]*?)\s*\]|(?P<key>[^=\n#\[]+?)[ \t]*=[ \t]*)")
+
+
+def _find(text: str, section: str, key: str) -> tuple[int, int] | None:
+    """Offsets of a key and of its value; a section stands for the key of the document it opens."""
+    here, at = "", 0
+    while at < len(text):
+        match = _LINE.match(text, at)
+        if match and match["section"] is not None:
+            here = match["section"].strip("[] \t\"'")
+            if (not section and here == key) or here == f"{section}.{key}":
+                return match.start(), match.end()
+        elif match and match["key"] is not None:
+            name = match["key"].strip("\"'")
+            if (here == section and (name == key or name.startswith(f"{key}."))) or (not here and name == f"{section}.{key}"):
+                return match.start("key"), match.end()
+        at = _next_line(text, match.end() if match else at)
+    return None
+
+
+def _next_line(text: str, at: int) -> int:
+    """The start of the line after the value at ``at``; strings and comments may hold anything."""
+    depth = 0
+    while at < len(text):
+        if literal := _LITERAL.match(text, at):
+            at = literal.end()
+            continue
+        mark = text[at]
+        if mark == "#":
+            end = text.find("\n", at)
+            at = len(text) if end < 0 else end
+            continue
+        depth += (mark == "[") - (mark == "]")
+        at += 1
+        if mark == "\n" and depth <= 0:
+            return at
+    return at
+
+
+def _strings(text: str, at: int) -> Iterator[tuple[int, int]]:
+    """Start and end of the content of the string, or of each string of the array, that begins at ``at``."""
+    array = text[at : at + 1] == "["
+    at += array
+    while at < len(text):
+        if literal := _LITERAL.match(text, at):
+            yield literal.span(literal.lastgroup or 0)
+            at = literal.end()
+            if not array:
+                return
+        elif text[at] == "#":
+            end = text.find("\n", at)
+            at = len(text) if end < 0 else end
+        elif array and text[at] == "]":
+            return
+        else:
+            at += 1

@@ -1,0 +1,151 @@
+r"""A law whose boundary is a curve: phi -> |sigma_n| T(phi), with the slip direction d(phi) that goes with each point.
+
+Sign convention as everywhere: sigma_n <= 0 in compression.  K(sigma_n) = |sigma_n| K_1, where K_1 holds the points of the
+closed curve T, run counter-clockwise, and the points it winds around.  Such a law has no formula g.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any
+
+import sympy as sp
+from sympy.core.relational import Relational
+
+from duhem.errors import InputError
+from duhem.expression import symbol
+from duhem.expression.parse import parse_expression, parse_relation
+from duhem.law.formula_law import FORCES, POSITIVE, PRESSURE, Criterion, Domain, narrowed, register
+
+__all__ = ["ANGLE", "Law", "ParametricCriterion", "parametric"]
+
+ANGLE = "phi"
+
+
+@dataclass(frozen=True)
+class ParametricCriterion:
+    """K(sigma_n) = |sigma_n| K_1 in two forces, K_1 enclosed by the curve ``boundary`` (angle), angle in [0, 2 pi).
+
+    ``boundary``, ``flow`` and ``constraints`` are text in the vocabulary or SymPy expressions over :meth:`symbols`;
+    boundary and flow may use the angle through its cosine and sine only, which closes the curve.  ``flow`` is the slip
+    direction that goes with the point at the same angle; None means associated (normality rule).  ``instead`` names a
+    law to take where a formula is needed, ``derivation`` (``module:attribute``) what derives the curve.
+    """
+
+    name: str
+    boundary: tuple[sp.Expr, sp.Expr]
+    parameters: Mapping[str, Domain] = field(default_factory=dict)
+    forces: tuple[str, ...] = FORCES
+    pressure: str = PRESSURE
+    angle: str = ANGLE
+    constraints: tuple[Relational, ...] = ()
+    flow: tuple[sp.Expr, sp.Expr] | None = None
+    summary: str = ""
+    source: str = ""
+    instead: str = ""
+    derivation: str = ""
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "forces", tuple(self.forces))
+        put(self, "parameters", MappingProxyType(dict(self.parameters)))
+        names = [*self.forces, self.pressure, self.angle, *self.parameters]
+        if len(self.forces) != 2 or len(set(names)) < len(names) or not all(n.isidentifier() for n in names):
+            raise InputError(
+                "a boundary curve takes two forces and different names throughout", where=self.name, remedy="correct its names"
+            )
+        known = self.symbols()
+        put(self, "boundary", tuple(self._in_angle(x, known, "boundary") for x in self.boundary))
+        put(
+            self, "constraints", tuple(c if not isinstance(c, str) else parse_relation(c, known, where=self.name) for c in self.constraints)
+        )
+        if self.flow is not None:
+            put(self, "flow", tuple(self._in_angle(x, known, "flow") for x in self.flow))
+        if any(len(pair) != 2 for pair in (self.boundary, self.flow or (0, 0))):
+            raise InputError("boundary and flow have two components each", where=self.name, remedy="give one expression per force")
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.boundary, self.forces, self.pressure, tuple(self.parameters.items()), self.constraints, self.flow))
+
+    def _in_angle(self, given: Any, known: Mapping[str, sp.Symbol], what: str) -> sp.Expr:
+        expr = parse_expression(given, known, where=f"{what} of {self.name}") if isinstance(given, str) else sp.sympify(given, strict=True)
+        inside = {known[self.angle], *(known[name] for name in self.parameters)}
+        if stray := expr.free_symbols - inside:
+            raise InputError(f"{what} uses {sorted(map(str, stray))}", where=self.name, remedy="use the angle and the parameters only")
+        turn = known[self.angle]
+        if expr.xreplace({sp.cos(turn): sp.S.One, sp.sin(turn): sp.S.One}).has(turn):
+            raise InputError(
+                f"{what} uses {turn} otherwise than as cos({turn}) and sin({turn})", where=self.name, remedy="expand multiples of the angle"
+            )
+        return expr
+
+    def symbols(self) -> dict[str, sp.Symbol]:
+        """Every declared name with its symbol: forces, pressure, angle, parameters, in this order."""
+        table = {name: symbol(name) for name in self.forces} | {self.pressure: symbol(self.pressure, nonpositive=True)}
+        return table | {self.angle: symbol(self.angle)} | {name: domain.symbol(name) for name, domain in self.parameters.items()}
+
+    def force_symbols(self) -> tuple[sp.Symbol, ...]:
+        """The symbols of the forces, in order."""
+        return tuple(symbol(name) for name in self.forces)
+
+    def derive(self) -> Any:
+        """What ``derivation`` names, called: the derivation of the curve, where the law states one."""
+        module, _, attribute = self.derivation.partition(":")
+        return getattr(import_module(module), attribute)()
+
+    def fix(self, values: Mapping[str, Any] | None) -> ParametricCriterion:
+        """The same law with some parameters fixed; a value outside its domain is an InputError."""
+        domains = narrowed(self.name, self.parameters, values or {})
+        old = self.symbols()
+        swap = {old[name]: domain.symbol(name) for name, domain in domains.items()}
+        return replace(
+            self,
+            boundary=tuple(x.xreplace(swap) for x in self.boundary),
+            parameters=domains,
+            constraints=tuple(c for c in (c.xreplace(swap) for c in self.constraints) if c != sp.true),
+            flow=None if self.flow is None else tuple(x.xreplace(swap) for x in self.flow),
+        )
+
+
+Law = Criterion | ParametricCriterion
+
+
+def parametric(
+    *,
+    name: str | None = None,
+    parameters: Mapping[str, Domain] | None = None,
+    constraints: Sequence[str] = (),
+    flow: Sequence[Any] | None = None,
+    source: str = "",
+    instead: str = "",
+    derivation: str = "",
+) -> Callable[[Callable[..., Any]], ParametricCriterion]:
+    """Turn a function of ``phi`` and the parameters, which returns both components, into a registered law.
+
+    As :func:`duhem.law.formula_law.criterion`: the docstring's first line is the summary, the name the function's, and
+    parameters that are not declared are positive.
+    """
+
+    def build(f: Callable[..., Any]) -> ParametricCriterion:
+        arguments = list(inspect.signature(f).parameters)
+        domains = {a: (parameters or {}).get(a, POSITIVE) for a in arguments if a != ANGLE}
+        known = {ANGLE: symbol(ANGLE)} | {n: d.symbol(n) for n, d in domains.items()}
+        law = ParametricCriterion(
+            name=name or f.__name__.replace("_", "-"),
+            boundary=f(*(known[a] for a in arguments)),
+            parameters=domains,
+            constraints=tuple(constraints),  # text is read on construction
+            flow=None if flow is None else (flow[0], flow[1]),
+            summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
+            source=source,
+            instead=instead,
+            derivation=derivation,
+        )
+        register(law.name, law)
+        return law
+
+    return build

@@ -1,0 +1,280 @@
+"""Scenes from TOML: a law, its numbers, a loading path, a method and what to write; every mistake is listed with its place.
+
+law = "antoni2007"                  # a built-in name, or the path of a criterion file beside the scene
+stiffness = [1e9, 2e9]              # Pa/m: a number, one a force, or a symmetric matrix
+
+[parameters]
+mu_a_plus = 0.2
+
+[path]                              # kind: linear, cycle, circle, random or table
+kind = "linear"
+points = [[0, 0], [1e-3, 5e-4]]     # m
+pressure = -1e6                     # Pa, <= 0 in compression; one number, or one a point
+
+[method]                            # optional
+integrator = "exact"                # implicit (the default), extrapolated or exact
+substeps = 10
+
+[output]                            # optional; the command line's --out and --plot come first
+table = "history.csv"
+plot = "history.png"
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path as File
+from typing import Any
+
+import numpy as np
+
+from duhem.errors import InputError
+from duhem.law.catalogue import load_formula
+from duhem.law.formula_law import Criterion
+from duhem.path.loading import CONTROLS, Path
+from duhem.path.scene import Scene
+from duhem.path.simulate import METHODS, plan
+
+__all__ = ["SceneFaults", "read", "reads"]
+
+_SECTIONS = {
+    "": ("law", "stiffness", "stress", "parameters", "path", "method", "output"),
+    "method": ("integrator", "projection", "substeps"),
+    "output": ("table", "plot"),
+}
+_KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # what each kind of path needs, and what it may have
+    "linear": (("points",), ("time", "control")),
+    "cycle": (("amplitude",), ("cycles", "mean", "control")),
+    "circle": (("radius",), ("points", "turns", "start", "centre", "chords")),
+    "random": (("seed", "points"), ("scale",)),
+    "table": (("file",), ("columns", "time", "control")),
+}
+_PROJECTIONS = ("auto", "closed-form", "newton", "cvxpy")
+MOST_BYTES = 10_000_000
+
+
+class SceneFaults(InputError):
+    """Everything that is wrong in a scene: ``faults``, each with its place and remedy."""
+
+    def __init__(self, faults: Sequence[InputError]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("; ".join(map(str, self.faults)))
+
+
+def read(file: str | os.PathLike[str]) -> Scene:
+    """The scene of a TOML file; SceneFaults (an InputError) lists everything wrong in it, each with file, line and column."""
+    try:
+        with open(file, "rb") as stream:
+            text = stream.read(MOST_BYTES + 1)
+        if len(text) > MOST_BYTES:
+            raise InputError(f"the file is larger than {MOST_BYTES} bytes", where=f"{file}", remedy="put the points into a table")
+        return reads(text.decode("utf-8-sig"), where=f"{file}", folder=File(file).parent)
+    except UnicodeDecodeError:
+        raise InputError("this is not text in UTF-8", where=f"{file}", remedy="is it a scene?") from None
+    except OSError as fault:
+        raise InputError(f"the file cannot be read: {fault.strerror}", where=f"{file}", remedy="check its name and permissions") from None
+
+
+def reads(text: str, where: str = "scene", folder: str | os.PathLike[str] = ".") -> Scene:
+    """The scene written in ``text``; files it names are looked for in ``folder``."""
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as fault:
+        what, _, place = str(fault).partition(" (at ")
+        numbers = re.fullmatch(r"line (\d+), column (\d+)\)", place)
+        at = f"{where}:{numbers[1]}:{numbers[2]}" if numbers else where
+        raise SceneFaults([InputError(what[:1].lower() + what[1:], where=at, remedy="correct the TOML syntax")]) from None
+    except (RecursionError, ValueError):
+        raise SceneFaults([InputError("the file nests too deeply or holds a number that is too large", where=where)]) from None
+    return _Reader(where, text, document, File(folder)).scene()
+
+
+class _Reader:
+    """A parsed document beside its text; gathers faults instead of stopping at the first."""
+
+    def __init__(self, where: str, text: str, document: Mapping[str, Any], folder: File) -> None:
+        self.where, self.lines, self.document, self.folder = where, text.splitlines(), document, folder
+        self.faults: list[InputError] = []
+
+    def scene(self) -> Scene:
+        self.known("", self.document, _SECTIONS[""])
+        law = self.law()
+        parameters = self.parameters(law)
+        path = self.path(law)
+        method = self.section("method")
+        self.known("method", method, _SECTIONS["method"])
+        integrator = self.choice("method", method, "integrator", METHODS, "implicit")
+        projection = self.choice("method", method, "projection", _PROJECTIONS, "auto")
+        substeps = method.get("substeps", 1)
+        if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
+            self.fault(f"substeps = {substeps!r}", "method", "substeps", "give a whole number from 1 on")
+            substeps = 1
+        output = self.section("output")
+        self.known("output", output, _SECTIONS["output"])
+        table, plot = (self.file(output, key) for key in ("table", "plot"))
+        if table is not None and not table.endswith((".csv", ".parquet")):
+            self.fault(f"table {table!r} is neither .csv nor .parquet", "output", "table", 'write for example table = "history.csv"')
+        if "stiffness" not in self.document:
+            self.fault("there is no stiffness", "", "stiffness", "write for example stiffness = 1e9, in Pa/m, above the first [section]")
+        stress = self.document.get("stress")
+        if law is not None and path is not None and parameters is not None and "stiffness" in self.document:
+            self.fits(law, path, parameters, integrator, substeps)
+        if self.faults or law is None or path is None:
+            raise SceneFaults(self.faults)
+        return Scene(
+            law=law,
+            path=path,
+            stiffness=self.document["stiffness"],
+            parameters=parameters or {},
+            method=integrator,
+            projection=projection,
+            substeps=substeps,
+            stress=None if stress is None else tuple(np.atleast_1d(stress).tolist()),
+            table=table,
+            plot=plot,
+        )
+
+    def fits(self, law: Criterion, path: Path, parameters: Mapping[str, Any], method: str, substeps: int) -> None:
+        """Whether law, numbers and path fit each other, by the check that the run itself makes."""
+        try:
+            plan(law, path, stiffness=self.document["stiffness"], parameters=parameters, method=method, substeps=substeps)
+        except InputError as fault:
+            key = next((k for k in ("stiffness", "pressure", "parameters", "path") if k in f"{fault.where} {fault.what}"), "path")
+            section = "path" if key == "pressure" else ""
+            self.faults.append(InputError(fault.what, where=self.place(section, key), remedy=fault.remedy))
+
+    def law(self) -> Criterion | None:
+        given = self.document.get("law")
+        if not isinstance(given, str):
+            what = "there is no law" if given is None else "law is not a text"
+            self.fault(what, "", "law", 'write law = "antoni2007" above the first [section]; duhem list names the laws')
+            return None
+        beside = self.folder / given
+        try:
+            return load_formula(beside if given.endswith(".toml") else given)
+        except InputError as fault:
+            place = fault.where if fault.where.startswith(str(beside)) else self.place("", "law")
+            self.faults.append(InputError(fault.what, where=place, remedy=fault.remedy))
+            return None
+
+    def parameters(self, law: Criterion | None) -> Mapping[str, Any] | None:
+        given = self.section("parameters")
+        if law is None:
+            return None
+        before = len(self.faults)
+        for name, value in given.items():
+            if name not in law.parameters:
+                self.unknown("parameter", name, tuple(law.parameters), "parameters")
+                continue
+            try:
+                law.fix({name: value})
+            except InputError as fault:
+                self.fault(f"{name}: {fault.what}", "parameters", name, fault.remedy)
+        for name, domain in law.parameters.items():
+            if name not in given and domain.value is None:
+                needs = f"{law.name} needs a value for {name}, {domain.describe()}"
+                self.fault(needs, "", "parameters", f"write {name} = ... in [parameters]")
+        return given if len(self.faults) == before else None
+
+    def path(self, law: Criterion | None) -> Path | None:
+        given = dict(self.section("path"))
+        if "path" not in self.document:
+            self.fault("there is no [path]", "", "path", f"add [path] with kind = {' or '.join(_KINDS)}")
+            return None
+        before = len(self.faults)
+        kind = self.choice("path", given, "kind", tuple(_KINDS), None)
+        if kind is None:
+            return None
+        needed, optional = _KINDS[kind]
+        self.known("path", given, ("kind", *needed, *optional, "pressure"))
+        for key in needed:
+            if key not in given:
+                self.fault(f"a {kind} path needs {key}", "", "path", f"write {key} = ... in [path]")
+        if "control" in given:
+            self.choice("path", given, "control", CONTROLS, "displacement")
+        if "pressure" not in given and kind != "table" and law is not None and law.pressure is not None:
+            self.fault(f"{law.name} needs the pressure {law.pressure}", "", "path", "write pressure = -1e6 in [path], in Pa")
+        if len(self.faults) > before:
+            return None
+        del given["kind"]
+        try:
+            return self.built(kind, given, 2 if law is None else len(law.forces))
+        except InputError as fault:
+            at = next((key for key in given if re.search(rf"\b{key}\b", fault.what)), "kind")
+            self.fault(fault.what, "path", at, fault.remedy)
+        except TypeError:
+            self.fault(f"a value of a {kind} path has the wrong type", "path", "kind", "give numbers or lists of them, and names in quotes")
+        return None
+
+    def built(self, kind: str, given: dict[str, Any], dimension: int) -> Path:
+        match kind:
+            case "linear":
+                return Path.linear(given.pop("points"), **given)
+            case "cycle":
+                return Path.cycle(given.pop("amplitude"), **given)
+            case "circle":
+                return Path.circle(given.pop("radius"), **given)
+            case "random":
+                return Path.random(dimension=dimension, **given)
+        return Path.from_csv(self.folder / given.pop("file"), **given)
+
+    # -- values and places -------------------------------------------------------------------------------------
+
+    def section(self, name: str) -> Mapping[str, Any]:
+        given = self.document.get(name, {})
+        if not isinstance(given, dict):
+            self.fault(f"{name} is not a table", "", name, f"write [{name}] on a line of its own")
+            return {}
+        return given
+
+    def file(self, output: Mapping[str, Any], key: str) -> str | None:
+        given = output.get(key)
+        if given is None:
+            return None
+        if not isinstance(given, str) or not given:
+            self.fault(f"{key} is not a file name", "output", key, f'write for example {key} = "history.csv"')
+            return None
+        return str(self.folder / given)
+
+    def choice(self, section: str, given: Mapping[str, Any], key: str, allowed: Sequence[str], default: Any) -> Any:
+        value = given.get(key, default)
+        if value in allowed:
+            return value
+        if value is None:
+            self.fault(f"[{section}] has no {key}", "", section, f"choose {', '.join(allowed)}")
+        else:
+            near = get_close_matches(str(value), allowed, n=1)
+            remedy = f"did you mean {near[0]!r}?" if near else f"choose {', '.join(allowed)}"
+            self.fault(f"unknown {key} {str(value)[:40]!r}", section, key, remedy)
+        return default
+
+    def known(self, section: str, given: Mapping[str, Any], allowed: Sequence[str]) -> None:
+        for key in given:
+            if key not in allowed:
+                self.unknown("key", key, allowed, section)
+
+    def unknown(self, what: str, name: str, allowed: Sequence[str], section: str) -> None:
+        near = get_close_matches(name, allowed, n=1)
+        remedy = f"did you mean {near[0]!r}?" if near else f"known are: {', '.join(allowed) or 'none'}"
+        self.fault(f"unknown {what} {name[:40]!r}", section, name, remedy)
+
+    def fault(self, what: str, section: str, key: str, remedy: str) -> None:
+        self.faults.append(InputError(what, where=self.place(section, key), remedy=remedy))
+
+    def place(self, section: str, key: str) -> str:
+        """file:line:column of a key (or of the section it names), or the file where it is not written."""
+        here = ""
+        for number, line in enumerate(self.lines, 1):
+            if header := re.match(r"\s*\[\s*([^\[\]]+?)\s*\]\s*(#.*)?$", line):
+                here = header[1].strip("\"'")
+                if not section and here == key:
+                    return f"{self.where}:{number}:{line.index('[') + 1}"
+            elif entry := re.match(r"\s*([\"']?)([^=\"'#\[\]]+?)\1\s*=", line):
+                name = entry[2].strip()
+                if (here == section and name == key) or (not here and section and name == f"{section}.{key}"):
+                    return f"{self.where}:{number}:{entry.start(2) + 1}"
+        return self.where

@@ -1,0 +1,52 @@
+"""A scene's run with what it writes; an interrupted run keeps what is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from pathlib import Path as File
+
+from duhem.errors import InputError, MissingExtraError
+from duhem.path.history import History
+from duhem.path.scene import Scene
+from duhem.path.simulate import Interrupted
+
+__all__ = ["Stopped", "check_outputs", "perform"]
+
+
+class Stopped(KeyboardInterrupt):
+    """A run that was interrupted; its text says what is kept and how to go on."""
+
+
+def check_outputs(table: str | None, plot: str | None, resume: bool) -> None:
+    """Whether the files can be written in these formats with what is installed, before a long run and not after it."""
+    if table is not None and not table.endswith((".csv", ".parquet")):
+        raise InputError("the table is neither .csv nor .parquet", where=table, remedy="end its name in .csv or .parquet")
+    if table is None and resume:
+        raise InputError("there is no table to go on with", where="--resume", remedy="name it with --out or in [output]")
+    parquet = table if table is not None and table.endswith(".parquet") else None
+    for file, module, extra in ((parquet, "pyarrow", "parquet"), (plot, "matplotlib", "plot")):
+        if file is not None and find_spec(module) is None:
+            raise MissingExtraError(module, extra)
+        if file is not None and not File(file).absolute().parent.is_dir():
+            raise InputError("there is no such directory", where=file, remedy="make it first")
+
+
+def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[int, int], None] | None = None) -> History:
+    """Run the scene and write ``table``; Stopped with the part kept beside it if interrupted, from which ``resume`` goes on."""
+    from duhem.path import partial
+
+    start = partial.recall(table, scene.problem(), scene.fingerprint) if table is not None and resume else None
+    try:
+        history = scene.run(start, on_step)
+    except Interrupted as stop:
+        steps = (len(scene.path.time) - 1) * scene.substeps
+        done = f"interrupted after {len(stop.history) - 1} of {steps} steps"
+        if table is None:
+            raise Stopped(f"{done}; name a table with --out to keep what is done") from None
+        kept = partial.keep(stop.history, table, scene.fingerprint)
+        raise Stopped(f"{done}, kept in {kept}; go on with --resume") from None
+    if table is not None:
+        (history.to_parquet if table.endswith(".parquet") else history.to_csv)(table)
+        partial.beside(table).unlink(missing_ok=True)
+    return history

@@ -1,0 +1,106 @@
+"""The report of one slip increment, as text and as a JSON object."""
+
+from __future__ import annotations
+
+import json as js
+from collections.abc import Iterator, Sequence
+from dataclasses import fields
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any
+
+from duhem.version import __version__
+
+if TYPE_CHECKING:
+    from duhem.law.formula_law import Criterion
+    from duhem.projection import Projection
+
+__all__ = ["json", "text"]
+
+WIDTH = 96
+_FIELD = len("dissipation")
+
+
+def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection) -> str:
+    """Stress and slip by force, multiplier and dissipation, then the residuals."""
+    lines = [f"{law.name}: {law.summary}" if law.summary else law.name]
+    if law.parameters:
+        lines += _field("parameters", ", ".join(f"{name} {domain.describe()}" for name, domain in law.parameters.items()))
+    if law.pressure is not None and pressure is not None:
+        lines += _field(law.pressure, _number(pressure))
+    lines += _field("method", f"{done.method} ({done.why})")
+    lines += _field("status", _status(done))
+    lines += ["", *_table([("force", "trial", "stress", "slip"), *_rows(law, trial, done)]), ""]
+    lines += _field("multiplier", _number(done.multiplier[0]))
+    lines += _field("dissipation", _number(done.dissipation[0]))
+    if done.tangent is not None:
+        lines += ["", "Tangent d stress/d displacement" + ("" if done.tangent_pressure is None else f", d stress/d {law.pressure}")]
+        lines += _table([(force, *map(_number, row)) for force, row in zip(law.forces, _slopes(done), strict=True)])
+    lines += ["", "Optimality, relative to the increment"]
+    lines += [f"  {name.replace('_', ' '):<16} {value:.1e}" for name, value in _residuals(done).items()]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection) -> str:
+    """The same as one object; a number that is not finite is null."""
+    report: dict[str, Any] = {
+        "duhem": __version__,
+        "criterion": law.name,
+        "parameters": {name: domain.describe() for name, domain in law.parameters.items()},
+        "forces": list(law.forces),
+        "trial": list(trial),
+        "pressure": pressure,
+        "method": done.method,
+        "why": done.why,
+        "status": _status(done),
+        "stress": [_finite(x) for x in done.stress[0]],
+        "slip": [_finite(x) for x in done.slip[0]],
+        "multiplier": _finite(done.multiplier[0]),
+        "dissipation": _finite(done.dissipation[0]),
+        "residuals": {name: _finite(value) for name, value in _residuals(done).items()},
+    }
+    if done.tangent is not None:
+        report["tangent"] = [[_finite(x) for x in row] for row in done.tangent[0]]
+        if done.tangent_pressure is not None:
+            report["tangent_pressure"] = [_finite(x) for x in done.tangent_pressure[0]]
+    return js.dumps(report, indent=2, ensure_ascii=False)
+
+
+def _rows(law: Criterion, trial: Sequence[float], done: Projection) -> Iterator[tuple[str, ...]]:
+    for i, force in enumerate(law.forces):
+        yield force, *(_number(x) for x in (trial[i], done.stress[0, i], done.slip[0, i]))
+
+
+def _slopes(done: Projection) -> list[list[float]]:
+    assert done.tangent is not None
+    rows = done.tangent[0].tolist()
+    if done.tangent_pressure is None:
+        return list(rows)
+    return [[*row, x] for row, x in zip(rows, done.tangent_pressure[0].tolist(), strict=True)]
+
+
+def _residuals(done: Projection) -> dict[str, float]:
+    return {entry.name: float(getattr(done.residuals, entry.name)[0]) for entry in fields(done.residuals)}
+
+
+def _status(done: Projection) -> str:
+    from duhem.projection import Status
+
+    return Status(int(done.status[0])).name.lower()
+
+
+def _number(x: float) -> str:
+    return f"{float(x):.15g}"
+
+
+def _finite(x: float) -> float | None:
+    number = float(x)
+    return number if abs(number) < float("inf") else None
+
+
+def _field(title: str, value: str) -> list[str]:
+    return wrap(value, WIDTH, initial_indent=f"  {title:<{_FIELD}}  ", subsequent_indent=" " * (_FIELD + 4), break_long_words=False)
+
+
+def _table(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  " + "  ".join([row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))]) for row in rows]

@@ -1,0 +1,36 @@
+"""Flow in the normal cone."""
+
+from collections.abc import Mapping
+
+from duhem.proof.claims.claim import Claim
+from duhem.proof.facts.case import Case
+from duhem.proof.methods import curve, curve_deviation, curve_refutation, flow, sampling
+from duhem.proof.verdict import Evidence, Verdict
+
+
+def by_convexity(case: Case, settled: Mapping[str, Evidence]) -> Evidence | None:
+    """Associated flow: normal exactly when K is convex; a flow of the law's own on a convex K is compared with grad g."""
+    convexity = settled["convexity"]
+    if case.problem.flow is None and convexity.verdict is Verdict.PROVED:
+        return Evidence(Verdict.PROVED, "normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex")
+    if case.problem.flow is None and convexity.witness is not None:
+        return flow.normality_refuted_by_chord(case, convexity.witness)
+    return flow.normality(case) if convexity.verdict is Verdict.PROVED else None
+
+
+CLAIM = Claim(
+    name="normality",
+    statement="the flow direction lies in the normal cone of K at every boundary point",
+    theory="""\
+Normality rule (Moreau 1970; Antoni et al. 2007, Eqs. 28, 36): u_in' in dI_K(sigma), the normal cone of K at sigma in the
+tangential plane at frozen sigma_n.  d is in the normal cone at sigma exactly when d . (tau - sigma) <= 0 for all tau in K.
+An associated law obeys it by definition when K is convex; when K is not, grad g fails it where a chord leaves K.
+A law with a flow of its own obeys it when that flow is a non-negative multiple of grad g on the boundary.
+Refuted by a boundary point, held between two rational ones, and a point tau of K towards which the flow points.
+For a boundary curve the deviation between flow and normal is greatest at an angle found by branch and bound in balls; two
+boundary points at exact angles show the violation.""",
+    engines=(flow.normality_refuted, sampling.sampled),
+    curve_engines=(curve.normality, curve_deviation.normality, curve_refutation.normality_of_a_dent),
+    needs=("convexity",),
+    consequence=by_convexity,
+)

@@ -1,0 +1,96 @@
+"""Polynomials in two variables with integer coefficients (FLINT), and what projects them onto the first."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import Any
+
+import flint
+import sympy as sp
+
+from duhem.proof.decide.roots import square_free
+
+__all__ = ["DegenerateError", "Integral", "OpenError", "Poly", "at_rational", "projection", "true"]
+
+_MOST_DEGREE = 400  # of a projection: beyond, it costs more than the other deciders
+
+Poly = Any  # flint.fmpz_mpoly in (x, y)
+
+
+class DegenerateError(Exception):
+    """The projection along y says nothing here: shear the plane."""
+
+
+class OpenError(Exception):
+    """A sign stayed open, or the means ran out."""
+
+
+class Integral:
+    """SymPy polynomials in x, y as integer polynomials in (x - shear * y, y), up to a positive factor."""
+
+    def __init__(self, x: sp.Symbol, y: sp.Symbol, shear: int = 0) -> None:
+        self.x, self.y = x, y
+        self.ring = flint.fmpz_mpoly_ctx.get(["x", "y"], "lex")
+        first, second = self.ring.gens()
+        self.moved = (first + shear * second, second)
+
+    def __call__(self, expr: sp.Expr) -> Poly:
+        terms = sp.Poly(expr, self.x, self.y, domain="QQ").terms()
+        scale = math.lcm(*(int(c.q) for _, c in terms))
+        return self.ring.from_dict({m: int(c.p) * (scale // int(c.q)) for m, c in terms if c}).compose(*self.moved)
+
+
+def true(value: int, op: str) -> bool:
+    """Truth of ``value op 0``."""
+    return value >= 0 if op == ">=" else value > 0 if op == ">" else value == 0 if op == "==" else value != 0
+
+
+def projection(curves: Iterable[Poly], pairs: Iterable[tuple[Poly, Poly]], more: Iterable[Poly] = ()) -> Any:
+    """The square-free polynomial in x (``flint.fmpz_poly``) where the roots in y of the curves escape, meet or meet each other's.
+
+    ``more`` are polynomials in x alone.  Raises DegenerateError where one of these is identically 0.
+    """
+    curves, pairs = list(curves), list(pairs)
+    bends = [f for f in curves if f.degrees()[1] > 1]
+    bound = sum(_bound(f, f) for f in bends) + sum(_bound(f, h) for f, h in pairs)
+    if bound > _MOST_DEGREE:
+        raise OpenError(f"the projection may have degree {bound}")
+    resultants = (f.resultant(h, 1) for f, h in pairs)
+    return _joined([*more, *(_leading(f) for f in curves), *(f.discriminant(1) for f in bends), *resultants])
+
+
+def _bound(one: Poly, two: Poly) -> int:
+    """Degree in x of the resultant by y, at most (Sylvester's matrix)."""
+    (a, b), (c, d) = one.degrees(), two.degrees()
+    return int(a * d + c * b)
+
+
+def _leading(poly: Poly) -> Poly:
+    """Leading coefficient as a polynomial in y."""
+    top = poly.degrees()[1]
+    return poly.context().from_dict({(i, 0): c for (i, j), c in poly.to_dict().items() if j == top})
+
+
+def _joined(polys: list[Poly]) -> Any:
+    """The square-free product of polynomials in x alone."""
+    total = flint.fmpz_poly([1])
+    for poly in polys:
+        if poly.is_zero():
+            raise DegenerateError
+        coefficients = [0] * (poly.degrees()[0] + 1)
+        for (i, _), c in poly.to_dict().items():
+            coefficients[i] = c
+        factor = square_free(flint.fmpz_poly(coefficients))
+        total *= factor // factor.gcd(total)
+    return total
+
+
+def at_rational(poly: Poly, x: Fraction) -> Any:
+    """The polynomial in y over a rational x, times a positive integer."""
+    n, top = poly.degrees()
+    coefficients = [0] * (top + 1)
+    for (i, j), c in poly.to_dict().items():
+        coefficients[j] += c * x.numerator**i * x.denominator ** (n - i)
+    return flint.fmpz_poly(coefficients)

@@ -1,0 +1,152 @@
+"""The portfolio: sign rules, exact cells on the line and in the plane, z3, enclosures, cheapest sound one first."""
+
+from __future__ import annotations
+
+import sympy as sp
+
+from duhem.expression import Neg, Pos, Where
+from duhem.expression.branches import TooManyBranchesError, branches
+from duhem.proof.decide.exact import by_exact
+from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
+from duhem.proof.decide.question import Answer, Question, Sense
+
+__all__ = ["decide"]
+
+
+_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+
+
+def decide(question: Question, seconds: float = 5.0) -> Answer:
+    """Answer the question by the first method that can; the answer names it.
+
+    Kinks are opened into branches, products of unrelated factors into their factors; each part must hold.
+    """
+    if sp.false in question.given:
+        return Answer(True, "vacuous")
+    if sp.true in question.given:
+        given = tuple(r for r in question.given if r is not sp.true)
+        question = Question(question.expr, question.sense, given, question.circle)
+    quick = by_rules(question)
+    if quick.holds:
+        return quick
+    if question.expr.has(*_KINKS) or any(r.has(*_KINKS) for r in question.given):
+        return _by_branches(question, seconds)
+    try:
+        system = polynomial_system(question)
+    except NotAlgebraicError as fault:
+        answer = _by_factors(question, seconds)
+        if answer.holds is None:
+            answer = _enclosed(question, seconds)
+        return answer if answer.holds is not None else Answer(None, answer.method, reason=f"{fault}; {answer.reason}")
+    answer = _decide_system(system, seconds)
+    if answer.holds is None:
+        enclosed = _enclosed(question, seconds / 2)
+        return enclosed if enclosed.holds is not None else answer
+    return answer
+
+
+def _by_branches(question: Question, seconds: float) -> Answer:
+    """The question on every smooth branch of its expression and hypotheses."""
+    parts = sp.Tuple(question.expr, *(sp.Tuple(r.lhs, r.rhs) for r in question.given))
+    try:
+        pieces = branches(parts, 32)
+    except TooManyBranchesError as fault:
+        return Answer(None, "branches", reason=str(fault))
+    method = ""
+    for piece in pieces:
+        expr, *sides = piece.expr
+        given = tuple(type(r)(*pair) for r, pair in zip(question.given, sides, strict=True)) + piece.conditions()
+        answer = decide(Question(expr, question.sense, given, question.circle), seconds)
+        if answer.holds is not True:
+            return answer
+        method = answer.method
+    return Answer(True, method)
+
+
+def _by_factors(question: Question, seconds: float) -> Answer:
+    """A product is >= 0 (or > 0) if each factor is, each under the hypotheses that speak of its symbols alone."""
+    factors = sp.Mul.make_args(question.expr)
+    if question.sense is Sense.ZERO or len(factors) < 2:
+        return Answer(None, "factors", reason="it is not a product")
+    method = ""
+    for factor in factors:
+        related = tuple(r for r in question.given if r.free_symbols <= factor.free_symbols)
+        answer = decide(Question(factor, question.sense, related, None), seconds)
+        if answer.holds is not True:
+            return Answer(None, "factors", reason=answer.reason)
+        method = answer.method if answer.method != "sign-rules" else method or answer.method
+    return Answer(True, method)
+
+
+def _enclosed(question: Question, seconds: float) -> Answer:
+    from duhem.proof.decide.enclosure import by_enclosure
+
+    return by_enclosure(question, seconds)
+
+
+def by_rules(question: Question) -> Answer:
+    """Sign rules: sums and products of quantities whose sign is known from the declared domains."""
+    expr = question.expr
+    if any(p.exp.could_extract_minus_sign() and p.base.is_nonzero is not True for p in expr.atoms(sp.Pow)):
+        return Answer(None, "sign-rules", reason="a denominator may vanish")
+    for form in (expr, sp.factor_terms(expr)):
+        plain = (
+            form.is_nonnegative
+            if question.sense is Sense.NONNEGATIVE
+            else form.is_positive
+            if question.sense is Sense.POSITIVE
+            else form.is_zero
+        )
+        if plain:
+            return Answer(True, "sign-rules")
+    return Answer(None, "sign-rules")
+
+
+def _decide_system(system: System, seconds: float) -> Answer:
+    for obligation in system.obligations:
+        met = _decide_system(obligation, seconds / 2)
+        if met.holds is not True:
+            return Answer(None, met.method, reason=f"it is open whether {obligation.goal.poly} {obligation.goal.op} 0")
+    from duhem.proof.decide.smt import by_smt
+
+    def answered(goal: Relation, given: tuple[Relation, ...]) -> Answer:
+        part = System(goal, given, (), system.variables, system.circle)
+        exact = by_exact(part, seconds)
+        return exact if exact.holds is not None else by_smt(part, seconds)
+
+    used = ""
+    for goal, away in _factors(system):
+        answer = answered(goal, system.given)
+        if answer.holds is False and away:  # perhaps only where a factor that was left out vanishes
+            answer = answered(goal, (*system.given, *away))
+        if answer.holds is not True:
+            return answer
+        used = used if used == "smt-z3" else answer.method
+    return Answer(True, used or "identity")
+
+
+def _factors(system: System) -> tuple[tuple[Relation, tuple[Relation, ...]], ...]:
+    """Goals that together are the system's, each with what may be assumed for it.
+
+    Factors whose sign is plain are left out of the core; where one of them vanishes the core may have any sign (if the goal
+    is weak), so that it does not vanish may be assumed.
+    """
+    goal = system.goal
+    if goal.poly.is_number:
+        return () if goal.holds() else ((goal, ()),)
+    if goal.op in ("==", "!="):
+        return ((goal, ()),)
+    coefficient, factors = sp.factor_list(goal.poly)
+    core, away = sp.Integer(sp.sign(coefficient)), []
+    for factor, power in factors:
+        if factor.is_positive:
+            continue
+        if power % 2 == 0 or factor.is_nonnegative:
+            away.append(Relation(factor, "!="))
+            continue
+        core *= factor
+    main = Relation(sp.expand(core), goal.op)
+    extra = tuple((relation, ()) for relation in away) if goal.op == ">" else ()
+    if main.poly.is_number and main.holds():
+        return extra
+    return (*extra, (main, tuple(away)))

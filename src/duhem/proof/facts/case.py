@@ -1,0 +1,124 @@
+"""One law under examination: its problem, the derived forms every engine may need, and the signs already decided."""
+
+from __future__ import annotations
+
+import time
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression import Where
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
+from duhem.expression.switches import plain_switches
+from duhem.law.formula_law import Criterion
+from duhem.proof.decide import Answer, Question, Sense, decide
+from duhem.proof.statement.problem import Problem, state
+from duhem.proof.statement.star import Star, star_form
+
+__all__ = ["Case"]
+
+
+class Case:
+    """Derived forms of one law, each computed at most once, within a time allowance that the verification renews.
+
+    ``problem`` is the law as stated, ``simple`` an equivalent slice of it (see :class:`duhem.model.Problem`).
+    """
+
+    def __init__(self, law: Criterion, question_seconds: float = 4.0) -> None:
+        self.law = law
+        self._question_seconds = question_seconds
+        self._deadline = float("inf")
+        self._answers: dict[Question, Answer] = {}
+        self.forms: dict[str, Any] = {}  # derived forms that another module makes, by its name
+
+    def allow(self, seconds: float) -> None:
+        """Questions asked from now on share this many seconds; those after are left open."""
+        self._deadline = time.monotonic() + seconds
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether the time allowed has run out."""
+        return time.monotonic() >= self._deadline
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The law as stated, with N = |sigma_n|."""
+        return state(self.law)
+
+    @cached_property
+    def simple(self) -> Problem:
+        """The simplest equivalent slice, for claims about the set K alone."""
+        return self.problem.simplest()
+
+    @cached_property
+    def star(self) -> Star | None:
+        """The two-degree form of the simple problem, if it has one."""
+        return star_form(self.simple)
+
+    @cached_property
+    def pieces(self) -> tuple[Branch, ...] | None:
+        """Smooth branches of the simple problem's g with an inside; None if there are too many."""
+        try:
+            return plain_switches(thick(branches(self.simple.g)))
+        except TooManyBranchesError:
+            return None
+
+    @cached_property
+    def continuous(self) -> bool:
+        """Whether g is proved defined and continuous everywhere, so that the boundary of K lies on g = 0."""
+        if self.pieces is None or any(self.ask(p.expr**2, Sense.NONNEGATIVE, *p.conditions()).holds is not True for p in self.pieces):
+            return False
+        return self.joined(self.simple.g)
+
+    @cached_property
+    def at_origin(self) -> sp.Expr | None:
+        """g at zero force, all forces at once; None where that is 0/0 or otherwise undefined."""
+        value = self.simple.g.xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
+        return None if value.has(sp.nan, sp.zoo, sp.oo) else value
+
+    def joined(self, *exprs: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> bool:
+        """Whether the expressions never jump: built in without ``where``, else shown for every two branches where they meet."""
+        together = sp.Tuple(*exprs)
+        if not together.has(Where):
+            return True
+        try:
+            pieces = branches(together)
+        except TooManyBranchesError:
+            return False
+        return all(
+            self.ask(p - q, Sense.ZERO, *one.conditions(), *two.conditions(), circle=circle).holds is True
+            for one, two in combinations(pieces, 2)
+            for p, q in zip(one.expr, two.expr, strict=True)
+            if p != q
+        )
+
+    def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
+        """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""
+        expr = sp.sympify(expr)
+        if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+            return Answer(None, reason="the expression is undefined")
+        answer = Answer(True, "vacuous")
+        for question in Question(expr, sense, (*self.simple.given, *given), circle).pinned():
+            if (answer := self._asked(question)).holds is not True:
+                break
+        return answer
+
+    def _asked(self, question: Question) -> Answer:
+        known = self._answers.get(question)
+        if known is not None and known.holds is not None:
+            return known
+        seconds = min(self._question_seconds, self._deadline - time.monotonic())
+        if seconds <= 0:
+            return Answer(None, reason="the claim's time ran out")
+        answer = self._answers[question] = decide(question, seconds)
+        return answer
+
+    def nonnegative(self, constant: sp.Expr) -> bool:
+        """Whether an expression in the parameters is >= 0 on the whole domain (False also when undecided)."""
+        return self.ask(constant, Sense.NONNEGATIVE).holds is True
+
+    def positive(self, constant: sp.Expr) -> bool:
+        """Whether an expression in the parameters is > 0 on the whole domain (False also when undecided)."""
+        return self.ask(constant, Sense.POSITIVE).holds is True

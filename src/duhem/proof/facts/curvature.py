@@ -1,0 +1,246 @@
+"""Convexity by composition: what is known of each node's curvature follows from its arguments by a theorem a rule.
+
+Disciplined convex programming (Grant, Boyd, Ye 2006) with symbolic coefficients and exponents, and quasiconvexity kept
+through increasing maps (Agrawal, Boyd 2020): a set {g <= 0} is convex when g is quasiconvex, even where g is not convex.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression import Neg, Norm, Pos, Where, fold
+from duhem.proof.decide import Sense
+from duhem.proof.facts.case import Case
+
+__all__ = ["Shape", "shape"]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Facts proved about a node as a function of the forces; a flag left False says nothing.
+
+    ``nonnegative`` and ``nonpositive`` hold for all forces and parameters; ``rules`` are the theorems used.
+    """
+
+    constant: bool = False
+    convex: bool = False
+    concave: bool = False
+    quasiconvex: bool = False
+    nonnegative: bool = False
+    nonpositive: bool = False
+    rules: tuple[str, ...] = ()
+
+    @property
+    def affine(self) -> bool:
+        """Both convex and concave."""
+        return self.convex and self.concave
+
+    def negated(self) -> Shape:
+        """Facts of the opposite."""
+        return Shape(self.constant, self.concave, self.convex, self.concave, self.nonpositive, self.nonnegative, self.rules)
+
+
+_UNKNOWN = Shape()
+
+
+def shape(expr: sp.Expr, case: Case) -> Shape:
+    """Facts about ``expr`` over the forces of the case's simple problem, for every parameter of its domain."""
+    return _Calculus(case).of(expr)
+
+
+def _used(*shapes: Shape, rule: str = "") -> tuple[str, ...]:
+    return tuple(dict.fromkeys([r for s in shapes for r in s.rules] + ([rule] if rule else [])))
+
+
+class _Calculus:
+    def __init__(self, case: Case) -> None:
+        self.case = case
+        self.forces = set(case.simple.forces)
+        self.table: dict[type, Callable[..., Shape]] = {
+            sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Abs: self.absolute, sp.exp: self.exponential,
+            sp.log: self.logarithm, sp.Max: self.maximum, sp.Min: self.minimum, Pos: self.positive_part,
+            Neg: self.negative_part, Norm: self.norm, sp.tanh: self.increasing, sp.atan: self.increasing,
+            sp.sin: self.opaque, sp.cos: self.opaque, sp.tan: self.opaque, Where: self.opaque,
+        }  # fmt: skip
+        for relation in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan):
+            self.table[relation] = self.opaque
+
+    def of(self, expr: sp.Expr) -> Shape:
+        try:
+            return fold(expr, self.table, self.leaf)
+        except InputError:
+            return _UNKNOWN
+
+    def leaf(self, node: Any) -> Shape:
+        return self.constant(node) if node not in self.forces else Shape(convex=True, concave=True, quasiconvex=True)
+
+    def constant(self, node: sp.Expr) -> Shape:
+        low = self.case.nonnegative(node)
+        high = not low and self.case.nonnegative(-node)
+        return Shape(True, True, True, True, low, high or node.is_zero is True)
+
+    def signed(self, node: Any, facts: Shape) -> Shape:
+        """The facts, plus the sign SymPy sees; a node without forces is a constant whatever its parts."""
+        if not node.free_symbols & self.forces:
+            return self.constant(node)
+        if node.is_extended_nonnegative:
+            facts = replace(facts, nonnegative=True)
+        return facts
+
+    def opaque(self, node: Any, *parts: Shape) -> Shape:
+        if isinstance(node, sp.Expr) and not node.free_symbols & self.forces:
+            return self.constant(node)
+        return _UNKNOWN
+
+    def add(self, node: Any, *terms: Shape) -> Shape:
+        convex, concave = all(t.convex for t in terms), all(t.concave for t in terms)
+        moving = [t for t in terms if not t.constant]
+        facts = Shape(
+            convex=convex,
+            concave=concave,
+            quasiconvex=convex or (len(moving) == 1 and moving[0].quasiconvex),
+            nonnegative=all(t.nonnegative for t in terms),
+            nonpositive=all(t.nonpositive for t in terms),
+            rules=_used(*terms),
+        )
+        if not convex and (form := self._quadratic(node)):
+            facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule=form))
+        return self.signed(node, facts)
+
+    def mul(self, node: Any, *factors: Shape) -> Shape:
+        if not node.free_symbols & self.forces:
+            return self.constant(node)
+        scale = sp.Mul(*(f for f in node.args if not f.free_symbols & self.forces))
+        moving = [(f, s) for f, s in zip(node.args, factors, strict=True) if f.free_symbols & self.forces]
+        several = Shape(nonnegative=all(s.nonnegative for _, s in moving))  # of a product only the sign is followed
+        facts = moving[0][1] if len(moving) == 1 else several
+        if self.case.nonnegative(scale):
+            return self.signed(node, facts)
+        if self.case.nonnegative(-scale):
+            return self.signed(node, facts.negated())
+        return self.signed(node, Shape(convex=facts.affine, concave=facts.affine, quasiconvex=facts.affine, rules=facts.rules))
+
+    def power(self, node: Any, base: Shape, exponent: Shape) -> Shape:
+        if not node.free_symbols & self.forces:
+            return self.constant(node)
+        p = node.exp
+        if p.free_symbols & self.forces:
+            return _UNKNOWN
+        if p.is_Integer and p > 0 and p % 2 == 0:
+            if base.affine or (base.convex and base.nonnegative) or (base.concave and base.nonpositive):
+                return Shape(
+                    convex=True, quasiconvex=True, nonnegative=True, rules=_used(base, rule="even powers of affine functions are convex")
+                )
+            return Shape(nonnegative=True)
+        if not base.nonnegative:
+            return self.signed(node, _UNKNOWN)
+        if self.case.nonnegative(p - 1):
+            if base.convex:
+                return Shape(
+                    convex=True,
+                    quasiconvex=True,
+                    nonnegative=True,
+                    rules=_used(base, rule="x^p is convex and increasing on x >= 0 for p >= 1"),
+                )
+            return Shape(quasiconvex=base.quasiconvex, nonnegative=True, rules=base.rules)
+        if self.case.positive(p):
+            if gauge := self._gauge(node.base, p):
+                return Shape(convex=True, quasiconvex=True, nonnegative=True, rules=gauge)
+            concave = base.concave and self.case.nonnegative(1 - p)
+            return Shape(
+                concave=concave, quasiconvex=base.quasiconvex, nonnegative=True, rules=_used(base, rule="x^p is increasing on x >= 0")
+            )
+        return Shape(nonnegative=True)
+
+    def _gauge(self, base: sp.Expr, p: sp.Expr) -> tuple[str, ...] | None:
+        """(sum c_i v_i^q)^(1/q), q >= 1, v_i convex and >= 0 (or affine, q even): a norm of convex functions (Minkowski)."""
+        if p == sp.S.Half and self._quadratic(base, root=True):
+            return ("the square root of a non-negative quadratic form is a seminorm",)
+        q, rules = sp.simplify(1 / p), ["Minkowski's inequality: a p-norm with p >= 1 of convex functions >= 0 is convex"]
+        terms = [t for part in sp.Add.make_args(base) for t in sp.Add.make_args(sp.expand(part, power_base=False, power_exp=False))]
+        for term in terms:
+            scale = sp.Mul(*(f for f in sp.Mul.make_args(term) if not f.free_symbols & self.forces))
+            moving = [f for f in sp.Mul.make_args(term) if f.free_symbols & self.forces]
+            if not self.case.nonnegative(scale):
+                return None
+            powers = [(f.base, f.exp) if f.is_Pow else (f, sp.S.One) for f in moving]
+            if not powers:
+                continue
+            if any(sp.simplify(e - q) != 0 for _, e in powers):
+                return None
+            inner = self.of(sp.Mul(*(b for b, _ in powers)))
+            even = q.is_Integer and q % 2 == 0
+            if not ((inner.convex and inner.nonnegative) or (even and inner.affine)):
+                return None
+            rules += inner.rules
+        return tuple(dict.fromkeys(rules)) if self.case.nonnegative(q - 1) else None
+
+    def _quadratic(self, expr: sp.Expr, root: bool = False) -> str | None:
+        """A polynomial of degree 2 with positive semidefinite matrix; with ``root``, non-negative together with its constant."""
+        forces = self.case.simple.forces
+        if not expr.is_polynomial(*forces):
+            return None
+        form = sp.Poly(expr, *forces)
+        if form.total_degree() != 2:
+            return None
+        lift = sp.Dummy("t", real=True)
+        homogeneous = (
+            form.homogenize(lift).as_expr()
+            if root
+            else sum(c * sp.prod(x**k for x, k in zip(forces, m, strict=True)) for m, c in form.terms() if sum(m) == 2)
+        )
+        answer = self.case.ask(homogeneous, Sense.NONNEGATIVE)
+        return "a quadratic function with positive semidefinite matrix is convex" if answer.holds is True else None
+
+    def absolute(self, node: Any, x: Shape) -> Shape:
+        convex = x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive)
+        return self.signed(node, Shape(convex=convex, quasiconvex=convex, nonnegative=True, rules=_used(x, rule="|x| is convex")))
+
+    def norm(self, node: Any, *args: Shape) -> Shape:
+        convex = all(x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive) for x in args)
+        rule = "a Euclidean norm of affine or of convex non-negative functions is convex"
+        return self.signed(node, Shape(convex=convex, quasiconvex=convex, nonnegative=True, rules=_used(*args, rule=rule)))
+
+    def positive_part(self, node: Any, x: Shape) -> Shape:
+        rule = "a ramp of an affine function is convex"
+        return self.signed(node, Shape(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule=rule)))
+
+    def negative_part(self, node: Any, x: Shape) -> Shape:
+        return self.positive_part(node, x.negated())
+
+    def maximum(self, node: Any, *args: Shape) -> Shape:
+        return self.signed(
+            node,
+            Shape(
+                convex=all(x.convex for x in args),
+                quasiconvex=all(x.quasiconvex for x in args),
+                nonnegative=any(x.nonnegative for x in args),
+                nonpositive=all(x.nonpositive for x in args),
+                rules=_used(*args, rule="a maximum of convex functions is convex"),
+            ),
+        )
+
+    def minimum(self, node: Any, *args: Shape) -> Shape:
+        return self.maximum(node, *(x.negated() for x in args)).negated() if node.free_symbols & self.forces else self.constant(node)
+
+    def exponential(self, node: Any, x: Shape) -> Shape:
+        return self.signed(
+            node, Shape(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule="exp is convex and increasing"))
+        )
+
+    def logarithm(self, node: Any, x: Shape) -> Shape:
+        return self.opaque(node, x)
+
+    def increasing(self, node: Any, x: Shape) -> Shape:
+        facts = Shape(
+            quasiconvex=x.quasiconvex,
+            nonnegative=x.nonnegative,
+            nonpositive=x.nonpositive,
+            rules=_used(x, rule="an increasing map keeps sublevel sets"),
+        )
+        return self.signed(node, facts)

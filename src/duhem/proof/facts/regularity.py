@@ -1,0 +1,125 @@
+"""Smoothness by composition: where a formula fails to be C^1, and which of its kinks cancel.
+
+A kink of abs, pos or neg sits where its argument vanishes.  A function that itself vanishes there loses the kink under
+any power p > 1 and inside a Euclidean norm, which leaves only the tip where the norm is 0.  This is why Eq. (35) of
+Antoni et al. (2007) is C^1 across the quadrant seams though pos and neg are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression import Neg, Norm, Pos, Where, fold
+from duhem.expression.branches import oriented
+from duhem.proof.facts.case import Case
+
+__all__ = ["Regularity", "regularity"]
+
+_NONE: frozenset[sp.Expr] = frozenset()
+
+
+@dataclass(frozen=True)
+class Regularity:
+    """``kinks``: switches on whose zero set the function may fail to be C^1 (it is locally Lipschitz there).
+
+    ``vanishing``: switches on whose zero set the function is 0.  ``tips``: nodes at whose zeros it may be singular.
+    ``known`` False: nothing is claimed.
+    """
+
+    known: bool = True
+    kinks: frozenset[sp.Expr] = _NONE
+    vanishing: frozenset[sp.Expr] = _NONE
+    tips: frozenset[sp.Expr] = _NONE
+
+    @property
+    def cancelling(self) -> bool:
+        """Every kink lies where the function vanishes."""
+        return self.kinks <= self.vanishing
+
+
+_OPAQUE = Regularity(known=False)
+
+
+def regularity(expr: sp.Expr, case: Case) -> Regularity:
+    """Kinks and tips of ``expr`` in the forces of the case's simple problem."""
+    return _Calculus(case).of(expr)
+
+
+class _Calculus:
+    def __init__(self, case: Case) -> None:
+        self.case, self.forces = case, set(case.simple.forces)
+
+    def of(self, expr: sp.Expr) -> Regularity:
+        smooth = (sp.exp, sp.sin, sp.cos, sp.tanh, sp.atan)
+        table: dict[type, Callable[..., Regularity]] = {
+            sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, Norm: self.norm,
+            sp.Abs: self.ramp, Pos: self.ramp, Neg: self.ramp,
+        } | {f: self.smooth for f in smooth} | {f: self.opaque for f in (sp.Max, sp.Min, Where, sp.log, sp.tan)}  # fmt: skip
+        for relation in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan):
+            table[relation] = self.opaque
+        try:
+            return fold(expr, table, self.leaf)
+        except InputError:
+            return _OPAQUE
+
+    def leaf(self, node: Any) -> Regularity:
+        return Regularity(vanishing=frozenset({node})) if node in self.forces else Regularity()
+
+    def constant(self, node: sp.Basic) -> bool:
+        return not node.free_symbols & self.forces
+
+    def opaque(self, node: sp.Basic, *parts: Regularity) -> Regularity:
+        return Regularity() if self.constant(node) else _OPAQUE
+
+    def add(self, node: sp.Expr, *terms: Regularity) -> Regularity:
+        if not all(t.known for t in terms):
+            return _OPAQUE
+        zero = frozenset.intersection(*(t.vanishing for t in terms)) | {oriented(node)[0]}
+        return Regularity(True, frozenset().union(*(t.kinks for t in terms)), zero, frozenset().union(*(t.tips for t in terms)))
+
+    def mul(self, node: sp.Expr, *factors: Regularity) -> Regularity:
+        if not all(t.known for t in factors):
+            return _OPAQUE
+        # A kink of one factor is lost in the product where another factor vanishes.
+        kinks = frozenset(
+            k for i, f in enumerate(factors) for k in f.kinks if not any(k in g.vanishing for j, g in enumerate(factors) if j != i)
+        )
+        return Regularity(True, kinks, frozenset().union(*(f.vanishing for f in factors)), frozenset().union(*(f.tips for f in factors)))
+
+    def smooth(self, node: Any, x: Regularity) -> Regularity:
+        keeps = isinstance(node, sp.sin | sp.tanh | sp.atan)
+        return Regularity(x.known, x.kinks, x.vanishing if keeps else _NONE, x.tips)
+
+    def ramp(self, node: Any, x: Regularity) -> Regularity:
+        if not x.known or self.constant(node):
+            return x if not self.constant(node) else Regularity()
+        switch = oriented(node.args[0])[0]
+        return Regularity(True, x.kinks | {switch}, x.vanishing | {switch}, x.tips)
+
+    def norm(self, node: Any, *args: Regularity) -> Regularity:
+        if not all(a.known and a.cancelling for a in args):
+            return _OPAQUE
+        zero = frozenset.intersection(*(a.vanishing for a in args))
+        tips = frozenset().union(*(a.tips for a in args))
+        strictly = any(self.constant(a) and self.case.positive(a**2) for a in node.args)
+        return Regularity(True, _NONE, zero, tips if strictly else tips | {node})
+
+    def power(self, node: Any, base: Regularity, exponent: Regularity) -> Regularity:
+        if self.constant(node):
+            return Regularity()
+        p = node.exp
+        if not base.known or not self.constant(p):
+            return _OPAQUE
+        if p.is_Integer and p > 0:
+            return Regularity(True, _NONE if p > 1 and base.cancelling else base.kinks, base.vanishing, base.tips)
+        if not (node.base.is_extended_nonnegative or self.case.nonnegative(node.base)):
+            return _OPAQUE  # undefined where the base is negative
+        if self.case.positive(p - 1):
+            return Regularity(True, _NONE if base.cancelling else base.kinks, base.vanishing, base.tips)
+        zero = base.vanishing if self.case.positive(p) else _NONE
+        return Regularity(True, base.kinks, zero, base.tips | {node.base})

@@ -1,0 +1,148 @@
+"""The slip direction on the boundary: normal to K or not, dissipative or not.
+
+For an associated law the flow is the normality rule itself (Moreau 1970; Antoni et al. 2007, Eqs. 28, 36): it lies in
+the normal cone of K exactly when K is convex there.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import sympy as sp
+
+from duhem.proof.decide import Sense
+from duhem.proof.facts.case import Case
+from duhem.proof.search.choices import choices
+from duhem.proof.verdict import Evidence, Verdict, Witness
+from duhem.proof.witness.enclosed_point import Bracket, enclosed_normal, over_box, violation
+from duhem.proof.witness.points import Values
+
+if TYPE_CHECKING:
+    from duhem.proof.search.boundary import BoundaryScout
+
+__all__ = ["dissipation_refuted", "normality", "normality_refuted", "normality_refuted_by_chord"]
+
+_NORMALITY = "the flow at the boundary point between `inside` and `outside` points towards tau, a point of K: it is not in the normal cone"
+_DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `outside`"
+
+
+def normality(case: Case) -> Evidence | None:
+    """A flow of the law's own is parallel to grad g and points the same way, on every branch where g = 0 (K convex)."""
+    problem, pieces = case.simple, case.pieces
+    if problem.flow is None or pieces is None or not case.continuous:
+        return None
+    for piece in pieces:
+        gradient = [sp.diff(piece.expr, x) for x in problem.forces]
+        on_boundary = (*piece.conditions(), sp.Eq(piece.expr, 0))
+        if case.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *on_boundary).holds is not True:
+            return None  # where grad g = 0 every flow would look parallel to it
+        for i, j in itertools.combinations(range(len(gradient)), 2):
+            minor = problem.flow[i] * gradient[j] - problem.flow[j] * gradient[i]
+            if case.ask(minor, Sense.ZERO, *on_boundary).holds is not True:
+                return None
+        along = sum(d * n for d, n in zip(problem.flow, gradient, strict=True))
+        if case.ask(along, Sense.NONNEGATIVE, *on_boundary).holds is not True:
+            return None
+    return Evidence(Verdict.PROVED, "parallel", "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex")
+
+
+def normality_refuted_by_chord(case: Case, chord: Witness) -> Evidence | None:
+    """Associated flow on a non-convex K: where a chord from p to q leaves K, the normal there points towards q."""
+    if case.problem.flow is not None:
+        return None
+    parameters, p, q, middle = _read(case, chord)
+    statement = (
+        "on the way from `inside` to the midpoint of a chord of K the boundary is crossed outward, so grad g . (tau - sigma) > 0 there "
+        "for one end tau of the chord: the normal is not in the normal cone of K"
+    )
+    # n . (midpoint - sigma) > 0 where a segment to the midpoint leaves K, whatever it comes from; so for p or q as well
+    starts = [p, q, [Fraction(0)] * len(p), *([c * s for c in end] for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
+    for start, target in itertools.product(starts, (q, p)):
+        if start is target:
+            continue
+
+        def turned_away(bracket: Bracket, target: Sequence[Fraction] = target) -> sp.Expr | None:
+            normal = enclosed_normal(case, bracket)
+            if normal is None:
+                return None
+            return sp.Add(*(n * (sp.Rational(str(t)) - x) for n, t, x in zip(normal, target, case.simple.forces, strict=True)))
+
+        witness = violation(case, parameters, start, middle, turned_away, "grad g . (tau - sigma)", statement, wanted=1, target=target)
+        if witness is not None:
+            return Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
+    return None
+
+
+def _read(case: Case, chord: Witness) -> tuple[Values, list[Fraction], list[Fraction], list[Fraction]]:
+    table = case.law.symbols()
+    parameters = {table[name]: Fraction(value) for name, value in chord.parameters.items() if table[name] in case.simple.parameters}
+    if case.simple.magnitude in case.simple.parameters and case.simple.magnitude is not None:
+        parameters[case.simple.magnitude] = -Fraction(chord.points["p"][str(case.law.pressure)])
+    points = [[Fraction(chord.points[role][str(x)]) for x in case.simple.forces] for role in ("p", "q", "midpoint")]
+    return parameters, points[0], points[1], points[2]
+
+
+def normality_refuted(case: Case) -> Evidence | None:
+    """A boundary point whose flow points towards another point of K, the worst direction first.
+
+    The other point is first sought all along the boundary, then close by, at the scale of the deviation itself.
+    """
+    if case.simple.flow is None:
+        return None
+    from duhem.proof.search.boundary import BoundaryScout  # numpy, only when something is looked for
+
+    for parameters in choices(case, most=12):
+        scout = BoundaryScout(case, parameters)
+        if len(scout.boundary) < 2:
+            continue
+        for k, target in itertools.chain(scout.far_targets(), scout.near_targets()):
+            if witness := _leans_towards(case, scout, parameters, k, target):
+                return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
+    return None
+
+
+def _leans_towards(case: Case, scout: BoundaryScout, parameters: Values, k: int, target: Sequence[Fraction]) -> Witness | None:
+    problem = case.simple
+
+    def leaning(bracket: Bracket) -> sp.Expr:
+        assert problem.flow is not None
+        return sp.Add(*(d * (sp.Rational(str(t)) - x) for d, t, x in zip(problem.flow, target, problem.forces, strict=True)))
+
+    start, end = scout.segment(k)
+    return violation(case, parameters, start, end, leaning, "flow . (tau - sigma)", _NORMALITY, 1, target, lambda b: _angles(case, b))
+
+
+def dissipation_refuted(case: Case) -> Evidence | None:
+    """A boundary point where force . flow < 0."""
+    from duhem.proof.search.boundary import BoundaryScout
+
+    problem = case.simple
+
+    def power(bracket: Bracket) -> sp.Expr | None:
+        flow = problem.flow or enclosed_normal(case, bracket)
+        return None if flow is None else sp.Add(*(x * d for x, d in zip(problem.forces, flow, strict=True)))
+
+    for parameters in choices(case, most=12):
+        scout = BoundaryScout(case, parameters)
+        for start, end in itertools.chain(scout.towards_zero_force(), map(scout.segment, scout.least_power()[:5])):
+            if witness := violation(case, parameters, start, end, power, "force . flow", _DISSIPATION):
+                return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
+    return None
+
+
+def _angles(case: Case, bracket: Bracket) -> dict[str, float]:
+    """Deviation of the flow from the normal at the bracketed point, and the flow's own angle (two forces), in degrees."""
+    normal = enclosed_normal(case, bracket)
+    flow = case.simple.flow
+    if normal is None or flow is None:
+        return {}
+    n, d = ([float(over_box(c, case, bracket).mid()) for c in vector] for vector in (normal, flow))
+    cosine = sum(a * b for a, b in zip(n, d, strict=True)) / (math.hypot(*n) * math.hypot(*d))
+    measures = {"deviation_degrees": math.degrees(math.acos(max(-1.0, min(1.0, cosine))))}
+    if len(d) == 2:
+        measures["slip_angle_degrees"] = math.degrees(math.atan2(d[1], d[0]))
+    return measures

@@ -1,0 +1,1 @@
+"""Where a violation might be, in floating point.  What is found here suggests; nothing here decides."""

@@ -1,0 +1,131 @@
+"""Boundary points of a law in floats, with their flow and normal: where to look for a bad slip direction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from duhem.expression.numpy_ import compiled
+from duhem.proof.facts.case import Case
+from duhem.proof.witness.enclosed_point import bracketed
+from duhem.proof.witness.points import Values
+
+__all__ = ["BoundaryScout"]
+
+_DIRECTIONS = 720
+
+
+class BoundaryScout:
+    """Boundary points of one parameter choice, in floats, along rays from a point of K."""
+
+    def __init__(self, case: Case, parameters: Values) -> None:
+        self.case, self.parameters = case, parameters
+        self.exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()}
+        self.forces = case.simple.forces
+        g = case.simple.g.subs(self.exact)
+        self._g = compiled(g, self.forces)
+        d = len(self.forces)
+        rng = np.random.default_rng(5)
+        if d == 2:
+            turn = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
+            directions = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        else:
+            directions = rng.standard_normal((_DIRECTIONS, d))
+        self.centre = self._centre(rng, d)
+        self.directions = np.round(directions, 6)
+        self.boundary, self.low, self.high = self._shoot()
+
+    def value(self, points: Any) -> Any:
+        return self._g(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
+
+    def _centre(self, rng: np.random.Generator, d: int) -> Any:
+        if self.value(np.zeros(d)) <= 0:
+            return np.zeros(d)
+        points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-2, 2, (4000, 1))
+        heights = self.value(points)
+        best = points[int(np.argmin(np.where(np.isfinite(heights), heights, np.inf)))]
+        return np.round(best, 9) if self.value(np.round(best, 9)) <= 0 else None
+
+    def _shoot(self) -> tuple[Any, Any, Any]:
+        if self.centre is None:
+            return np.zeros((0, len(self.forces))), np.zeros(0), np.zeros(0)
+        radii = 10.0 ** np.linspace(-5, 5, 61)
+        inside = self.value(self.centre + radii[None, :, None] * self.directions[:, None, :]) <= 0
+        keep = ~inside.all(axis=1) & inside[:, 0]
+        self.directions = self.directions[keep]
+        exits = np.argmin(inside[keep], axis=1)
+        low, high = radii[np.maximum(exits - 1, 0)], radii[exits]
+        for _ in range(50):
+            middle = (low + high) / 2
+            inner = self.value(self.centre + middle[:, None] * self.directions) <= 0
+            low, high = np.where(inner, middle, low), np.where(inner, high, middle)
+        return self.centre + low[:, None] * self.directions, low, high
+
+    def unit_flow(self) -> Any:
+        flow = self.case.simple.flow
+        if flow is None:
+            slips = self._gradient()
+        else:
+            slips = np.stack(
+                [np.broadcast_to(compiled(c.subs(self.exact), self.forces)(*self.boundary.T), len(self.boundary)) for c in flow], axis=1
+            )
+        return slips / (np.linalg.norm(slips, axis=1, keepdims=True) + 1e-300)
+
+    def _gradient(self) -> Any:
+        step = 1e-6 * (np.linalg.norm(self.boundary, axis=1, keepdims=True) + 1e-300)
+        columns = []
+        for i in range(len(self.forces)):
+            offset = np.zeros(len(self.forces))
+            offset[i] = 1.0
+            columns.append((self.value(self.boundary + step * offset) - self.value(self.boundary - step * offset)) / (2 * step[:, 0]))
+        return np.stack(columns, axis=1)
+
+    def far_targets(self) -> Iterator[tuple[int, list[Fraction]]]:
+        """The three boundary points whose flow leans most towards some other sampled point, with that point."""
+        slips = self.unit_flow()
+        reach = slips @ self.boundary.T - np.sum(slips * self.boundary, axis=1)[:, None]
+        reach = np.where(np.isfinite(reach), reach, -np.inf)
+        sizes = np.linalg.norm(self.boundary[None, :, :] - self.boundary[:, None, :], axis=2) + 1e-300
+        for k in np.argsort(-np.max(reach / sizes, axis=1))[:3]:
+            best = int(np.argmax(reach[k]))
+            if reach[k, best] > 0:
+                yield int(k), [Fraction(float(c) * (1 - 2.0**-20)).limit_denominator(10**6) for c in self.boundary[best]]
+
+    def near_targets(self) -> Iterator[tuple[int, list[Fraction]]]:
+        """In two forces: from the point of largest deviation, boundary points turned by a share of that deviation."""
+        if len(self.forces) != 2:
+            return
+        normals, slips = self._gradient(), self.unit_flow()
+        turn = np.arctan2(normals[:, 0] * slips[:, 1] - normals[:, 1] * slips[:, 0], np.sum(normals * slips, axis=1))
+        turn = np.where(np.isfinite(turn), turn, 0.0)
+        for k in np.argsort(-np.abs(turn))[:3]:
+            for share in (1.0, 0.5, 0.25, 0.1):
+                angle = Fraction(float(share * turn[k])).limit_denominator(10**12)
+                start, end = self.segment(int(k))
+                turned = [[p[0] - angle * p[1], p[1] + angle * p[0]] for p in (start, end)]
+                if found := bracketed(self.case, self.parameters, turned[0], turned[1], 80):
+                    yield int(k), list(found.inside)
+
+    def towards_zero_force(self) -> Iterator[tuple[list[Fraction], list[Fraction]]]:
+        """From a point of K to 0 where 0 is outside: the boundary is crossed outward, so grad g . (0 - sigma) > 0 there."""
+        if self.centre is not None and self.centre.any():
+            yield [Fraction(float(c)).limit_denominator(10**9) for c in self.centre], [Fraction(0)] * len(self.centre)
+
+    def least_power(self) -> list[int]:
+        """Indices of boundary points with negative power, the most negative first."""
+        if len(self.boundary) == 0:
+            return []
+        power = np.sum(self.unit_flow() * self.boundary, axis=1) / (np.linalg.norm(self.boundary, axis=1) + 1e-300)
+        order = np.argsort(np.where(np.isfinite(power), power, np.inf))
+        return [int(k) for k in order if power[k] < -1e-12]
+
+    def segment(self, k: int) -> tuple[list[Fraction], list[Fraction]]:
+        """Exact points on the ray, half-way in and half-way out of the crossing."""
+        centre = [Fraction(float(c)).limit_denominator(10**9) for c in self.centre]
+        ray = [Fraction(float(c)).limit_denominator(10**6) for c in self.directions[k]]
+        near, far = (Fraction(float(s * self.low[k])).limit_denominator(10**12) for s in (1 - 1e-6, 1 + 1e-6))
+        return [c + near * r for c, r in zip(centre, ray, strict=True)], [c + far * r for c, r in zip(centre, ray, strict=True)]

@@ -1,0 +1,134 @@
+"""Where the boundary of K crosses a seam (two forces): the points at which a kink of the formula shows on the boundary."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression import fold, mpmath_
+from duhem.expression.branches import Branch
+from duhem.proof.facts.case import Case
+from duhem.proof.witness.points import Values
+
+__all__ = ["Crossing", "crossings"]
+
+_MOST = 16  # crossings of one seam
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """``point`` (decimals of high precision) on the boundary, where ``seam`` separates the branch ``before`` from ``after``."""
+
+    before: Branch
+    after: Branch
+    seam: sp.Expr
+    point: tuple[Fraction, ...]
+
+
+def crossings(case: Case, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
+    """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain."""
+    exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()}
+    forces = case.simple.forces
+    grid = _Grid(forces, case.simple.g.subs(exact))
+    for before, after, seam in _neighbours(case.pieces or ()):
+        system = sp.Matrix([after.expr, seam]).subs(exact)
+        if not (starts := grid.starts(*system)):
+            continue
+        jacobian = system.jacobian(list(forces))
+        known: list[tuple[Fraction, ...]] = []
+        for start in starts:
+            if any(math.dist(map(float, point), start) < 0.1 * math.hypot(*start) for point in known):
+                continue  # a cell beside one that led here
+            if (point := _newton(system, jacobian, forces, start, digits)) is not None:
+                known.append(point)
+                yield Crossing(before, after, seam, point)
+
+
+def _neighbours(pieces: Sequence[Branch]) -> Iterator[tuple[Branch, Branch, sp.Expr]]:
+    """Pairs of branches that differ in the sign of exactly one switch: the seam between them."""
+    for before, after in itertools.combinations(pieces, 2):
+        crossed = [s for s, sign in after.signs.items() if before.signs.get(s) == -sign]
+        if len(crossed) == 1 and before.expr != after.expr:
+            yield before, after, crossed[0]
+
+
+class _Grid:
+    """Points on circles of many radii, a little off the axes, with the signs of what was asked there before."""
+
+    def __init__(self, forces: Sequence[sp.Symbol], g: sp.Expr) -> None:
+        import numpy as np  # only when something is looked for
+
+        turn = 2 * np.pi * np.arange(721) / 720 + 1e-9
+        radii = 10.0 ** np.linspace(-4, 4, 161)
+        self._forces = forces
+        self._x, self._y = np.outer(radii, np.cos(turn)), np.outer(radii, np.sin(turn))
+        self._known: dict[sp.Expr, Any] = {}
+        self._outward = self._along_rays(g)
+
+    def starts(self, level: sp.Expr, seam: sp.Expr) -> list[tuple[float, float]]:
+        """Cells where the seam changes sign around the circle, and both the level and g along the ray."""
+        import numpy as np
+
+        signs = self._signs(seam)
+        cells = (signs[:-1, :-1] != signs[:-1, 1:]) & self._along_rays(level) & self._outward
+        return [(float(self._x[i, j]), float(self._y[i, j])) for i, j in np.argwhere(cells)[:_MOST]]
+
+    def _along_rays(self, expr: sp.Expr) -> Any:
+        """Whether the sign changes in a cell or in one beside it: a kink may shift the crossing by one."""
+        signs = self._signs(expr)
+        change = signs[:-1, :-1] != signs[1:, :-1]
+        wide = change.copy()
+        wide[1:] |= change[:-1]
+        wide[:-1] |= change[1:]
+        wide[:, 1:] |= change[:, :-1]
+        wide[:, :-1] |= change[:, 1:]
+        return wide
+
+    def _signs(self, expr: sp.Expr) -> Any:
+        import numpy as np
+
+        from duhem.expression.numpy_ import compiled
+
+        if expr not in self._known:
+            self._known[expr] = np.sign(np.broadcast_to(compiled(expr, self._forces)(self._x, self._y), self._x.shape))
+        return self._known[expr]
+
+
+def _newton(
+    system: Any, jacobian: Any, forces: Sequence[sp.Symbol], start: tuple[float, float], digits: int
+) -> tuple[Fraction, ...] | None:
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = digits
+    rows = mpmath_.table(context)
+
+    def evaluated(exprs: Any, point: Sequence[Any]) -> list[Any]:
+        at = dict(zip(forces, point, strict=True))
+
+        def leaf(node: Any) -> Any:
+            return at[node] if node in at else mpmath_.evaluate(node, {}, digits) if not node.is_Rational else context.mpf(node.p) / node.q
+
+        return [fold(e, rows, leaf) for e in exprs]
+
+    point = [context.mpf(c) for c in start]
+    for _ in range(60):
+        f = evaluated(system, point)
+        a, b, c, d = evaluated(jacobian, point)
+        det = a * d - b * c
+        if det == 0 or not context.isfinite(det):
+            return None
+        step = [(d * f[0] - b * f[1]) / det, (a * f[1] - c * f[0]) / det]
+        point = [p - s for p, s in zip(point, step, strict=True)]
+        if not all(context.isfinite(p) for p in point):
+            return None
+        if max(abs(s) for s in step) < context.mpf(10) ** (4 - digits):
+            whole = 10 ** (digits - 4)
+            return tuple(Fraction(int(context.nint(p * whole)), whole) for p in point)
+    return None

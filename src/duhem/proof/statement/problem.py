@@ -1,0 +1,149 @@
+"""The question a law poses: g over its forces, with N = |sigma_n| > 0 and the parameters ranging over their domain.
+
+Every simplification here passes to a slice of the same law (a parameter set to 1, a force set to 0), chosen so that
+the admissibility of the slice is equivalent to that of the whole.  A violation found in the slice is therefore a
+violation of the law as written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression import symbol
+from duhem.expression.angles import algebraic_angles
+from duhem.expression.lineality import invariant_directions
+from duhem.expression.weights import removable
+from duhem.law.formula_law import Criterion
+
+__all__ = ["Problem", "state"]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """``g`` over ``forces`` and ``magnitude`` (N = |sigma_n| > 0, None without pressure); ``given`` bounds the rest.
+
+    ``slice`` holds what the simplifications fixed: symbols of the law set to a number.
+    """
+
+    law: Criterion
+    g: sp.Expr
+    forces: tuple[sp.Symbol, ...]
+    magnitude: sp.Symbol | None
+    given: tuple[sp.Basic, ...]
+    flow: tuple[sp.Expr, ...] | None
+    slice: Mapping[sp.Symbol, sp.Rational]
+    notes: tuple[str, ...] = ()
+
+    def __hash__(self) -> int:
+        return hash((self.g, self.forces, self.given, self.flow))
+
+    @property
+    def parameters(self) -> tuple[sp.Symbol, ...]:
+        """The law's parameters that no slice fixes, in declaration order, then N."""
+        table = self.law.symbols()
+        own = [*(table[name] for name in self.law.parameters), *([] if self.magnitude is None else [self.magnitude])]
+        return tuple(s for s in own if s not in self.slice)
+
+    def gradient(self) -> tuple[sp.Expr, ...]:
+        """Partial derivatives of g by the forces; valid on smooth branches only."""
+        return tuple(sp.diff(self.g, x) for x in self.forces)
+
+    def at(self, values: Mapping[sp.Symbol, Any]) -> Problem:
+        """The problem with some symbols replaced by numbers."""
+        return _replaced(self, values, ())
+
+    def simplest(self) -> Problem:
+        """An equivalent slice: outer monotone maps dropped, invariant forces and scaling parameters fixed."""
+        plain = replace(self, g=without_outer_map(self.g))
+        return plain.quotient().dimensionless() if plain.flow is None else plain
+
+    def quotient(self) -> Problem:
+        """Forces set to 0 along directions in which g does not change (hydrostatic pressure for J2-J3 laws)."""
+        fixed: dict[sp.Symbol, Any] = {}
+        current, notes = self, []
+        while len(current.forces) > 1 and (directions := invariant_directions(current.g, current.forces)):
+            direction = directions[0]
+            pivot = next(x for x, v in zip(reversed(current.forces), reversed(direction), strict=True) if v != 0)
+            text = ", ".join(str(v) for v in direction)
+            notes.append(f"g does not change along ({text}): {pivot} = 0")
+            fixed[pivot] = sp.S.Zero
+            current = _replaced(current, {pivot: sp.S.Zero}, ())
+        return replace(current, notes=self.notes + tuple(notes))
+
+    def dimensionless(self) -> Problem:
+        """Positive parameters set to 1 where a change of units absorbs them (Buckingham's pi theorem)."""
+        candidates = [s for s in reversed(self.parameters) if s in self.g.free_symbols]
+        ones = removable((self.g,), self.given, [s for s in dict.fromkeys(candidates) if s.is_positive])
+        if not ones:
+            return self
+        note = f"{', '.join('|' + str(self.law.pressure) + '|' if s == self.magnitude else str(s) for s in ones)} = 1 by change of units"
+        return _replaced(self, dict.fromkeys(ones, sp.S.One), (note,))
+
+
+def _replaced(problem: Problem, values: Mapping[sp.Symbol, Any], notes: tuple[str, ...]) -> Problem:
+    given = tuple(r for r in (c.subs(values) for c in problem.given) if r is not sp.true)
+    return replace(
+        problem,
+        g=problem.g.subs(values),
+        forces=tuple(x for x in problem.forces if x not in values),
+        given=given,
+        flow=None if problem.flow is None else tuple(c.subs(values) for c in problem.flow),
+        slice={**problem.slice, **values},
+        notes=problem.notes + notes,
+    )
+
+
+def state(law: Criterion) -> Problem:
+    """The law's problem: fixed parameters in place, sigma_n replaced by -N."""
+    table = law.symbols()
+    fixed: dict[sp.Symbol, Any] = law.settled()
+    magnitude = None
+    swap: dict[sp.Symbol, Any] = dict(fixed)
+    if law.pressure is not None:
+        magnitude = symbol(f"abs_{law.pressure}", positive=True)
+        swap[table[law.pressure]] = -magnitude
+    free = [(table[n], d) for n, d in law.parameters.items() if d.value is None]
+    given = [r for x, d in free for r in d.relations(x)] + [c.subs(fixed) for c in law.constraints]
+    return Problem(
+        law=law,
+        g=algebraic_angles(law.g.subs(swap)),
+        forces=law.force_symbols(),
+        magnitude=magnitude,
+        given=tuple(r for r in given if r not in (sp.true, True)),
+        flow=None if law.flow is None else tuple(c.subs(swap) for c in law.flow),
+        slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
+    )
+
+
+def without_outer_map(g: sp.Expr) -> sp.Expr:
+    """g without positive factors and strictly increasing maps that keep 0, so that {g <= 0} stays the same set."""
+    while True:
+        core = g
+        if g.is_Mul:
+            core = sp.Mul(*(f for f in g.args if not f.is_positive))
+        elif g.is_Pow and g.exp.is_Integer and g.exp > 0 and g.exp % 2 == 1:
+            core = g.base
+        elif isinstance(g, sp.tanh | sp.atan):
+            core = g.args[0]
+        elif isinstance(g, sp.log) and g.args[0].is_extended_nonnegative:
+            core = g.args[0] - 1
+        elif g.is_Add and len(g.args) == 2:
+            core = _undone(*g.args)
+            for term, rest in (g.args, g.args[::-1]):
+                if isinstance(term, sp.log) and term.args[0].is_extended_positive and not rest.free_symbols & term.free_symbols:
+                    core = term.args[0] - sp.exp(-rest)
+        if core == g or not core.free_symbols:
+            return g
+        g = core
+
+
+def _undone(one: sp.Expr, two: sp.Expr) -> sp.Expr:
+    """exp(a) - exp(b) or exp(a) - c with c > 0, brought back under the exponential; any other sum as it is."""
+    for plus, minus in ((one, -two), (two, -one)):
+        if isinstance(plus, sp.exp) and minus.is_positive:
+            return plus.args[0] - sp.log(minus)
+    return one + two

@@ -1,0 +1,50 @@
+"""Laws whose set is star-shaped by their form: g = A - B with A, B homogeneous in the forces, of degrees a > b, B > 0.
+
+Then K = {0} with {r : r^(a-b) A/B <= 1 along each direction}, the gauge is (A/B)^(1/(a-b)), and on the boundary
+sigma . grad g = (a - b) A > 0 (Euler): the boundary is regular and seen from the origin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from duhem.expression.weights import degree
+from duhem.proof.statement.problem import Problem
+
+__all__ = ["Star", "star_form"]
+
+
+@dataclass(frozen=True)
+class Star:
+    """``upper`` = A, ``lower`` = B (g = A - B), ``order`` = a - b > 0; B > 0 and A > 0 remain to be shown."""
+
+    upper: sp.Expr
+    lower: sp.Expr
+    order: sp.Rational
+
+    def factors(self) -> tuple[tuple[sp.Expr, sp.Rational], ...]:
+        """The gauge as a product of powers: pairs (base, exponent)."""
+        raised = [(self.upper, 1 / self.order), (self.lower, -1 / self.order)]
+        found: dict[sp.Expr, sp.Rational] = {}
+        for expr, exponent in raised:
+            for factor in sp.Mul.make_args(sp.factor_terms(expr)):
+                base, power = (factor.base, factor.exp) if factor.is_Pow and factor.exp.is_Rational else (factor, sp.S.One)
+                found[base] = found.get(base, sp.S.Zero) + power * exponent
+        # A base that cancels between A and B stays, with exponent 0: that it is positive must still be shown.
+        return tuple((b, e) for b, e in found.items() if not (b.is_number and b.is_positive))
+
+
+def star_form(problem: Problem) -> Star | None:
+    """Split g by degree in the forces; None unless there are exactly two degrees."""
+    by_degree: dict[sp.Rational, list[sp.Expr]] = {}
+    for term in sp.Add.make_args(sp.expand(problem.g, deep=False)):
+        k = degree(term, problem.forces) if term.free_symbols & set(problem.forces) else sp.S.Zero
+        if k is None:
+            return None
+        by_degree.setdefault(k, []).append(term)
+    if len(by_degree) != 2:
+        return None
+    low, high = sorted(by_degree)
+    return Star(sp.Add(*by_degree[high]), -sp.Add(*by_degree[low]), high - low)

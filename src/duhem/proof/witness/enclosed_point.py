@@ -1,0 +1,108 @@
+"""Boundary points that are not rational, held between two rational ones.
+
+A bracket is a segment from a point inside K to one outside; by continuity the boundary crosses it.  What is shown in
+balls for the whole box around the segment holds at that boundary point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression.balls import ball, certain_sign, enclose, precision
+from duhem.proof.facts.case import Case
+from duhem.proof.verdict import Witness
+from duhem.proof.witness.points import Values, decimal_pair, describe, inside_domain, sign_at, values_at
+
+__all__ = ["Bracket", "bracketed", "enclosed_normal", "over_box", "violation"]
+
+_WIDTHS = (20, 40, 60, 90, 120)
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """``inside`` and ``outside`` (simple problem's forces), g <= 0 at the one and g > 0 at the other, both certain."""
+
+    parameters: Values
+    inside: tuple[Fraction, ...]
+    outside: tuple[Fraction, ...]
+
+
+def bracketed(case: Case, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], bits: int) -> Bracket | None:
+    """The crossing between ``start`` in K and ``end`` outside, narrowed 2^bits times; None if a sign stays open."""
+    low, high = Fraction(0), Fraction(1)
+
+    def at(s: Fraction) -> tuple[Fraction, ...]:
+        return tuple(a + s * (b - a) for a, b in zip(start, end, strict=True))
+
+    def inside(s: Fraction) -> bool | None:
+        sign, _ = sign_at(case.problem.g, values_at(case, parameters, at(s)))
+        return None if sign is None else sign <= 0
+
+    if inside(low) is not True or inside(high) is not False:
+        return None
+    for _ in range(bits):
+        middle = (low + high) / 2
+        here = inside(middle)
+        if here is None:
+            return None
+        low, high = (middle, high) if here else (low, middle)
+    return Bracket(parameters, at(low), at(high))
+
+
+def over_box(expr: sp.Expr, case: Case, bracket: Bracket, bits: int = 256) -> Any:
+    """Ball containing ``expr`` over the box spanned by the bracket (pressure and parameters exact)."""
+    a, b = values_at(case, bracket.parameters, bracket.inside), values_at(case, bracket.parameters, bracket.outside)
+    with precision(bits):
+        return enclose(expr, {x: ball(min(a[x], b[x]), max(a[x], b[x])) for x in a})
+
+
+def enclosed_normal(case: Case, bracket: Bracket) -> tuple[sp.Expr, ...] | None:
+    """Gradient of the one smooth branch of the simple problem that holds on the whole box; None on a seam."""
+    for piece in case.pieces or ():
+        if all(certain_sign(over_box(sign * switch, case, bracket)) == 1 for switch, sign in piece.signs.items()):
+            return tuple(sp.diff(piece.expr, x) for x in case.simple.forces)
+    return None
+
+
+def violation(
+    case: Case,
+    parameters: Values,
+    start: Sequence[Fraction],
+    end: Sequence[Fraction],
+    quantity: Callable[[Bracket], sp.Expr | None],
+    name: str,
+    statement: str,
+    wanted: int = -1,
+    target: Sequence[Fraction] | None = None,
+    measures: Callable[[Bracket], dict[str, float]] = lambda bracket: {},
+) -> Witness | None:
+    """A witness that ``quantity`` has the ``wanted`` sign at the boundary point between ``start`` and ``end``."""
+    if not inside_domain(case, values_at(case, parameters, start)):
+        return None
+    others: dict[str, dict[sp.Symbol, Fraction]] = {} if target is None else {"tau": values_at(case, parameters, target)}
+    if any(sign_at(case.problem.g, at)[0] not in (-1, 0) for at in others.values()):
+        return None
+    for bits in _WIDTHS:
+        bracket = bracketed(case, parameters, start, end, bits)
+        if bracket is None:
+            return None
+        expr = quantity(bracket)
+        if expr is None:
+            continue
+        value = over_box(expr, case, bracket)
+        if certain_sign(value) == wanted:
+            ends = {"inside": values_at(case, parameters, bracket.inside), "outside": values_at(case, parameters, bracket.outside)}
+            shown = {f"g({role})": decimal_pair(sign_at(case.problem.g, at)[1]) for role, at in {**ends, **others}.items()}
+            return Witness(
+                parameters=describe(case, ends["inside"], forces=False),
+                points={role: describe(case, at) for role, at in {**ends, **others}.items()},
+                values={**shown, name: decimal_pair(value)},
+                statement=statement,
+                measures=measures(bracket),
+            )
+    return None

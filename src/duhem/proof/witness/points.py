@@ -1,0 +1,90 @@
+"""The exact check that makes a refutation: signs of g at rational points, in balls of rising precision.
+
+Nothing is refuted by a float.  A candidate is made rational, evaluated in the law as stated (no simplification), and
+kept only if every sign is certain; where one stays open the candidate is dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression.balls import ball, certain_sign, enclose, precision
+from duhem.proof.facts.case import Case
+from duhem.proof.verdict import Witness
+
+__all__ = ["Values", "chord", "decimal_pair", "describe", "inside_domain", "sign_at", "values_at"]
+
+_PRECISIONS = (64, 128, 256, 512, 1024, 2048)
+
+Values = Mapping[sp.Symbol, Fraction]
+
+
+def values_at(case: Case, parameters: Values, point: Sequence[Fraction]) -> dict[sp.Symbol, Fraction]:
+    """Every symbol of the stated problem at a parameter choice and a point of the simple problem's force space."""
+    fixed = {x: Fraction(int(sp.Rational(v).p), int(sp.Rational(v).q)) for x, v in case.simple.slice.items()}
+    return {**fixed, **parameters, **dict(zip(case.simple.forces, point, strict=True))}
+
+
+def sign_at(expr: sp.Expr, values: Values) -> tuple[int | None, Any]:
+    """Certain sign of ``expr`` at exact values (None if no precision settles it) and the enclosure that shows it."""
+    enclosure = None
+    for bits in _PRECISIONS:
+        with precision(bits):
+            enclosure = enclose(expr, {x: ball(v) for x, v in values.items()})
+            if (sign := certain_sign(enclosure)) is not None:
+                return sign, enclosure
+    return None, enclosure
+
+
+def inside_domain(case: Case, values: Values) -> bool:
+    """Whether the parameter values satisfy every relation of the law's domain, in exact arithmetic."""
+    exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in values.items()}
+    positive = all(v > 0 for x, v in values.items() if x.is_positive) and all(v >= 0 for x, v in values.items() if x.is_nonnegative)
+    return positive and all(relation.subs(exact) in (sp.true, True) for relation in case.problem.given)
+
+
+def chord(case: Case, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction]) -> Witness | None:
+    """Non-convexity: g(p) <= 0, g(q) <= 0 and g > 0 at the midpoint, or None if that is not certain."""
+    middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
+    points = {"p": values_at(case, parameters, p), "q": values_at(case, parameters, q), "midpoint": values_at(case, parameters, middle)}
+    if not inside_domain(case, points["p"]):
+        return None
+    shown = {}
+    for role, values in points.items():
+        sign, enclosure = sign_at(case.problem.g, values)
+        if sign is None or (sign > 0) != (role == "midpoint"):
+            return None
+        shown[f"g({role})"] = decimal_pair(enclosure)
+    return Witness(
+        parameters=describe(case, points["p"], forces=False),
+        points={role: describe(case, values) for role, values in points.items()},
+        values=shown,
+        statement="g(p) <= 0 and g(q) <= 0, yet g > 0 at the midpoint of p and q: {g <= 0} is not convex",
+    )
+
+
+def describe(case: Case, values: Values, forces: bool = True) -> dict[str, str]:
+    """Exact strings by name: forces and pressure, or the parameters."""
+    law = case.law
+    if forces:
+        named = {str(x): str(values[x]) for x in case.problem.forces}
+        if law.pressure is not None and case.problem.magnitude is not None:
+            named[law.pressure] = str(-values.get(case.problem.magnitude, Fraction(1)))
+        return named
+    table = law.symbols()
+    return {name: str(values[table[name]]) for name in law.parameters if table[name] in values}
+
+
+def decimal_pair(enclosure: Any) -> tuple[str, str]:
+    """The ends of a ball in decimal with 17 digits, rounded outward."""
+    ends = []
+    for end, rounding in ((enclosure.lower(), ROUND_FLOOR), (enclosure.upper(), ROUND_CEILING)):
+        exact = end.fmpq()
+        context = Context(prec=17, rounding=rounding)
+        ends.append(str(context.divide(Decimal(int(exact.p)), Decimal(int(exact.q)))))
+    return ends[0], ends[1]

@@ -1,1 +1,0 @@
-"""A verification as text for people and as JSON for programs."""

@@ -1,6 +1,0 @@
-"""Error against run time: one increment by every method and solver, a path by every integrator, and cost a point at scale."""
-
-from duhem.workprecision.bench import SCENES, bench
-from duhem.workprecision.result import Result
-
-__all__ = ["SCENES", "Result", "bench"]
