@@ -23,16 +23,16 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
 
     A run that is interrupted keeps what is done in FILE.partial, and --resume goes on from there.
     """
-    from duhem import scene as scenes
+    from duhem.path import scene_file, scene_run
 
     try:
-        chosen = scenes.read(scene)
-    except scenes.SceneFaults as fault:
+        chosen = scene_file.read(scene)
+    except scene_file.SceneFaults as fault:
         for each in fault.faults:
             click.echo(f"duhem: {each}", err=True)
         return USAGE
     table, figure = out or chosen.table, plot or chosen.plot
-    scenes.check_outputs(table, figure, resume)
+    scene_run.check_outputs(table, figure, resume)
     if explain:
         for part in chosen.parts(table, figure):
             say(f"{'needed' if part.needed else 'left out'}: {part.part} ({part.reason})")
@@ -47,8 +47,8 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
                 progress.show(f"{done} of {steps} steps")
 
         try:
-            history = scenes.perform(chosen, table, resume, on_step)
-        except scenes.Stopped as stop:
+            history = scene_run.perform(chosen, table, resume, on_step)
+        except scene_run.Stopped as stop:
             progress.show("")
             click.echo(f"duhem: {stop}", err=True)
             return INTERRUPTED

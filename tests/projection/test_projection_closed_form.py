@@ -21,7 +21,7 @@ from duhem.law.shapes import Disk, Interval, Quadrants
 from duhem.projection import Status, closed_form, compiled, quadrants
 from duhem.projection.quadrants import BLOCK, Quarters
 from duhem.projection.validation import increment
-from projection_oracle import Exact, closest
+from tests.oracles.projection import Exact, closest
 
 EPS = 2.0**-52
 FIGURE_5 = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}

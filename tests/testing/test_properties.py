@@ -1,6 +1,6 @@
 """Every check of duhem.testing on duhem's own increments: every admissible law, every method that applies, parameters over their domain.
 
-`python -m pytest tests/test_properties.py --hypothesis-profile deep` draws a hundred times as much and takes an hour.
+`python -m pytest tests/testing/test_properties.py --hypothesis-profile deep` draws a hundred times as much and takes an hour.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.proof.verdict import Verdict
 from duhem.testing import Report, check, checks_for, conformance, pressures, projection
-from literature import KNOWN, THRESHOLDS
+from tests.oracles.literature import KNOWN, THRESHOLDS
 
 EPS = float(np.finfo(np.float64).eps)
 # What each method promises, relative; the rounding that ill-conditioned data cause comes on top (duhem.testing.question).

@@ -28,8 +28,8 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.result import Solution
-from path_reference import drive
-from projection_oracle import closest
+from tests.oracles.path import drive
+from tests.oracles.projection import closest
 
 FIGURE_5 = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 MU = tuple(FIGURE_5.values())

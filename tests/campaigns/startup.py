@@ -1,6 +1,6 @@
 """Whole-process time of `duhem verify antoni2007` beside `import sympy`, in alternation so that drift hits both alike.
 
-Run it with `python tests/benchmark_startup.py [ROUNDS]`; pytest does not collect it.
+Run it with `python -m tests.campaigns.startup [ROUNDS]`; pytest does not collect it.
 """
 
 import statistics

@@ -1,11 +1,11 @@
-"""Exact paths against 30 digits on as many random polygons as asked for: python tests/exact_path_campaign.py 100"""
+"""Exact paths against 30 digits on as many random polygons as asked for: python -m tests.campaigns.exact_paths 100"""
 
 import sys
 
 import numpy as np
 
-from path_reference import drive
-from test_exact_path import exact, polygon
+from tests.oracles.path import drive
+from tests.path.test_exact_path import exact, polygon
 
 
 def worst(seed: int) -> float:

@@ -13,7 +13,7 @@ from duhem.expression import Neg, Norm, Pos, Where, symbol
 from duhem.expression.balls import ball, enclose
 from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.decide import Answer, Question, Sense, decide
-from reevaluation import confirmed
+from tests.oracles.reevaluation import confirmed
 
 x, y, z = (symbol(name) for name in "xyz")
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED

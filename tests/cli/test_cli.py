@@ -157,9 +157,9 @@ def test_progress_only_on_a_terminal(run: Run, monkeypatch: pytest.MonkeyPatch) 
 INTERRUPTED = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # where whoever started the tests ignores it
-from duhem import verification
+from duhem.proof import verification
 from duhem.__main__ import main
-from duhem.verdict import Verdict
+from duhem.proof.verdict import Verdict
 
 def slow(law, parameters=None, claims=None, *, on_claim):
     on_claim(verification.ClaimResult("origin", Verdict.PROVED, "by hand", "all parameters", 0.1, "made up", None))
@@ -289,7 +289,7 @@ def test_a_law_in_a_module_beside_the_user(tmp_path: Path) -> None:
 
 
 def test_doctor_lists_what_the_project_declares(run: Run) -> None:
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text("utf-8"))["project"]
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text("utf-8"))["project"]
 
     def names(requirements: list[str]) -> set[str]:
         return {re.split(r"[\[><=~!; ]", r)[0] for r in requirements} - {"duhem"}

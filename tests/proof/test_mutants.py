@@ -29,7 +29,7 @@ from duhem.proof.decide import Answer, Question, Sense, decide
 from duhem.proof.facts.case import Case
 from duhem.proof.facts.polar_form import Profile
 from duhem.proof.facts.regularity import Regularity
-from reevaluation import confirmed
+from tests.oracles.reevaluation import confirmed
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
 

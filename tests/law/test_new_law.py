@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 NEW_LAW = '''\
 """Friction with tilted axes: g = |(sigma_a + tilt sigma_b, sigma_b)|/mu - |sigma_n|.
 
@@ -33,7 +33,7 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of src with one file more."""
     copy = tmp_path_factory.mktemp("with_new_law") / "src"
     shutil.copytree(ROOT / "src", copy, ignore=shutil.ignore_patterns("__pycache__"))
-    (copy / "duhem" / "criteria" / "tilted_ellipse.py").write_text(NEW_LAW, "utf-8")
+    (copy / "duhem" / "law" / "builtin" / "tilted_ellipse.py").write_text(NEW_LAW, "utf-8")
     return copy
 
 
@@ -65,6 +65,6 @@ def test_verify(source: Path) -> None:
 
 
 def test_the_tests_over_all_laws_take_it_up_and_pass(source: Path) -> None:
-    said = run(source, "-m", "pytest", "-p", "no:cacheprovider", "-q", "-k", "tilted-ellipse or tilted_ellipse", "tests/test_laws.py")
+    said = run(source, "-m", "pytest", "-p", "no:cacheprovider", "-q", "-k", "tilted-ellipse or tilted_ellipse", "tests/law/test_laws.py")
     passed = re.search(r"(\d+) passed", said)
     assert passed and int(passed[1]) >= 2, said

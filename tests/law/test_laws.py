@@ -21,7 +21,7 @@ from duhem.law.builtin.lobes import lobe_law
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion, Domain, exact_number
 from duhem.proof.verdict import Verdict
-from literature import CLAIMS, KNOWN, LOBES, OUTSIDE, THRESHOLDS
+from tests.oracles.literature import CLAIMS, KNOWN, LOBES, OUTSIDE, THRESHOLDS
 
 MODULES = [importlib.import_module(f"duhem.law.builtin.{found.name}") for found in pkgutil.iter_modules(duhem.law.builtin.__path__)]
 LAWS = {law.name: law for module in MODULES for law in vars(module).values() if isinstance(law, Criterion)}

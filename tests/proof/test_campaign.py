@@ -1,4 +1,4 @@
-"""A fixed part of the campaign: no wrong answer, and few open ones; the whole is ``python tests/campaign.py``."""
+"""A fixed part of the campaign: no wrong answer, and few open ones; the whole is ``python -m tests.campaigns.verdicts``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from campaign import FAMILIES, Outcome, T, judge, nonnegative_on_the_line, trials
+from tests.campaigns.verdicts import FAMILIES, Outcome, T, judge, nonnegative_on_the_line, trials
 
 TRIALS = list(trials(54, seed=2))
 
@@ -65,7 +65,7 @@ def test_nonnegativity_is_decided_exactly(p: sp.Expr, true: bool) -> None:
 
 def test_thresholds_lie_where_the_theory_says() -> None:
     """x^4 + c x^2 y^2 + y^4 is convex on 0 <= c <= 6; 1 + e cos k theta as a gauge for e <= 1/(k^2 - 1)."""
-    from campaign import _bend, _half_angle, _on_line
+    from tests.campaigns.verdicts import _bend, _half_angle, _on_line
 
     x, y = sp.symbols("x y", real=True)
     for c, convex in ((0, True), (6, True), (3, True), (Fraction(6) + Fraction(1, 10**12), False), (Fraction(-1, 10**12), False)):

@@ -3,7 +3,7 @@
 The truth is decided here, in exact rational arithmetic, from the geometry of each family: real roots counted for
 curves, vertices and areas for polygons, a distance for ellipses.  Nothing of duhem takes part in it.
 
-    python tests/campaign.py --count 500 --seed 1
+    python -m tests.campaigns.verdicts --count 500 --seed 1
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any
 import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, Verdict, Verification, verify
-from reevaluation import confirmed
+from tests.oracles.reevaluation import confirmed
 
 __all__ = ["FAMILIES", "Outcome", "Trial", "judge", "nonnegative_on_the_line", "trials"]
 

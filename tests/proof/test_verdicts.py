@@ -1,6 +1,6 @@
 """Every built-in law gets the literature's verdict, with witnesses that hold in another arithmetic, by engines that agree.
 
-``python tests/test_verdicts.py`` prints the table with times.
+``python -m tests.proof.test_verdicts`` prints the table with times.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from duhem.proof.claims import CLAIMS as REGISTERED
 from duhem.proof.facts.case import Case
 from duhem.proof.methods import chords, composition, corners, evaluation, flow, implicit, polar, polyhedral
 from duhem.proof.verdict import Evidence
-from literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
-from reevaluation import confirmed
+from tests.oracles.literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
+from tests.oracles.reevaluation import confirmed
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
 Engine = Callable[[Case], Evidence | None]

@@ -10,8 +10,9 @@ import pytest
 from click.testing import CliRunner
 
 import duhem
-from duhem import InputError, scene
+from duhem import InputError
 from duhem.cli import cli
+from duhem.path import scene_file, scene_run
 
 LINE = """\
 law = "antoni2007-1d"
@@ -68,7 +69,7 @@ def test_a_scene_is_the_call_it_stands_for():
     mu = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
     path = duhem.Path.random(seed=3, points=40, scale=0.3, pressure=-1.0)
     called = duhem.simulate("antoni2007", path, stiffness=[1.0, 2.0], parameters=mu, method="exact")
-    assert np.array_equal(scene.reads(PLANE).run().to_array(), called.to_array())
+    assert np.array_equal(scene_file.reads(PLANE).run().to_array(), called.to_array())
 
 
 @pytest.mark.parametrize(
@@ -84,7 +85,7 @@ def test_a_scene_is_the_call_it_stands_for():
 def test_every_kind_of_path(tmp_path, path):
     (tmp_path / "t.csv").write_text("time,u_a,u_b,sigma_n\n0,0,0,-1\n1,1,0.5,-2\n")
     head, _, _ = PLANE.partition("[path]")
-    history = scene.reads(f"{head}[path]\n{path}\n", folder=tmp_path).run()
+    history = scene_file.reads(f"{head}[path]\n{path}\n", folder=tmp_path).run()
     assert len(history) >= 2 and np.isfinite(history.to_array()).all()
 
 
@@ -100,8 +101,8 @@ substeps = 0
 [output]
 table = "h.xls"
 """
-    with pytest.raises(scene.SceneFaults) as caught:
-        scene.reads(text, where="s.toml")
+    with pytest.raises(scene_file.SceneFaults) as caught:
+        scene_file.reads(text, where="s.toml")
     found = [str(fault) for fault in caught.value.faults]
     for place, word in [
         ("s.toml:1:1", "did you mean antoni2007"),
@@ -134,8 +135,8 @@ table = "h.xls"
     ],
 )
 def test_each_mistake_has_its_line(old, new, line, word):
-    with pytest.raises(scene.SceneFaults) as caught:
-        scene.reads(PLANE.replace(old, new, 1), where="s.toml")
+    with pytest.raises(scene_file.SceneFaults) as caught:
+        scene_file.reads(PLANE.replace(old, new, 1), where="s.toml")
     assert any(fault.where.startswith(f"s.toml:{line}:") and word in str(fault) for fault in caught.value.faults), caught.value.faults
 
 
@@ -143,7 +144,7 @@ def test_a_file_that_is_no_scene(tmp_path):
     (tmp_path / "bad.toml").write_bytes(b"\xff\xfe")
     for name in ("bad.toml", "none.toml"):
         with pytest.raises(InputError, match=name):
-            scene.read(tmp_path / name)
+            scene_file.read(tmp_path / name)
 
 
 # -- the command --------------------------------------------------------------------------------------------------
@@ -169,7 +170,7 @@ def test_the_command_lists_mistakes_line_by_line(folder):
 )
 def test_outputs_are_checked_before_the_run(folder, options, message, monkeypatch):
     pytest.importorskip("matplotlib")
-    monkeypatch.setattr(scene, "perform", lambda *_: pytest.fail("the run began"))
+    monkeypatch.setattr(scene_run, "perform", lambda *_: pytest.fail("the run began"))
     found = run(folder / "plane.toml", *options)
     assert isinstance(found.exception, InputError) and message in str(found.exception)
 
@@ -251,6 +252,6 @@ def test_the_line_is_the_plane_restricted_to_it():
     plane = PLANE.replace("0.2\n", "0.33\n").replace("0.08", "0.29").replace("[1.0, 2.0]", "2.0")
     head, _, _ = plane.partition("[path]")
     tail = LINE.partition("[path]")[2].replace("amplitude = 1.0", "amplitude = [1.0, 0.0]")
-    one, two = scene.reads(LINE).run(), scene.reads(f"{head}[path]{tail}").run()
+    one, two = scene_file.reads(LINE).run(), scene_file.reads(f"{head}[path]{tail}").run()
     assert np.abs(one.stress[:, 0] - two.stress[:, 0]).max() < 1e-15 and not two.stress[:, 1].any()
     assert np.abs(one.dissipation - two.dissipation).max() < 1e-14

@@ -8,7 +8,7 @@ import pytest
 from duhem import Path, simulate
 from duhem.path.arc import on_disk
 from duhem.path.straight import on_ellipse
-from path_reference import drive
+from tests.oracles.path import drive
 
 NAMES = ("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus")
 

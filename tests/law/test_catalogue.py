@@ -23,7 +23,7 @@ def modules_after(code: str) -> set[str]:
 
 
 def test_names_match_the_files() -> None:
-    files = {p.stem.replace("_", "-") for p in Path(duhem.__path__[0], "criteria").glob("*.py") if p.stem != "__init__"}
+    files = {p.stem.replace("_", "-") for p in Path(duhem.__path__[0], "law", "builtin").glob("*.py") if p.stem != "__init__"}
     assert files
     assert files <= set(LAWS)
     assert {"antoni2007", "antoni2007-1d", "coulomb"} <= set(LAWS)
@@ -104,7 +104,7 @@ def test_laws_of_other_distributions(tmp_path: Path) -> None:
     info = tmp_path / "outside-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: outside\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[duhem.law.builtin]\nouter = outside_laws:outer\n")
+    (info / "entry_points.txt").write_text("[duhem.criteria]\nouter = outside_laws:outer\n")
     (tmp_path / "outside_laws.py").write_text(
         "from duhem import Criterion, POSITIVE\n"
         "outer = Criterion(name='outer', g='norm(sigma_a, sigma_b)/mu + sigma_n', parameters={'mu': POSITIVE})\n"

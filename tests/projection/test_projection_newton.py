@@ -1,6 +1,6 @@
 """The generic projector against closed forms, brute force, high precision and its own optimality conditions.
 
-``python tests/test_projection_newton.py`` runs the campaign of yield surfaces in full: 10^4 directions a law and step.
+``python -m tests.projection.test_projection_newton`` runs the campaign of yield surfaces in full: 10^4 directions a law and step.
 """
 
 from __future__ import annotations
