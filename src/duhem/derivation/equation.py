@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from duhem.derivation.notation import Names
+from duhem.show.printing import latex, markdown, text
 
 __all__ = ["Belongs", "Derivation", "Equation"]
 
@@ -73,18 +74,12 @@ class Derivation:
 
     def text(self) -> str:
         """Plain text; formulas in the vocabulary of criterion files."""
-        from duhem.derivation.printing import text
-
         return text(self)
 
     def markdown(self) -> str:
         """Markdown with LaTeX formulas between dollar signs."""
-        from duhem.derivation.printing import markdown
-
         return markdown(self)
 
     def latex(self) -> str:
         """A complete LaTeX document that needs amsmath only."""
-        from duhem.derivation.printing import latex
-
         return latex(self)

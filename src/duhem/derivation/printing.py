@@ -15,8 +15,9 @@ from sympy.printing.str import StrPrinter
 from duhem.derivation.equation import Derivation, Equation
 from duhem.derivation.notation import Names
 from duhem.derivation.support_function import compression
+from duhem.show.printing import latex, markdown, text
 
-__all__ = ["latex", "markdown", "text"]
+__all__ = ["as_latex", "as_markdown", "as_text"]
 
 
 def _shown(expr: sp.Basic, names: Names) -> sp.Basic:
@@ -131,7 +132,8 @@ def _formula(equation: Equation, names: Names) -> str:
     return str(_printer(names).doprint(_shown(equation.relation, names)))
 
 
-def text(derivation: Derivation) -> str:
+@text.register(Derivation)
+def as_text(derivation: Derivation) -> str:
     """Plain text, one block per section."""
     lines = [f"Derivation of {derivation.law}", ""]
     printer = _Text()
@@ -145,7 +147,8 @@ def text(derivation: Derivation) -> str:
     return "\n".join(lines) + "\n"
 
 
-def markdown(derivation: Derivation) -> str:
+@markdown.register(Derivation)
+def as_markdown(derivation: Derivation) -> str:
     """Markdown; formulas in LaTeX."""
     lines = [f"# Derivation of {derivation.law}", ""]
     for section, group in groupby(derivation.equations, key=lambda e: e.section):
@@ -165,7 +168,8 @@ def _prose(words: str) -> str:
     return "".join(_ESCAPES.get(c, c) for c in words)
 
 
-def latex(derivation: Derivation) -> str:
+@latex.register(Derivation)
+def as_latex(derivation: Derivation) -> str:
     """A complete document for pdflatex; amsmath is its only package."""
     lines = [
         r"\documentclass[a4paper]{article}",

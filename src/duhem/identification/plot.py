@@ -9,17 +9,18 @@ import numpy as np
 
 from duhem.errors import InputError, MissingExtraError
 from duhem.expression.numpy_ import evaluate
+from duhem.identification.result import Identification
+from duhem.show.printing import draw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from duhem.identification.result import Identification
 
 __all__ = ["save"]
 
 _GRID = 241
 
 
+@draw.register(Identification)
 def save(done: Identification, file: str | PathLike[str]) -> None:
     """Forces over |sigma_n| and the boundary of K at the median pressure, in the format that the file's ending names.
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.identification.points import Points
 from duhem.law.formula_law import Criterion
+from duhem.show.printing import draw, text
 from duhem.version import __version__
 
 if TYPE_CHECKING:
@@ -161,8 +162,6 @@ class Identification:
 
     def to_text(self) -> str:
         """The result for people."""
-        from duhem.identification.text import text
-
         return text(self)
 
     def to_toml(self, file: str | PathLike[str]) -> None:
@@ -178,9 +177,7 @@ class Identification:
 
     def plot(self, file: str | PathLike[str]) -> None:
         """Draw points, criterion and outliers into a file (extra ``plot``)."""
-        from duhem.identification.plot import save
-
-        save(self, file)
+        draw(self, file)
 
 
 def _known(x: float) -> float | None:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from duhem.identification.result import Estimate, Identification
+from duhem.identification.result import Estimate, Identification
+from duhem.show.printing import text
 
-__all__ = ["text"]
+__all__ = ["as_text"]
 
 WIDTH = 96
 _FIELD = len("admissible")
 
 
-def text(done: Identification) -> str:
+@text.register(Identification)
+def as_text(done: Identification) -> str:
     """Coefficients with their uncertainty, what was minimised, outliers, and what is proved of the fitted law."""
     law = done.family
     lines = [f"{law.name}: {law.summary}" if law.summary else law.name]
