@@ -20,12 +20,13 @@ from duhem.__main__ import main
 from duhem.cli import installation as doctor
 from duhem.errors import MissingExtraError
 from duhem.law import catalogue
+from duhem.left_out import LeftOut
 from duhem.proof import report_json as json_report
 from duhem.proof import report_text as text_report
 from duhem.proof import verification
 from duhem.proof.claims import CLAIMS
 from duhem.proof.verdict import Verdict, Witness
-from duhem.proof.verification import ClaimResult, LeftOut, Verification
+from duhem.proof.verification import ClaimResult, Verification
 
 SOURCE = Path(duhem.__path__[0]).parent
 Run = Callable[..., tuple[int, str, str]]
@@ -159,6 +160,7 @@ import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # where whoever started the tests ignores it
 from duhem.proof import verification
 from duhem.__main__ import main
+from duhem.left_out import LeftOut
 from duhem.proof.verdict import Verdict
 
 def slow(law, parameters=None, claims=None, *, on_claim):

@@ -19,23 +19,16 @@ from duhem.benchmark.reference import Closest
 from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
 from duhem.law.formula_law import Criterion, Domain
+from duhem.left_out import LeftOut
 from duhem.projection.increment import Increment
 from duhem.projection.project import METHODS, project
 from duhem.projection.result import Array, Projection, Solution
 from duhem.projection.validation import increment
 
-__all__ = ["Contender", "LeftOut", "Subject", "contenders", "machine"]
+__all__ = ["Contender", "Subject", "contenders", "machine"]
 
 CONIC_SOLVERS = ("CLARABEL", "CVXOPT", "ECOS", "OSQP", "QOCO", "SCS")
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "cvxpy", "clarabel", "numba", "cvxopt", "ecos", "osqp", "qoco", "scs")
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """A part that was not measured, and why."""
-
-    part: str
-    reason: str
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load, load_formula
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.formula_law import Criterion
+from duhem.left_out import LeftOut
 
 __all__ = ["derive"]
 
@@ -38,26 +39,28 @@ def derive(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, s
         return own
     stated = fixed(load_formula(chosen), parameters)
     names = Names.of(stated, stiffness)
-    left_out: list[tuple[str, str]] = []
+    left_out: list[LeftOut] = []
     return Derivation(stated.name, tuple(_equations(stated, names, left_out)), tuple(left_out), names)
 
 
-def _equations(law: Criterion, names: Names, left_out: list[tuple[str, str]]) -> Iterator[Equation]:
-    left_out.append(("thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)", "isothermal law, no equation contains a temperature"))
-    left_out.append(("further internal variables chi_3 ... chi_n of Eq. (24)", "the law has none"))
+def _equations(law: Criterion, names: Names, left_out: list[LeftOut]) -> Iterator[Equation]:
+    left_out.append(
+        LeftOut("thermal block: T_C, s_C, heat fluxes and D_th of Eq. (23)", "isothermal law, no equation contains a temperature")
+    )
+    left_out.append(LeftOut("further internal variables chi_3 ... chi_n of Eq. (24)", "the law has none"))
     yield from state_equations(names)
     found = pieces(law)
     if found is None:
-        left_out.append(("normal and criterion by branches", f"the formula has more than {MOST} branches"))
+        left_out.append(LeftOut("normal and criterion by branches", f"the formula has more than {MOST} branches"))
     yield from evolution_equations(names, found)
     if law.flow is not None:
-        left_out.append(("dissipation potential", "the law has a flow of its own, which no potential of K gives"))
+        left_out.append(LeftOut("dissipation potential", "the law has a flow of its own, which no potential of K gives"))
     elif (support := support_function(law)) is None:
-        left_out.append(("dissipation potential", "K has no support function in closed form by the polar rules"))
+        left_out.append(LeftOut("dissipation potential", "K has no support function in closed form by the polar rules"))
     else:
         yield from potential_equations(names, support)
     yield from increment_equations(names, found)
     yield from one_dimensional_equations(names)
     for force in names.forces:
         if interval(law, force) is None:
-            left_out.append((f"reduction to {force} alone", "K on that line is unbounded or has no closed form"))
+            left_out.append(LeftOut(f"reduction to {force} alone", "K on that line is unbounded or has no closed form"))

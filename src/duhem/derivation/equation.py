@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from duhem.derivation.notation import Names
+from duhem.left_out import LeftOut
 from duhem.show.printing import latex, markdown, text
 
 __all__ = ["Belongs", "Derivation", "Equation"]
@@ -44,12 +45,12 @@ class Equation:
 class Derivation:
     """What follows from one law's formula.  ``derivation["state_law"]`` is the equation of that name.
 
-    ``left_out`` lists (part, reason) for what the law does not need or has no closed form for.
+    ``left_out`` lists part and reason of what the law does not need or has no closed form for.
     """
 
     law: str
     equations: tuple[Equation, ...]
-    left_out: tuple[tuple[str, str], ...]
+    left_out: tuple[LeftOut, ...]
     names: Names
 
     def __getitem__(self, name: str) -> Equation:

@@ -15,6 +15,7 @@ from duhem.derivation.notation import Names
 from duhem.errors import DuhemError
 from duhem.expression import symbol
 from duhem.law.catalogue import load_formula
+from duhem.left_out import LeftOut
 from duhem.micromodel.facets import DELTA, F_0, HEIGHT, K_N, MU, SLOPE, U, apparent, averages, height, sliding, spring_force
 from duhem.micromodel.proofs import asymmetry, load, proofs
 from duhem.proof.verdict import Evidence, Verdict
@@ -53,8 +54,8 @@ def derive() -> Derivation:
         raise DuhemError(f"the micro-model's {', '.join(open_)} could not be proved")
     names = Names.of(load_formula("antoni2007-1d"))
     left_out = (
-        ("flexural stiffness of the springs", "taken as infinite: the springs only contract and release"),
-        ("oblique slip", "the law wedge has its boundary curve; here slip is along t_a"),
+        LeftOut("flexural stiffness of the springs", "taken as infinite: the springs only contract and release"),
+        LeftOut("oblique slip", "the law wedge has its boundary curve; here slip is along t_a"),
     )
     return Derivation("the wedge micro-model", tuple(_equations(found)), left_out, replace(names, latex=names.latex | _LATEX))
 

@@ -15,6 +15,7 @@ from duhem.law.catalogue import load
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
+from duhem.left_out import LeftOut
 from duhem.proof.claims import CLAIMS
 from duhem.proof.decide import Question, Sense, decide
 from duhem.proof.facts.case import Case
@@ -23,7 +24,7 @@ from duhem.proof.facts.regularity import regularity
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.version import __version__
 
-__all__ = ["ClaimResult", "LeftOut", "Verification", "verify"]
+__all__ = ["ClaimResult", "Verification", "verify"]
 
 
 @dataclass(frozen=True)
@@ -49,14 +50,6 @@ class ClaimResult:
             "detail": self.detail,
             "witness": None if self.witness is None else self.witness.to_dict(),
         }
-
-
-@dataclass(frozen=True)
-class LeftOut:
-    """A part of the examination this law does not need, and why."""
-
-    part: str
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -100,7 +93,7 @@ class Verification:
             "claims": [r.to_dict() for r in self.results],
             "generalized_standard": self.generalized_standard,
             "dissipative": self.dissipative,
-            "left_out": [{"part": x.part, "reason": x.reason} for x in self.left_out],
+            "left_out": [x.to_dict() for x in self.left_out],
             "remarks": list(self.remarks),
         }
 

@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, LeftOut, Subject, contenders, machine
+from duhem.benchmark.contenders import Contender, Subject, contenders, machine
 from duhem.benchmark.extreme_cases.cases import AXES, Case, cases
 from duhem.benchmark.extreme_cases.judge import Judged, judged
 from duhem.benchmark.extreme_cases.refusals import Refusal, refusals
 from duhem.benchmark.reference import Answer, Closest, NoReference
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.left_out import LeftOut
 from duhem.projection import Status
 
 __all__ = ["Result", "Row", "stress"]
@@ -86,7 +87,7 @@ class Result:
             "rows": [asdict(row) for row in self.rows],
             "refusals": [asdict(refusal) for refusal in self.refusals],
             "silently_wrong": {m: {"stress": a, "slip": b} for m, (a, b) in self.silently_wrong.items()},
-            "left_out": [asdict(part) for part in self.left_out],
+            "left_out": [part.to_dict() for part in self.left_out],
         }
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, LeftOut, Subject, contenders, machine
+from duhem.benchmark.contenders import Contender, Subject, contenders, machine
 from duhem.benchmark.reference import NoReference
 from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
@@ -14,6 +14,7 @@ from duhem.benchmark.work_precision import throughput
 from duhem.benchmark.work_precision.result import Result, Row
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.left_out import LeftOut
 
 __all__ = ["SCENES", "bench"]
 

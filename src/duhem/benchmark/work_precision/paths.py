@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from duhem.benchmark.contenders import LeftOut, Subject
+from duhem.benchmark.contenders import Subject
 from duhem.benchmark.reference import Drive, Driven, distance
 from duhem.benchmark.work_precision.result import Row
 from duhem.benchmark.work_precision.timing import timed
 from duhem.errors import DuhemError
+from duhem.left_out import LeftOut
 from duhem.path.loading import Path
 from duhem.path.simulate import METHODS, simulate
 from duhem.projection.result import Array

@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from duhem.benchmark.contenders import LeftOut
+from duhem.left_out import LeftOut
 
 __all__ = ["Result", "Row", "Spread", "Target"]
 
@@ -95,7 +95,7 @@ class Result:
             "reference": self.reference,
             "rows": [asdict(row) for row in self.rows],
             "targets": [asdict(target) | {"holds": target.holds} for target in self.targets],
-            "left_out": [asdict(part) for part in self.left_out],
+            "left_out": [part.to_dict() for part in self.left_out],
         }
         return {key: _finite(value) for key, value in plain.items()}
 

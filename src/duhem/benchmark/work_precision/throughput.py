@@ -19,9 +19,10 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.benchmark.contenders import Contender, LeftOut, Subject
+from duhem.benchmark.contenders import Contender, Subject
 from duhem.benchmark.work_precision.result import Row, Spread, Target
 from duhem.benchmark.work_precision.timing import timed
+from duhem.left_out import LeftOut
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 
