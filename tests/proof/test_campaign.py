@@ -8,7 +8,11 @@ from functools import cache
 import pytest
 import sympy as sp
 
-from tests.campaigns.verdicts import FAMILIES, Outcome, T, judge, nonnegative_on_the_line, trials
+from tests.campaigns.families.table import FAMILIES, trials
+from tests.campaigns.verdicts import Outcome, judge
+from tests.oracles.fourier_series import half_angle
+from tests.oracles.level_curve import curvature_form, on_line
+from tests.oracles.real_line import T, nonnegative_on_the_line
 
 TRIALS = list(trials(54, seed=2))
 
@@ -65,13 +69,11 @@ def test_nonnegativity_is_decided_exactly(p: sp.Expr, true: bool) -> None:
 
 def test_thresholds_lie_where_the_theory_says() -> None:
     """x^4 + c x^2 y^2 + y^4 is convex on 0 <= c <= 6; 1 + e cos k theta as a gauge for e <= 1/(k^2 - 1)."""
-    from tests.campaigns.verdicts import _bend, _half_angle, _on_line
-
     x, y = sp.symbols("x y", real=True)
     for c, convex in ((0, True), (6, True), (3, True), (Fraction(6) + Fraction(1, 10**12), False), (Fraction(-1, 10**12), False)):
         form = x**4 + sp.Rational(*Fraction(c).as_integer_ratio()) * x**2 * y**2 + y**4
-        assert nonnegative_on_the_line(_on_line(_bend(form, form))) is convex
+        assert nonnegative_on_the_line(on_line(curvature_form(form, form))) is convex
     for k in range(2, 6):
         for excess, convex in ((Fraction(0), True), (Fraction(1, 10**12), False), (Fraction(-1, 10**12), True)):
             series = {0: (Fraction(1), Fraction(0)), k: (Fraction(1, k * k - 1) + excess, Fraction(0))}
-            assert nonnegative_on_the_line(_half_angle(series, lambda j: Fraction(1 - j * j))) is convex
+            assert nonnegative_on_the_line(half_angle(series, lambda j: Fraction(1 - j * j))) is convex
