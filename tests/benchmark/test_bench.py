@@ -22,7 +22,7 @@ from duhem.__main__ import main
 from duhem.benchmark.contenders import Contender, Subject, contenders
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
 from duhem.benchmark.work_precision import bench
-from duhem.benchmark.work_precision.result import Result, Row, Spread, Target
+from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
 from duhem.benchmark.work_precision.text import duration, text
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
@@ -202,19 +202,19 @@ def broken() -> Contender:
 
 
 @pytest.fixture(scope="module")
-def increments() -> Result:
+def increments() -> WorkPrecision:
     lineup = [Contender.of("closed-form", "closed-form"), Skewed.made(), broken()]
     return bench(coulomb(), scenes=("increment",), repeats=2, lineup=lineup)
 
 
-def test_a_wrong_method_shows_its_error(increments: Result) -> None:
+def test_a_wrong_method_shows_its_error(increments: WorkPrecision) -> None:
     rows = {row.method: row for row in increments.rows}
     assert rows["closed-form"].error["stress"] <= 1e-15 and rows["closed-form"].flagged == 0
     assert rows["skewed"].error["stress"] == pytest.approx(1e-3, rel=1e-9)
     assert rows["skewed"].flagged == 4  # by the residuals
 
 
-def test_a_method_that_raises_is_listed_as_failed(increments: Result) -> None:
+def test_a_method_that_raises_is_listed_as_failed(increments: WorkPrecision) -> None:
     row = next(row for row in increments.rows if row.method == "broken")
     assert row.failure == "RuntimeError: the solver went away"
     assert row.seconds is None and row.error == {}
@@ -224,10 +224,10 @@ def test_a_method_that_raises_is_listed_as_failed(increments: Result) -> None:
 
 
 def test_nothing_but_failures_is_a_failure() -> None:
-    assert Result("x", "", {}, 1, (Row("path", "m", "", failure="no"),), (), {}, (), False).failed
+    assert WorkPrecision("x", "", {}, 1, (Measurement("path", "m", "", failure="no"),), (), {}, (), False).failed
 
 
-def test_json_has_every_row_with_its_spread(increments: Result) -> None:
+def test_json_has_every_row_with_its_spread(increments: WorkPrecision) -> None:
     found = json.loads(json.dumps(increments.to_dict(), allow_nan=False))
     assert set(found) == {
         "law", "subject", "machine", "repeats", "interrupted", "reference", "rows", "targets", "left_out",
@@ -296,7 +296,7 @@ def test_targets_and_spreads() -> None:
 
 
 def test_an_interrupted_run_keeps_what_is_done() -> None:
-    def stop(row: Row) -> None:
+    def stop(row: Measurement) -> None:
         raise KeyboardInterrupt
 
     result = bench(coulomb(), scenes=("increment", "path"), repeats=1, on_row=stop)
@@ -365,7 +365,7 @@ def test_command_says_when_it_was_interrupted(run: Run, monkeypatch: pytest.Monk
     from duhem.benchmark.work_precision import increments as increment
 
     def stopped(*_: Any) -> Any:
-        yield Row("increment", "closed-form", "", {"stress": 0.0, "slip": 0.0}, Spread(1.0, 1.0, 1.0, 1))
+        yield Measurement("increment", "closed-form", "", {"stress": 0.0, "slip": 0.0}, Spread(1.0, 1.0, 1.0, 1))
         raise KeyboardInterrupt
 
     monkeypatch.setattr(increment, "rows", stopped)

@@ -23,7 +23,7 @@ from duhem.benchmark.extreme_cases import AXES, cases, stress
 from duhem.benchmark.extreme_cases.cases import aspect
 from duhem.benchmark.extreme_cases.judge import digits
 from duhem.benchmark.extreme_cases.refusals import refusals
-from duhem.benchmark.extreme_cases.stress import Result, Row
+from duhem.benchmark.extreme_cases.stress import ExtremeCases, Tally
 from duhem.benchmark.extreme_cases.text import text
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
@@ -87,7 +87,7 @@ def gone(done: Projection) -> Projection:
 
 
 @pytest.fixture(scope="module")
-def doctored() -> Result:
+def doctored() -> ExtremeCases:
     changes = {"skewed": skewed, "skewed and said": skewed_and_said, "lost": lost, "gone": gone}
     lineup = [Contender.of("closed-form", "closed-form"), *(Doctored.made(n, c) for n, c in changes.items())]
     return stress(flagship(), axes=("trial size",), lineup=lineup)
@@ -146,7 +146,7 @@ def test_digits() -> None:
     assert digits([0.0], [mpmath.mpf("1e-330")], one) == 16.0  # below what any double tells apart
 
 
-def test_poor_and_not_flagged_is_silently_wrong(doctored: Result) -> None:
+def test_poor_and_not_flagged_is_silently_wrong(doctored: ExtremeCases) -> None:
     points = sum(row.points for row in doctored.rows if row.method == "skewed")
     assert points > 0
     assert doctored.silently_wrong["skewed"] == (points, 0)
@@ -158,7 +158,7 @@ def test_poor_and_not_flagged_is_silently_wrong(doctored: Result) -> None:
     assert all(row.flagged == row.points for row in said)
 
 
-def test_numbers_that_are_not_finite_and_errors(doctored: Result) -> None:
+def test_numbers_that_are_not_finite_and_errors(doctored: ExtremeCases) -> None:
     rows = [row for row in doctored.rows if row.method == "lost"]
     assert all((row.finite, row.stress_digits, row.wrong_stress) == (0, 0.0, row.points) for row in rows)
     rows = [row for row in doctored.rows if row.method == "gone"]
@@ -205,7 +205,7 @@ def test_metals_have_no_pressure_and_no_thin_axis() -> None:
 
 
 def test_an_interrupted_run_keeps_what_is_done() -> None:
-    def stop(_: Row) -> None:
+    def stop(_: Tally) -> None:
         raise KeyboardInterrupt
 
     result = stress(flagship(), axes=("load",), on_row=stop)

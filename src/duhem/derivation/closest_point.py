@@ -19,7 +19,7 @@ from duhem.derivation.recognise import read_ball
 from duhem.derivation.support_function import compression
 from duhem.law.formula_law import Criterion
 
-__all__ = ["Interval", "increment_equations", "interval", "one_dimensional_equations"]
+__all__ = ["LineSection", "increment_equations", "interval", "one_dimensional_equations"]
 
 STEP, LINE = "Incremental problem", "Reduction to one direction"
 
@@ -89,7 +89,7 @@ def _energy_identity(names: Names) -> Equation:
 
 
 @dataclass(frozen=True)
-class Interval:
+class LineSection:
     """low <= force <= high is K where the other forces vanish, wherever every expression of ``requires`` is positive."""
 
     force: sp.Symbol
@@ -98,7 +98,7 @@ class Interval:
     requires: tuple[sp.Expr, ...]
 
 
-def interval(law: Criterion, force: sp.Symbol) -> Interval | None:
+def interval(law: Criterion, force: sp.Symbol) -> LineSection | None:
     """K on the line of one force, from the formula; None where it is unbounded, not closed or not confirmed by g."""
     others = dict.fromkeys((f for f in law.force_symbols() if f != force), sp.S.Zero)
     inward, outward = compression(law)
@@ -114,11 +114,11 @@ def interval(law: Criterion, force: sp.Symbol) -> Interval | None:
     if any(end.has(sp.AccumBounds, sp.nan, sp.zoo, sp.oo) for end in ends):
         return None
     low, high = (sp.factor_terms(end).xreplace(outward) for end in ends)
-    found = Interval(force, low, high, tuple(r.xreplace(outward) for r in ball.requires) if ball is not None else ())
+    found = LineSection(force, low, high, tuple(r.xreplace(outward) for r in ball.requires) if ball is not None else ())
     return found if _confirmed(law, found) else None
 
 
-def _confirmed(law: Criterion, found: Interval) -> bool:
+def _confirmed(law: Criterion, found: LineSection) -> bool:
     """Whether g, at exact parameters drawn at random, is zero at both ends, not positive between and positive outside."""
     symbols = list(law.symbols().values())
     try:

@@ -13,7 +13,8 @@ from duhem.derivation.energy import column, equal
 from duhem.derivation.equation import Belongs, Equation
 from duhem.derivation.notation import Names
 from duhem.derivation.pieces import Pieces, Seams, seams
-from duhem.derivation.support_function import SupportFunction, biconjugate
+from duhem.derivation.potential import SupportFunction
+from duhem.derivation.support_function import biconjugate
 from duhem.expression.vocabulary import Norm
 from duhem.law.formula_law import Criterion
 

@@ -9,15 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mpmath
 import sympy as sp
 
+from duhem.derivation.potential import SupportFunction
 from duhem.law.formula_law import Criterion
-
-if TYPE_CHECKING:
-    from duhem.derivation.support_function import SupportFunction
 
 __all__ = ["compiled", "defects", "gauges_agree", "reach", "sample_values"]
 

@@ -35,7 +35,7 @@ class Ball:
 
 def read_ball(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Ball | None:
     """The ball {g <= 0} in the space of ``forces``, or None where no rule reads it."""
-    reader = _Reader(tuple(forces))
+    reader = _BallReader(tuple(forces))
     try:
         tree, radius = reader.sublevel(g, sp.S.Zero)
         gauge, centre, radius, full_rank = assemble(tree, radius)
@@ -58,7 +58,7 @@ def _core(expr: sp.Expr) -> sp.Expr:
     return expr
 
 
-class _Reader:
+class _BallReader:
     """One reading; ``requires`` collects the expressions that have to be positive for it to hold."""
 
     def __init__(self, forces: tuple[sp.Symbol, ...]) -> None:

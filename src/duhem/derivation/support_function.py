@@ -14,31 +14,11 @@ from typing import Any
 import sympy as sp
 
 from duhem.derivation.numerical_check import defects, gauges_agree
+from duhem.derivation.potential import SupportFunction
 from duhem.derivation.recognise import read_ball
 from duhem.law.formula_law import Criterion
 
-__all__ = ["Biconjugate", "SupportFunction", "biconjugate", "compression", "fixed", "rate_symbols", "support_function"]
-
-
-@dataclass(frozen=True)
-class SupportFunction:
-    """The potential and what it rests on.
-
-    ``potential`` is finite exactly where every expression of ``domain`` (linear in ``rates``) vanishes.  ``gauge``, taken
-    about ``centre`` and divided by ``radius``, describes K = {gauge <= 1}.  ``maximiser`` is the stress that attains
-    the supremum, for d != 0.  ``steps`` are the theorems used, in order.  All of it holds where every expression of
-    ``requires`` is positive.
-    """
-
-    potential: sp.Expr
-    rates: tuple[sp.Symbol, ...]
-    domain: tuple[sp.Expr, ...]
-    steps: tuple[str, ...]
-    maximiser: tuple[sp.Expr, ...] | None
-    requires: tuple[sp.Expr, ...]
-    gauge: sp.Expr
-    centre: tuple[sp.Expr, ...]
-    radius: sp.Expr
+__all__ = ["Biconjugate", "biconjugate", "compression", "fixed", "rate_symbols", "support_function"]
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from scipy import stats
 
 from duhem.errors import DuhemError, InputError
 from duhem.identification.coordinates import Coordinates
-from duhem.identification.fit import HUBER, Problem, Solved
+from duhem.identification.fit import HUBER, FitProblem, Solved
 from duhem.identification.points import Points
 from duhem.identification.result import Estimate, Identification, Outlier
 from duhem.identification.start import convex, guesses
@@ -82,11 +82,11 @@ def estimated(family: Criterion, read: Points, *, robust: bool, bootstrap: int, 
     )
 
 
-def _problem(law: Criterion, points: Points) -> Problem:
-    return Problem(points, surface(law, points.pressure), Coordinates(tuple(law.parameters[n] for n in free_parameters(law))))
+def _problem(law: Criterion, points: Points) -> FitProblem:
+    return FitProblem(points, surface(law, points.pressure), Coordinates(tuple(law.parameters[n] for n in free_parameters(law))))
 
 
-def _names(problem: Problem) -> tuple[str, ...]:
+def _names(problem: FitProblem) -> tuple[str, ...]:
     return problem.surface.names
 
 
@@ -94,7 +94,7 @@ def _pinned(law: Criterion, values: Mapping[str, Any]) -> Criterion:
     return law.fix({name: _decimal(float(value), law.parameters[name]) for name, value in values.items()})
 
 
-def _felt(family: Criterion, points: Points, problem: Problem) -> tuple[Problem, dict[str, str]]:
+def _felt(family: Criterion, points: Points, problem: FitProblem) -> tuple[FitProblem, dict[str, str]]:
     """The problem without the coefficients of senses in which there is no point, and why each of them is left out."""
     ellipses = problem.surface
     if not isinstance(ellipses, QuarterEllipses):
@@ -110,7 +110,7 @@ def _felt(family: Criterion, points: Points, problem: Problem) -> tuple[Problem,
 # -- the fit and what is known of it ---------------------------------------------------------------------------------
 
 
-def _solved(problem: Problem, robust: bool) -> tuple[Solved, Solved]:
+def _solved(problem: FitProblem, robust: bool) -> tuple[Solved, Solved]:
     """The fit that is asked for, and the robust one, against which points are judged."""
     ellipses = problem.surface
     wide = isinstance(ellipses, QuarterEllipses)
@@ -122,7 +122,7 @@ def _solved(problem: Problem, robust: bool) -> tuple[Solved, Solved]:
     return (resistant if robust else plain), resistant
 
 
-def _idle(problem: Problem, solved: Solved) -> tuple[str, ...]:
+def _idle(problem: FitProblem, solved: Solved) -> tuple[str, ...]:
     """Parameters of no influence on any residual at the solution."""
     influence = np.linalg.norm(solved.slope, axis=0) * problem.coordinates.stretch(solved.theta)
     idle = influence <= _UNFELT * influence.max(initial=0.0)
@@ -131,7 +131,7 @@ def _idle(problem: Problem, solved: Solved) -> tuple[str, ...]:
     return tuple(n for n, still in zip(_names(problem), idle, strict=True) if still)
 
 
-def _check_settled(problem: Problem, solved: Solved) -> None:
+def _check_settled(problem: FitProblem, solved: Solved) -> None:
     columns = solved.slope * problem.coordinates.stretch(solved.theta)
     _, sizes, axes = np.linalg.svd(columns / np.linalg.norm(columns, axis=0), full_matrices=False)
     if not np.all(np.isfinite(solved.theta)) or sizes[-1] <= _SINGULAR * sizes[0]:
@@ -143,7 +143,7 @@ def _check_settled(problem: Problem, solved: Solved) -> None:
         )
 
 
-def _check_at_rest(problem: Problem, solved: Solved, robust: bool) -> None:
+def _check_at_rest(problem: FitProblem, solved: Solved, robust: bool) -> None:
     """One more step would move no parameter, unless its domain holds it, by much of its standard error or of itself."""
     size = HUBER * solved.level
     pull = np.clip(solved.residual, -size, size) if robust else solved.residual
@@ -165,13 +165,13 @@ def _check_at_rest(problem: Problem, solved: Solved, robust: bool) -> None:
         )
 
 
-def _draws(problem: Problem, solved: Solved, corner: float | None, draws: int, seed: int) -> Array:
+def _draws(problem: FitProblem, solved: Solved, corner: float | None, draws: int, seed: int) -> Array:
     if not draws or (not problem.points.absolute and len(problem.points) <= len(solved.theta)):
         return np.empty((0, len(solved.theta)))
     return bootstrapped(problem, solved, corner, draws, seed)
 
 
-def _intervals(problem: Problem, solved: Solved, spread: Array, draws: Array) -> list[tuple[float, float] | None]:
+def _intervals(problem: FitProblem, solved: Solved, spread: Array, draws: Array) -> list[tuple[float, float] | None]:
     if len(draws):
         low, high = np.quantile(draws, _TAILS, axis=0)
         return list(zip(low.tolist(), high.tolist(), strict=True))
@@ -225,7 +225,7 @@ def _exponents(law: Criterion) -> set[str]:
     return {symbol.name for symbol in inside} & set(free_parameters(law))
 
 
-def _short(family: Criterion, problem: Problem, solved: Solved, corner: float | None, exponents: set[str]) -> dict[str, str]:
+def _short(family: Criterion, problem: FitProblem, solved: Solved, corner: float | None, exponents: set[str]) -> dict[str, str]:
     """Values with exponents to three decimals, the others refitted to them and cut to six digits."""
     theta = dict(zip(_names(problem), solved.theta.tolist(), strict=True))
     short = {n: f"{theta[n]:.3f}" for n in exponents}

@@ -22,7 +22,7 @@ from duhem.identification.coordinates import Coordinates
 from duhem.identification.points import Points
 from duhem.identification.surface import Surface
 
-__all__ = ["HUBER", "Problem", "Solved"]
+__all__ = ["HUBER", "FitProblem", "Solved"]
 
 Array = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class Solved:
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class FitProblem:
     """Points, the surface that is to pass through them, and where its parameters may lie."""
 
     points: Points
@@ -96,7 +96,7 @@ class Problem:
         kept = np.abs(self.residual(theta)) <= _HOPELESS * level
         return kept if np.count_nonzero(kept) > len(theta) else np.ones_like(kept)
 
-    def _of(self, kept: NDArray[np.bool_]) -> Problem:
+    def _of(self, kept: NDArray[np.bool_]) -> FitProblem:
         """The same points, those not kept with endless scatter."""
         return replace(self, points=replace(self.points, scatter=np.where(kept, self.points.scatter, np.inf)))
 

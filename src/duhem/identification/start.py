@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import DuhemError
-from duhem.identification.fit import HUBER, Problem
+from duhem.identification.fit import HUBER, FitProblem
 from duhem.identification.points import Points
 from duhem.identification.surface import QuarterEllipses
 from duhem.law.formula_law import Domain
@@ -58,7 +58,7 @@ def _solved(share: Array, target: Array, factor: Array) -> Array:
     w = cp.Variable(share.shape[1])
     row = factor / np.maximum(1.0, factor * np.linalg.norm(share, axis=1))  # a far point's row would spoil the scaling
     residual = cp.multiply(row, share @ w - target)
-    problem = cp.Problem(cp.Minimize(cp.norm1(residual)), [w >= _LEAST])
+    problem = cp.FitProblem(cp.Minimize(cp.norm1(residual)), [w >= _LEAST])
     try:
         problem.solve(solver=cp.CLARABEL)
     except cp.error.SolverError as fault:
@@ -70,7 +70,7 @@ def _solved(share: Array, target: Array, factor: Array) -> Array:
     return np.maximum(np.asarray(w.value, dtype=np.float64), _LEAST)
 
 
-def guesses(problem: Problem, *, robust: bool) -> Array:
+def guesses(problem: FitProblem, *, robust: bool) -> Array:
     """The best (p,) of the fits from a few guesses: a ratio, a stress or one for what is positive, points of an interval."""
     points = problem.points
     size = np.linalg.norm(points.forces, axis=1)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import brentq
 
-from duhem.identification.fit import HUBER, Problem, Solved
+from duhem.identification.fit import HUBER, FitProblem, Solved
 
 __all__ = ["bootstrapped", "covariance", "fisher_information", "leverage", "outlying", "scatter_level"]
 
@@ -61,7 +61,7 @@ def leverage(solved: Solved) -> Array:
 
 
 @dataclass(frozen=True)
-class Judged:
+class OutlierTest:
     """Standardised residuals (m,) against the robust fit, NaN where a point cannot be judged, and the bound they break."""
 
     standardised: Array
@@ -75,7 +75,7 @@ class Judged:
         return np.asarray(found[np.argsort(-size[found], kind="stable")])
 
 
-def outlying(robust: Solved, rounding: float, *, absolute: bool) -> Judged:
+def outlying(robust: Solved, rounding: float, *, absolute: bool) -> OutlierTest:
     """Residuals of the robust fit over s sqrt(1 - h), and the bound |z| that one of m sound points breaks with chance 1 %."""
     m, p = robust.slope.shape
     rest = 1.0 - leverage(robust)
@@ -84,10 +84,10 @@ def outlying(robust: Solved, rounding: float, *, absolute: bool) -> Judged:
     z = np.where(judged, robust.residual / (level * np.sqrt(np.where(judged, rest, 1.0))), np.nan)
     tail = OUTLIER_LEVEL / (2 * m)
     bound = stats.norm.isf(tail) if absolute else stats.t.isf(tail, m - p) if m > p else np.inf
-    return Judged(np.asarray(z), float(bound))
+    return OutlierTest(np.asarray(z), float(bound))
 
 
-def bootstrapped(problem: Problem, solved: Solved, corner: float | None, draws: int, seed: int) -> Array:
+def bootstrapped(problem: FitProblem, solved: Solved, corner: float | None, draws: int, seed: int) -> Array:
     """Parameters (draws, p) refitted to resampled points.
 
     Every point is put on the fitted boundary and moved off it along the normal: where the scatter is absolute by a normal

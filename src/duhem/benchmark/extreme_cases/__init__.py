@@ -1,6 +1,6 @@
 """Stiff and extreme increments, decade by decade: who is finite, feasible and accurate, and who is wrong without a word."""
 
-from duhem.benchmark.extreme_cases.cases import AXES, Case, cases
-from duhem.benchmark.extreme_cases.stress import Result, Row, stress
+from duhem.benchmark.extreme_cases.cases import AXES, ExtremeCase, cases
+from duhem.benchmark.extreme_cases.stress import ExtremeCases, Tally, stress
 
-__all__ = ["AXES", "Case", "Result", "Row", "cases", "stress"]
+__all__ = ["AXES", "ExtremeCase", "ExtremeCases", "Tally", "cases", "stress"]

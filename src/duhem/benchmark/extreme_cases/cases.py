@@ -12,7 +12,7 @@ from duhem.benchmark.contenders import Subject
 from duhem.law.formula_law import Domain
 from duhem.projection.result import Array
 
-__all__ = ["AXES", "Case", "aspect", "cases"]
+__all__ = ["AXES", "ExtremeCase", "aspect", "cases"]
 
 AXES = {
     "load": "|sigma_n| (or the trial stress, for a law without pressure), by powers of ten",
@@ -28,7 +28,7 @@ _TINY = 5e-324
 
 
 @dataclass(frozen=True)
-class Case:
+class ExtremeCase:
     """Trial stresses (M, d) under one pressure, at one place of one axis."""
 
     axis: str
@@ -39,7 +39,7 @@ class Case:
     pressure: float | None
 
 
-def cases(subject: Subject, axes: tuple[str, ...] = tuple(AXES)) -> Iterator[Case]:
+def cases(subject: Subject, axes: tuple[str, ...] = tuple(AXES)) -> Iterator[ExtremeCase]:
     """Every case of ``axes``, the harmless end first; axes that the law does not have yield nothing."""
     makers = {
         "load": _loads,
@@ -67,27 +67,27 @@ def _reached(subject: Subject, ways: Array, pressure: float | None) -> Array:
     return np.array([r * way for r, way in zip(reach, ways, strict=True) if 0.0 < r < 1e305]).reshape(-1, ways.shape[1])
 
 
-def _loads(subject: Subject, axis: str) -> Iterator[Case]:
+def _loads(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
     d = len(subject.law.forces)
     for e in LOADS:
         if subject.pressure is None:
             trial = 10.0**e * _ways(d)
-            yield Case(axis, f"1e{e}", e, subject, trial, None)
+            yield ExtremeCase(axis, f"1e{e}", e, subject, trial, None)
         else:
             pressure = -(10.0**e)
             edge = _reached(subject, _ways(d), pressure)
             if len(edge):
-                yield Case(axis, f"1e{e}", e, subject, 3.0 * edge, pressure)
+                yield ExtremeCase(axis, f"1e{e}", e, subject, 3.0 * edge, pressure)
 
 
-def _stiffnesses(subject: Subject, axis: str) -> Iterator[Case]:
+def _stiffnesses(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
     d = len(subject.law.forces)
     if d < 2:
         return
     edge = _reached(subject, _ways(d), subject.pressure)
     for e in range(0, 13, 2):
         k = np.diag(10.0 ** (e * np.arange(d) / (d - 1)))
-        yield Case(axis, f"1e{e}", e, replace(subject, stiffness=k), 3.0 * edge, subject.pressure)
+        yield ExtremeCase(axis, f"1e{e}", e, replace(subject, stiffness=k), 3.0 * edge, subject.pressure)
 
 
 def aspect(subject: Subject) -> tuple[str, ...]:
@@ -124,7 +124,7 @@ def _scaled(subject: Subject, names: tuple[str, ...], factor: Fraction) -> Subje
     return Subject(law, law, subject.stiffness)
 
 
-def _aspects(subject: Subject, axis: str) -> Iterator[Case]:
+def _aspects(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
     names = aspect(subject)
     if not names:
         return
@@ -132,16 +132,16 @@ def _aspects(subject: Subject, axis: str) -> Iterator[Case]:
         thin = _scaled(subject, names, Fraction(1, 10**e))
         edge = _reached(subject, np.eye(len(subject.law.forces)), subject.pressure)
         size = np.abs(edge).max(axis=0)
-        yield Case(axis, f"1e{e}", e, thin, _ways(len(size)) * size * 3.0, subject.pressure)
+        yield ExtremeCase(axis, f"1e{e}", e, thin, _ways(len(size)) * size * 3.0, subject.pressure)
 
 
-def _sizes(subject: Subject, axis: str) -> Iterator[Case]:
+def _sizes(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
     edge = _reached(subject, _ways(len(subject.law.forces)), subject.pressure)
     for e in range(0, 17, 2):
-        yield Case(axis, f"1e{e}", e, subject, 1.5 * 10.0**e * edge, subject.pressure)
+        yield ExtremeCase(axis, f"1e{e}", e, subject, 1.5 * 10.0**e * edge, subject.pressure)
 
 
-def _seams(subject: Subject, axis: str) -> Iterator[Case]:
+def _seams(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
     d = len(subject.law.forces)
     if d < 2:
         return
@@ -152,19 +152,19 @@ def _seams(subject: Subject, axis: str) -> Iterator[Case]:
     for label, e, off in [*((f"1e{-j}", -j, size * 10.0**-j) for j in range(0, 21, 2)), ("1e-300", -300, size * 1e-300), ("0", -330, 0.0)]:
         trial = np.zeros((2, d))
         trial[:, 0], trial[:, 1] = 2.0 * size, (off, -off)
-        yield Case(axis, label, e, subject, trial, subject.pressure)
+        yield ExtremeCase(axis, label, e, subject, trial, subject.pressure)
 
 
-def _distances(subject: Subject, axis: str) -> Iterator[Case]:
+def _distances(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
     edge = _reached(subject, _ways(len(subject.law.forces)), subject.pressure)
     for j in range(0, 16):
-        yield Case(axis, f"1e{-j}", -j, subject, edge * (1.0 + 10.0**-j), subject.pressure)
+        yield ExtremeCase(axis, f"1e{-j}", -j, subject, edge * (1.0 + 10.0**-j), subject.pressure)
     out = np.where(edge == 0.0, 0.0, np.nextafter(edge, np.copysign(np.inf, edge)))
-    yield Case(axis, "1 ulp", -16, subject, out, subject.pressure)
-    yield Case(axis, "0 by doubles", -17, subject, edge, subject.pressure)
+    yield ExtremeCase(axis, "1 ulp", -16, subject, out, subject.pressure)
+    yield ExtremeCase(axis, "0 by doubles", -17, subject, edge, subject.pressure)
 
 
-def _specials(subject: Subject, axis: str) -> Iterator[Case]:
+def _specials(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
     d = len(subject.law.forces)
     signs = np.where(np.arange(d) % 2, -1.0, 1.0)
     denormal = np.array([_TINY * signs, -_TINY * signs, 1e-310 * signs])
@@ -182,4 +182,4 @@ def _specials(subject: Subject, axis: str) -> Iterator[Case]:
             ("trial 1e300", 1e300 * plain, -1.0),
         ]
     for i, (label, trial, pressure) in enumerate(named):
-        yield Case(axis, label, float(i), subject, trial, pressure)
+        yield ExtremeCase(axis, label, float(i), subject, trial, pressure)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from duhem.benchmark.extreme_cases.cases import AXES
 from duhem.benchmark.extreme_cases.judge import MOST, POOR
-from duhem.benchmark.extreme_cases.stress import Result
+from duhem.benchmark.extreme_cases.stress import ExtremeCases
 from duhem.errors import InputError
 from duhem.show.figure import check
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 __all__ = ["save"]
 
 
-def save(result: Result, file: str | os.PathLike[str]) -> None:
+def save(result: ExtremeCases, file: str | os.PathLike[str]) -> None:
     """One figure: digits of the stress (lines) and of the slip (dotted) on every axis that was run."""
     check(file)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -42,7 +42,7 @@ def save(result: Result, file: str | os.PathLike[str]) -> None:
         raise InputError(f"the figure cannot be written: {fault}", where=f"{file}", remedy="write where you may") from None
 
 
-def _panel(panel: Axes, result: Result, axis: str) -> None:
+def _panel(panel: Axes, result: ExtremeCases, axis: str) -> None:
     labels = list(dict.fromkeys(row.label for row in result.rows if row.axis == axis))
     for i, method in enumerate(result.methods):
         rows = [row for row in result.rows if row.axis == axis and row.method == method]

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from duhem.benchmark.reference import Answer, Closest, distance
+from duhem.benchmark.reference import Closest, ReferenceIncrement, distance
 from duhem.projection.result import Array
 
-__all__ = ["MOST", "POOR", "Judged", "digits", "judged"]
+__all__ = ["MOST", "POOR", "Judgement", "digits", "judged"]
 
 POOR = 6.0  # an answer with fewer digits is wrong
 MOST = 16.0  # as many as a double shows
@@ -22,7 +22,7 @@ _INSIDE = 1e-7  # of the stress, taken off before asking whether it lies in K
 
 
 @dataclass(frozen=True)
-class Judged:
+class Judgement:
     """One point: ``stress`` and ``slip`` are accurate digits (0 to 16); ``wrong`` ones are poor and not flagged."""
 
     finite: bool
@@ -41,8 +41,8 @@ class Judged:
 
 
 def judged(
-    closest: Closest, trial: Sequence[float], pressure: float | None, answer: Answer, stress: Array, slip: Array, flagged: bool
-) -> Judged:
+    closest: Closest, trial: Sequence[float], pressure: float | None, answer: ReferenceIncrement, stress: Array, slip: Array, flagged: bool
+) -> Judgement:
     """The judgement of one returned increment.
 
     Digits are relative to the largest component of the exact stress or slip; where that is zero, to the trial stress and
@@ -51,13 +51,13 @@ def judged(
     mp = closest.context
     finite = bool(np.isfinite(stress).all() and np.isfinite(slip).all())
     if not finite:
-        return Judged(False, False, 0.0, 0.0, flagged)
+        return Judgement(False, False, 0.0, 0.0, flagged)
     tail = [] if pressure is None else [mp.mpf(pressure)]
     shrunk = [mp.mpf(float(s)) * (1 - mp.mpf(_INSIDE)) for s in stress]
     feasible = bool(closest.formula.read([*shrunk, *tail]).value <= 0)
     whole = mp.matrix([mp.mpf(float(t)) for t in trial])
     elastic = closest.compliance * whole
-    return Judged(
+    return Judgement(
         True,
         feasible,
         digits(stress.tolist(), answer.stress, max(map(abs, whole))),

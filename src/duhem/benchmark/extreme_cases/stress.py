@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 
 from duhem.benchmark.contenders import Contender, Subject, contenders, machine
-from duhem.benchmark.extreme_cases.cases import AXES, Case, cases
-from duhem.benchmark.extreme_cases.judge import Judged, judged
+from duhem.benchmark.extreme_cases.cases import AXES, ExtremeCase, cases
+from duhem.benchmark.extreme_cases.judge import Judgement, judged
 from duhem.benchmark.extreme_cases.refusals import Refusal, refusals
-from duhem.benchmark.reference import Answer, Closest, NoReference
+from duhem.benchmark.reference import Closest, NoReference, ReferenceIncrement
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
 from duhem.projection import Status
 
-__all__ = ["Result", "Row", "stress"]
+__all__ = ["ExtremeCases", "Tally", "stress"]
 
 
 @dataclass(frozen=True)
-class Row:
+class Tally:
     """One method at one place of an axis: counts over ``points`` and the fewest accurate digits of stress and slip.
 
     ``wrong_stress`` and ``wrong_slip`` count answers with fewer than 6 digits that the method did not flag.
@@ -46,13 +46,13 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Result:
+class ExtremeCases:
     """Rows in the order taken; ``refusals`` of input that cannot be used; ``reference`` the largest error of the reference."""
 
     law: str
     subject: str
     machine: dict[str, Any]
-    rows: tuple[Row, ...]
+    rows: tuple[Tally, ...]
     refusals: tuple[Refusal, ...]
     reference: float
     left_out: tuple[LeftOut, ...]
@@ -97,8 +97,8 @@ def stress(
     axes: Sequence[str] = tuple(AXES),
     stiffness: Sequence[float] | None = None,
     lineup: Sequence[Contender] | None = None,
-    on_row: Callable[[Row], None] | None = None,
-) -> Result:
+    on_row: Callable[[Tally], None] | None = None,
+) -> ExtremeCases:
     """Every method that applies to ``law``, all parameters fixed, on the cases of ``axes``.
 
     ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; ``lineup`` replaces the contenders.  KeyboardInterrupt ends it
@@ -109,7 +109,7 @@ def stress(
     subject = Subject.of(law, stiffness)
     found, left_out = contenders(subject.question(np.zeros((1, len(law.forces))), subject.pressure))
     chosen = list(found if lineup is None else lineup)
-    rows: list[Row] = []
+    rows: list[Tally] = []
     refused: list[Refusal] = []
     worst, interrupted, seen = 0.0, False, set[str]()
     try:
@@ -131,7 +131,7 @@ def stress(
         refused += [refusal for contender in chosen for refusal in refusals(subject, contender)]
     except KeyboardInterrupt:
         interrupted = True
-    return Result(law.name, subject.describe(), machine(), tuple(rows), tuple(refused), worst, tuple(left_out), interrupted)
+    return ExtremeCases(law.name, subject.describe(), machine(), tuple(rows), tuple(refused), worst, tuple(left_out), interrupted)
 
 
 def _absent(subject: Subject, axis: str) -> str:
@@ -140,13 +140,13 @@ def _absent(subject: Subject, axis: str) -> str:
     return f"a law in {len(subject.law.forces)} force has none"
 
 
-def _row(case: Case, contender: Contender, closest: Closest, answers: Sequence[Answer]) -> Row:
+def _row(case: ExtremeCase, contender: Contender, closest: Closest, answers: Sequence[ReferenceIncrement]) -> Tally:
     where = (case.axis, case.label, case.decade, contender.name, len(case.trial))
     try:
         each = list(_judged(case, contender, closest, answers))
     except Exception as fault:  # an error is a flag: nothing was returned
-        return Row(*where, 0, 0, len(case.trial), 0.0, 0.0, 0, 0, f"{type(fault).__name__}: {fault}")
-    return Row(
+        return Tally(*where, 0, 0, len(case.trial), 0.0, 0.0, 0, 0, f"{type(fault).__name__}: {fault}")
+    return Tally(
         *where,
         sum(j.finite for j in each),
         sum(j.feasible for j in each),
@@ -158,7 +158,7 @@ def _row(case: Case, contender: Contender, closest: Closest, answers: Sequence[A
     )
 
 
-def _judged(case: Case, contender: Contender, closest: Closest, answers: Sequence[Answer]) -> Iterator[Judged]:
+def _judged(case: ExtremeCase, contender: Contender, closest: Closest, answers: Sequence[ReferenceIncrement]) -> Iterator[Judgement]:
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # an overflow on the way is no flag: what comes back is judged
         done = contender.project(case.subject, case.trial, case.pressure)

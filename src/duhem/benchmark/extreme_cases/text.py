@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from textwrap import wrap
 
 from duhem.benchmark.extreme_cases.cases import AXES
-from duhem.benchmark.extreme_cases.stress import Result, Row
+from duhem.benchmark.extreme_cases.stress import ExtremeCases, Tally
 
 __all__ = ["text"]
 
@@ -18,7 +18,7 @@ LEGEND = (
 )
 
 
-def text(result: Result) -> str:
+def text(result: ExtremeCases) -> str:
     """Axis by axis, then a summary for each method, refusals, and what was left out."""
     lines = [
         f"{result.law}: {result.subject}",
@@ -54,7 +54,7 @@ def text(result: Result) -> str:
     return "\n".join(lines)
 
 
-def _axis(rows: Sequence[Row], methods: Sequence[str]) -> Iterator[str]:
+def _axis(rows: Sequence[Tally], methods: Sequence[str]) -> Iterator[str]:
     labels = list(dict.fromkeys(row.label for row in rows))
     body = [("", *methods)]
     for label in labels:
@@ -63,7 +63,7 @@ def _axis(rows: Sequence[Row], methods: Sequence[str]) -> Iterator[str]:
     yield from _table(body)
 
 
-def _cell(row: Row) -> str:
+def _cell(row: Tally) -> str:
     if row.failure is not None:
         return "- / -  F"
     marks = [
@@ -76,7 +76,7 @@ def _cell(row: Row) -> str:
     return f"{row.stress_digits:4.1f} / {row.slip_digits:4.1f} {''.join(marks).lstrip()}".rstrip()
 
 
-def _summary(result: Result) -> Iterator[str]:
+def _summary(result: ExtremeCases) -> Iterator[str]:
     body: list[tuple[str, ...]] = [("method", "points", "finite", "in K", "flagged", "silently wrong: stress", "slip")]
     for method in result.methods:
         rows = [row for row in result.rows if row.method == method]

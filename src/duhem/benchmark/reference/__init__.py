@@ -3,8 +3,8 @@
 Nothing here is shared with the methods that are measured against it: neither their derivatives nor their shapes.
 """
 
-from duhem.benchmark.reference.closest import Answer, Closest, distance
+from duhem.benchmark.reference.closest import Closest, ReferenceIncrement, distance
 from duhem.benchmark.reference.formula import NoReference
 from duhem.benchmark.reference.path import Drive, Driven
 
-__all__ = ["Answer", "Closest", "Drive", "Driven", "NoReference", "distance"]
+__all__ = ["Closest", "Drive", "Driven", "NoReference", "ReferenceIncrement", "distance"]

@@ -20,13 +20,13 @@ from duhem.benchmark.reference.ray import extents
 from duhem.benchmark.reference.search import Search
 from duhem.expression.lineality import invariant_directions
 
-__all__ = ["Answer", "Closest", "distance"]
+__all__ = ["Closest", "ReferenceIncrement", "distance"]
 
 _GUARD = 3  # times the digits asked for: differences take a part of them, extreme aspects another
 
 
 @dataclass(frozen=True)
-class Answer:
+class ReferenceIncrement:
     """Stress (Pa), slip k^-1 (trial - stress) and multiplier of g, as ``mpf``; ``slips`` whether the trial lies outside K.
 
     ``residual``: the optimality conditions, relative to the slip and to the size of K: the reference's own error, never less
@@ -69,7 +69,7 @@ class Closest:
         if self.columns.cols > 2:
             raise NoReference(f"the reference handles two bounded directions, K has {self.columns.cols}")
 
-    def __call__(self, trial: Sequence[float], pressure: float | None = None) -> Answer:
+    def __call__(self, trial: Sequence[float], pressure: float | None = None) -> ReferenceIncrement:
         """The closest point to ``trial`` (d,) in Pa under ``pressure`` sigma_n <= 0 in Pa."""
         mp = self.context
         x = mp.matrix([mp.mpf(float(t)) for t in trial])
@@ -79,7 +79,7 @@ class Closest:
             raise NoReference("g is not defined at the trial stress")
         if level <= 0:
             zero = mp.mpf(0)
-            return Answer(tuple(x), (zero,) * len(x), zero, False, 0.0)
+            return ReferenceIncrement(tuple(x), (zero,) * len(x), zero, False, 0.0)
         aim = x - self._along(x)
         b = self.columns
         metric = b.T * self.compliance * b
@@ -87,7 +87,7 @@ class Closest:
         plain = Slice(self.formula, b.tolist(), tail)
         size = extents(plain, y)
         if size is None:  # K is the origin alone
-            return Answer((mp.mpf(0),) * len(x), tuple(self.compliance * x), mp.nan, True, 0.0)
+            return ReferenceIncrement((mp.mpf(0),) * len(x), tuple(self.compliance * x), mp.nan, True, 0.0)
         sliced = Slice(self.formula, [[c * s for c, s in zip(row, size, strict=True)] for row in b.tolist()], tail)
         scaled = [[metric[i, j] * size[i] * size[j] for j in range(len(y))] for i in range(len(y))]
         unit = max(scaled[i][i] for i in range(len(y)))
@@ -95,7 +95,7 @@ class Closest:
         target = [c / s for c, s in zip(y, size, strict=True)]
         found = Search(sliced, scaled, target, self.digits).run()
         stress = mp.matrix(sliced.forces(found.w)) + self._along(x)
-        return Answer(
+        return ReferenceIncrement(
             tuple(stress),
             tuple(self.compliance * (x - stress)),
             found.multiplier * unit,

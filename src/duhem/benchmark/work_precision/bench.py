@@ -11,7 +11,7 @@ from duhem.benchmark.reference import NoReference
 from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
 from duhem.benchmark.work_precision import throughput
-from duhem.benchmark.work_precision.result import Result, Row
+from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
@@ -30,8 +30,8 @@ def bench(
     points: int = 1_000_000,
     steps: Sequence[int] = path.STEPS,
     lineup: Sequence[Contender] | None = None,
-    on_row: Callable[[Row], None] | None = None,
-) -> Result:
+    on_row: Callable[[Measurement], None] | None = None,
+) -> WorkPrecision:
     """Error against run time of every method that applies to ``law``, all parameters fixed.
 
     ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; the pressure is -1.  ``scenes``: ``increment`` (each method and
@@ -49,20 +49,20 @@ def bench(
     question = subject.question(np.zeros((1, len(law.forces))), subject.pressure)
     found, left_out = contenders(question, increment.TOLERANCES)
     chosen = list(found if lineup is None else lineup)
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     reference: dict[str, float | str] = {}
 
-    def increments() -> Iterator[Row]:
+    def increments() -> Iterator[Measurement]:
         work = increment.exercise(subject)
         reference[increment.SCENE] = work.residual
         yield from increment.rows(work, chosen, repeats)
 
-    def paths() -> Iterator[Row]:
+    def paths() -> Iterator[Measurement]:
         work = path.route(subject)
         reference[path.SCENE] = work.driven.error
         yield from path.rows(work, repeats, left_out, tuple(steps))
 
-    def loads() -> Iterator[Row]:
+    def loads() -> Iterator[Measurement]:
         load = throughput.Load.of(subject, points)
         yield from throughput.rows(load, chosen, repeats)
 
@@ -80,7 +80,7 @@ def bench(
                 left_out.append(LeftOut(f"scene {scene}", f"no reference: {fault}"))
     except KeyboardInterrupt:
         interrupted = True
-    return Result(
+    return WorkPrecision(
         law=law.name,
         subject=subject.describe(),
         machine=machine(),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
-from duhem.benchmark.work_precision.result import Result, Row
+from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
 from duhem.errors import InputError
 from duhem.show.figure import check
 
@@ -20,7 +20,7 @@ _EXACT = 2.0**-54  # where a method with no error at all is drawn
 _TITLES = {increment.SCENE: "one increment", path.SCENE: "a loading path"}
 
 
-def save(result: Result, file: str | os.PathLike[str]) -> None:
+def save(result: WorkPrecision, file: str | os.PathLike[str]) -> None:
     """One panel for each scene with errors; bars from the least to the most time; what failed is named under the panel."""
     check(file)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -38,7 +38,7 @@ def save(result: Result, file: str | os.PathLike[str]) -> None:
         raise InputError(f"the figure cannot be written: {fault}", where=f"{file}", remedy="write where you may") from None
 
 
-def _panel(axes: Axes, result: Result, scene: str) -> None:
+def _panel(axes: Axes, result: WorkPrecision, scene: str) -> None:
     rows = [row for row in result.rows if row.scene == scene]
     for method in dict.fromkeys(row.method for row in rows):
         mine = [row for row in rows if row.method == method and row.seconds is not None and row.error.get("stress", -1.0) >= 0.0]
@@ -59,5 +59,5 @@ def _panel(axes: Axes, result: Result, scene: str) -> None:
         axes.legend(frameon=False, fontsize=8)
 
 
-def _name(row: Row) -> str:
+def _name(row: Measurement) -> str:
     return f"{row.method} {row.setting}".strip()

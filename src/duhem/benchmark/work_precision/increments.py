@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from duhem.benchmark.contenders import Contender, Subject
-from duhem.benchmark.reference import Answer, distance
-from duhem.benchmark.work_precision.result import Row
+from duhem.benchmark.reference import ReferenceIncrement, distance
+from duhem.benchmark.work_precision.result import Measurement
 from duhem.benchmark.work_precision.timing import timed
 from duhem.projection.increment import Increment
 from duhem.projection.project import ACCURACY
@@ -31,7 +31,7 @@ class Exercise:
     subject: Subject
     trial: Array
     questions: tuple[Increment, ...]
-    answers: tuple[Answer, ...]
+    answers: tuple[ReferenceIncrement, ...]
 
     @property
     def residual(self) -> float:
@@ -52,7 +52,7 @@ def exercise(subject: Subject) -> Exercise:
     return Exercise(subject, trial, tuple(subject.question(x[None], subject.pressure) for x in trial), answers)
 
 
-def rows(work: Exercise, contenders: Sequence[Contender], repeats: int) -> Iterator[Row]:
+def rows(work: Exercise, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
     """A row for each contender, in turn: the largest errors, and the time of the method alone for one increment.
 
     The checks and residuals that duhem.project adds are in a row of their own.
@@ -67,10 +67,10 @@ def rows(work: Exercise, contenders: Sequence[Contender], repeats: int) -> Itera
 
     note = f"{first.name} through duhem.project: checks and residuals included"
     found = [first.solve(question) for question in work.questions]
-    yield Row(SCENE, "duhem.project", "", _errors(work, found), timed(all_of_it, repeats, 1.0 / len(work.trial)), 0, None, note)
+    yield Measurement(SCENE, "duhem.project", "", _errors(work, found), timed(all_of_it, repeats, 1.0 / len(work.trial)), 0, None, note)
 
 
-def _row(work: Exercise, contender: Contender, repeats: int) -> Row:
+def _row(work: Exercise, contender: Contender, repeats: int) -> Measurement:
     setting = _setting(contender)
     try:
         found = [contender.solve(question) for question in work.questions]
@@ -82,9 +82,9 @@ def _row(work: Exercise, contender: Contender, repeats: int) -> Row:
 
         missing = sum(bool(f.failed[0]) for f in found)
         note = f"{missing} of {len(found)} increments without an answer" if missing else ""
-        return Row(SCENE, contender.name, setting, errors, timed(run, repeats, 1.0 / len(work.trial)), flagged, None, note)
+        return Measurement(SCENE, contender.name, setting, errors, timed(run, repeats, 1.0 / len(work.trial)), flagged, None, note)
     except Exception as fault:  # whatever a solver raises is its result
-        return Row(SCENE, contender.name, setting, failure=f"{type(fault).__name__}: {fault}")
+        return Measurement(SCENE, contender.name, setting, failure=f"{type(fault).__name__}: {fault}")
 
 
 def _errors(work: Exercise, found: Sequence[Solution]) -> dict[str, float]:

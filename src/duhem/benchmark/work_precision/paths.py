@@ -9,7 +9,7 @@ import numpy as np
 
 from duhem.benchmark.contenders import Subject
 from duhem.benchmark.reference import Drive, Driven, distance
-from duhem.benchmark.work_precision.result import Row
+from duhem.benchmark.work_precision.result import Measurement
 from duhem.benchmark.work_precision.timing import timed
 from duhem.errors import DuhemError
 from duhem.left_out import LeftOut
@@ -51,7 +51,7 @@ def route(subject: Subject) -> Route:
     return Route(subject, points, drive(points.tolist()))
 
 
-def rows(work: Route, repeats: int, left_out: list[LeftOut], steps: tuple[int, ...] = STEPS) -> Iterator[Row]:
+def rows(work: Route, repeats: int, left_out: list[LeftOut], steps: tuple[int, ...] = STEPS) -> Iterator[Measurement]:
     """A row for each integrator and step count; what grows too slow or does not apply goes to ``left_out``."""
     for method in METHODS:
         for count in steps:
@@ -64,7 +64,7 @@ def rows(work: Route, repeats: int, left_out: list[LeftOut], steps: tuple[int, .
                 break
 
 
-def _row(work: Route, method: str, count: int, repeats: int) -> Row:
+def _row(work: Route, method: str, count: int, repeats: int) -> Measurement:
     subject, path = work.subject, Path.linear(work.points, pressure=work.subject.pressure)
     setting = f"{count} step{'s' if count > 1 else ''} a segment"
     history = None
@@ -76,11 +76,11 @@ def _row(work: Route, method: str, count: int, repeats: int) -> Row:
     try:
         seconds = timed(run, repeats)
     except DuhemError as fault:
-        return Row(SCENE, method, setting, failure=str(fault))
+        return Measurement(SCENE, method, setting, failure=str(fault))
     except Exception as fault:  # whatever an integrator raises is its result
-        return Row(SCENE, method, setting, failure=f"{type(fault).__name__}: {fault}")
+        return Measurement(SCENE, method, setting, failure=f"{type(fault).__name__}: {fault}")
     assert history is not None
     unit = max(abs(x) for stress in work.driven.stress for x in stress)
     knots = history.stress[::count].tolist()
     error = max(distance(got, exact, unit) for got, exact in zip(knots, work.driven.stress, strict=True))
-    return Row(SCENE, method, setting, {"stress": error}, seconds, note=history.why)
+    return Measurement(SCENE, method, setting, {"stress": error}, seconds, note=history.why)

@@ -8,7 +8,7 @@ from typing import Any
 
 from duhem.left_out import LeftOut
 
-__all__ = ["Result", "Row", "Spread", "Target"]
+__all__ = ["Measurement", "Spread", "Target", "WorkPrecision"]
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Row:
+class Measurement:
     """One method at one setting.
 
     ``error`` by quantity, relative, the largest; ``seconds`` an increment, a path (by the wall clock) or a point (by
@@ -66,14 +66,14 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Result:
+class WorkPrecision:
     """The rows in the order taken; ``reference`` the reference's own error by scene, or why there is none."""
 
     law: str
     subject: str
     machine: dict[str, Any]
     repeats: int
-    rows: tuple[Row, ...]
+    rows: tuple[Measurement, ...]
     targets: tuple[Target, ...]
     reference: dict[str, float | str]
     left_out: tuple[LeftOut, ...]

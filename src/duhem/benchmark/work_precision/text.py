@@ -8,7 +8,7 @@ from textwrap import wrap
 from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
 from duhem.benchmark.work_precision import throughput
-from duhem.benchmark.work_precision.result import Result, Row, Spread
+from duhem.benchmark.work_precision.result import Measurement, Spread, WorkPrecision
 
 __all__ = ["duration", "table", "text"]
 
@@ -20,7 +20,7 @@ _TITLES = {
 }
 
 
-def text(result: Result) -> str:
+def text(result: WorkPrecision) -> str:
     """All there is, in the order of the scenes."""
     lines = [f"{result.law}: {result.subject}"]
     facts = result.machine
@@ -44,7 +44,7 @@ def text(result: Result) -> str:
     return "\n".join(lines)
 
 
-def _own_error(result: Result, scene: str) -> Iterator[str]:
+def _own_error(result: WorkPrecision, scene: str) -> Iterator[str]:
     own = result.reference.get(scene)
     if isinstance(own, float):
         yield f"  reference: the optimality conditions in many digits, its own error {own:.0e}"
@@ -52,7 +52,7 @@ def _own_error(result: Result, scene: str) -> Iterator[str]:
         yield f"  no reference: {own}"
 
 
-def _table(rows: Sequence[Row], scene: str) -> Iterator[str]:
+def _table(rows: Sequence[Measurement], scene: str) -> Iterator[str]:
     names = {increment.SCENE: ("stress", "slip"), path.SCENE: ("stress",), throughput.SCENE: ()}[scene]
     head = (
         "method",
@@ -92,7 +92,7 @@ def duration(seconds: float) -> str:
     return f"{seconds * 1e9:.3g} ns"
 
 
-def _targets(result: Result) -> Iterator[str]:
+def _targets(result: WorkPrecision) -> Iterator[str]:
     body = []
     for target in result.targets:
         outcome = {True: "holds", False: "DOES NOT HOLD", None: f"not taken: {target.reason}"}[target.holds]

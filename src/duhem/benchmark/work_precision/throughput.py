@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.benchmark.contenders import Contender, Subject
-from duhem.benchmark.work_precision.result import Row, Spread, Target
+from duhem.benchmark.work_precision.result import Measurement, Spread, Target
 from duhem.benchmark.work_precision.timing import timed
 from duhem.left_out import LeftOut
 from duhem.projection.increment import Increment
@@ -59,11 +59,11 @@ class Load:
         return self.subject.question(self.question.trial[:n], pressure)
 
 
-def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[Row]:
+def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
     """Seconds a point: the bound, each method alone (from the checked question to its answer), and duhem.project whole."""
     n = len(load.question.trial)
-    yield Row(SCENE, BOUND, f"N = {n}", seconds=_bound(load, repeats, new=False), note="copies and fills, one thread")
-    yield Row(SCENE, BOUND_NEW, f"N = {n}", seconds=_bound(load, repeats, new=True), note="copies and fills, one thread")
+    yield Measurement(SCENE, BOUND, f"N = {n}", seconds=_bound(load, repeats, new=False), note="copies and fills, one thread")
+    yield Measurement(SCENE, BOUND_NEW, f"N = {n}", seconds=_bound(load, repeats, new=True), note="copies and fills, one thread")
     for contender in contenders:
         if contender.method == "cvxpy":
             continue
@@ -88,7 +88,7 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
         yield _memory(WHOLE, whole)
 
 
-def _cvxpy(load: Load, count: int, repeats: int) -> Iterator[Row]:
+def _cvxpy(load: Load, count: int, repeats: int) -> Iterator[Measurement]:
     """Both ways to solve point by point: one compiled problem whose parameters change, and a new problem each time."""
     solve = Contender.of("cvxpy", "cvxpy", solver="CLARABEL", batch=1).solve
     part = load.first(count)
@@ -103,25 +103,25 @@ def _cvxpy(load: Load, count: int, repeats: int) -> Iterator[Row]:
     yield _measured(ANEW, count, each, repeats, f"{count} points, CLARABEL")
 
 
-def _measured(name: str, n: int, run: Callable[[], object], repeats: int, note: str) -> Row:
+def _measured(name: str, n: int, run: Callable[[], object], repeats: int, note: str) -> Measurement:
     try:
         run()  # what is compiled on first use is compiled here
-        return Row(SCENE, name, f"N = {n}", seconds=timed(run, repeats, 1.0 / n, _LIMIT, process_time), note=note)
+        return Measurement(SCENE, name, f"N = {n}", seconds=timed(run, repeats, 1.0 / n, _LIMIT, process_time), note=note)
     except Exception as fault:  # whatever a method raises is its result
-        return Row(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
+        return Measurement(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
 
 
-def _reused(contender: Contender, question: Increment, repeats: int) -> Row:
+def _reused(contender: Contender, question: Increment, repeats: int) -> Measurement:
     """The same into the arrays of an earlier solution."""
     name, n = contender.name + REUSED, len(question.trial)
     try:
         room = contender.solve(question)
     except Exception as fault:
-        return Row(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
+        return Measurement(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
     return _measured(name, n, lambda: contender.again(question, room), repeats, "")
 
 
-def _memory(name: str, run: Callable[[], object]) -> Row:
+def _memory(name: str, run: Callable[[], object]) -> Measurement:
     """Peak bytes beyond what the results keep, in MB, as an error-free row of its own."""
     tracemalloc.start()
     try:
@@ -129,10 +129,10 @@ def _memory(name: str, run: Callable[[], object]) -> Row:
         now, peak = tracemalloc.get_traced_memory()
         del kept
     except Exception as fault:
-        return Row(SCENE, name, "extra memory", failure=f"{type(fault).__name__}: {fault}")
+        return Measurement(SCENE, name, "extra memory", failure=f"{type(fault).__name__}: {fault}")
     finally:
         tracemalloc.stop()
-    return Row(SCENE, name, "extra memory", {"megabytes": (peak - now) / 1e6})
+    return Measurement(SCENE, name, "extra memory", {"megabytes": (peak - now) / 1e6})
 
 
 def _bound(load: Load, repeats: int, new: bool) -> Spread:
@@ -157,7 +157,7 @@ def _bound(load: Load, repeats: int, new: bool) -> Spread:
     return timed(run, max(3 * repeats, 9), 1.0 / n, clock=process_time)
 
 
-def targets(rows: Sequence[Row], left_out: Sequence[LeftOut]) -> tuple[Target, ...]:
+def targets(rows: Sequence[Measurement], left_out: Sequence[LeftOut]) -> tuple[Target, ...]:
     """The ratios of medians that duhem sets itself, within one run; where one was not measured, why."""
     absent = {part.part: part.reason for part in left_out} | {r.method: f"failed: {r.failure}" for r in rows if r.failure is not None}
     seconds = {row.method: row.seconds.median for row in rows if row.scene == SCENE and row.seconds is not None}
