@@ -1,24 +1,27 @@
 """Exact paths, by events: elementary functions where the law's shape has them, a high order method where it has not.
 
-Each step of the path, however long, is one piece: straight with constant or changing pressure, or an arc.
+Each step of the path, however long, is one piece: straight with constant or changing pressure, or an arc.  A piece is known
+anywhere along the step and not only at its end.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from duhem.errors import InputError
 from duhem.law.shapes import Disk, Interval
 from duhem.path.closest import Numbers, numbers
-from duhem.path.problem import Ledger, Problem
+from duhem.path.ledger import Ledger
+from duhem.path.problem import Problem
 from duhem.path.straight import Move, on_ellipse, on_interval
 from duhem.projection.result import Array
 
-__all__ = ["advance", "elementary", "why"]
+__all__ = ["Piece", "advance", "elementary", "piece", "why"]
 
-Piece = Callable[[Array, int], tuple[Array, Move]]  # stress at the start and number of the row to reach
+Reached = tuple[Array, Move]  # the stress, and what was done since the start of the step; free in parts of the whole step
+Piece = Callable[[Array, int, Sequence[float]], list[Reached]]  # stress at the start, row to reach, increasing parts of the step
 
 
 def elementary(problem: Problem) -> str | None:
@@ -62,16 +65,21 @@ def why(problem: Problem) -> str:
 
 def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
     """Fill the ledger row by row; yields the number of rows done."""
-    piece = _by_shape(problem) if elementary(problem) is None else _by_equation(problem)
+    along = piece(problem)
     path, c = problem.path, problem.compliance
     while ledger.done < len(path.values):
         i = ledger.done
         before = ledger.stress[i - 1]
-        stress, moved = piece(before, i)
+        [(stress, moved)] = along(before, i, (1.0,))
         du = path.values[i] - path.values[i - 1]
         slip = np.zeros_like(du) if moved.free >= 1.0 else du - c @ (stress - before)
         ledger.step(problem, stress, slip, (moved.multiplier, moved.dissipation, moved.work, 0.0))
         yield ledger.done
+
+
+def piece(problem: Problem) -> Piece:
+    """What moves the stress over the steps of the path."""
+    return _by_shape(problem) if elementary(problem) is None else _by_equation(problem)
 
 
 def _by_shape(problem: Problem) -> Piece:
@@ -80,45 +88,50 @@ def _by_shape(problem: Problem) -> Piece:
     values, arc, mu = path.values, path.arc, shape.coefficients
     k = np.diagonal(problem.stiffness).tolist()
 
-    def interval(stress: Array, i: int) -> tuple[Array, Move]:
-        loads = (float(shape.load[i - 1]), float(shape.load[i]))
-        moved = on_interval(float(stress[0]), float(values[i, 0] - values[i - 1, 0]), loads, mu, k[0])
-        return np.array(moved.stress), _shared(moved, float(shape.share[i]), 0.0)
+    def interval(stress: Array, i: int, part: float) -> Reached:
+        loads = (float(shape.load[i - 1]), float(shape.load[i] - (1.0 - part) * (shape.load[i] - shape.load[i - 1])))
+        moved = on_interval(float(stress[0]), part * float(values[i, 0] - values[i - 1, 0]), loads, mu, k[0])
+        return np.array(moved.stress), _shared(moved, part, float(shape.share[i]), 0.0)
 
-    def round_arc(stress: Array, i: int) -> tuple[Array, Move]:
+    def round_arc(stress: Array, i: int, part: float) -> Reached:
         assert arc is not None
         start = float(arc.angle[i - 1])
         limit = mu[0] * float(shape.load[i])
-        moved = on_disk((float(stress[0]), float(stress[1])), arc.radius, start, float(arc.angle[i]) - start, limit, k[0])
-        return np.array(moved.stress), _shared(moved, mu[0] * float(shape.share[i]), 0.0)
+        moved = on_disk((float(stress[0]), float(stress[1])), arc.radius, start, part * (float(arc.angle[i]) - start), limit, k[0])
+        return np.array(moved.stress), _shared(moved, part, mu[0] * float(shape.share[i]), 0.0)
 
-    def ellipse(stress: Array, i: int) -> tuple[Array, Move]:
+    def ellipse(stress: Array, i: int, part: float) -> Reached:
         centre = shape.centre[i]
-        du = values[i] - values[i - 1]
+        du = part * (values[i] - values[i - 1])
         first = stress - centre
         moved = on_ellipse((first[0], first[1]), (du[0], du[1]), float(shape.load[i]), mu, (k[0], k[1]))
         end = np.array(moved.stress) + centre
         if moved.free >= 1.0:
             end = stress + problem.stiffness @ du
         at_rest = problem.compliance @ (end - stress)
-        return end, _shared(moved, float(shape.share[i]), float(centre @ (du - at_rest)), float(centre @ du))
+        return end, _shared(moved, part, float(shape.share[i]), float(centre @ (du - at_rest)), float(centre @ du))
 
     if isinstance(problem.increment.law.closed_form, Interval):
-        return interval
+        return _each(interval)
     if arc is None:
-        return ellipse
+        return _each(ellipse)
     from duhem.path.arc import on_disk
 
-    return round_arc
+    return _each(round_arc)
 
 
-def _shared(moved: Move, share: float, dissipation: float, work: float = 0.0) -> Move:
-    """The multiplier of the law's own g, and the energies about the centre made whole."""
-    return Move(moved.stress, moved.multiplier * share, moved.dissipation + dissipation, moved.work + work, moved.free)
+def _each(one: Callable[[Array, int, float], Reached]) -> Piece:
+    """Every part of a step anew from its start: elementary functions do not care how far it is."""
+    return lambda stress, i, parts: [one(stress, i, part) for part in parts]
+
+
+def _shared(moved: Move, part: float, share: float, dissipation: float, work: float = 0.0) -> Move:
+    """The multiplier of the law's own g, the energies about the centre made whole, and what was free as part of the whole step."""
+    return Move(moved.stress, moved.multiplier * share, moved.dissipation + dissipation, moved.work + work, part * moved.free)
 
 
 def _by_equation(problem: Problem) -> Piece:
-    from duhem.path.smooth import boundary, move
+    from duhem.path.smooth import boundary, moves
 
     path, increment = problem.path, problem.increment
     if increment.law.pressure is not None and not increment.pressure.all():
@@ -128,7 +141,7 @@ def _by_equation(problem: Problem) -> Piece:
         )
     on = boundary(increment)
 
-    def piece(stress: Array, i: int) -> tuple[Array, Move]:
+    def along(stress: Array, i: int, parts: Sequence[float]) -> list[Reached]:
         du = path.values[i] - path.values[i - 1]
         arc = path.arc
 
@@ -144,9 +157,9 @@ def _by_equation(problem: Problem) -> Piece:
             return chord, arc.radius * sweep * np.array([-np.sin(angle), np.cos(angle)])
 
         if not du.any() and arc is None and increment.pressure[i] == increment.pressure[i - 1]:
-            return stress, Move(tuple(stress.tolist()), 0.0, 0.0, 0.0, 1.0)
+            return [(stress, Move(tuple(stress.tolist()), 0.0, 0.0, 0.0, part)) for part in parts]
         loads = (float(increment.pressure[i - 1]), float(increment.pressure[i]))
-        moved = move(on, stress, straight if arc is None else round_, loads)
-        return np.array(moved.stress), moved
+        reached = moves(on, stress, straight if arc is None else round_, loads, parts)
+        return [(np.array(moved.stress), moved) for moved in reached]
 
-    return piece
+    return along

@@ -12,7 +12,8 @@ import numpy as np
 
 from duhem.path.closest import closest
 from duhem.path.implicit import energies, single
-from duhem.path.problem import Ledger, Problem, times
+from duhem.path.ledger import Ledger
+from duhem.path.problem import Problem, times
 
 __all__ = ["advance", "why"]
 

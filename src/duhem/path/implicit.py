@@ -11,7 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from duhem.path.closest import Closest, closest
-from duhem.path.problem import Ledger, Problem, times
+from duhem.path.ledger import Ledger
+from duhem.path.problem import Problem, times
 from duhem.projection.result import Array
 
 __all__ = ["advance", "why"]

@@ -170,6 +170,15 @@ class Path:
         pressure = None if self.pressure is None else _between(self.pressure, substeps)
         return replace(self, time=time, values=values, pressure=pressure, arc=arc)
 
+    def between(self, step: int, part: float) -> tuple[float, Array, float]:
+        """Time, values (d,) and pressure (0 for none) at the ``part`` from 0 to 1 of a step; step i leads to knot i."""
+
+        def along(knots: Array) -> Any:
+            return knots[step] - (1.0 - part) * (knots[step] - knots[step - 1])
+
+        values = along(self.values) if self.arc is None else self.arc.at(along(self.arc.angle))
+        return float(along(self.time)), values, 0.0 if self.pressure is None else float(along(self.pressure))
+
     @property
     def constant_pressure(self) -> bool:
         """Whether K stays the same along the path."""

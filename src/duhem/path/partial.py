@@ -65,4 +65,5 @@ def _history(problem: Problem, column: dict[str, np.ndarray]) -> History:
         **{name: column[name] for name in ("psi", "dissipation", "work", "numerical", "balance")},
         method="",
         why="",
+        problem=problem,
     )

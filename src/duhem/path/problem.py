@@ -1,4 +1,4 @@
-"""The checked question of a run, and the arrays its integrator fills."""
+"""The checked question of a run."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from duhem.path.history import History
 from duhem.path.loading import Path
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 
-__all__ = ["Ledger", "Problem", "times"]
+__all__ = ["Problem", "times"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,87 +38,3 @@ class Problem:
 def times(rows: Array, matrix: Array) -> Array:
     """rows @ matrix, each row by itself: no row's rounding depends on how many there are."""
     return np.asarray(sum(rows[..., j, None] * matrix[j] for j in range(len(matrix))))
-
-
-@dataclass(eq=False)
-class Ledger:
-    """The run so far: rows up to ``done`` hold states and accumulated quantities, as in :class:`duhem.path.history.History`."""
-
-    stress: Array
-    slip: Array
-    psi: Array
-    multiplier: Array
-    dissipation: Array
-    work: Array
-    numerical: Array
-    balance: Array
-    done: int = 1
-
-    @classmethod
-    def begun(cls, problem: Problem, stress: Array) -> Ledger:
-        """Room for the whole path, at its start under ``stress``."""
-        m, d = problem.path.values.shape
-        sums = [np.zeros(m) for _ in range(6)]
-        blank = cls(np.empty((m, d)), np.empty((m, d)), sums[0], sums[1], sums[2], sums[3], sums[4], sums[5])
-        blank.stress[0], blank.psi[0] = stress, problem.psi(stress)
-        blank.slip[0] = 0.0 if problem.path.control == "stress" else problem.path.values[0] - times(stress, problem.compliance)
-        return blank
-
-    @property
-    def anchor(self) -> int:
-        """The last row at which something slipped, or the first."""
-        i = self.done - 1
-        while i > 0 and (self.slip[i] == self.slip[i - 1]).all():
-            i -= 1
-        return i
-
-    def sticks(self, problem: Problem, first: int, last: int, stress: Array) -> None:
-        """Rows ``first`` to ``last`` - 1 without slip, at ``stress`` (n, d)."""
-        block, i = slice(first, last), first - 1
-        before = np.vstack([self.stress[i], stress[:-1]])
-        self.stress[block], self.slip[block], self.psi[block] = stress, self.slip[i], problem.psi(stress)
-        gained = (0.5 * (before + stress) * times(stress - before, problem.compliance)).sum(axis=1)
-        self.work[block] = np.cumsum(np.concatenate([self.work[i : i + 1], gained]))[1:]
-        self.balance[block] = gained - np.diff(self.psi[i:last])
-        for sums in (self.multiplier, self.dissipation, self.numerical):
-            sums[block] = sums[i]
-        self.done = last
-
-    def step(self, problem: Problem, stress: Array, slip: Array, gains: tuple[float, float, float, float]) -> None:
-        """One more row, from what its step adds: slip, and multiplier, dissipation, work and numerical loss."""
-        i = self.done
-        self.stress[i], self.slip[i], self.psi[i] = stress, self.slip[i - 1] + slip, problem.psi(stress)
-        for sums, gain in zip((self.multiplier, self.dissipation, self.work, self.numerical), gains, strict=True):
-            sums[i] = sums[i - 1] + gain
-        self.balance[i] = gains[2] - (self.psi[i] - self.psi[i - 1]) - gains[1] - gains[3]
-        self.done = i + 1
-
-    def history(self, problem: Problem, method: str, why: str) -> History:
-        """The rows done."""
-        law, path, n = problem.increment.law, problem.path, self.done
-        stress, slip = self.stress[:n], self.slip[:n]
-        return History(
-            law=law.name,
-            forces=law.forces,
-            pressure_name=law.pressure,
-            time=path.time[:n],
-            displacement=path.values[:n] if path.control == "displacement" else slip + times(stress, problem.compliance),
-            slip=slip,
-            stress=stress,
-            pressure=problem.increment.pressure[:n],
-            multiplier=self.multiplier[:n],
-            psi=self.psi[:n],
-            dissipation=self.dissipation[:n],
-            work=self.work[:n],
-            numerical=self.numerical[:n],
-            balance=self.balance[:n],
-            method=method,
-            why=why,
-        )
-
-    def resume(self, start: History) -> None:
-        """The rows of an earlier part of the same run."""
-        n = len(start)
-        for name in ("stress", "slip", "psi", "multiplier", "dissipation", "work", "numerical", "balance"):
-            getattr(self, name)[:n] = getattr(start, name)
-        self.done = n

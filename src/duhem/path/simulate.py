@@ -14,8 +14,9 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.path.history import History
+from duhem.path.ledger import Ledger
 from duhem.path.loading import Path
-from duhem.path.problem import Ledger, Problem
+from duhem.path.problem import Problem
 from duhem.projection import project
 from duhem.projection.result import Array
 from duhem.projection.validation import increment as checked

@@ -8,8 +8,9 @@ starts again where the formula has a kink (a seam between quadrants) and where s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from duhem.path.straight import Move
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 
-__all__ = ["Boundary", "Drive", "boundary", "corner", "move"]
+__all__ = ["Boundary", "Drive", "boundary", "corner", "moves"]
 
 _SMOOTHING = (Norm, PNorm)
 _RTOL = 5e-14
@@ -101,8 +102,12 @@ def _derivative(g: sp.Expr, x: sp.Symbol) -> sp.Expr:
     return slope.replace(lambda e: isinstance(e, sp.sign), lambda e: e.args[0] / sp.Abs(e.args[0]))
 
 
-def move(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, float]) -> Move:
-    """From ``stress`` in K over the step tau in [0, 1], the pressure going straight from the first to the second."""
+def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, float], parts: Sequence[float]) -> list[Move]:
+    """From ``stress`` in K over the step tau in [0, 1], the pressure going straight from the first to the second.
+
+    What was done until each of ``parts``, increasing in (0, 1]; those before 1 are read off the method's own interpolation,
+    of order 7, and change none of its steps.
+    """
     from scipy.integrate import solve_ivp
 
     k, rate = on.stiffness, pressures[1] - pressures[0]
@@ -113,20 +118,20 @@ def move(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, floa
     def load(tau: float) -> float:
         return pressures[0] + tau * rate
 
-    def parts(tau: float, s: Array) -> tuple[Array, Array, Array, float]:
+    def pushed(tau: float, s: Array) -> tuple[Array, Array, Array, float]:
         du = drive(tau)[1]
         n = on.normal(s, load(tau))
         kn = k @ n
         return du, n, kn, float(kn @ du) + float(on.rate(*s, load(tau))) * rate
 
     def slipping(tau: float, state: Array) -> Array:
-        du, n, kn, push = parts(tau, state[:d])
+        du, n, kn, push = pushed(tau, state[:d])
         multiplier = push / float(n @ kn)
         power = state[:d]
         return np.concatenate([k @ du - multiplier * kn, [multiplier, multiplier * float(power @ n), float(power @ du)]])
 
     def unloads(tau: float, state: Array) -> float:
-        return parts(tau, state[:d])[3]
+        return pushed(tau, state[:d])[3]
 
     unloads.terminal, unloads.direction = True, -1.0  # type: ignore[attr-defined]
 
@@ -137,6 +142,17 @@ def move(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, floa
         event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
         return event
 
+    reached: list[Move] = []
+
+    def passed(upto: float, at: Callable[[float], Array], free: float, resting: float | None = None) -> None:
+        """Note the parts up to ``upto`` that have not been noted; ``free`` so far, and since the time ``resting``."""
+        for part in parts[len(reached) :]:
+            if part > upto:
+                return
+            y = at(part)
+            rested = free if resting is None else free + part - resting
+            reached.append(Move(tuple(y[:d].tolist()), float(y[d]), float(y[d + 1]), float(y[d + 2]), rested))
+
     tau, state, free = 0.0, np.concatenate([stress, np.zeros(3)]), 0.0
     atol = np.concatenate([np.full(d, 1e-16 * size), [1e-16 * length, 1e-16 * size * length, 1e-16 * size * length]])
     released = False
@@ -144,11 +160,8 @@ def move(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, floa
         if not released or unloads(tau, state) <= 0.0:
             stop = _leaving(on, state[:d], drive, load, tau)
             if stop > tau:
-                du = drive(stop)[0] - drive(tau)[0]
-                dsigma = k @ du
-                state = state.copy()
-                state[-1] += float((state[:d] + 0.5 * dsigma) @ du)
-                state[:d] += dsigma
+                passed(stop, partial(_at_rest, k, drive, tau, state), free, tau)
+                state = _at_rest(k, drive, tau, state, stop)
                 free, tau = free + stop - tau, stop
             if tau >= 1.0:
                 break
@@ -157,16 +170,35 @@ def move(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, floa
         ahead = state[:d] + _GLANCE * (1.0 - tau) * slipping(tau, state)[:d]  # on a seam, it is watched from where the stress goes
         signs = [float(np.sign(float(p(*ahead, load(tau))))) for p in on.seams]
         watched = [seam(p, -s) for p, s in zip(on.seams, signs, strict=True) if s != 0.0]
-        run = solve_ivp(slipping, (tau, 1.0), state, method="DOP853", rtol=_RTOL, atol=atol, events=[unloads, *watched])
+        inner = len(reached) < len(parts) and parts[len(reached)] < 1.0
+        events = [unloads, *watched]
+        run = solve_ivp(slipping, (tau, 1.0), state, method="DOP853", rtol=_RTOL, atol=atol, events=events, dense_output=inner)
         if run.status < 0 or not np.isfinite(run.y[:, -1]).all():
             raise DuhemError(f"the slipping stress could not be followed: {run.message}", remedy='use method="implicit"')
         tau, state = float(run.t[-1]), run.y[:, -1].copy()
+        passed(tau, partial(_interpolated, run), free)
         if tau >= 1.0:
             break
         released = not run.t_events[0].size
     else:
         raise DuhemError(f"more than {_MOST_EVENTS} events in one step", remedy="take smaller steps")
-    return Move(tuple(state[:d].tolist()), float(state[d]), float(state[d + 1]), float(state[d + 2]), free)
+    return reached
+
+
+def _at_rest(k: Array, drive: Drive, tau: float, state: Array, until: float) -> Array:
+    """The state (stress, multiplier, dissipation, work) after no slip from ``tau`` on."""
+    d = len(state) - 3
+    du = drive(until)[0] - drive(tau)[0]
+    dsigma = k @ du
+    new = state.copy()
+    new[-1] += float((state[:d] + 0.5 * dsigma) @ du)
+    new[:d] += dsigma
+    return new
+
+
+def _interpolated(run: Any, tau: float) -> Array:
+    """The state on the way, and at the end the one that was integrated."""
+    return np.asarray(run.y[:, -1] if tau == run.t[-1] else run.sol(tau))
 
 
 def _leaving(on: Boundary, stress: Array, drive: Drive, load: Callable[[float], float], tau: float) -> float:

@@ -1,0 +1,134 @@
+"""What lies between the knots of a history: the integrator's own curve, at as many points as a drawing needs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.path.exact import Piece, Reached, piece
+from duhem.path.history import History
+from duhem.path.problem import Problem
+from duhem.path.straight import Move
+from duhem.projection.result import Array
+
+__all__ = ["Trajectory", "trajectory"]
+
+_POINTS = 4096  # about how many in all, where nobody says how many a step
+_MOST_A_STEP = 64
+_APART = 1e-9  # parts of a step closer than this are one
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A history with rows between its knots.
+
+    ``states`` holds all rows; ``knots`` the row numbers of those of the history, which are the same to the last bit;
+    ``slips`` whether the law slips on the way to each row (the first: never).  The balance of a row between two knots is
+    that since the knot before it.
+    """
+
+    states: History
+    knots: NDArray[np.intp]
+    slips: NDArray[np.bool_]
+
+
+def trajectory(history: History, samples: int | None = None) -> Trajectory:
+    """The states that the law goes through on the way from knot to knot, each step in ``samples`` parts of equal time.
+
+    An exact path is evaluated anew between its knots: stress, slip, multiplier and energies are those of the law there, and
+    one more row stands wherever slip begins or ends.  So it is with a prescribed stress.  Implicit and extrapolated steps
+    know their knots only, and have no rows in between.  Left out, ``samples`` is what makes about 4,000 rows, at most 64 a step.
+    """
+    if samples is not None and (isinstance(samples, bool) or not isinstance(samples, int) or samples < 1):
+        raise InputError(f"samples = {samples!r}", where="trajectory", remedy="give a whole number from 1 on")
+    steps = len(history) - 1
+    each = samples if samples is not None else min(max(_POINTS // max(steps, 1), 1), _MOST_A_STEP)
+    along = None if history.problem is None else _along(history.problem, history.method)
+    if history.problem is None or along is None or each == 1:
+        return Trajectory(history, np.arange(len(history)), np.diff(history.multiplier, prepend=history.multiplier[0]) > 0.0)
+    even = [j / each for j in range(1, each)]
+    rows, knots, slips = [_row(history, 0)], [0], [False]
+    for i in range(1, len(history)):
+        parts, found = _sampled(along, history.stress[i - 1], i, even)
+        inner = [_between(history, history.problem, i, part, reached) for part, reached in zip(parts, found[:-1], strict=False)]
+        rows += [*inner, _row(history, i)]
+        knots.append(len(rows) - 1)
+        free = np.diff([0.0, *(moved.free for _, moved in found)])
+        slips += (free < 0.5 * np.diff([0.0, *parts, 1.0])).tolist()
+    columns: dict[str, Any] = {name: np.array(column) for name, column in zip(_COLUMNS, zip(*rows, strict=True), strict=True)}
+    states = replace(history, **columns)
+    return Trajectory(states, np.array(knots), np.array(slips))
+
+
+def _along(problem: Problem, method: str) -> Piece | None:
+    """What moves the stress within a step; None where only the knots are known."""
+    if method == "exact":
+        return piece(problem)
+    if problem.path.control == "stress":
+        values, c = problem.path.values, problem.compliance
+
+        def elastic(stress: Array, i: int, parts: Sequence[float]) -> list[Reached]:
+            grown = [part * (values[i] - values[i - 1]) for part in parts]
+            works = [float((stress + 0.5 * dsigma) @ c @ dsigma) for dsigma in grown]
+            return [(stress + dsigma, Move((), 0.0, 0.0, work, part)) for dsigma, work, part in zip(grown, works, parts, strict=True)]
+
+        return elastic
+    return None
+
+
+def _sampled(along: Piece, stress: Array, i: int, even: list[float]) -> tuple[list[float], list[Reached]]:
+    """Where step i is looked at before its end, and what has been reached there and at its end.
+
+    Where an interval is neither all slip nor all rest, the time it rests is known, so that the change lies that far behind
+    its beginning or before its end: one more look at each.
+    """
+    parts = [*even, 1.0]
+    found = along(stress, i, parts)
+    starts, ends = np.array([0.0, *even]), np.array(parts)
+    rest = np.diff([0.0, *(moved.free for _, moved in found)])
+    mixed = (rest > _APART) & (rest < ends - starts - _APART)
+    if mixed.any():
+        changes = np.concatenate([(starts + rest)[mixed], (ends - rest)[mixed]])
+        every = np.sort(np.concatenate([ends, changes]))
+        parts = [*every[:-1][np.diff(every) > _APART].tolist(), 1.0]
+        found = along(stress, i, parts)
+    return parts[:-1], found
+
+
+_COLUMNS = ("time", "displacement", "slip", "stress", "pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance")
+
+
+def _row(history: History, i: int) -> tuple[Array | float, ...]:
+    return tuple(getattr(history, name)[i] for name in _COLUMNS)
+
+
+def _between(history: History, problem: Problem, i: int, part: float, reached: Reached) -> tuple[Array | float, ...]:
+    """The row at a part of step i."""
+    stress, moved = reached
+    path, before = problem.path, i - 1
+    time, values, pressure = path.between(i, part)
+    strained = problem.compliance @ (stress - history.stress[before])
+    if path.control == "stress":
+        displacement, slip = history.displacement[before] + strained, history.slip[before]
+    else:
+        displacement = values
+        slip = history.slip[before] + (0.0 if moved.free >= part else values - path.values[before] - strained)
+    psi = float(problem.psi(stress))
+    return (
+        time,
+        displacement,
+        slip,
+        stress,
+        pressure,
+        history.multiplier[before] + moved.multiplier,
+        psi,
+        history.dissipation[before] + moved.dissipation,
+        history.work[before] + moved.work,
+        history.numerical[before],
+        moved.work - (psi - history.psi[before]) - moved.dissipation,
+    )
