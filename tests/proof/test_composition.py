@@ -23,7 +23,6 @@ from duhem.law.catalogue import names
 from duhem.proof.facts.case import Case
 from duhem.proof.facts.curvature import Shape, shape
 from duhem.proof.methods import chords, composition
-from duhem.proof.search.choices import choices
 
 cp = pytest.importorskip("cvxpy")
 
@@ -88,7 +87,7 @@ def _case(name: str) -> Case:
 @cache
 def _numbers(name: str) -> dict[sp.Symbol, sp.Rational]:
     """The plainest admitted parameters of the law's simplest form."""
-    return {x: sp.Rational(v.numerator, v.denominator) for x, v in next(choices(_case(name), most=1)).items()}
+    return {x: sp.Rational(v.numerator, v.denominator) for x, v in next(_case(name).choices(1)).items()}
 
 
 def _nodes(name: str) -> Iterator[tuple[sp.Expr, Shape, sp.Expr]]:

@@ -18,12 +18,11 @@ import sympy as sp
 import duhem.proof.decide.line as cells
 import duhem.proof.facts.case as case_module
 import duhem.proof.facts.curvature as shape_module
+import duhem.proof.methods.chords as chords_module
 import duhem.proof.methods.implicit as implicit
 import duhem.proof.methods.polar as polar
-import duhem.proof.search.choices as choices_module
-import duhem.proof.search.chords as search
 import duhem.proof.statement.problem as problem_module
-import duhem.proof.witness.points as witness_module
+import duhem.proof.witness.rational_points as witness_module
 from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
 from duhem.proof.decide import Answer, Question, Sense, decide
 from duhem.proof.facts.case import Case
@@ -305,7 +304,7 @@ def _chord(skipped: tuple[str, ...]) -> Patch:
         def chord(case: Case, parameters: Any, p: Any, q: Any) -> Witness | None:
             middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
             points = {"p": p, "q": q, "midpoint": middle}
-            at = {role: witness_module.values_at(case, parameters, x) for role, x in points.items()}
+            at = {role: case.values_at(parameters, x) for role, x in points.items()}
             for role, values in at.items():
                 sign, _ = look(case.problem.g, values)
                 if role not in skipped and (sign is None or (sign > 0) != (role == "midpoint")):
@@ -317,7 +316,7 @@ def _chord(skipped: tuple[str, ...]) -> Patch:
                 "a chord",
             )
 
-        monkeypatch.setattr(search, "chord", chord)
+        monkeypatch.setattr(chords_module, "chord", chord)
 
     return patch
 
@@ -333,8 +332,7 @@ def _quasiconvex_sums(self: Any, node: Any, *terms: Any) -> Any:
 
 
 def _any_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
-    for where in (witness_module, choices_module):
-        monkeypatch.setattr(where, "inside_domain", lambda case, values: True)
+    monkeypatch.setattr(Case, "admits", lambda case, values: True)
 
 
 def _backwards(self: Profile, arc: Any) -> Any:

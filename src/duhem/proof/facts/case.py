@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
 from functools import cached_property
-from itertools import combinations
+from itertools import combinations, islice
 from typing import Any
 
 import sympy as sp
@@ -14,6 +16,7 @@ from duhem.expression.branches import Branch, TooManyBranchesError, branches, th
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Answer, Question, Sense, decide
+from duhem.proof.facts.parameter_choices import Values, fraction, plain_choices, rationals
 from duhem.proof.statement.problem import Problem, state
 from duhem.proof.statement.star import Star, star_form
 
@@ -93,6 +96,37 @@ class Case:
             for p, q in zip(one.expr, two.expr, strict=True)
             if p != q
         )
+
+    def values_at(self, parameters: Values, point: Sequence[Fraction]) -> dict[sp.Symbol, Fraction]:
+        """Every symbol of the stated problem at a parameter choice and a point of the simple problem's force space."""
+        fixed = {x: fraction(v) for x, v in self.simple.slice.items()}
+        return {**fixed, **parameters, **dict(zip(self.simple.forces, point, strict=True))}
+
+    def formula_at(self, parameters: Values) -> sp.Expr:
+        """g of the simple problem at a parameter choice."""
+        return self.simple.g.subs(rationals(parameters))
+
+    def admits(self, values: Values) -> bool:
+        """Whether the parameter values satisfy every relation of the law's domain, in exact arithmetic."""
+        exact = rationals(values)
+        positive = all(v > 0 for x, v in values.items() if x.is_positive) and all(v >= 0 for x, v in values.items() if x.is_nonnegative)
+        return positive and all(relation.subs(exact) in (sp.true, True) for relation in self.problem.given)
+
+    def choices(self, most: int, hints: Sequence[Mapping[sp.Symbol, Any]] = ()) -> Iterator[dict[sp.Symbol, Fraction]]:
+        """Exact parameter values inside the domain at which g is defined: hints first, then ``most`` others, the plainest first."""
+        free, zero = self.simple.parameters, (Fraction(0),) * len(self.simple.forces)
+        seen: set[tuple[Fraction, ...]] = set()
+
+        def admitted(values: dict[sp.Symbol, Fraction]) -> bool:
+            key = tuple(values.values())
+            if key in seen or not self.admits(self.values_at(values, zero)) or self.formula_at(values).has(sp.nan, sp.zoo, sp.oo):
+                return False
+            seen.add(key)
+            return True
+
+        hinted = ({x: fraction(hint[x]) for x in free} for hint in hints if all(x in hint for x in free))
+        yield from filter(admitted, hinted)
+        yield from islice(filter(admitted, plain_choices(free, self.simple.given)), most)
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""

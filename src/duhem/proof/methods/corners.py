@@ -13,10 +13,10 @@ from duhem.expression import Where
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.expression.text import formula
 from duhem.proof.facts.case import Case
-from duhem.proof.search.choices import choices
-from duhem.proof.search.crossings import Crossing, crossings
+from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.search.seam_crossings import Crossing, crossings
 from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.points import Values, decimal_pair, describe, values_at
+from duhem.proof.witness.rational_points import decimal_pair, describe
 
 __all__ = ["smoothness"]
 
@@ -27,7 +27,7 @@ def smoothness(case: Case) -> Evidence | None:
     if len(case.simple.forces) != 2 or pieces is None or len(pieces) < 2:
         return None
     jumps = case.simple.g.has(Where) and not case.continuous
-    for parameters in choices(case, most=6):
+    for parameters in case.choices(6):
         for crossing in crossings(case, parameters):
             if (witness := _corner(case, parameters, crossing, jumps)) is not None:
                 return Evidence(Verdict.REFUTED, "witness-corner", "the outward normal jumps at a corner of the boundary", witness)
@@ -38,12 +38,12 @@ def _corner(case: Case, parameters: Values, crossing: Crossing, jumps: bool) -> 
     """The corner in a box; where g jumps, only one between the boundary of one branch and the seam, which g does not cross."""
     before, after, seam = crossing.before, crossing.after, crossing.seam
     forces = case.simple.forces
-    exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()}
+    exact = rationals(parameters)
     system = sp.Matrix([after.expr, seam]).subs(exact)
     jacobian = system.jacobian(list(forces))
     for limit, radius in ((1000, Fraction(1, 2**30)), (10**25, Fraction(1, 2**40))):
         point = [c.limit_denominator(limit) for c in crossing.point]
-        values = {x: ball(v) for x, v in values_at(case, parameters, point).items()}
+        values = {x: ball(v) for x, v in case.values_at(parameters, point).items()}
         with precision(256):
             box = {**values, **{x: ball(c - radius, c + radius) for x, c in zip(forces, point, strict=True)}}
             if not _has_zero(system, jacobian, forces, values, box, radius):
@@ -66,7 +66,7 @@ def _corner(case: Case, parameters: Values, crossing: Crossing, jumps: bool) -> 
             if certain_sign(cross) not in (-1, 1) or not transversal:
                 continue
             angle = math.degrees(math.atan2(abs(float(cross.mid())), float((one[0] * two[0] + one[1] * two[1]).mid())))
-            at = values_at(case, parameters, point)
+            at = case.values_at(parameters, point)
             return Witness(
                 parameters=describe(case, at, forces=False),
                 points={"corner": describe(case, at)},

@@ -13,8 +13,8 @@ from duhem.expression.balls import certain_sign, precision
 from duhem.proof.facts.curve import LEAD, LEAN, CurveCase, Values
 from duhem.proof.facts.curve_balls import Ball, Greatest, Jet, NumericCurve, Span, cross, dot
 from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.curve import at_angle, coordinates, parameters
-from duhem.proof.witness.points import decimal_pair
+from duhem.proof.witness.curve_points import at_angle, coordinates, parameters
+from duhem.proof.witness.rational_points import decimal_pair
 
 __all__ = ["normality"]
 
@@ -95,7 +95,7 @@ def _cluster(arcs: tuple[Span, ...]) -> Span:
 
 
 def _witness(case: CurveCase, values: Values, curve: NumericCurve, worst: Greatest, angle: float) -> Witness | None:
-    from duhem.proof.search.curve import half_tangent
+    from duhem.proof.search.curve_angles import half_tangent
 
     with precision(_BITS):
         t = half_tangent(angle)
@@ -121,7 +121,7 @@ def _witness(case: CurveCase, values: Values, curve: NumericCurve, worst: Greate
 
 def _targets(case: CurveCase, values: Values, jet: Jet, angle: float) -> Iterator[Fraction]:
     """Where the flow may lean to: far along the boundary first, then close by at the scale of the deviation itself."""
-    from duhem.proof.search.curve import CurveScouts, half_tangent
+    from duhem.proof.search.curve_angles import CurveScouts, half_tangent
 
     point, slip = ([float(x) for x in v] for v in (jet.boundary[0], jet.flow[0]))
     for other in CurveScouts(case).at(values).targets(slip, point):

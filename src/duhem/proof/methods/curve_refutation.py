@@ -10,8 +10,8 @@ from duhem.expression.balls import ball, certain_sign, precision
 from duhem.proof.facts.curve import POWER, CurveCase, Values
 from duhem.proof.facts.curve_balls import NumericCurve, Vector, cross, dot
 from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.curve import at_angle, coordinates, parameters
-from duhem.proof.witness.points import decimal_pair
+from duhem.proof.witness.curve_points import at_angle, coordinates, parameters
+from duhem.proof.witness.rational_points import decimal_pair
 
 __all__ = ["convexity", "dissipation", "normality_of_a_dent", "origin"]
 
@@ -51,7 +51,7 @@ def convexity(case: CurveCase) -> Evidence | None:
 
 def dissipation(case: CurveCase) -> Evidence | None:
     """A boundary point where T . d < 0."""
-    from duhem.proof.search.curve import CurveScouts, half_tangent
+    from duhem.proof.search.curve_angles import CurveScouts, half_tangent
 
     scouts = CurveScouts(case)
     for values in case.choices(12):
@@ -94,7 +94,7 @@ _SIDES = (("p", "m"), ("m", "q"), ("q", "p"))
 
 def _dents(case: CurveCase) -> Iterator[tuple[Values, tuple[Fraction, Fraction, Fraction], tuple[Fraction, Fraction]]]:
     """Choices of parameters with angles p, m, q on the rim and a rational point between them, surely outside K."""
-    from duhem.proof.search.curve import CurveScouts, half_tangent
+    from duhem.proof.search.curve_angles import CurveScouts, half_tangent
 
     scouts = CurveScouts(case)
     for values in case.choices(_CHOICES):

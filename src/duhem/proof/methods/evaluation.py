@@ -9,9 +9,8 @@ import sympy as sp
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.case import Case
-from duhem.proof.search.choices import choices
 from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.points import decimal_pair, describe, sign_at, values_at
+from duhem.proof.witness.rational_points import decimal_pair, describe, sign_at
 
 __all__ = ["origin", "origin_refuted"]
 
@@ -31,8 +30,8 @@ def origin_refuted(case: Case) -> Evidence | None:
     """Parameters at which g(0) > 0."""
     zero = [Fraction(0)] * len(case.simple.forces)
     hint = None if case.at_origin is None else case.ask(-case.at_origin, Sense.NONNEGATIVE).point
-    for parameters in choices(case, [hint] if hint else []):
-        values = values_at(case, parameters, zero)
+    for parameters in case.choices(40, [hint] if hint else []):
+        values = case.values_at(parameters, zero)
         sign, enclosure = sign_at(case.problem.g, values)
         if sign == 1:
             witness = Witness(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -16,13 +16,13 @@ import sympy as sp
 
 from duhem.proof.decide import Sense
 from duhem.proof.facts.case import Case
-from duhem.proof.search.choices import choices
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.search.suggestion import Exit, Point
 from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.enclosed_point import Bracket, enclosed_normal, over_box, violation
-from duhem.proof.witness.points import Values
+from duhem.proof.witness.enclosed_point import Bracket, bracketed, enclosed_normal, over_box, violation
 
 if TYPE_CHECKING:
-    from duhem.proof.search.boundary import BoundaryScout
+    from duhem.proof.search.boundary_points import BoundaryScout
 
 __all__ = ["dissipation_refuted", "normality", "normality_refuted", "normality_refuted_by_chord"]
 
@@ -93,32 +93,39 @@ def normality_refuted(case: Case) -> Evidence | None:
     """
     if case.simple.flow is None:
         return None
-    from duhem.proof.search.boundary import BoundaryScout  # numpy, only when something is looked for
+    from duhem.proof.search.boundary_points import BoundaryScout  # numpy, only when something is looked for
 
-    for parameters in choices(case, most=12):
+    for parameters in case.choices(12):
         scout = BoundaryScout(case, parameters)
         if len(scout.boundary) < 2:
             continue
-        for k, target in itertools.chain(scout.far_targets(), scout.near_targets()):
-            if witness := _leans_towards(case, scout, parameters, k, target):
+        for exit, target in itertools.chain(scout.far_targets(), _on_the_boundary(case, scout)):
+            if witness := _leans_towards(case, exit, target):
                 return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
     return None
 
 
-def _leans_towards(case: Case, scout: BoundaryScout, parameters: Values, k: int, target: Sequence[Fraction]) -> Witness | None:
+def _on_the_boundary(case: Case, scout: BoundaryScout) -> Iterator[tuple[Exit, Point]]:
+    """Targets close by as points that are surely in K."""
+    for exit, turned in scout.near_targets():
+        if found := bracketed(case, turned.parameters, turned.inside, turned.outside, 80):
+            yield exit, found.inside
+
+
+def _leans_towards(case: Case, exit: Exit, target: Point) -> Witness | None:
     problem = case.simple
 
     def leaning(bracket: Bracket) -> sp.Expr:
         assert problem.flow is not None
         return sp.Add(*(d * (sp.Rational(str(t)) - x) for d, t, x in zip(problem.flow, target, problem.forces, strict=True)))
 
-    start, end = scout.segment(k)
-    return violation(case, parameters, start, end, leaning, "flow . (tau - sigma)", _NORMALITY, 1, target, lambda b: _angles(case, b))
+    name = "flow . (tau - sigma)"
+    return violation(case, exit.parameters, exit.inside, exit.outside, leaning, name, _NORMALITY, 1, target, lambda b: _angles(case, b))
 
 
 def dissipation_refuted(case: Case) -> Evidence | None:
     """A boundary point where force . flow < 0."""
-    from duhem.proof.search.boundary import BoundaryScout
+    from duhem.proof.search.boundary_points import BoundaryScout
 
     problem = case.simple
 
@@ -126,10 +133,10 @@ def dissipation_refuted(case: Case) -> Evidence | None:
         flow = problem.flow or enclosed_normal(case, bracket)
         return None if flow is None else sp.Add(*(x * d for x, d in zip(problem.forces, flow, strict=True)))
 
-    for parameters in choices(case, most=12):
+    for parameters in case.choices(12):
         scout = BoundaryScout(case, parameters)
-        for start, end in itertools.chain(scout.towards_zero_force(), map(scout.segment, scout.least_power()[:5])):
-            if witness := violation(case, parameters, start, end, power, "force . flow", _DISSIPATION):
+        for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5)):
+            if witness := violation(case, parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
                 return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
     return None
 

@@ -15,8 +15,9 @@ import sympy as sp
 
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.proof.facts.case import Case
+from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
-from duhem.proof.witness.points import Values, decimal_pair, describe, inside_domain, sign_at, values_at
+from duhem.proof.witness.rational_points import decimal_pair, describe, sign_at
 
 __all__ = ["Bracket", "bracketed", "enclosed_normal", "over_box", "violation"]
 
@@ -40,7 +41,7 @@ def bracketed(case: Case, parameters: Values, start: Sequence[Fraction], end: Se
         return tuple(a + s * (b - a) for a, b in zip(start, end, strict=True))
 
     def inside(s: Fraction) -> bool | None:
-        sign, _ = sign_at(case.problem.g, values_at(case, parameters, at(s)))
+        sign, _ = sign_at(case.problem.g, case.values_at(parameters, at(s)))
         return None if sign is None else sign <= 0
 
     if inside(low) is not True or inside(high) is not False:
@@ -56,7 +57,7 @@ def bracketed(case: Case, parameters: Values, start: Sequence[Fraction], end: Se
 
 def over_box(expr: sp.Expr, case: Case, bracket: Bracket, bits: int = 256) -> Any:
     """Ball containing ``expr`` over the box spanned by the bracket (pressure and parameters exact)."""
-    a, b = values_at(case, bracket.parameters, bracket.inside), values_at(case, bracket.parameters, bracket.outside)
+    a, b = case.values_at(bracket.parameters, bracket.inside), case.values_at(bracket.parameters, bracket.outside)
     with precision(bits):
         return enclose(expr, {x: ball(min(a[x], b[x]), max(a[x], b[x])) for x in a})
 
@@ -82,9 +83,9 @@ def violation(
     measures: Callable[[Bracket], dict[str, float]] = lambda bracket: {},
 ) -> Witness | None:
     """A witness that ``quantity`` has the ``wanted`` sign at the boundary point between ``start`` and ``end``."""
-    if not inside_domain(case, values_at(case, parameters, start)):
+    if not case.admits(case.values_at(parameters, start)):
         return None
-    others: dict[str, dict[sp.Symbol, Fraction]] = {} if target is None else {"tau": values_at(case, parameters, target)}
+    others: dict[str, dict[sp.Symbol, Fraction]] = {} if target is None else {"tau": case.values_at(parameters, target)}
     if any(sign_at(case.problem.g, at)[0] not in (-1, 0) for at in others.values()):
         return None
     for bits in _WIDTHS:
@@ -96,7 +97,7 @@ def violation(
             continue
         value = over_box(expr, case, bracket)
         if certain_sign(value) == wanted:
-            ends = {"inside": values_at(case, parameters, bracket.inside), "outside": values_at(case, parameters, bracket.outside)}
+            ends = {"inside": case.values_at(parameters, bracket.inside), "outside": case.values_at(parameters, bracket.outside)}
             shown = {f"g({role})": decimal_pair(sign_at(case.problem.g, at)[1]) for role, at in {**ends, **others}.items()}
             return Witness(
                 parameters=describe(case, ends["inside"], forces=False),

@@ -7,12 +7,11 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from duhem.expression.numpy_ import compiled
 from duhem.proof.facts.case import Case
-from duhem.proof.witness.enclosed_point import bracketed
-from duhem.proof.witness.points import Values
+from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.search.suggestion import Exit, Point
 
 __all__ = ["BoundaryScout"]
 
@@ -24,10 +23,8 @@ class BoundaryScout:
 
     def __init__(self, case: Case, parameters: Values) -> None:
         self.case, self.parameters = case, parameters
-        self.exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()}
         self.forces = case.simple.forces
-        g = case.simple.g.subs(self.exact)
-        self._g = compiled(g, self.forces)
+        self._g = compiled(case.formula_at(parameters), self.forces)
         d = len(self.forces)
         rng = np.random.default_rng(5)
         if d == 2:
@@ -70,8 +67,9 @@ class BoundaryScout:
         if flow is None:
             slips = self._gradient()
         else:
+            exact = rationals(self.parameters)
             slips = np.stack(
-                [np.broadcast_to(compiled(c.subs(self.exact), self.forces)(*self.boundary.T), len(self.boundary)) for c in flow], axis=1
+                [np.broadcast_to(compiled(c.subs(exact), self.forces)(*self.boundary.T), len(self.boundary)) for c in flow], axis=1
             )
         return slips / (np.linalg.norm(slips, axis=1, keepdims=True) + 1e-300)
 
@@ -84,7 +82,7 @@ class BoundaryScout:
             columns.append((self.value(self.boundary + step * offset) - self.value(self.boundary - step * offset)) / (2 * step[:, 0]))
         return np.stack(columns, axis=1)
 
-    def far_targets(self) -> Iterator[tuple[int, list[Fraction]]]:
+    def far_targets(self) -> Iterator[tuple[Exit, Point]]:
         """The three boundary points whose flow leans most towards some other sampled point, with that point."""
         slips = self.unit_flow()
         reach = slips @ self.boundary.T - np.sum(slips * self.boundary, axis=1)[:, None]
@@ -93,10 +91,10 @@ class BoundaryScout:
         for k in np.argsort(-np.max(reach / sizes, axis=1))[:3]:
             best = int(np.argmax(reach[k]))
             if reach[k, best] > 0:
-                yield int(k), [Fraction(float(c) * (1 - 2.0**-20)).limit_denominator(10**6) for c in self.boundary[best]]
+                yield self._exit(int(k)), tuple(Fraction(float(c) * (1 - 2.0**-20)).limit_denominator(10**6) for c in self.boundary[best])
 
-    def near_targets(self) -> Iterator[tuple[int, list[Fraction]]]:
-        """In two forces: from the point of largest deviation, boundary points turned by a share of that deviation."""
+    def near_targets(self) -> Iterator[tuple[Exit, Exit]]:
+        """In two forces: the points of largest deviation, each with others of the boundary, turned by a share of that deviation."""
         if len(self.forces) != 2:
             return
         normals, slips = self._gradient(), self.unit_flow()
@@ -105,27 +103,28 @@ class BoundaryScout:
         for k in np.argsort(-np.abs(turn))[:3]:
             for share in (1.0, 0.5, 0.25, 0.1):
                 angle = Fraction(float(share * turn[k])).limit_denominator(10**12)
-                start, end = self.segment(int(k))
-                turned = [[p[0] - angle * p[1], p[1] + angle * p[0]] for p in (start, end)]
-                if found := bracketed(self.case, self.parameters, turned[0], turned[1], 80):
-                    yield int(k), list(found.inside)
+                here = self._exit(int(k))
+                turned = ((p[0] - angle * p[1], p[1] + angle * p[0]) for p in (here.inside, here.outside))
+                yield here, Exit(self.parameters, *turned)
 
-    def towards_zero_force(self) -> Iterator[tuple[list[Fraction], list[Fraction]]]:
+    def towards_zero_force(self) -> Iterator[Exit]:
         """From a point of K to 0 where 0 is outside: the boundary is crossed outward, so grad g . (0 - sigma) > 0 there."""
         if self.centre is not None and self.centre.any():
-            yield [Fraction(float(c)).limit_denominator(10**9) for c in self.centre], [Fraction(0)] * len(self.centre)
+            inside = tuple(Fraction(float(c)).limit_denominator(10**9) for c in self.centre)
+            yield Exit(self.parameters, inside, (Fraction(0),) * len(inside))
 
-    def least_power(self) -> list[int]:
-        """Indices of boundary points with negative power, the most negative first."""
+    def least_power(self, most: int) -> Iterator[Exit]:
+        """Boundary points with negative power, the most negative first."""
         if len(self.boundary) == 0:
-            return []
+            return
         power = np.sum(self.unit_flow() * self.boundary, axis=1) / (np.linalg.norm(self.boundary, axis=1) + 1e-300)
         order = np.argsort(np.where(np.isfinite(power), power, np.inf))
-        return [int(k) for k in order if power[k] < -1e-12]
+        for k in [k for k in order if power[k] < -1e-12][:most]:
+            yield self._exit(int(k))
 
-    def segment(self, k: int) -> tuple[list[Fraction], list[Fraction]]:
-        """Exact points on the ray, half-way in and half-way out of the crossing."""
+    def _exit(self, k: int) -> Exit:
+        """Exact points on the ray, a little before and a little after the crossing."""
         centre = [Fraction(float(c)).limit_denominator(10**9) for c in self.centre]
         ray = [Fraction(float(c)).limit_denominator(10**6) for c in self.directions[k]]
-        near, far = (Fraction(float(s * self.low[k])).limit_denominator(10**12) for s in (1 - 1e-6, 1 + 1e-6))
-        return [c + near * r for c, r in zip(centre, ray, strict=True)], [c + far * r for c, r in zip(centre, ray, strict=True)]
+        ends = (Fraction(float(s * self.low[k])).limit_denominator(10**12) for s in (1 - 1e-6, 1 + 1e-6))
+        return Exit(self.parameters, *(tuple(c + end * r for c, r in zip(centre, ray, strict=True)) for end in ends))

@@ -10,7 +10,7 @@ import sympy as sp
 
 from duhem.proof.facts.curve import CurveCase, Values
 from duhem.proof.facts.curve_balls import Vector
-from duhem.proof.witness.points import decimal_pair
+from duhem.proof.witness.rational_points import decimal_pair
 
 __all__ = ["at_angle", "coordinates", "parameters"]
 

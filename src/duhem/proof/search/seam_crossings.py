@@ -14,7 +14,7 @@ import sympy as sp
 from duhem.expression import fold, mpmath_
 from duhem.expression.branches import Branch
 from duhem.proof.facts.case import Case
-from duhem.proof.witness.points import Values
+from duhem.proof.facts.parameter_choices import Values, rationals
 
 __all__ = ["Crossing", "crossings"]
 
@@ -33,9 +33,8 @@ class Crossing:
 
 def crossings(case: Case, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
     """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain."""
-    exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in parameters.items()}
-    forces = case.simple.forces
-    grid = _Grid(forces, case.simple.g.subs(exact))
+    exact, forces = rationals(parameters), case.simple.forces
+    grid = _Grid(forces, case.formula_at(parameters))
     for before, after, seam in _neighbours(case.pieces or ()):
         system = sp.Matrix([after.expr, seam]).subs(exact)
         if not (starts := grid.starts(*system)):

@@ -6,7 +6,7 @@ kept only if every sign is certain; where one stays open the candidate is droppe
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import Any
@@ -15,19 +15,12 @@ import sympy as sp
 
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.proof.facts.case import Case
+from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
 
-__all__ = ["Values", "chord", "decimal_pair", "describe", "inside_domain", "sign_at", "values_at"]
+__all__ = ["chord", "decimal_pair", "describe", "sign_at"]
 
 _PRECISIONS = (64, 128, 256, 512, 1024, 2048)
-
-Values = Mapping[sp.Symbol, Fraction]
-
-
-def values_at(case: Case, parameters: Values, point: Sequence[Fraction]) -> dict[sp.Symbol, Fraction]:
-    """Every symbol of the stated problem at a parameter choice and a point of the simple problem's force space."""
-    fixed = {x: Fraction(int(sp.Rational(v).p), int(sp.Rational(v).q)) for x, v in case.simple.slice.items()}
-    return {**fixed, **parameters, **dict(zip(case.simple.forces, point, strict=True))}
 
 
 def sign_at(expr: sp.Expr, values: Values) -> tuple[int | None, Any]:
@@ -41,18 +34,11 @@ def sign_at(expr: sp.Expr, values: Values) -> tuple[int | None, Any]:
     return None, enclosure
 
 
-def inside_domain(case: Case, values: Values) -> bool:
-    """Whether the parameter values satisfy every relation of the law's domain, in exact arithmetic."""
-    exact = {x: sp.Rational(v.numerator, v.denominator) for x, v in values.items()}
-    positive = all(v > 0 for x, v in values.items() if x.is_positive) and all(v >= 0 for x, v in values.items() if x.is_nonnegative)
-    return positive and all(relation.subs(exact) in (sp.true, True) for relation in case.problem.given)
-
-
 def chord(case: Case, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction]) -> Witness | None:
     """Non-convexity: g(p) <= 0, g(q) <= 0 and g > 0 at the midpoint, or None if that is not certain."""
     middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
-    points = {"p": values_at(case, parameters, p), "q": values_at(case, parameters, q), "midpoint": values_at(case, parameters, middle)}
-    if not inside_domain(case, points["p"]):
+    points = {"p": case.values_at(parameters, p), "q": case.values_at(parameters, q), "midpoint": case.values_at(parameters, middle)}
+    if not case.admits(points["p"]):
         return None
     shown = {}
     for role, values in points.items():

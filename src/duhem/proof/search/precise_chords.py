@@ -1,0 +1,122 @@
+"""Chords built in high precision at one place of the boundary: they show violations far below double precision.
+
+Dents: at a boundary point whose curvature has the wrong sign, a short chord along the tangent.  Kinks: where the boundary
+crosses a seam and its two tangents point inward, a chord from one side to the other, however slight the kink.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from math import floor
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression import mpmath_
+from duhem.proof.facts.case import Case
+from duhem.proof.facts.parameter_choices import Values, fraction, rationals
+from duhem.proof.search.seam_crossings import Crossing, crossings
+from duhem.proof.search.suggestion import Chord, Point
+
+__all__ = ["dent_chords", "kink_chords"]
+
+
+def dent_chords(case: Case, parameters: Values, direction: Sequence[Any], dps: int = 60) -> Iterator[Chord]:
+    """Chords through the boundary point seen from the origin in ``direction`` (two forces), the longest first."""
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = dps
+    forces = case.simple.forces
+    g = case.formula_at(parameters)
+
+    def value(point: Sequence[Any]) -> Any:
+        return mpmath_.evaluate(g, dict(zip(forces, point, strict=True)), dps)
+
+    ray = [context.mpf(c.numerator) / c.denominator for c in map(fraction, direction)]
+    size = context.hypot(*ray)
+    ray = [c / size for c in ray]
+    low, high = context.mpf(0), context.mpf(1)
+    while value([high * c for c in ray]) <= 0:
+        low, high = high, 2 * high
+        if high > 1e12:
+            return
+    for _ in range(int(3.4 * dps)):
+        middle = (low + high) / 2
+        low, high = (middle, high) if value([middle * c for c in ray]) <= 0 else (low, middle)
+    x = [low * c for c in ray]
+    step = low * context.mpf(10) ** (-dps // 3)
+    slope = [
+        (value([x[0] + step, x[1]]) - value([x[0] - step, x[1]])) / (2 * step),
+        (value([x[0], x[1] + step]) - value([x[0], x[1] - step])) / (2 * step),
+    ]
+    length = context.hypot(*slope)
+    if not length > 0:
+        return
+    normal = [c / length for c in slope]
+    tangent = [-normal[1], normal[0]]
+
+    def moved(along: Any, out: Any) -> list[Any]:
+        return [x[k] + along * tangent[k] + out * normal[k] for k in (0, 1)]
+
+    for k in range(2, 60):
+        t = low * context.mpf(2) ** -k
+        bend = -(value(moved(t, 0)) + value(moved(-t, 0))) / (2 * length)
+        if bend > 0:
+            p, q = (_rounded(moved(s * t, bend / 2), bend / 1000) for s in (1, -1))
+            yield Chord(parameters, p, q)
+
+
+def kink_chords(case: Case, most: int = 12) -> Iterator[Chord]:
+    """Chords across seams where the tangents of the two branches of the boundary point out of K (two forces)."""
+    for parameters in case.choices(most):
+        for crossing in crossings(case, parameters, 80):
+            if case.exhausted:
+                return
+            yield from _across(case, parameters, crossing)
+
+
+def _across(case: Case, parameters: Values, crossing: Crossing, dps: int = 80) -> Iterator[Chord]:
+    """With unit tangents t1, t2 away from the crossing, K is dented there if t1 + t2 points along the outward normals."""
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = dps
+    forces = case.simple.forces
+    exact = rationals(parameters)
+    x = [context.mpf(c.numerator) / c.denominator for c in crossing.point]
+
+    def gradient(expr: sp.Expr) -> list[Any]:
+        return _unit([mpmath_.evaluate(expr.diff(v).subs(exact), dict(zip(forces, x, strict=True)), dps) for v in forces], context)
+
+    side = crossing.after.signs[crossing.seam]
+    seam, one, two = (gradient(e) for e in (crossing.seam, crossing.before.expr, crossing.after.expr))
+    tangents = []
+    for normal, sense in ((one, -side), (two, side)):
+        along = [-normal[1], normal[0]]
+        lean = sense * (along[0] * seam[0] + along[1] * seam[1])
+        if not lean:
+            return
+        tangents.append([c * context.sign(lean) for c in along])
+    out = _unit([a + b for a, b in zip(one, two, strict=True)], context)
+    rise = sum(c * (a + b) for c, a, b in zip(out, *tangents, strict=True)) / 2
+    if not rise > context.mpf(10) ** (-dps // 4):
+        return
+    for k in range(2, 40, 3):
+        step = rise * max(abs(c) for c in x) * context.mpf(2) ** -k
+        pull = rise * step / 2
+        ends = [[c + step * t - pull * n for c, t, n in zip(x, tangent, out, strict=True)] for tangent in tangents]
+        p, q = (_rounded(end, pull / 1000) for end in ends)
+        yield Chord(parameters, p, q)
+
+
+def _unit(vector: list[Any], context: Any) -> list[Any]:
+    size = context.hypot(*vector)
+    return [c / size if size else context.zero for c in vector]
+
+
+def _rounded(point: Sequence[Any], tolerance: Any) -> Point:
+    """The point rounded to the coarsest decimals within the tolerance."""
+    denominator = 10 ** max(1, int(-floor(float(sp.log(sp.Float(str(tolerance)), 10)))) + 1)
+    return tuple(Fraction(int(c.context.nint(c * denominator)), denominator) for c in point)

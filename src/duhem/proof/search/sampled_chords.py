@@ -1,0 +1,135 @@
+"""Chords that seem to leave K, in floats: the boundary is sampled along rays in plane sections.
+
+Midpoints of chords of many lengths are tried, which sees inward kinks, dents and separate components.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.expression.numpy_ import compiled
+from duhem.proof.facts.case import Case
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.search.suggestion import Chord
+
+__all__ = ["sampled_chords"]
+
+Array = NDArray[np.float64]
+_ANGLES, _RADII, _SECTIONS = 720, 48, 24
+
+
+def sampled_chords(case: Case, most: int = 40) -> Iterator[Chord]:
+    """Chords worth an exact look, one choice of parameters after the other while time lasts."""
+    for parameters in case.choices(most):
+        if case.exhausted:
+            return
+        yield from _in_choice(case, parameters)
+
+
+def _in_choice(case: Case, parameters: Values) -> Iterator[Chord]:
+    forces = case.simple.forces
+    run = compiled(case.formula_at(parameters), forces)
+
+    def value(points: Array) -> Array:
+        return run(*np.moveaxis(points, -1, 0))
+
+    centre = _centre(value, len(forces))
+    if centre is None:
+        return
+    for p, q, p_anchor, q_anchor in _suspects(value, centre):
+        for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
+            pull = 10.0**-digits
+            yield Chord(
+                parameters,
+                *(
+                    tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x + pull * (a - x))
+                    for x, a in ((p, p_anchor), (q, q_anchor))
+                ),
+            )
+
+
+def _centre(value: Any, d: int) -> Array | None:
+    """A point of K: the origin, or the lowest of random points of many sizes."""
+    origin = np.zeros(d)
+    if value(origin) <= 0:
+        return origin
+    rng = np.random.default_rng(3)
+    points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-3, 3, (4000, 1))
+    heights = np.where(np.isfinite(value(points)), value(points), np.inf)
+    best = points[int(np.argmin(heights))]
+    return best if value(best) <= 0 else None
+
+
+def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Pairs of points of K whose midpoint seems outside, each with a point further inside to be pulled towards."""
+    d = len(centre)
+    yield from _random_pairs(value, d)
+    rng = np.random.default_rng(4)
+    for section in range(1 if d <= 2 else _SECTIONS):
+        if d == 1:
+            directions = np.array([[1.0], [-1.0]])
+        else:
+            turn = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+            frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
+            directions = np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1])
+        yield from _along_rays(value, centre, directions)
+
+
+def _random_pairs(value: Any, d: int) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Points of K of many sizes, each with its opposite and with another one: sees holes that rays step over."""
+    rng = np.random.default_rng(6)
+    points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-2, 2, (4000, 1))
+    inner = points[value(points) <= 0]
+    for others in (-inner, rng.permutation(inner)):
+        heights = value((inner + others) / 2)
+        score = np.where((value(others) <= 0) & np.isfinite(heights), heights, -np.inf)
+        for k in np.argsort(-score)[:2]:
+            if score[k] > 0:
+                yield inner[k], others[k], inner[k], others[k]
+
+
+def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
+    radii = 10.0 ** np.linspace(-6, 6, 12 * _RADII // 4)
+    inside = value(centre + radii[None, :, None] * directions[:, None, :]) <= 0
+    exits = np.where(inside.all(axis=1), len(radii), np.argmin(inside, axis=1))
+    # A ray that comes back into K after leaving it shows a gap by itself.
+    later = inside & (np.arange(len(radii))[None, :] > exits[:, None])
+    for ray in np.flatnonzero(later.any(axis=1))[:8]:
+        back = int(np.argmax(later[ray]))
+        leave = _bisect(value, centre, directions[ray], radii[max(int(exits[ray]) - 1, 0)] if exits[ray] else 0.0, radii[exits[ray]])
+        enter = _bisect(value, centre, directions[ray], radii[back], radii[back - 1])
+        yield centre + leave * directions[ray], centre + enter * directions[ray], centre, centre + radii[back] * directions[ray]
+    low = np.where(exits > 0, radii[np.maximum(exits - 1, 0)], 0.0)
+    high = radii[np.minimum(exits, len(radii) - 1)]
+    bounded = exits < len(radii)
+    for _ in range(60):
+        middle = (low + high) / 2
+        inner = value(centre + middle[:, None] * directions) <= 0
+        low, high = np.where(inner & bounded, middle, low), np.where(inner | ~bounded, high, middle)
+    boundary = centre + low[:, None] * directions
+    n = len(directions)
+    best: list[tuple[float, int, int]] = []
+    for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300):
+        if step >= n:
+            break
+        other = np.roll(boundary, -step, axis=0)
+        heights = value((boundary + other) / 2)
+        size = np.linalg.norm(other - boundary, axis=1)
+        score = np.where(np.isfinite(heights) & (size > 0), heights, -np.inf)
+        top = int(np.argmax(score))
+        if score[top] > 0:
+            best.append((float(score[top]), top, (top + step) % n))
+    for _, i, j in sorted(best, reverse=True):
+        yield boundary[i], boundary[j], centre, centre
+
+
+def _bisect(value: Any, centre: Array, direction: Array, inside: float, outside: float) -> float:
+    for _ in range(60):
+        middle = (inside + outside) / 2
+        inside, outside = (middle, outside) if value(centre + middle * direction) <= 0 else (inside, middle)
+    return inside

@@ -1,0 +1,30 @@
+"""What a search hands on: exact parameter values and exact points, worth an exact look.  Nothing here is certain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from duhem.proof.facts.parameter_choices import Values
+
+__all__ = ["Chord", "Exit", "Point"]
+
+Point = tuple[Fraction, ...]  # in the force space of the simple problem
+
+
+@dataclass(frozen=True)
+class Chord:
+    """Two points of K, as it seems, whose midpoint is outside."""
+
+    parameters: Values
+    p: Point
+    q: Point
+
+
+@dataclass(frozen=True)
+class Exit:
+    """A segment from ``inside`` K, as it seems, to ``outside``: the boundary crosses it."""
+
+    parameters: Values
+    inside: Point
+    outside: Point
