@@ -1,11 +1,7 @@
-"""Every built-in law gets the literature's verdict, with witnesses that hold in another arithmetic, by engines that agree.
-
-``python -m tests.proof.test_verdicts`` prints the table with times.
-"""
+"""Every built-in law gets the literature's verdict, with witnesses that hold in another arithmetic, by engines that agree."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from functools import cache
 
@@ -181,18 +177,3 @@ def test_scouting_and_curvature_find_the_same_dent() -> None:
         for engine in (chords.convexity_by_scouting, chords.convexity_at_dents):
             answer = engine(_case(name, at))
             assert answer is not None and answer.witness is not None and confirmed(law, "convexity", answer.witness)
-
-
-def _print_table() -> None:
-    print(f"{'law':16} {'s':>6}  verdicts")
-    for name in KNOWN:
-        start = time.perf_counter()
-        results = found(name).results
-        seconds = time.perf_counter() - start
-        slowest = max(results, key=lambda r: r.seconds)
-        verdicts = " ".join(f"{r.claim}={r.verdict}" for r in results)
-        print(f"{name:16} {seconds:6.2f}  {verdicts}  (slowest: {slowest.claim} {slowest.seconds:.2f})")
-
-
-if __name__ == "__main__":
-    _print_table()

@@ -42,7 +42,7 @@ AT_VALUES = [
     if claim == "convexity" and verdict is Verdict.PROVED and KNOWN[name]["convexity"] is Verdict.REFUTED
 ]
 # Their boundaries have flat points, near which the slope changes faster than the differences of this check can tell;
-# test_projection_newton.py compares newton's tangents of these laws with differences at increments of moderate size.
+# test_newton_tangents.py compares newton's tangents of these laws with differences at increments of moderate size.
 FLAT = {"superellipse", "quartic", "matchstick"}
 SMOOTH = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.PROVED]
 CORNERS = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.REFUTED]

@@ -1,107 +1,20 @@
-"""The generic projector against closed forms, brute force, high precision and its own optimality conditions.
-
-``python -m tests.projection.test_projection_newton`` runs the campaign of yield surfaces in full: 10^4 directions a law and step.
-"""
+"""The generic projector against closed forms, brute force, high precision and its own optimality conditions."""
 
 from __future__ import annotations
 
-import time
 from itertools import pairwise
 
 import mpmath as mp
 import numpy as np
 import pytest
-import sympy as sp
 
 import duhem
-from duhem.expression.jets import formula
 from duhem.law.formula_law import Criterion
 from duhem.projection import Status, newton
 from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
-from duhem.projection.increment import Increment
-
-R = sp.Rational
-ANTONI = {"mu_a_plus": R(1, 5), "mu_a_minus": R(2, 25), "mu_b_plus": R(3, 25), "mu_b_minus": R(3, 20)}
-CONVEX = [
-    ("antoni2007", ANTONI),
-    ("antoni2007-1d", {"mu_plus": R(1, 5), "mu_minus": R(1, 10)}),
-    ("box", {"mu_a": R(1, 5), "mu_b": R(3, 10)}),
-    ("polygon", {"mu": R(1, 5)}),
-    ("coulomb", {"mu": R(1, 5)}),
-    ("orthotropic", {"mu_a": R(1, 5), "mu_b": R(1, 1000)}),
-    ("limacon", {"mu": R(1, 5), "e": R(1, 2)}),
-    ("lobes", {"mu": R(1, 5), "e": R(1, 10)}),
-    ("lobes", {"mu": R(1, 5), "e": R(-1, 10)}),
-    ("matchstick", {"mu_a": R(1, 5), "mu_b": R(3, 20)}),
-    ("quartic", {"mu": R(1, 5), "c": R(0)}),
-    ("quartic", {"mu": R(1, 5), "c": R(6)}),
-    ("drucker1949", {"k": R(1, 10), "c": R(9, 4)}),
-    ("drucker1949", {"k": R(1, 10), "c": R(-27, 8)}),
-    ("capped", {"mu": R(1, 5), "tau_max": R(1, 10)}),
-    ("cohesive", {"mu": R(1, 5), "cohesion": R(1, 10)}),
-    ("regularised", {"mu": R(1, 5), "c": R(1, 10)}),
-    ("shifted-ellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "shift": R(1, 10)}),
-    ("von-mises", {"yield_stress": R(1, 10)}),
-    ("tresca", {"yield_stress": R(1, 10)}),
-    ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(101, 100)}),
-    ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(3, 2)}),
-    ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(50)}),
-    ("hosford", {"yield_stress": R(1, 10), "m": R(11, 10)}),
-    ("hosford", {"yield_stress": R(1, 10), "m": R(8)}),
-]
-
-
-def increment(law, trial, pressure=0.0, stiffness=1.0, **values):
-    law = duhem.load(law)
-    trial = np.atleast_2d(np.asarray(trial, dtype=float))
-    n, d = trial.shape
-    k = np.asarray(stiffness, dtype=float)
-    k = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (d,)))
-    g = law.g.xreplace({law.symbols()[name]: R(value) for name, value in values.items()})
-    diagonal = bool(np.all(k == np.diag(np.diag(k))))
-    pressures = np.broadcast_to(np.asarray(pressure, dtype=float), (n,)).copy()
-    return Increment(law, g, trial, pressures, k, diagonal, {name: float(value) for name, value in values.items()})
-
-
-def level(question, stress):
-    """g, by SymPy's own function, and so not by the code under test."""
-    law = question.law
-    names = [*law.force_symbols(), *([law.symbols()[law.pressure]] if law.pressure else [])]
-    words = [{"Pos": lambda x: np.maximum(x, 0), "Neg": lambda x: np.maximum(-x, 0), "Norm": lambda *x: np.sqrt(sum(y * y for y in x))}]
-    g = sp.lambdify(names, question.g, [*words, "numpy"])
-    with np.errstate(over="ignore"):
-        return g(*stress.T, *([question.pressure] if law.pressure else []))
-
-
-def radii(question, directions):
-    """How far K reaches along directions, by bisection; inf where it does not end."""
-    low, high = np.zeros(len(directions)), np.full(len(directions), 1e3)
-    endless = level(question, directions * high[:, None]) <= 0
-    for _ in range(100):
-        middle = (low + high) / 2
-        inside = level(question, directions * middle[:, None]) <= 0
-        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-    return np.where(endless, np.inf, low)
-
-
-def stiffnesses(d, rng):
-    q, _ = np.linalg.qr(rng.standard_normal((d, d)))
-    full = (q * np.geomspace(1.0, 1e6, d)) @ q.T
-    return {"unit": np.eye(d), "diagonal": np.diag(np.geomspace(1.0, 1e3, d)), "full": (full + full.T) / 2}
-
-
-def shortfall(question, got, points):
-    """The worst of: stationarity, and the variational inequality over known points of K; relative, in the metric of k."""
-    root = np.linalg.inv(np.linalg.cholesky(question.stiffness)).T
-    size = np.linalg.norm(got.stress @ root, axis=1) + np.linalg.norm(question.trial @ root, axis=1)
-    pushed = got.slip @ question.stiffness
-    stationarity = np.linalg.norm((question.trial - pushed - got.stress) @ root, axis=1) / size
-    excess = (got.slip @ points.T).max(axis=1) - (got.slip * got.stress).sum(axis=1)
-    reach = np.linalg.norm(got.stress @ root, axis=1) + np.linalg.norm(points @ root, axis=1).max()
-    with np.errstate(invalid="ignore"):
-        variational = np.nan_to_num(excess / (np.linalg.norm(pushed @ root, axis=1) * reach))
-    return max(stationarity.max(), variational.max())
+from tests.campaigns.yield_surfaces import YIELD, campaign
+from tests.oracles.optimality import ANTONI, CONVEX, R, increment, radii, shortfall, stiffnesses
 
 
 @pytest.mark.parametrize(("law", "values"), CONVEX, ids=lambda x: x if isinstance(x, str) else "-".join(str(v) for v in x.values()))
@@ -377,85 +290,6 @@ def test_projection_does_not_expand_and_is_its_own_fixed_point():
         assert np.linalg.norm((once.stress[i] - once.stress[j]) * metric) <= np.linalg.norm((trial[i] - trial[j]) * metric) * (1 + 1e-12)
 
 
-SMOOTH = [*(CONVEX[i] for i in (0, 6, 9, 10, 11, 16, 17, 24)), ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(4)})]
-
-
-@pytest.mark.parametrize(("law", "values"), SMOOTH, ids=lambda x: x if isinstance(x, str) else "")
-def test_tangent_against_differences(law, values):
-    rng = np.random.default_rng(8)
-    d = len(duhem.load(law).forces)
-    q, _ = np.linalg.qr(rng.standard_normal((d, d)))
-    k = (q * np.geomspace(1.0, 8.0, d)) @ q.T
-    k = (k + k.T) / 2
-    trial, pressure = rng.standard_normal((12, d)), -rng.uniform(0.5, 2, 12)
-
-    def stress(move=0.0, load=0.0):
-        return newton.solve(increment(law, trial + move, pressure + load, k, **values)).stress
-
-    question = increment(law, trial, pressure, k, **values)
-    of_u, of_pressure = newton.tangent(question, newton.solve(question))
-    np.testing.assert_array_equal(of_u, np.swapaxes(of_u, 1, 2))
-    root = np.linalg.inv(np.linalg.cholesky(k))
-    eigenvalues = np.linalg.eigvalsh(root @ of_u @ root.T)
-    assert eigenvalues.min() > -1e-14 and eigenvalues.max() < 1 + 1e-14
-    h = 1e-4
-    for i in range(d):
-        e = k[i] * h  # h along u_i
-        slope = (8 * (stress(e) - stress(-e)) - (stress(2 * e) - stress(-2 * e))) / (12 * h)
-        near = np.abs(slope - of_u[:, i]).max(axis=1)
-        assert np.median(near) < 1e-9 and near.max() < 1e-4
-    if of_pressure is None:
-        assert duhem.load(law).pressure is None
-        return
-    slope = (8 * (stress(load=h) - stress(load=-h)) - (stress(load=2 * h) - stress(load=-2 * h))) / (12 * h)
-    near = np.abs(slope - of_pressure).max(axis=1)
-    assert np.median(near) < 1e-9 and near.max() < 1e-4
-
-
-def test_tangent_at_corners_and_inside():
-    question = increment("box", [[0.9, 0.8], [0.9, 0.1], [0.0, 0.1]], -1.0, (2.0, 3.0), mu_a=R(1, 2), mu_b=R(1, 4))
-    of_u, of_pressure = newton.tangent(question, newton.solve(question))
-    np.testing.assert_allclose(of_u, [np.zeros((2, 2)), np.diag([0.0, 3.0]), np.diag([2.0, 3.0])], atol=1e-15)
-    np.testing.assert_allclose(of_pressure, [[-0.5, -0.25], [-0.5, 0.0], [0.0, 0.0]], atol=1e-15)
-
-
-def test_jets_are_the_derivatives():
-    a, b, c = sp.symbols("a b c", real=True)
-    for text in ("exp(a*b) + log(2 + c**2)*sin(a)", "tanh(a - b)*atan(c) + cos(b)**3/(3 + a**2)", "(a**6 + b**6 + c**6)**(1/6)"):
-        expr = sp.parse_expr(text.replace("1/6", "Rational(1, 6)"), {"a": a, "b": b, "c": c})
-        x = np.random.default_rng(0).standard_normal((5, 3))
-        jet, _ = formula(expr, (a, b, c), ())(x, ())
-        for i, point in enumerate(x):
-            at = dict(zip((a, b, c), point, strict=True))
-            gradient = [float(expr.diff(s).subs(at)) for s in (a, b, c)]
-            hessian = [[float(expr.diff(s, t).subs(at)) for s in (a, b, c)] for t in (a, b, c)]
-            np.testing.assert_allclose(jet.gradient[i], gradient, rtol=1e-11, atol=1e-13)
-            np.testing.assert_allclose(jet.hessian[i], hessian, rtol=1e-11, atol=1e-12)
-
-
-@pytest.mark.parametrize(("law", "values"), CONVEX, ids=lambda x: x if isinstance(x, str) else "")
-def test_first_derivatives_alone_are_the_same(law, values):
-    d = len(duhem.load(law).forces)
-    question = increment(law, np.random.default_rng(1).standard_normal((40, d)), -1.0, **values)
-    names = question.law.force_symbols()
-    others = [question.law.symbols()[question.law.pressure]] if question.law.pressure else []
-    compiled = formula(question.g, names, others)
-    given = [question.pressure] if others else []
-    both, pieces = compiled(question.trial, given)
-    first, same = compiled(question.trial, given, second=False)
-    np.testing.assert_array_equal(first.gradient, both.gradient)
-    np.testing.assert_array_equal(first.value, both.value)
-    np.testing.assert_array_equal(pieces, same)
-    assert first.hessian is None and both.hessian is not None
-
-
-def test_high_exponents_have_finite_slopes():
-    question = increment("hosford", [[1.0, 1e-4, -1.0], [1.0, 1.0, -1.0]], m=R(100), yield_stress=R(1, 1000))
-    jet, _ = formula(question.g, question.law.force_symbols(), ())(question.trial, ())
-    assert np.isfinite(jet.gradient).all() and np.isfinite(jet.hessian).all()
-    np.testing.assert_allclose(jet.gradient.sum(axis=1), 0, atol=1e-15)  # no pressure part
-
-
 def test_nearest_point_of_half_spaces_by_brute_force():
     rng = np.random.default_rng(9)
     normals = rng.standard_normal((5, 3))
@@ -489,37 +323,12 @@ def test_endless_directions():
     assert found(increment(ball, [[1.0, 0.0]])).shape == (2, 0)
 
 
-YIELD = [*(("hosford", {"m": R(m)}) for m in (6, 10, 20, 50, 100)), ("tresca", {})]
-
-
-def campaign(law, values, size, n, seed=0):
-    """Failures, worst residual relative to the yield stress, and seconds, over ``n`` random directions of |trial| = ``size``."""
-    trial = np.random.default_rng(seed).standard_normal((n, 3))
-    trial *= size / np.linalg.norm(trial, axis=1)[:, None]
-    limit = R(3, 2000)
-    question = increment(law, trial, yield_stress=limit, **values)
-    start = time.perf_counter()
-    got = newton.solve(question)
-    seconds = time.perf_counter() - start
-    corners = np.random.default_rng(1).standard_normal((400, 3))
-    corners *= radii(increment(law, corners, yield_stress=limit, **values), corners)[:, None]
-    residual = np.abs(trial - got.slip - got.stress).max() / float(limit)
-    return int(got.failed.sum()), max(residual, shortfall(question, got, corners)), seconds
-
-
 @pytest.mark.parametrize(("law", "values"), YIELD, ids=lambda x: x if isinstance(x, str) else str(x.get("m", "")))
 @pytest.mark.parametrize("size", [5e-3, 5e-2])
 def test_yield_surfaces_without_a_failure(law, values, size):
     failures, worst, _ = campaign(law, values, size, 1000)
     assert failures == 0
     assert worst < 1e-10
-
-
-if __name__ == "__main__":
-    for law_, values_ in YIELD:
-        for size_ in (5e-3, 1e-2, 5e-2):
-            failures_, worst_, seconds_ = campaign(law_, values_, size_, 10_000)
-            print(f"{law_} {values_.get('m', '')} |trial| {size_}: {failures_} failures, worst {worst_:.1e}, {seconds_:.1f} s")
 
 
 @pytest.mark.parametrize("slender", [1e-1, 1e-3, 1e-6, 1e-9])

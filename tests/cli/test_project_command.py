@@ -1,0 +1,80 @@
+"""duhem project: what it prints, refuses and returns."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+import duhem
+from duhem.__main__ import main
+from duhem.projection import closed_form
+
+MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Exit code, standard output and standard error of `duhem project ARGUMENTS`."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["duhem", "project", *arguments])
+        code = main()
+        return code, *capsys.readouterr()
+
+    return call
+
+
+SET = [x for name, value in MU.items() for x in ("--set", f"{name}={value}")]
+
+
+def test_command_prints_the_step_and_its_residuals(run: Run) -> None:
+    code, out, err = run("antoni2007", *SET, "--trial", "0.3", "-0.01", "--pressure", "-1", "--tangent")
+    assert (code, err) == (0, "")
+    for piece in ("0.199875612441215", "-0.00528947044397025", "slip", "closed-form", "stationarity", "variational", "d stress/d sigma_n"):
+        assert piece in out
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_command_in_json(run: Run) -> None:
+    code, out, _ = run("antoni2007", *SET, "--pressure", "-1", "--stiffness", "1", "4", "--format", "json", "--trial", "-0.3", "-0.2")
+    report = json.loads(out)
+    assert code == 0
+    assert report["stress"] == pytest.approx([-0.076140510365716902, -0.04602820183065], rel=1e-14)
+    assert report["status"] == "slip"
+    assert set(report["residuals"]) == {"feasibility", "multiplier_sign", "complementarity", "stationarity", "variational"}
+
+
+def test_command_takes_a_matrix_and_fractions(run: Run) -> None:
+    matrix = run("coulomb", "--set", "mu=0.3", "--trial=1/2,1", "--pressure", "-1", "--stiffness", "2", "-1", "-1", "2", "--format", "json")
+    done = duhem.project("coulomb", [0.5, 1.0], -1.0, [[2.0, -1.0], [-1.0, 2.0]], {"mu": "0.3"})
+    assert json.loads(matrix[1])["stress"] == done.stress[0].tolist()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["coulomb", "--set", "mu=1", "--trial", "1", "2", "--pressure", "1"], "pressure is 1.0 > 0"),
+        (["coulomb", "--set", "mu=1", "--trial", "1", "nan", "--pressure", "-1"], "--trial: 'nan' is not a number"),
+        (["coulomb", "--set", "mu=1", "--trial", "1", "2", "3", "--pressure", "-1"], "trial has the shape"),
+        (["coulomb", "--trial", "1", "2", "--pressure", "-1"], "no value is given for mu"),
+        (["coulomb", "--set", "mu=1", "--trial", "1", "2", "--pressure", "-1,-2"], "2 numbers are given"),
+        (["coulomb", "--set", "mu=1", "--pressure", "-1"], "--trial"),
+    ],
+)
+def test_command_refuses(run: Run, arguments: list[str], message: str) -> None:
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert message in err
+
+
+def test_command_ends_with_4_where_the_point_is_not_solved(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    right = closed_form.solve
+    monkeypatch.setattr(closed_form, "solve", lambda q: replace(right(q), stress=right(q).stress * 1.1))
+    code, out, _ = run("coulomb", "--set", "mu=0.3", "--trial", "1", "2", "--pressure", "-1")
+    assert code == 4
+    assert "inaccurate" in out

@@ -1,0 +1,77 @@
+"""A derivation as text, LaTeX and Markdown."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from duhem.derivation import Derivation, derive
+from duhem.law.catalogue import load
+
+LAWS = (
+    "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "drucker1949", "hosford", "limacon", "lobes", "matchstick",
+    "orthotropic", "polygon", "quartic", "radial-flow", "regularised", "rotated-flow", "shifted-ellipse", "superellipse", "tresca",
+    "von-mises",
+)  # fmt: skip
+
+
+@cache
+def derived(name: str, stiffness: str = "orthotropic") -> Derivation:
+    return derive(load(name), stiffness=stiffness)
+
+
+# The derivation as a value, and in print
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_numbers_and_names_are_unique_and_what_is_missing_has_a_reason(name: str) -> None:
+    d = derived(name)
+    assert len({e.number for e in d}) == len({e.name for e in d}) == len(d)
+    assert all(e.note and e.section for e in d)
+    assert any("isothermal" in reason for _, reason in d.left_out)
+    assert ("dissipation_potential" in d) != any(part == "dissipation potential" for part, _ in d.left_out)
+
+
+def test_the_numbers_of_the_paper_are_there() -> None:
+    wanted = {"21", "22", "23", "24", "25", "26", "28", "30", "31", "32", "33", "34", "35", "36"}
+    assert wanted <= {e.number for e in derived("antoni2007")}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_latex_is_balanced(name: str) -> None:
+    source = derived(name).latex()
+    opened: list[str] = []
+    for kind, environment in re.findall(r"\\(begin|end)\{([a-z*]+)\}", source):
+        if kind == "begin":
+            opened.append(environment)
+        else:
+            assert opened.pop() == environment
+    assert opened == []
+    braces = re.sub(r"\\[{}]", "", source)
+    assert braces.count("{") == braces.count("}")
+    assert source.count(r"\left") == source.count(r"\right")
+    assert source.count(r"\tag{") == len(derived(name))
+    assert set(re.findall(r"\\usepackage\{(\w+)\}", source)) == {"amsmath"}
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
+@pytest.mark.parametrize("name", ["antoni2007", "tresca", "rotated-flow"])
+def test_latex_compiles(name: str, tmp_path: Path) -> None:
+    (tmp_path / "derivation.tex").write_text(derived(name).latex(), encoding="utf-8")
+    done = subprocess.run(["pdflatex", "-halt-on-error", "-interaction=nonstopmode", "derivation.tex"], cwd=tmp_path, capture_output=True)
+    assert done.returncode == 0, done.stdout[-800:]
+
+
+def test_latex_writes_the_symbols_of_the_paper() -> None:
+    source = derived("antoni2007").latex()
+    assert r"\mu_{a}^{+}" in source and r"\left|\sigma_{n}\right|" in source and r"\dot u^{\mathrm{in}}_{a}" in source
+
+
+def test_markdown_has_every_equation() -> None:
+    d = derived("antoni2007")
+    assert d.markdown().count("$$") == 2 * len(d)

@@ -1,0 +1,48 @@
+"""Jets against SymPy's derivatives, and against themselves without the second ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import duhem
+from duhem.expression.jets import formula
+from tests.oracles.optimality import CONVEX, R, increment
+
+
+def test_jets_are_the_derivatives():
+    a, b, c = sp.symbols("a b c", real=True)
+    for text in ("exp(a*b) + log(2 + c**2)*sin(a)", "tanh(a - b)*atan(c) + cos(b)**3/(3 + a**2)", "(a**6 + b**6 + c**6)**(1/6)"):
+        expr = sp.parse_expr(text.replace("1/6", "Rational(1, 6)"), {"a": a, "b": b, "c": c})
+        x = np.random.default_rng(0).standard_normal((5, 3))
+        jet, _ = formula(expr, (a, b, c), ())(x, ())
+        for i, point in enumerate(x):
+            at = dict(zip((a, b, c), point, strict=True))
+            gradient = [float(expr.diff(s).subs(at)) for s in (a, b, c)]
+            hessian = [[float(expr.diff(s, t).subs(at)) for s in (a, b, c)] for t in (a, b, c)]
+            np.testing.assert_allclose(jet.gradient[i], gradient, rtol=1e-11, atol=1e-13)
+            np.testing.assert_allclose(jet.hessian[i], hessian, rtol=1e-11, atol=1e-12)
+
+
+@pytest.mark.parametrize(("law", "values"), CONVEX, ids=lambda x: x if isinstance(x, str) else "")
+def test_first_derivatives_alone_are_the_same(law, values):
+    d = len(duhem.load(law).forces)
+    question = increment(law, np.random.default_rng(1).standard_normal((40, d)), -1.0, **values)
+    names = question.law.force_symbols()
+    others = [question.law.symbols()[question.law.pressure]] if question.law.pressure else []
+    compiled = formula(question.g, names, others)
+    given = [question.pressure] if others else []
+    both, pieces = compiled(question.trial, given)
+    first, same = compiled(question.trial, given, second=False)
+    np.testing.assert_array_equal(first.gradient, both.gradient)
+    np.testing.assert_array_equal(first.value, both.value)
+    np.testing.assert_array_equal(pieces, same)
+    assert first.hessian is None and both.hessian is not None
+
+
+def test_high_exponents_have_finite_slopes():
+    question = increment("hosford", [[1.0, 1e-4, -1.0], [1.0, 1.0, -1.0]], m=R(100), yield_stress=R(1, 1000))
+    jet, _ = formula(question.g, question.law.force_symbols(), ())(question.trial, ())
+    assert np.isfinite(jet.gradient).all() and np.isfinite(jet.hessian).all()
+    np.testing.assert_allclose(jet.gradient.sum(axis=1), 0, atol=1e-15)  # no pressure part

@@ -1,0 +1,48 @@
+"""The formula of pure numbers equals the law's own at any load and size."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem.expression.numpy_ import evaluate
+from duhem.law.formula_law import Criterion
+from duhem.projection.scaled_formula import scaled
+from tests.oracles.laws_by_hand import LAWS, increment
+
+SCALED = [(law.name, law.parameters) for law in LAWS] + [
+    ("antoni2007-1d", {"mu_plus": 0.2, "mu_minus": 0.1}),
+    ("limacon", {"mu": 0.3, "e": 0.4}),
+    ("drucker1949", {"k": 0.7, "c": 1.5}),
+    ("lobes", {"mu": 0.3, "e": 0.05}),
+    ("matchstick", {"mu_a": 0.3, "mu_b": 0.25}),
+]
+
+
+@pytest.mark.parametrize("name, parameters", SCALED, ids=[name for name, _ in SCALED])
+def test_scaling_keeps_the_formula(name: str, parameters: dict[str, float]) -> None:
+    law = duhem.load(name)
+    asked = increment(law, np.ones((1, len(law.forces))), 0.0, parameters=parameters)
+    pressure = law.symbols()[law.pressure] if law.pressure else None
+    formula = scaled(asked.g, law.force_symbols(), pressure)
+    random = np.random.default_rng(6)
+    load, size = -random.uniform(0.1, 2, 20), 2.0 ** random.integers(-20, 20, 20)
+    s = dict(zip(law.force_symbols(), random.normal(size=(len(law.forces), 20)), strict=True))
+    raw = evaluate(asked.g, {f: v * size for f, v in s.items()} | ({} if pressure is None else {pressure: load}))
+    h = evaluate(formula.expr, s | formula.values(load, size))
+    terms = 1.0 + sum(np.abs(q) for q in formula.values(load, size).values())
+    np.testing.assert_allclose(raw / size**formula.degree, h, rtol=1e-12, atol=1e-12 * np.max(terms))
+    assert formula.degree >= 1  # every one of these laws has a degree
+
+
+def test_a_formula_without_degree_keeps_its_unit_as_a_datum() -> None:
+    law = Criterion("exponential", "exp(sigma_a/0.3) + abs(sigma_b) + sigma_n")
+    n = law.symbols()["sigma_n"]
+    formula = scaled(law.g, law.force_symbols(), n)
+    a, b = law.force_symbols()
+    h = evaluate(formula.expr, {a: np.array([0.25]), b: np.array([-0.5])} | formula.values(np.array([-2.0]), np.array([4.0])))
+    np.testing.assert_allclose(h, math.exp(1 / 0.3) + 2.0 - 2.0, rtol=1e-14)
+    assert formula.degree == 0

@@ -1,0 +1,149 @@
+"""What the conformance suite must accept, and how a failure is told."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+import duhem
+from duhem.errors import InputError
+from duhem.testing import (
+    Case,
+    Report,
+    Step,
+    assert_conforms,
+    cases,
+    check,
+    checks_for,
+    conformance,
+    decades,
+    from_displacements,
+    pointwise,
+    projection,
+    stiffnesses,
+)
+from tests.oracles.routines import (
+    DISK,
+    ELLIPSE,
+    Array,
+    ellipse,
+    nothing,
+)
+
+# -- what is right is accepted -----------------------------------------------------------------------------------------
+
+
+def accepted(report: Report) -> None:
+    assert report.ok, str(report)
+    assert report.flagged == 0
+
+
+@pytest.mark.parametrize("check", checks_for("coulomb"))
+def test_one_test_a_check_as_a_user_writes_it(check: object) -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array, mu: float) -> Array:
+        """Closed form for a scalar stiffness, by hand."""
+        size = np.hypot(*trial.T)
+        limit = -mu * pressure
+        with np.errstate(all="ignore"):
+            return np.where((size > limit)[:, None], trial / size[:, None] * limit[:, None], trial)
+
+    assert_conforms("coulomb", update, checks=[check], stiffness=decades(-3, 3), accuracy=1e-15, max_examples=5)
+
+
+def test_a_routine_for_one_point() -> None:
+    def update(trial: Array, pressure: float, stiffness: Array) -> Array:
+        size, limit = float(np.hypot(*trial)), -0.3 * pressure
+        return trial * (limit / size) if size > limit else trial
+
+    accepted(conformance("coulomb", pointwise(update), DISK, stiffness=decades(-3, 3), max_examples=3))
+
+
+def test_a_routine_in_displacements() -> None:
+    def update(u: Array, u_in: Array, pressure: Array, stiffness: Array) -> Array:
+        return u_in + duhem.project("orthotropic", (u - u_in) @ stiffness, pressure, stiffness, ELLIPSE).slip
+
+    report = conformance("orthotropic", from_displacements(update), ELLIPSE, stiffness=stiffnesses(2, -1, 1), max_examples=3)
+    accepted(report)
+    assert {"slip", "energy"} <= set(report.passed)
+
+
+def test_a_routine_that_forgets_the_former_slip() -> None:
+    def update(u: Array, u_in: Array, pressure: Array, stiffness: Array) -> Array:
+        return u_in + duhem.project("orthotropic", u @ stiffness, pressure, stiffness, ELLIPSE).slip
+
+    asked = ["feasibility", "variational-inequality"]
+    assert conformance("orthotropic", from_displacements(update), ELLIPSE, checks=asked, max_examples=10, seconds=0.3).failed
+
+
+def test_what_is_not_returned_is_left_out_with_the_reason() -> None:
+    report = conformance("orthotropic", ellipse, ELLIPSE, max_examples=1)
+    assert {"slip", "energy", "multiplier", "tangent", "slope"} == set(report.left_out)
+    assert "by definition" in report.left_out["slip"]
+    full = conformance("cohesive", projection("cohesive", tangent=True), max_examples=1)
+    assert set(full.left_out) == {"homogeneity"} and "size of its own" in full.left_out["homogeneity"]
+
+
+def test_flagged_points_are_counted_and_not_judged() -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Step:
+        right = ellipse(trial, pressure, stiffness)
+        bad = trial[:, 0] > 0
+        return Step(np.where(bad[:, None], np.nan, right), solved=~bad)
+
+    report = conformance("orthotropic", update, ELLIPSE, max_examples=3)
+    assert report.ok and 0.2 < report.flagged_share < 0.8
+    with pytest.raises(AssertionError, match="flags"):
+        assert_conforms("orthotropic", update, ELLIPSE, max_examples=3, most_flagged=0.1)
+
+
+# -- how a failure is told ---------------------------------------------------------------------------------------------
+
+
+def test_a_failure_says_what_where_and_how_to_see_it_again() -> None:
+    with pytest.raises(AssertionError) as caught:
+        assert_conforms("orthotropic", nothing, ELLIPSE, checks=["feasibility"], seconds=2.0)
+    text = str(caught.value)
+    for part in ("feasibility", "g(sigma, sigma_n) <= 0", "Antoni et al. (2007)", "mu_a = 0.5", "trial [", "to see it again", "Case("):
+        assert part in text
+
+
+def test_a_failure_is_shrunk() -> None:
+    (failure,) = conformance("coulomb", nothing, DISK, checks=["feasibility"], max_examples=20, seconds=4.0).failures
+    case = failure.case
+    assert len(case) == 1
+    assert case.pressure.tolist() == [-1.0] and case.stiffness.tolist() == [[1.0, 0.0], [0.0, 1.0]]
+    assert np.hypot(*case.trial[0]) == pytest.approx(0.6)  # twice as far as the boundary
+
+
+def test_the_reproducer_runs() -> None:
+    (failure,) = conformance("orthotropic", nothing, ELLIPSE, checks=["feasibility"], max_examples=20, seconds=0.3).failures
+    code = failure.reproducer().replace(f"from {__name__} import nothing as update", "update = lambda trial, pressure, stiffness: trial")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == failure.message
+
+
+def test_a_case_prints_to_the_last_bit() -> None:
+    @settings(max_examples=20)
+    @given(cases("hosford"))
+    def same(case: Case) -> None:
+        again = eval(repr(case), {"Case": Case, "nan": np.nan, "inf": np.inf})
+        assert repr(again) == repr(case)
+        assert all(np.array_equal(getattr(case, n), getattr(again, n)) for n in ("stiffness", "trial", "other", "inside", "path"))
+
+    same()
+
+
+def test_checks_are_described() -> None:
+    for known in [*checks_for("coulomb"), check("smoothness")]:
+        assert known.statement and known.formula and known.source and known.tolerance
+    with pytest.raises(InputError, match=r"unknown check 'convex'.*convexity"):
+        check("convex")
+
+
+def test_the_package_and_its_command_do_not_import_hypothesis() -> None:
+    code = "import sys, duhem, duhem.projection, duhem.path; from duhem.__main__ import main; sys.exit('hypothesis' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0

@@ -1,0 +1,80 @@
+"""What the strategies draw."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+import duhem
+from duhem.testing import (
+    decades,
+    loadings,
+    parameters,
+    pressures,
+    stiffnesses,
+    trials,
+)
+from tests.oracles.routines import (
+    DISK,
+)
+
+
+def drawn(strategy: object, n: int = 400) -> list[object]:
+    found: list[object] = []
+
+    @settings(max_examples=n)
+    @given(strategy)
+    def take(value: object) -> None:
+        found.append(value)
+
+    take()
+    return found
+
+
+def test_every_decade_is_drawn() -> None:
+    sizes = np.abs(np.array(drawn(decades(-6, 6, signed=True), 1000)))
+    counts = np.bincount(np.floor(np.log10(sizes * (1 + 1e-15))).astype(int) + 6, minlength=13)
+    assert counts.min() >= 15
+
+
+def test_pressures_are_compressive_and_sometimes_none() -> None:
+    found = np.array(drawn(pressures()))
+    assert (found <= 0.0).all() and (found == 0.0).any() and found.min() < -1e5 and found[found < 0].max() > -1e-5
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_stiffnesses_are_positive_definite_in_three_forms(d: int) -> None:
+    found = drawn(stiffnesses(d), 200)
+    assert all(np.linalg.eigvalsh(k / np.sqrt(np.outer(np.diag(k), np.diag(k)))).min() > 0 for k in found)
+    full = sum(bool((k != np.diag(np.diag(k))).any()) for k in found)
+    assert (full > 20) == (d > 1)
+
+
+@pytest.mark.parametrize("law", ["shifted-ellipse", "superellipse", "limacon", "lobes", "drucker1949"])
+def test_parameters_lie_in_the_domain(law: str) -> None:
+    known = duhem.load(law)
+    for values in drawn(parameters(law), 60):
+        assert known.fix(values)
+        duhem.project(law, np.ones(len(known.forces)), -1.0 if known.pressure else None, 1.0, values, method="newton")
+        break  # the constraints themselves are project's to check: once is enough to see that it agrees
+    table = known.symbols()
+    for values in drawn(parameters(law), 60):
+        assert all(bool(c.subs({table[n]: v for n, v in values.items()})) for c in known.constraints)
+
+
+def test_trials_lie_on_next_to_and_far_from_the_boundary() -> None:
+    found = np.array(drawn(trials("coulomb", DISK, -1.0), 800))
+    gap = np.hypot(*found.T) / 0.3 - 1.0
+    ulps = np.abs(gap) / np.finfo(float).eps
+    assert (ulps <= 3).sum() > 30 and (gap > 100).any() and (gap < -0.99).any()
+    assert ((np.abs(gap) > 1e-13) & (np.abs(gap) < 1e-5)).sum() > 20
+    on, beside = (found == 0.0).any(axis=1), (np.abs(found) < 1e-300).any(axis=1)
+    assert on.sum() > 20 and (beside & ~on).sum() > 20
+
+
+def test_loading_paths_start_at_rest_and_are_of_three_kinds() -> None:
+    found = drawn(loadings(2), 200)
+    assert all(path[0].tolist() == [0.0, 0.0] and np.abs(path).max() <= 3.0 for path in found)
+    closed = sum(bool(np.abs(path[-1]).max() < 1e-12) for path in found)
+    assert 20 < closed < 180

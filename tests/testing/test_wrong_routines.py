@@ -1,0 +1,200 @@
+"""What the conformance suite must refuse, and which check refuses it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem.testing import (
+    checks_for,
+    conformance,
+    violation,
+)
+from tests.oracles.routines import (
+    ELLIPSE,
+    MU,
+    Array,
+    antoni,
+    built_in_stress,
+    identity_metric,
+    inverse_metric,
+    not_a_number,
+    nothing,
+    over_projection,
+    radial_return,
+    raises,
+    reflected,
+    skewed,
+    swapped_sign,
+    to_the_origin,
+    with_extras,
+    wrong_shape,
+)
+
+# routine: (law, values), the checks that must refuse it, the checks that it satisfies by construction
+MUTANTS: dict[str, tuple[Callable[..., object], str, dict[str, float], set[str], set[str]]] = {
+    "radial return on an ellipse": (
+        radial_return,
+        "orthotropic",
+        ELLIPSE,
+        {"variational-inequality", "non-expansiveness", "firmness", "potential"},
+        {"feasibility", "idempotence", "complementarity", "homogeneity", "stiffness-scale"},
+    ),
+    "a coefficient too large in one quadrant": (
+        antoni({**MU, "mu_b_minus": 0.18}),
+        "antoni2007",
+        MU,
+        {"feasibility"},
+        {"idempotence", "non-expansiveness", "firmness", "potential", "ray", "homogeneity", "dissipation"},
+    ),
+    "a coefficient too small in one quadrant": (
+        antoni({**MU, "mu_b_minus": 0.12}),
+        "antoni2007",
+        MU,
+        {"complementarity", "variational-inequality"},
+        {"feasibility", "non-expansiveness", "homogeneity", "dissipation"},
+    ),
+    "no projection": (
+        nothing,
+        "orthotropic",
+        ELLIPSE,
+        {"feasibility"},
+        {
+            "idempotence",
+            "non-expansiveness",
+            "firmness",
+            "potential",
+            "variational-inequality",
+            "ray",
+            "dissipation",
+            "complementarity",
+            "path",
+        },
+    ),
+    "over-projection": (over_projection, "orthotropic", ELLIPSE, {"complementarity", "ray"}, {"feasibility", "dissipation", "path"}),
+    "all stress gone": (
+        to_the_origin,
+        "orthotropic",
+        ELLIPSE,
+        {"complementarity", "variational-inequality", "non-expansiveness"},
+        {"feasibility", "idempotence", "dissipation"},
+    ),
+    "a swapped sign": (
+        swapped_sign,
+        "orthotropic",
+        ELLIPSE,
+        {"dissipation", "variational-inequality", "firmness"},
+        {"feasibility"},
+    ),
+    "reflection": (
+        reflected,
+        "orthotropic",
+        ELLIPSE,
+        {"idempotence", "variational-inequality", "firmness"},
+        {"homogeneity", "non-expansiveness", "stiffness-scale"},
+    ),
+    "the metric of no stiffness": (
+        identity_metric,
+        "orthotropic",
+        ELLIPSE,
+        {"variational-inequality", "firmness"},
+        {"feasibility", "idempotence", "homogeneity", "stiffness-scale", "complementarity"},
+    ),
+    "the metric of the inverse stiffness": (
+        inverse_metric,
+        "orthotropic",
+        ELLIPSE,
+        {"variational-inequality", "firmness"},
+        {"feasibility", "idempotence", "homogeneity", "stiffness-scale"},
+    ),
+    "a stress built in": (
+        built_in_stress,
+        "orthotropic",
+        ELLIPSE,
+        {"homogeneity", "complementarity"},
+        {"feasibility", "non-expansiveness", "dissipation"},
+    ),
+    "0/0 without stress": (not_a_number, "orthotropic", ELLIPSE, {"answers"}, {"convexity", "origin"}),
+    "an exception": (raises, "orthotropic", ELLIPSE, {"answers"}, {"convexity", "origin"}),
+    "an array of the wrong shape": (wrong_shape, "orthotropic", ELLIPSE, {"answers"}, {"convexity", "origin"}),
+    "slip of the wrong sign": (with_extras(slip=np.negative), "orthotropic", ELLIPSE, {"slip", "energy"}, {"feasibility", "multiplier"}),
+    "a negative multiplier": (with_extras(multiplier=np.negative), "orthotropic", ELLIPSE, {"multiplier"}, {"slip", "energy"}),
+    "a multiplier without slip": (with_extras(multiplier=lambda x: x + 1.0), "orthotropic", ELLIPSE, {"multiplier"}, {"slip", "energy"}),
+    "a tangent that is not symmetric": (with_extras(tangent=skewed), "orthotropic", ELLIPSE, {"tangent"}, {"slip", "multiplier"}),
+    "the elastic tangent": (
+        with_extras(tangent=lambda x: 0.0 * x + np.eye(2)),
+        "orthotropic",
+        ELLIPSE,
+        {"slope"},
+        {"slip", "multiplier"},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MUTANTS)
+def test_a_wrong_routine_is_refused_by_the_right_checks(name: str) -> None:
+    update, law, values, must, cannot = MUTANTS[name]
+    stiff = 1.0 if name == "the elastic tangent" else None
+    asked = [c for c in checks_for(law) if c.name in must | cannot]
+    report = conformance(law, update, values, checks=asked, stiffness=stiff, max_examples=6, rows=60, seconds=0.2)
+    assert must <= report.failed, f"not refused by {sorted(must - report.failed)}"
+    assert not cannot & report.failed, str(report)
+    for failure in report.failures:
+        assert len(failure.case) == 1
+        assert violation(failure.check, law, update, failure.case, open_parameters=())
+
+
+@pytest.mark.parametrize(
+    ("law", "values"),
+    [
+        ("limacon", {"e": "0.6"}),
+        ("limacon", {"e": "99/100"}),
+        ("matchstick", {"mu_a": "1", "mu_b": "2"}),
+        ("quartic", {"c": "30"}),
+        ("quartic", {"c": "-1"}),
+        ("lobes", {"e": "0.3"}),
+        ("drucker1949", {"c": "4"}),
+        ("drucker1949", {"c": "-10"}),
+    ],
+    ids=str,
+)
+def test_a_set_that_is_not_convex_is_refused(law: str, values: dict[str, str]) -> None:
+    report = conformance(law, nothing, values, checks=["convexity", "origin"], max_examples=30, rows=60, seconds=0.5)
+    assert report.failed == {"convexity"}
+    (failure,) = report.failures
+    case, known = failure.case, duhem.load(law).fix(values)
+    table = known.symbols()
+    exact = {table[n]: float(case.parameters[n]) for n in known.parameters} | (
+        {table[known.pressure]: case.pressure[0]} if known.pressure else {}
+    )
+    level = [
+        float(known.g.subs(exact | dict(zip(known.force_symbols(), point, strict=True))))
+        for point in (case.inside[0], case.beside[0], (case.inside[0] + case.beside[0]) / 2)
+    ]
+    assert max(level[:2]) <= 1e-12 * abs(level[2]) and level[2] > 0
+
+
+@pytest.mark.parametrize("law", ["radial-flow", "rotated-flow"])
+def test_a_flow_that_is_not_normal_is_refused(law: str) -> None:
+    """The implicit step of each flow rule for k = 1, by hand: both stay in K and dissipate, and neither is a closest point."""
+    values = {"radial-flow": {"mu_a": 0.5, "mu_b": 0.1}, "rotated-flow": {"mu": 0.3, "delta": 0.5}}[law]
+
+    def rotated(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        size, e = np.hypot(*trial.T), -0.3 * pressure
+        out = size > e
+        # sigma + l R(delta) sigma = trial with |sigma| = e: 1 + 2 l cos(delta) + l^2 = (|trial|/e)^2
+        q = np.where(out & (e > 0), (size / np.where(e > 0, e, 1.0)) ** 2 - 1.0, 0.0)
+        slide = q / (np.cos(0.5) + np.sqrt(np.cos(0.5) ** 2 + q))
+        z = (trial[:, 0] + 1j * trial[:, 1]) / (1.0 + slide * np.exp(0.5j))
+        z = np.where(out & (e == 0), 0.0, z)
+        return np.stack([z.real, z.imag], axis=1)
+
+    update = {"radial-flow": radial_return, "rotated-flow": rotated}[law]
+    report = conformance(law, update, values, stiffness=1.0, max_examples=6, rows=60, seconds=0.2)
+    assert {"variational-inequality", "firmness", "potential"} <= report.failed
+    assert not {"feasibility", "idempotence", "dissipation", "path", "homogeneity", "complementarity", "convexity"} & report.failed, str(
+        report
+    )
