@@ -18,6 +18,7 @@ import numpy as np
 from duhem.benchmark.reference import Closest
 from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
+from duhem.expression.rays import Rays
 from duhem.law.formula_law import Criterion, Domain
 from duhem.left_out import LeftOut
 from duhem.projection.increment import Increment
@@ -28,6 +29,7 @@ from duhem.projection.validation import increment
 __all__ = ["Contender", "Subject", "contenders", "machine"]
 
 CONIC_SOLVERS = ("CLARABEL", "CVXOPT", "ECOS", "OSQP", "QOCO", "SCS")
+_RADII = np.ldexp(1.0, np.arange(-1070, 1021))
 _PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "cvxpy", "clarabel", "numba", "cvxopt", "ecos", "osqp", "qoco", "scs")
 
 
@@ -74,25 +76,16 @@ class Subject:
         return Closest(question.g, self.law.force_symbols(), symbol, question.stiffness.tolist(), digits)
 
     def radius(self, direction: Array, pressure: float | None) -> float:
-        """How far K reaches along ``direction`` from the origin, by bisection in doubles; 0 or inf where it does not end."""
+        """How far K reaches along ``direction`` from the origin, in doubles; 0 where the origin is outside, inf where it never ends."""
         question = self.question(np.zeros((1, len(self.law.forces))), self.pressure)
         names = [*self.law.force_symbols(), *([] if pressure is None else [self.law.symbols()[self.law.pressure or ""]])]
         g = compiled(question.g, names)
 
-        def inside(t: float) -> bool:
-            return bool(g(*(t * direction), *([] if pressure is None else [pressure])) <= 0.0)
+        def level(points: Array) -> Array:
+            return g(*np.moveaxis(points, -1, 0), *([] if pressure is None else [pressure]))
 
-        low, high = -1070, 1020  # binary exponents
-        if not inside(2.0**low):
-            return 0.0
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (middle, high) if inside(2.0**middle) else (low, middle)
-        a, b = 2.0**low, 2.0**high
-        for _ in range(60):
-            middle_ = a + (b - a) / 2
-            a, b = (middle_, b) if inside(middle_) else (a, middle_)
-        return a
+        (last,), (first,) = Rays(level, np.zeros(len(direction)), direction[None]).left(_RADII)
+        return 0.0 if last < _RADII[0] else float("inf") if last == first else float(last)
 
     def describe(self) -> str:
         """The law's parameters and the stiffness in words."""

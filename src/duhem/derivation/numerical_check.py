@@ -15,11 +15,13 @@ import mpmath
 import sympy as sp
 
 from duhem.derivation.potential import SupportFunction
+from duhem.expression.rays_mpmath import reach
 from duhem.law.formula_law import Criterion
 
-__all__ = ["compiled", "defects", "gauges_agree", "reach", "sample_values"]
+__all__ = ["BITS", "compiled", "defects", "gauges_agree", "sample_values"]
 
 DIGITS = 40
+BITS = 39  # of a boundary point: 12 digits, so that in 15 no rounding of g takes it out of K
 SMALL = mpmath.mpf(10) ** -25
 
 _WORDS: dict[str, Callable[..., Any]] = {
@@ -93,7 +95,7 @@ def _defects(law: Criterion, support: SupportFunction, parameters: int, directio
             n = len(forces)
             centre = claims[0][-n:]
             with mpmath.workdps(15):
-                reached = [(ray, reach(_at(g, rest), centre, ray)) for ray in _rays(n, random, 4 * directions)]
+                reached = [(ray, reach(mpmath, _at(g, rest), centre, ray, BITS)) for ray in _rays(n, random, 4 * directions)]
             cloud = [[c + t * r for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
             scale = max([abs(c[0]) for c in claims] + [mpmath.mpf(10) ** -6])
             for d, (potential, *found) in zip(rates, claims, strict=True):
@@ -146,20 +148,3 @@ def _at(g: Callable[..., list[Any]], rest: Sequence[Any]) -> Callable[[list[Any]
 
 def _rays(dimension: int, random: Random, count: int) -> list[list[Any]]:
     return [[mpmath.mpf(random.gauss(0, 1)) for _ in range(dimension)] for _ in range(count)]
-
-
-def reach(g: Callable[[list[Any]], Any], centre: Sequence[Any], ray: Sequence[Any]) -> Any:
-    """The greatest t found with g(centre + t ray) <= 0, by bisection to 12 digits; None if the ray starts outside or never leaves."""
-
-    def inside(t: Any) -> bool:
-        return bool(g([c + t * r for c, r in zip(centre, ray, strict=True)]) <= 0)
-
-    low, high = mpmath.mpf(0), mpmath.mpf(10) ** -4
-    while inside(high):
-        low, high = high, 4 * high
-        if high > 10**8:
-            return None
-    for _ in range(40):
-        middle = (low + high) / 2
-        low, high = (middle, high) if inside(middle) else (low, middle)
-    return low or None

@@ -16,8 +16,9 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from duhem.derivation.numerical_check import compiled, reach, sample_values
+from duhem.derivation.numerical_check import BITS, compiled, sample_values
 from duhem.expression.branches import Branch, TooManyBranchesError, branches
+from duhem.expression.rays_mpmath import reach
 from duhem.expression.vocabulary import Norm
 from duhem.law.formula_law import Criterion
 
@@ -157,7 +158,7 @@ def _on_seam(
     for weights in chosen:
         ray = [mpmath.fsum(w * vector[i] for w, vector in zip(weights, basis, strict=True)) for i in range(len(plane))]
         with mpmath.workdps(15):
-            t = reach(lambda x: g(*x, *rest)[0], [0] * len(plane), ray)
+            t = reach(mpmath, lambda x: g(*x, *rest)[0], [0] * len(plane), ray, BITS)
         if t is not None:
             yield [t * r for r in ray]
 

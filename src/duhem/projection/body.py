@@ -6,7 +6,6 @@ x = L u; distances |u| are then the k^-1 metric up to a factor, and K has extent
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +18,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import ScaledFormula
 
-__all__ = ["Body", "Index", "Piece", "body", "crossing", "power_of_two", "whitening"]
+__all__ = ["Body", "Index", "Piece", "body", "power_of_two", "whitening"]
 
 Index = NDArray[np.intp]
 
@@ -100,65 +99,3 @@ def power_of_two(size: Array) -> Array:
     """The power of two below: scaling by it is exact."""
     sound = np.isfinite(size) & (size > 0)
     return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)
-
-
-def crossing(level: Callable[[Array, Index], Array], inside: Array, outside: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """The share t in (0, 1) at which inside + t (outside - inside) leaves K, to the last digit from within; (M,) each.
-
-    A bracket is found downwards from 1 by ever longer steps, then closed by Chandrupatla's method (1997), which falls
-    back on bisection.  The second array tells where none was found: no point of the ray is inside.
-    """
-    ray = outside - inside
-    everyone = np.arange(len(ray))
-
-    def at(t: Array, who: Index) -> Array:
-        return level(inside[who] + t[:, None] * ray[who], who)
-
-    high, f_high = np.ones(len(ray)), at(np.ones(len(ray)), everyone)
-    low, f_low = np.zeros(len(ray)), np.full(len(ray), np.nan)
-    who, step = everyone, 0.5
-    while who.size and step > 1e-200:
-        t = high[who] * step
-        f = at(t, who)
-        found = f <= 0
-        low[who[found]], f_low[who[found]] = t[found], f[found]
-        who = who[~found]
-        high[who], f_high[who] = t[~found], f[~found]
-        step *= step
-    none = np.isnan(f_low)
-    return _closed(at, low, f_low, high, f_high, everyone[~none]), none
-
-
-def _closed(at: Callable[[Array, Index], Array], low: Array, f_low: Array, high: Array, f_high: Array, who: Index) -> Array:
-    a, fa, b, fb = low.copy(), f_low.copy(), high.copy(), f_high.copy()  # b the newest, a the other end, c the one before
-    c, fc = a.copy(), fa.copy()
-    share = np.full(len(low), 0.5)
-    with np.errstate(all="ignore"):
-        for _ in range(200):
-            who = who[np.abs(high[who] - low[who]) > 2.3e-16 * high[who]]
-            who = who[(f_low[who] != 0)]
-            if not who.size:
-                break
-            t = a[who] + share[who] * (b[who] - a[who])
-            middle = low[who] + 0.5 * (high[who] - low[who])
-            t = np.where((t <= low[who]) | (t >= high[who]), middle, t)
-            f = at(t, who)
-            same = np.sign(f) == np.sign(fa[who])
-            c[who] = np.where(same, a[who], b[who])
-            fc[who] = np.where(same, fa[who], fb[who])
-            b[who] = np.where(same, b[who], a[who])
-            fb[who] = np.where(same, fb[who], fa[who])
-            a[who], fa[who] = t, f
-            into = f <= 0
-            low[who[into]], f_low[who[into]] = t[into], f[into]
-            high[who[~into]], f_high[who[~into]] = t[~into], f[~into]
-            xi = (a[who] - b[who]) / (c[who] - b[who])
-            phi = (fa[who] - fb[who]) / (fc[who] - fb[who])
-            quadratic = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
-            guess = fa[who] / (fb[who] - fa[who]) * fc[who] / (fb[who] - fc[who]) + (c[who] - a[who]) / (b[who] - a[who]) * fa[who] / (
-                fc[who] - fa[who]
-            ) * fb[who] / (fc[who] - fb[who])
-            least = 1.2e-16 * high[who] / np.abs(b[who] - a[who])
-            guess = np.clip(guess, least, 1 - least)
-            share[who] = np.where(quadratic & np.isfinite(guess), guess, 0.5)
-    return low

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
-from duhem.projection.body import Body, Index, body, crossing, power_of_two, whitening
+from duhem.expression.rays import crossing
+from duhem.projection.body import Body, Index, body, power_of_two, whitening
 from duhem.projection.centre import centres
 from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces

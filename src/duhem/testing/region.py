@@ -16,6 +16,7 @@ from duhem.expression import mpmath_
 from duhem.expression.balls import enclose, precision
 from duhem.expression.jets import Choices, Formula, formula
 from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.rays import Rays
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import scaled
@@ -24,8 +25,8 @@ __all__ = ["Region", "homogeneous"]
 
 _DIGITS = 60
 _DOUBLE = 53  # bits
-_PARTS = 256
-_LEAST = -128  # powers of two; powers of smaller stresses vanish in double precision, and K is the origin alone
+_AT_ONCE = 6  # bits: cases of one increment have three rays, others a hundred
+_RADII = np.ldexp(1.0, np.arange(-128, 513))  # powers of smaller stresses vanish in double precision, and K is the origin alone
 
 
 @dataclass(frozen=True)
@@ -67,29 +68,12 @@ class Region:
 
         K is taken to be star-shaped about the origin, as a convex one is that contains it.
         """
-        exponents = np.arange(_LEAST, 513, 8)
-        first, endless = self._first_outside(way, pressure, np.ldexp(np.ones((len(way), 1)), exponents))
-        empty = first == 0
-        start = exponents[np.maximum(first, 1) - 1]
-        low = np.ldexp(1.0, start)
-        high = np.ldexp(1.0, start + 8)
-        exponents = start[:, None] + np.arange(1, 9)
-        low, high = self._narrowed(way, pressure, low, np.ldexp(1.0, exponents))
-        for _ in range(7):  # 8 bits each
-            inner = low[:, None] + (high - low)[:, None] * (np.arange(1, _PARTS + 1) / _PARTS)
-            low, high = self._narrowed(way, pressure, low, inner)
-        return np.where(empty, 0.0, np.where(endless, np.inf, low))
 
-    def _narrowed(self, way: Array, pressure: Array, low: Array, ends: Array) -> tuple[Array, Array]:
-        first, none = self._first_outside(way, pressure, ends)
-        first = np.where(none, ends.shape[1] - 1, first)
-        rows = np.arange(len(way))
-        return np.where(first == 0, low, ends[rows, np.maximum(first, 1) - 1]), ends[rows, first]
+        def level(points: Array) -> Array:
+            return _programs(self.law)[0](*np.moveaxis(points, -1, 0), *self._others(pressure[:, None]))
 
-    def _first_outside(self, way: Array, pressure: Array, radii: Array) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-        points = (radii[:, :, None] * way[:, None, :]).reshape(-1, way.shape[1])
-        inside = (self.level(points, np.repeat(pressure, radii.shape[1])) <= 0.0).reshape(radii.shape)
-        return np.argmin(inside, axis=1), np.asarray(inside.all(axis=1))
+        last, first = Rays(level, np.zeros(way.shape[1]), way).left(_RADII, at_once=_AT_ONCE)
+        return np.where(last < _RADII[0], 0.0, np.where(last == first, np.inf, last))
 
     def _others(self, pressure: Array) -> list[Any]:
         return [*([pressure] if self.law.pressure else []), *(self.parameters[name] for name in self.law.parameters)]

@@ -1,0 +1,133 @@
+"""Where rays leave a set {level <= 0}, in doubles, many rays at once.
+
+The set is known by its level alone; a point at which that is undefined lies outside.  There are two ways to close in on
+the boundary.  :class:`Rays` halves between a point inside and one outside and asks for signs only, so that kinks, jumps
+and overflow don't matter and equal signs give equal numbers.  :func:`crossing` reads the values too and takes a tenth of
+the evaluations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Rays", "crossing", "first_exit"]
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Flags = NDArray[np.bool_]
+
+_BITS = 60  # of an interval that ends at most twice as far out as it begins: more than a double holds
+
+
+@dataclass(frozen=True)
+class Rays:
+    """The points start + t way, t >= 0, of M rays: ``start`` (d,) or (M, d), ``way`` (M, d); ``level`` of points (M, n, d) is (M, n)."""
+
+    level: Callable[[Array], Array]
+    start: Array
+    way: Array
+
+    def at(self, t: Array) -> Array:
+        """The points (M, d) at ``t`` (M,)."""
+        return self.start + t[:, None] * self.way
+
+    def inside(self, t: Array) -> Flags:
+        """Which points lie in the set (M, n), at ``t`` (n,) or (M, n)."""
+        start = self.start if self.start.ndim == 1 else self.start[:, None, :]
+        found: Flags = self.level(start + t[..., None] * self.way[:, None, :]) <= 0.0
+        return found
+
+    def narrowed(self, inner: Array, outer: Array, bits: int = _BITS, at_once: int = 1) -> tuple[Array, Array]:
+        """``inner`` (M,) and ``outer`` (M,), on either side of the boundary and either one farther, brought together.
+
+        By halving; ``at_once`` bits a round cost 2^at_once - 1 points on each ray and save calls where rays are few.
+        """
+        shares, row = np.arange(1, 2**at_once) / 2**at_once, np.arange(len(inner))
+        for _ in range(0, bits, at_once):
+            between = inner[:, None] + (outer - inner)[:, None] * shares
+            out = ~self.inside(between)
+            first = np.where(out.any(axis=1), np.argmax(out, axis=1), len(shares))
+            ends = np.column_stack([inner, between, outer])
+            inner, outer = ends[row, first], ends[row, first + 1]
+        return inner, outer
+
+    def left(self, radii: Array, at_once: int = 1) -> tuple[Array, Array]:
+        """The last t inside and the first outside (M,), by :func:`first_exit` and then to the last digit."""
+        return self.narrowed(*first_exit(self.inside(radii), radii), at_once=at_once)
+
+
+def first_exit(inside: Flags, radii: Array) -> tuple[Array, Array]:
+    """Between which of the increasing ``radii`` (n,) each ray (M, n) is left first.
+
+    From 0 where the first one is outside already.  Both are the last radius where none is outside: halving leaves them equal,
+    and on no other ray are they.
+    """
+    first, none = np.argmin(inside, axis=1), inside.all(axis=1)
+    low = np.where(first > 0, radii[np.maximum(first, 1) - 1], 0.0)
+    return np.where(none, radii[-1], low), np.where(none, radii[-1], radii[first])
+
+
+def crossing(level: Callable[[Array, Index], Array], inside: Array, outside: Array) -> tuple[Array, Flags]:
+    """The share t in (0, 1) at which inside + t (outside - inside) leaves K, to the last digit from within; (M,) each.
+
+    A bracket is found downwards from 1 by ever longer steps, then closed by Chandrupatla's method (1997), which falls
+    back on bisection.  The second array tells where none was found: no point of the ray is inside.
+    """
+    ray = outside - inside
+    everyone = np.arange(len(ray))
+
+    def at(t: Array, who: Index) -> Array:
+        return level(inside[who] + t[:, None] * ray[who], who)
+
+    high, f_high = np.ones(len(ray)), at(np.ones(len(ray)), everyone)
+    low, f_low = np.zeros(len(ray)), np.full(len(ray), np.nan)
+    who, step = everyone, 0.5
+    while who.size and step > 1e-200:
+        t = high[who] * step
+        f = at(t, who)
+        found = f <= 0
+        low[who[found]], f_low[who[found]] = t[found], f[found]
+        who = who[~found]
+        high[who], f_high[who] = t[~found], f[~found]
+        step *= step
+    none = np.isnan(f_low)
+    return _closed(at, low, f_low, high, f_high, everyone[~none]), none
+
+
+def _closed(at: Callable[[Array, Index], Array], low: Array, f_low: Array, high: Array, f_high: Array, who: Index) -> Array:
+    a, fa, b, fb = low.copy(), f_low.copy(), high.copy(), f_high.copy()  # b the newest, a the other end, c the one before
+    c, fc = a.copy(), fa.copy()
+    share = np.full(len(low), 0.5)
+    with np.errstate(all="ignore"):
+        for _ in range(200):
+            who = who[np.abs(high[who] - low[who]) > 2.3e-16 * high[who]]
+            who = who[(f_low[who] != 0)]
+            if not who.size:
+                break
+            t = a[who] + share[who] * (b[who] - a[who])
+            middle = low[who] + 0.5 * (high[who] - low[who])
+            t = np.where((t <= low[who]) | (t >= high[who]), middle, t)
+            f = at(t, who)
+            same = np.sign(f) == np.sign(fa[who])
+            c[who] = np.where(same, a[who], b[who])
+            fc[who] = np.where(same, fa[who], fb[who])
+            b[who] = np.where(same, b[who], a[who])
+            fb[who] = np.where(same, fb[who], fa[who])
+            a[who], fa[who] = t, f
+            into = f <= 0
+            low[who[into]], f_low[who[into]] = t[into], f[into]
+            high[who[~into]], f_high[who[~into]] = t[~into], f[~into]
+            xi = (a[who] - b[who]) / (c[who] - b[who])
+            phi = (fa[who] - fb[who]) / (fc[who] - fb[who])
+            quadratic = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
+            guess = fa[who] / (fb[who] - fa[who]) * fc[who] / (fb[who] - fc[who]) + (c[who] - a[who]) / (b[who] - a[who]) * fa[who] / (
+                fc[who] - fa[who]
+            ) * fb[who] / (fc[who] - fb[who])
+            least = 1.2e-16 * high[who] / np.abs(b[who] - a[who])
+            guess = np.clip(guess, least, 1 - least)
+            share[who] = np.where(quadratic & np.isfinite(guess), guess, 0.5)
+    return low
