@@ -32,7 +32,7 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
     Each is computed from the model and written as figure-NAME; the numbers it rests on are printed.  Figure 8 is a table:
     it is printed, and written as CSV.
     """
-    from duhem.micromodel.figures import FIGURES, Table, unknown
+    from duhem.micromodel.figures import FIGURES, Figure, Table, unknown
 
     for name in names:
         if name not in FIGURES:
@@ -49,15 +49,20 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
         target.mkdir(parents=True, exist_ok=True)
     except OSError as fault:
         raise InputError(f"the folder cannot be made: {fault.strerror}", where=folder, remedy="name another with --out") from None
-    for recipe in chosen:
+    files = {recipe: target / f"figure-{recipe.name}.{form if recipe.drawn and not data else 'csv'}" for recipe in chosen}
+    for recipe, file in files.items():
+        if recipe.drawn and not data:
+            from duhem.show.figure import check
+
+            check(file)
+    for recipe, file in files.items():
         figure = recipe(**{name: value for name, value in values.items() if name in recipe.parameters})
-        file = target / f"figure-{recipe.name}.{'csv' if data or isinstance(figure, Table) else form}"
-        if data or isinstance(figure, Table):
-            _write(file, figure.to_csv())
-        else:
+        if isinstance(figure, Figure) and not data:
             from duhem.micromodel.figures.drawing import save
 
             save(figure, file)
+        else:
+            _write(file, figure.to_csv())
         say(f"{file}  {figure.title}")
         if isinstance(figure, Table):
             say("  " + figure.to_text().replace("\n", "\n  "))

@@ -11,16 +11,11 @@ from duhem.derivation.support_function import compression, rate_symbols
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.law.formula_law import Criterion
+from duhem.show.notation import latex_name
 
 __all__ = ["STIFFNESSES", "Names"]
 
 STIFFNESSES = ("orthotropic", "full", "isotropic")
-
-_GREEK = {
-    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi", "pi", "rho",
-    "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega", "Gamma", "Delta", "Theta", "Lambda", "Xi", "Pi", "Sigma", "Upsilon", "Phi",
-    "Psi", "Omega",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -62,7 +57,7 @@ class Names:
         rates = rate_symbols(law)
         taken = {*law.symbols(), *(r.name for r in rates)}
         tails = [force.removeprefix("sigma_") for force in law.forces]
-        latex = {s: _latex_name(name) for name, s in law.symbols().items()}
+        latex = {s: latex_name(name) for name, s in law.symbols().items()}
 
         def fresh(name: str, written: str, **sign: bool) -> sp.Symbol:
             while name in taken:
@@ -112,17 +107,3 @@ def _stiffness(kind: str, tails: Sequence[str], fresh: object) -> sp.ImmutableMa
 
 def _latex_tail(name: str) -> str:
     return name if len(name) == 1 else rf"\mathrm{{{name}}}".replace("_", r"\_")
-
-
-def _latex_name(name: str) -> str:
-    """``mu_a_plus`` as mu with index a and exponent +; Greek names as letters; other words upright."""
-    head, *rest = name.split("_")
-    digits = head.lstrip("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ")
-    if digits.isdigit():
-        head, rest = head[: -len(digits)], [digits, *rest]
-    sign = {"plus": "+", "minus": "-"}.get(rest[-1]) if rest else None
-    rest = rest[:-1] if sign else rest
-    base = f"\\{head}" if head in _GREEK else head if len(head) == 1 else rf"\mathrm{{{head}}}"
-    inner = ",".join(r if r.isdigit() or len(r) == 1 else rf"\mathrm{{{r}}}" for r in rest)
-    index = f"_{{{inner}}}" if inner else ""
-    return base + index + (f"^{{{sign}}}" if sign else "")

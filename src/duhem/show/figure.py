@@ -1,20 +1,245 @@
-"""Whether a figure can be written, asked before the work rather than after it (matplotlib, extra ``plot``)."""
+"""One style for every picture and one way to save it.  The only place that starts or writes a sheet (matplotlib, extra ``plot``)."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from itertools import pairwise
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, Literal
 
 from duhem.errors import InputError, MissingExtraError
 
-__all__ = ["check"]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+
+__all__ = ["GREY", "check", "drawn", "legend", "measure", "palette", "pen", "save", "shortened", "style", "wrapped"]
+
+# Okabe and Ito (2008): told apart with any colour vision; dashes and marks tell the same without colour.
+_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_DASHES = ("-", (0, (6, 2)), (0, (6, 2, 1.5, 2)), (0, (1.5, 1.5)), (0, (3, 1.5)))
+_MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
+GREY = "0.45"
+
+_STYLE = {
+    "axes.formatter.use_mathtext": True,
+    "axes.labelsize": "medium",
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "axes.titlesize": "medium",
+    "figure.titlesize": "medium",
+    "font.size": 10.0,
+    "legend.fontsize": "small",
+    "legend.frameon": False,
+    "legend.handlelength": 2.8,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 5.0,
+    "svg.hashsalt": "duhem",  # the same picture gives the same file
+    "xtick.labelsize": "small",
+    "ytick.labelsize": "small",
+}
+_UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_CHARACTER = 0.0075  # inches, of a letter of one point
+
+
+def palette(i: int) -> str:
+    """The colour of the i-th of several curves."""
+    return _COLOURS[i % len(_COLOURS)]
+
+
+def pen(i: int) -> dict[str, Any]:
+    """Colour, dashes and mark of the i-th of several curves; no two of the first 56 share colour and mark."""
+    return {"color": palette(i), "linestyle": _DASHES[i % len(_DASHES)], "marker": _MARKS[i % len(_MARKS)]}
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """The house style, whatever the reader's own settings are, while it lasts.  Raises MissingExtraError without matplotlib."""
+    try:
+        from matplotlib.style import context
+    except ImportError:
+        raise MissingExtraError("matplotlib", "plot") from None
+    with context(["default", _STYLE]):
+        yield
+
+
+def drawn(
+    paint: Callable[..., None],
+    file: str | os.PathLike[str] | None = None,
+    axes: Iterable[Axes] | None = None,
+    *,
+    panels: int = 1,
+    columns: int = 3,
+    size: tuple[float, float] = (6.0, 4.4),
+    title: str = "",
+) -> tuple[Axes, ...]:
+    """Let ``paint`` draw on ``panels`` axes, those given or the axes of a new sheet, and write ``file`` if one is named.
+
+    ``size`` in inches is that of a panel; ``columns`` of them stand side by side.  ``title`` stands on a new sheet only.
+    Raises MissingExtraError without matplotlib, InputError for a file that cannot be written or axes that are too few.
+    """
+    if file is not None:
+        check(file)
+    with style():
+        if axes is not None:
+            places = tuple(axes)
+            if len(places) != panels:
+                raise InputError(f"this picture has {panels} axes, {len(places)} are given", where="axes", remedy=f"give {panels}")
+            paint(*places)
+        else:
+            places = _sheet(panels, min(columns, panels), size, title)
+            paint(*places)
+            _uncrowd(places)
+    if file is not None:
+        save(_sheet_of(places), file)
+    return places
+
+
+def _sheet(panels: int, columns: int, size: tuple[float, float], title: str) -> tuple[Axes, ...]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    rows = -(-panels // columns)
+    width = size[0] * columns
+    sheet = Figure(figsize=(width, size[1] * rows), layout="constrained")
+    FigureCanvasAgg(sheet)
+    if title:
+        sheet.suptitle(wrapped(title, width))
+    every = sheet.subplots(rows, columns, squeeze=False).ravel()
+    for spare in every[panels:]:
+        spare.remove()
+    return tuple(every[:panels])
+
+
+def _sheet_of(places: tuple[Axes, ...]) -> Figure:
+    sheet = places[0].get_figure(root=True)
+    assert sheet is not None
+    return sheet
+
+
+def wrapped(text: str, width: float, points: float = 10.0) -> str:
+    """``text`` in lines that fit into ``width`` inches, in letters of so many points; words too long are broken."""
+    return "\n".join(fill(line, max(8, int(width / (_CHARACTER * points)))) for line in text.splitlines())
+
+
+def shortened(text: str, most: int = 36) -> str:
+    """``text``, its middle left out where it is longer than ``most``."""
+    return text if len(text) <= most else f"{text[: most // 2]}…{text[-(most - 1) // 2 :]}"
+
+
+def measure(axis: Axis, symbol: str, unit: str = "", size: float | None = None) -> None:
+    """Write ``symbol [unit]`` at an axis, ``[–]`` where it is dimensionless.
+
+    With the ``size`` of the greatest number on it, the numbers at its ticks count the unit with the prefix that suits
+    them (kPa, µm), or a power of ten where there is none; what is drawn stays in the unit itself.
+    """
+    from matplotlib.ticker import ScalarFormatter
+
+    power = _power(size) if size else 0
+    if power:
+        numbers = ScalarFormatter(useOffset=False)
+        numbers.set_powerlimits((power, power))
+        axis.set_major_formatter(numbers)
+        axis.offsetText.set_visible(False)  # the unit says it
+    prefix = _PREFIXES.get(power)
+    counted = f"$10^{{{power}}}$ {unit}" if prefix is None else prefix + unit
+    axis.set_label_text(f"{symbol} [{counted or '–'}]")
+
+
+def _power(size: float) -> int:
+    """The greatest multiple of three whose power of ten is not above ``size``."""
+    from math import floor, log10
+
+    return 3 * floor(log10(abs(size)) / 3.0 + 1e-12)
+
+
+def legend(axes: Axes, where: Literal["above", "best", "lower right"] = "above") -> None:
+    """Name what is labelled on the axes: above them, in as many columns as fit, or at a place where there is room."""
+    handles, labels = axes.get_legend_handles_labels()
+    if not labels:
+        return
+    labels = [shortened(label) if "$" not in label else label for label in labels]
+    if where != "above":
+        axes.legend(handles, labels, loc=where)
+        return
+    for columns in range(min(len(labels), 4), 0, -1):
+        made = axes.legend(handles, labels, ncols=columns, loc="lower center", bbox_to_anchor=(0.5, 1.0), borderaxespad=0.2)
+        if made.get_window_extent().width <= axes.get_window_extent().width:
+            return
+
+
+def _uncrowd(places: tuple[Axes, ...], rounds: int = 6) -> None:
+    """Fewer numbers on every axis on which they touch."""
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
+    sheet = _sheet_of(places)
+    for _ in range(rounds):
+        sheet.draw_without_rendering()
+        crowded = [axis for axes in places for axis in (axes.xaxis, axes.yaxis) if _touching(axis)]
+        if not crowded:
+            return
+        for axis in crowded:
+            fewer = max(1, len(axis.get_majorticklocs()) - 3)
+            if isinstance(axis.get_major_locator(), LogLocator):
+                axis.set_major_locator(LogLocator(numticks=max(2, fewer)))
+            elif isinstance(axis.get_major_locator(), MaxNLocator):
+                axis.set_major_locator(MaxNLocator(fewer, steps=[1, 2, 2.5, 5, 10]))
+
+
+def _touching(axis: Axis) -> bool:
+    """Whether two numbers of an axis overlap, with a letter's gap between them."""
+    from matplotlib.axis import XAxis
+
+    boxes = [label.get_window_extent() for label in axis.get_ticklabels() if label.get_visible() and label.get_text()]
+    along = "x" if isinstance(axis, XAxis) else "y"
+    spans = sorted((getattr(box, f"{along}0"), getattr(box, f"{along}1")) for box in boxes)
+    gap = 4.0 if along == "x" else 0.0
+    return any(here[1] + gap > there[0] for here, there in pairwise(spans))
 
 
 def check(file: str | os.PathLike[str]) -> None:
-    """MissingExtraError without matplotlib, InputError for an ending it cannot write."""
+    """Whether a picture can be written there, asked before the work rather than after it.
+
+    Raises MissingExtraError without matplotlib, InputError for an ending it cannot write, a folder that is not there, and
+    a place that cannot be written to.
+    """
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
     except ImportError:
         raise MissingExtraError("matplotlib", "plot") from None
-    ending = os.path.splitext(os.fspath(file))[1].removeprefix(".").lower()
+    ending, folder = _ending(file), os.path.dirname(os.path.abspath(file))
     if ending not in FigureCanvasAgg.get_supported_filetypes():
-        raise InputError(f"{ending or 'no ending'} is no format of a figure", where=f"{file}", remedy="end the name in .png, .pdf or .svg")
+        raise InputError(f"{ending or 'no ending'} is no format of a figure", where=f"{file}", remedy="end the name in .png, .pdf, .svg")
+    if not os.path.isdir(folder):
+        raise InputError("there is no such directory", where=f"{file}", remedy="make it first")
+    if os.path.isdir(file):
+        raise InputError("this is a directory", where=f"{file}", remedy="name a file")
+    if not os.access(folder, os.W_OK) or (os.path.exists(file) and not os.access(file, os.W_OK)):
+        raise InputError("it may not be written", where=f"{file}", remedy="write where you may")
+
+
+def save(sheet: Figure, file: str | os.PathLike[str]) -> None:
+    """Write a sheet in the format that the file's ending names, whole or not at all; the same sheet gives the same bytes.
+
+    Raises what :func:`check` raises.
+    """
+    check(file)
+    form = _ending(file)
+    beside = f"{os.fspath(file)}.writing"
+    try:
+        with style():
+            sheet.savefig(beside, format=form, dpi=160, metadata=_UNDATED.get(form))
+        os.replace(beside, file)
+    except OSError as fault:
+        raise InputError(f"the figure cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
+    finally:
+        with suppress(OSError):
+            os.unlink(beside)
+
+
+def _ending(file: str | os.PathLike[str]) -> str:
+    return os.path.splitext(os.fspath(file))[1].removeprefix(".").lower()

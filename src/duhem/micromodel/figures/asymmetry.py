@@ -8,7 +8,7 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.micromodel.figures.recipe import Recipe
-from duhem.micromodel.figures.value import Array, Axis, Curve, Fact, Figure, Layer, Panel, Points, Rule
+from duhem.micromodel.figures.value import Array, Axis, Curve, Fact, Figure, Layer, Marks, Panel, Rule
 from duhem.micromodel.wedge import coefficients
 
 __all__ = ["RECIPE", "asymmetry"]
@@ -44,7 +44,7 @@ def asymmetry(height_over_period: float = 0.2, mu_high: float = 0.3, mu_low: flo
         said = "".join(f": zero at {angle:.1f}°" for angle in np.degrees(zero))
         layers += [
             Curve(case, np.degrees(alpha), difference, hue, rf"$\mu_\alpha = {mu_alpha:g},\ \mu_\beta = {mu_beta:g}$" + said),
-            Points(f"zero ({case})", np.degrees(zero), 0.0 * zero, hue),
+            Marks(f"zero ({case})", np.degrees(zero), 0.0 * zero, hue),
         ]
         ends = {"least alpha": low, "greatest alpha": high}
         facts += [Fact(f"{name} ({case})", float(np.degrees(end)), "deg") for name, end in ends.items()]

@@ -7,7 +7,7 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM, Experiment
 from duhem.micromodel.figures.recipe import Recipe
-from duhem.micromodel.figures.value import Axis, Band, Curve, Fact, Figure, Note, Panel, Points, Rule
+from duhem.micromodel.figures.value import Axis, Band, Curve, Fact, Figure, Marks, Note, Panel, Rule
 from duhem.micromodel.wedge import coefficients
 
 __all__ = ["RECIPE", "apparent"]
@@ -48,8 +48,8 @@ def apparent(
             Rule("measured along -t_a", "y", measured_minus, 1, rf"measured along $-t_a$: {measured_minus:g}"),
             Curve("mu_a_plus", local, plus, 0, r"$\mu_a^+$, Eq. (13)"),
             Curve("mu_a_minus", local, minus, 1, r"$\mu_a^-$, Eq. (15)"),
-            Points("marked mu_a_plus", np.array([mu]), np.array([float(marked.plus)]), 0),
-            Points("marked mu_a_minus", np.array([mu]), np.array([float(marked.minus)]), 1),
+            Marks("marked mu_a_plus", np.array([mu]), np.array([float(marked.plus)]), 0),
+            Marks("marked mu_a_minus", np.array([mu]), np.array([float(marked.minus)]), 1),
             Note(f"{float(marked.plus):.4f}", mu, float(marked.plus), "above left"),
             Note(f"{float(marked.minus):.4f}", mu, float(marked.minus), "below right"),
         ),

@@ -1,4 +1,4 @@
-"""Drawing a figure's value.  The only place that knows matplotlib (extra ``plot``)."""
+"""Drawing a figure's value (extra ``plot``)."""
 
 from __future__ import annotations
 
@@ -6,37 +6,22 @@ import os
 from functools import singledispatch
 from typing import TYPE_CHECKING
 
-from duhem.errors import InputError, MissingExtraError
-from duhem.micromodel.figures.value import Arrows, Band, Curve, Figure, Layer, Note, Panel, Points, Rule
+from duhem.micromodel.figures.value import Arrows, Band, Curve, Figure, Layer, Marks, Note, Panel, Rule
+from duhem.show import figure as show
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Sheet
 
-__all__ = ["FORMATS", "draw", "save"]
+__all__ = ["draw", "save"]
 
-FORMATS = ("png", "pdf", "svg")
-# Okabe and Ito (2008): told apart with any colour vision; the dashes tell the curves apart without colour.
-_PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
-_DASHES = ("-", (0, (6, 2)), (0, (6, 2, 1.5, 2)), (0, (1.5, 1.5)), (0, (3, 1.5)))
-_GREY = "0.45"
 _SIDES = {"left": ((-7, 0), "right", "center"), "above left": ((-4, 4), "right", "bottom"), "below right": ((4, -4), "left", "top")}
-_UNDATED = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}  # the same figure gives the same file
 
 
 def draw(figure: Figure) -> Sheet:
     """``figure`` as one of matplotlib, which a notebook shows.  Raises MissingExtraError without matplotlib."""
-    try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure as Sheet
-    except ImportError:
-        raise MissingExtraError("matplotlib", "plot") from None
-    width = sum(5.3 if panel.equal else 6.0 for panel in figure.panels)
-    sheet = Sheet(figsize=(width, 4.4), layout="constrained")
-    FigureCanvasAgg(sheet)
-    sheet.suptitle(figure.title, fontsize="medium")
-    for axes, panel in zip(sheet.subplots(1, len(figure.panels), squeeze=False)[0], figure.panels, strict=True):
-        _panel(axes, panel)
+    sheet = _drawn(figure)[0].get_figure(root=True)
+    assert sheet is not None
     return sheet
 
 
@@ -45,16 +30,16 @@ def save(figure: Figure, file: str | os.PathLike[str]) -> None:
 
     Raises MissingExtraError without matplotlib, InputError for a file or format that cannot be written.
     """
-    sheet = draw(figure)
-    from matplotlib import rc_context
+    _drawn(figure, file)
 
-    try:
-        with rc_context({"svg.hashsalt": "duhem"}):
-            sheet.savefig(file, dpi=160, metadata=_UNDATED.get(os.fspath(file)[-3:]))
-    except (OSError, ValueError) as fault:
-        reason = getattr(fault, "strerror", None) or fault
-        endings = ", ".join(f".{name}" for name in FORMATS)
-        raise InputError(f"the figure cannot be written: {reason}", where=f"{file}", remedy=f"end the name in {endings}") from None
+
+def _drawn(figure: Figure, file: str | os.PathLike[str] | None = None) -> tuple[Axes, ...]:
+    def paint(*places: Axes) -> None:
+        for axes, panel in zip(places, figure.panels, strict=True):
+            _panel(axes, panel)
+
+    width = 5.3 if figure.panels[0].equal else 6.0
+    return show.drawn(paint, file, panels=len(figure.panels), size=(width, 4.4), title=figure.title)
 
 
 def _panel(axes: Axes, panel: Panel) -> None:
@@ -62,7 +47,8 @@ def _panel(axes: Axes, panel: Panel) -> None:
 
     for order, layer in enumerate(panel.layers):
         _draw(layer, axes, order + 1.0)
-    axes.set(xlabel=panel.x.label, ylabel=panel.y.label)
+    show.measure(axes.xaxis, panel.x.symbol, panel.x.unit)
+    show.measure(axes.yaxis, panel.y.symbol, panel.y.unit)
     if panel.x.limits:
         axes.set_xlim(panel.x.limits)
     if panel.y.limits:
@@ -72,13 +58,7 @@ def _panel(axes: Axes, panel: Panel) -> None:
     for axis, own in ((axes.xaxis, panel.x.step), (axes.yaxis, panel.y.step)):
         if step := _tick_step(axes) if panel.equal else own:
             axis.set_major_locator(MultipleLocator(step))
-    axes.tick_params(labelsize="small")
-    axes.spines[["top", "right"]].set_visible(False)
-    if labels := axes.get_legend_handles_labels()[1]:
-        legend = axes.legend(frameon=False, fontsize="small", handlelength=2.8, ncols=1 if panel.legend != "above" else min(len(labels), 3))
-        legend.set_loc("lower center" if panel.legend == "above" else panel.legend)
-        if panel.legend == "above":
-            legend.set_bbox_to_anchor((0.5, 1.0), axes.transAxes)
+    show.legend(axes, panel.legend)
 
 
 def _tick_step(axes: Axes) -> float:
@@ -91,7 +71,7 @@ def _tick_step(axes: Axes) -> float:
 
 
 def _colour(hue: int | None) -> str:
-    return _GREY if hue is None else _PALETTE[hue % len(_PALETTE)]
+    return show.GREY if hue is None else show.palette(hue)
 
 
 @singledispatch
@@ -101,12 +81,12 @@ def _draw(layer: Layer, axes: Axes, order: float) -> None:
 
 @_draw.register(Curve)
 def _(layer: Curve, axes: Axes, order: float) -> None:
-    dash = "-" if layer.hue is None else _DASHES[layer.hue % len(_DASHES)]
+    dash = "-" if layer.hue is None else show.pen(layer.hue)["linestyle"]
     axes.plot(layer.x, layer.y, color=_colour(layer.hue), linestyle=dash, linewidth=1.8, label=layer.label or "_", zorder=order)
 
 
-@_draw.register(Points)
-def _(layer: Points, axes: Axes, order: float) -> None:
+@_draw.register(Marks)
+def _(layer: Marks, axes: Axes, order: float) -> None:
     axes.plot(layer.x, layer.y, "o", color=_colour(layer.hue), markersize=5, label=layer.label or "_", zorder=order)
 
 

@@ -47,4 +47,4 @@ def loads(
     return Table(RECIPE.title, "Antoni et al. (2007), Fig. 8, section 3.2", settings, columns, rows, remarks, facts)
 
 
-RECIPE = Recipe("8", "Tangential loads measured on the wedge specimen beside the predicted ones", loads)
+RECIPE = Recipe("8", "Tangential loads measured on the wedge specimen beside the predicted ones", loads, drawn=False)

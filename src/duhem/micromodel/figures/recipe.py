@@ -16,11 +16,12 @@ __all__ = ["Recipe", "unknown"]
 
 @dataclass(frozen=True)
 class Recipe:
-    """The figure ``name``; its parameters and their defaults are those of ``function``."""
+    """The figure ``name``; its parameters and their defaults are those of ``function``; ``drawn`` unless it is a table."""
 
     name: str
     title: str
     function: Callable[..., Figure | Table]
+    drawn: bool = True
 
     @property
     def parameters(self) -> Mapping[str, float]:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Array", "Arrows", "Axis", "Band", "Curve", "Fact", "Figure", "Layer", "Note", "Panel", "Points", "Rule", "Table"]
+__all__ = ["Array", "Arrows", "Axis", "Band", "Curve", "Fact", "Figure", "Layer", "Marks", "Note", "Panel", "Rule", "Table"]
 
 Array = NDArray[np.float64]
 Row = tuple[str, float, float, float, float]  # series, x, y, dx, dy
@@ -44,10 +44,6 @@ class Axis:
     limits: tuple[float, float] | None = None
     step: float | None = None
 
-    @property
-    def label(self) -> str:
-        return f"{self.symbol} ({self.unit})" if self.unit else self.symbol
-
     def __str__(self) -> str:
         return f"{self.name} ({self.unit})" if self.unit else self.name
 
@@ -71,7 +67,7 @@ class Curve:
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class Marks:
     """Marks at (x, y), both (n,)."""
 
     name: str
@@ -139,7 +135,7 @@ class Note:
         return iter(())
 
 
-Layer = Curve | Points | Arrows | Rule | Band | Note
+Layer = Curve | Marks | Arrows | Rule | Band | Note
 
 
 @dataclass(frozen=True, eq=False)
