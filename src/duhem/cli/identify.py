@@ -37,11 +37,16 @@ def identify(
     from duhem import identification
 
     family = read_fixed_formula(law, settings)
+    if plot is not None:
+        from duhem.show import figure
+
+        figure.check(plot)
+        identification.plot.check(family)
     with Progress("identifying"):
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed)
     if out is not None:
         done.to_toml(out)
+    say(done.to_text() if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))
     if plot is not None:
         done.plot(plot)
-    say(done.to_text() if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))
     return HELD

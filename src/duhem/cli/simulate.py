@@ -55,7 +55,5 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     if table is None:
         say(history.to_text().removesuffix("\n"))
     if figure is not None:
-        from duhem.path.plots import save
-
-        save(history, figure, law=chosen.law, **chosen.problem().increment.parameters)
+        history.plot(figure)
     return HELD

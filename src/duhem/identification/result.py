@@ -175,9 +175,9 @@ class Identification:
         except OSError as fault:
             raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
 
-    def plot(self, file: str | PathLike[str]) -> None:
-        """Draw points, criterion and outliers into a file (extra ``plot``)."""
-        draw(self, file)
+    def plot(self, file: str | PathLike[str] | None = None, *, ax: Any = None) -> Any:
+        """Draw points, criterion and outliers on ``ax`` or a sheet of its own, into ``file`` if named; the axes (extra ``plot``)."""
+        return draw(self, file, ax=ax)
 
 
 def _known(x: float) -> float | None:

@@ -58,7 +58,7 @@ def _solved(share: Array, target: Array, factor: Array) -> Array:
     w = cp.Variable(share.shape[1])
     row = factor / np.maximum(1.0, factor * np.linalg.norm(share, axis=1))  # a far point's row would spoil the scaling
     residual = cp.multiply(row, share @ w - target)
-    problem = cp.FitProblem(cp.Minimize(cp.norm1(residual)), [w >= _LEAST])
+    problem = cp.Problem(cp.Minimize(cp.norm1(residual)), [w >= _LEAST])
     try:
         problem.solve(solver=cp.CLARABEL)
     except cp.error.SolverError as fault:

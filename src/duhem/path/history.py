@@ -11,6 +11,7 @@ import numpy as np
 from duhem.errors import InputError, MissingExtraError
 from duhem.path.problem import Problem
 from duhem.projection.result import Array
+from duhem.show.printing import draw
 
 __all__ = ["History"]
 
@@ -92,8 +93,10 @@ class History:
         except OSError as fault:
             raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
 
-    def plot(self, file: str | os.PathLike[str], **options: Any) -> None:
-        """Draw stress path, hysteresis loops and energies into a file (:func:`duhem.path.plots.save`; extra ``plot``)."""
-        from duhem.path.plots import save
+    def plot(self, file: str | os.PathLike[str] | None = None, **options: Any) -> Any:
+        """Draw stress path, hysteresis loops and energies, into ``file`` if one is named (extra ``plot``).
 
-        save(self, file, **options)
+        ``ax=`` takes the stress path alone, ``axes=`` all three; what was drawn on is returned.  ``law=`` and its parameters
+        by name draw another criterion than that of the run.
+        """
+        return draw(self, file, **options)

@@ -10,6 +10,7 @@ from duhem.errors import InputError, MissingExtraError
 from duhem.path.history import History
 from duhem.path.scene import Scene
 from duhem.path.simulate import Interrupted
+from duhem.show import figure
 
 __all__ = ["Stopped", "check_outputs", "perform"]
 
@@ -24,12 +25,12 @@ def check_outputs(table: str | None, plot: str | None, resume: bool) -> None:
         raise InputError("the table is neither .csv nor .parquet", where=table, remedy="end its name in .csv or .parquet")
     if table is None and resume:
         raise InputError("there is no table to go on with", where="--resume", remedy="name it with --out or in [output]")
-    parquet = table if table is not None and table.endswith(".parquet") else None
-    for file, module, extra in ((parquet, "pyarrow", "parquet"), (plot, "matplotlib", "plot")):
-        if file is not None and find_spec(module) is None:
-            raise MissingExtraError(module, extra)
-        if file is not None and not File(file).absolute().parent.is_dir():
-            raise InputError("there is no such directory", where=file, remedy="make it first")
+    if table is not None and table.endswith(".parquet") and find_spec("pyarrow") is None:
+        raise MissingExtraError("pyarrow", "parquet")
+    if table is not None and not File(table).absolute().parent.is_dir():
+        raise InputError("there is no such directory", where=table, remedy="make it first")
+    if plot is not None:
+        figure.check(plot)
 
 
 def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[int, int], None] | None = None) -> History:

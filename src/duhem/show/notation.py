@@ -1,8 +1,8 @@
-"""How a law's names are written in formulas, on paper and on figures alike."""
+"""How names and numbers are written in formulas, on paper and on figures alike."""
 
 from __future__ import annotations
 
-__all__ = ["latex_name"]
+__all__ = ["latex_name", "latex_number"]
 
 _GREEK = {
     "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi", "pi", "rho",
@@ -23,3 +23,12 @@ def latex_name(name: str) -> str:
     inner = ",".join(r if r.isdigit() or len(r) == 1 else rf"\mathrm{{{r}}}" for r in rest)
     index = f"_{{{inner}}}" if inner else ""
     return base + index + (f"^{{{sign}}}" if sign else "")
+
+
+def latex_number(x: float, digits: int = 4) -> str:
+    """``x`` to some digits; where those need a power of ten, as one."""
+    mantissa, _, power = f"{x:.{digits}g}".partition("e")
+    if not power:
+        return mantissa
+    factor = {"1": "", "-1": "-"}.get(mantissa, rf"{mantissa} \cdot ")
+    return f"{factor}10^{{{int(power)}}}"

@@ -1,0 +1,152 @@
+"""Pictures of a history: stress path over the criterion, hysteresis loops, energies (extra ``plot``)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
+from duhem.law.outline import outline
+from duhem.path.history import History
+from duhem.path.trajectory import Trajectory, trajectory
+from duhem.projection.result import Array
+from duhem.show import figure
+from duhem.show.notation import latex_name
+from duhem.show.printing import draw
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["energies", "hysteresis", "picture", "stress_path"]
+
+_MARKED = 200  # knots, beyond which marks would hide the lines
+_NAMED = 4  # forces, beyond which an axis does not name each
+_SUMS = {"work": "work", "psi": r"free energy $\psi$", "dissipation": "dissipation", "numerical": "lost by implicit steps"}
+
+
+@draw.register(History)
+def picture(
+    history: History,
+    file: str | os.PathLike[str] | None = None,
+    *,
+    ax: Axes | None = None,
+    axes: Iterable[Axes] | None = None,
+    law: Criterion | None = None,
+    **parameters: float,
+) -> Axes | tuple[Axes, ...]:
+    """The stress path on ``ax``, or three pictures side by side, on ``axes`` or a sheet of their own; what was drawn on.
+
+    Left out, ``law`` and its ``parameters`` are those of the run.  Raises MissingExtraError without matplotlib, InputError
+    for a file or format that cannot be written.
+    """
+    if ax is not None and axes is not None:
+        raise InputError("both ax and axes are given", where="plot", remedy="give ax for the stress path alone, or axes for all three")
+    seen = trajectory(history)
+    if law is None and history.problem is not None:
+        law, parameters = history.problem.increment.law, dict(history.problem.increment.parameters)
+    if ax is not None:
+        return figure.drawn(lambda place: stress_path(place, seen, law, parameters), file, [ax])[0]
+
+    def paint(left: Axes, middle: Axes, right: Axes) -> None:
+        stress_path(left, seen, law, parameters)
+        hysteresis(middle, seen)
+        energies(right, seen)
+
+    title = f"{history.law}: {history.method}, {history.why}"
+    return figure.drawn(paint, file, axes, panels=3, size=(4.6, 4.4), title=title)
+
+
+def stress_path(axes: Axes, seen: Trajectory, law: Criterion | None = None, parameters: Mapping[str, float] | None = None) -> None:
+    """The first two forces, over the boundary of K at the extreme pressures where ``law`` is given and has two forces.
+
+    One force alone is drawn over the time.  Stresses in Pa.
+    """
+    states, forces = seen.states, [f"${latex_name(name)}$" for name in seen.states.forces]
+    size = float(np.abs(states.stress[:, :2]).max())
+    if len(forces) == 1:
+        _line(axes, seen, states.time, states.stress[:, 0], 0)
+        figure.measure(axes.xaxis, "time $t$", "s")
+    else:
+        if law is not None and len(law.forces) == 2:
+            size = max(size, _boundaries(axes, states, law, parameters or {}))
+        _line(axes, seen, states.stress[:, 0], states.stress[:, 1], 0)
+        axes.set_aspect("equal", adjustable="datalim")
+        figure.measure(axes.xaxis, forces[0], "Pa", size)
+    figure.measure(axes.yaxis, forces[min(1, len(forces) - 1)], "Pa", size)
+    first = states.time[0] if len(forces) == 1 else states.stress[0, 0]
+    axes.plot(first, states.stress[0, min(1, len(forces) - 1)], "o", color="white", markeredgecolor="black", markersize=8, zorder=3)
+    _key(axes, seen)
+    figure.legend(axes)
+
+
+def hysteresis(axes: Axes, seen: Trajectory) -> None:
+    """Each force in Pa over its own displacement in m."""
+    states = seen.states
+    forces, shifts = states.forces, [f"u_{name.removeprefix('sigma_')}" for name in states.forces]
+    for i, (force, shift) in enumerate(zip(forces, shifts, strict=True)):
+        _line(axes, seen, states.displacement[:, i], states.stress[:, i], i, f"${latex_name(force)}$ over ${latex_name(shift)}$")
+    figure.measure(axes.xaxis, _symbols("displacement", shifts), "m", float(np.abs(states.displacement).max()))
+    figure.measure(axes.yaxis, _symbols("stress", forces), "Pa", float(np.abs(states.stress).max()))
+    figure.legend(axes)
+
+
+def energies(axes: Axes, seen: Trajectory) -> None:
+    """Work, free energy and dissipation over time, each over the area of contact: 1 Pa m = 1 J/m²."""
+    states = seen.states
+    shown = [name for name in _SUMS if name != "numerical" or states.numerical.any()]
+    for i, name in enumerate(shown):
+        _line(axes, seen, states.time, getattr(states, name), i, _SUMS[name])
+    figure.measure(axes.xaxis, "time $t$", "s")
+    figure.measure(axes.yaxis, "energy over area", "J/m²", max(float(np.abs(getattr(states, name)).max()) for name in shown))
+    figure.legend(axes)
+
+
+def _symbols(word: str, names: Iterable[str]) -> str:
+    every = [f"${latex_name(name)}$" for name in names]
+    return ", ".join(every) if len(every) <= _NAMED else word
+
+
+def _line(axes: Axes, seen: Trajectory, x: Array, y: Array, hue: int, label: str = "") -> None:
+    """Dashed where the law sticks, solid and thick where it slips, marked at the knots."""
+    colour, mark = figure.palette(hue), figure.pen(hue)["marker"]
+    for slips, look in ((False, {"linestyle": (0, (3, 1.5)), "linewidth": 1.1}), (True, {"linewidth": 2.2})):
+        axes.plot(*_stretches(x, y, seen.slips[1:] == slips), color=colour, **look)
+    knots = seen.knots if len(seen.knots) <= _MARKED else seen.knots[:0]
+    axes.plot(x[knots], y[knots], mark, color=colour)
+    if label:
+        axes.plot([], [], color=colour, marker=mark, label=label)
+
+
+def _stretches(x: Array, y: Array, chosen: Array) -> tuple[Array, Array]:
+    """The line through the points (n,), where its pieces (n - 1,) are chosen; nan parts the stretches."""
+    ends = [0, *(np.flatnonzero(np.diff(chosen)) + 1).tolist(), len(chosen)]
+    rows = [row for a, b in pairwise(ends) if b > a and chosen[a] for row in (*range(a, b + 1), -1)]
+    gap = np.array(rows, dtype=int)
+    return np.where(gap < 0, np.nan, x[gap]), np.where(gap < 0, np.nan, y[gap])
+
+
+def _key(axes: Axes, seen: Trajectory) -> None:
+    """What the looks of a line mean."""
+    if not seen.slips[1:].all():
+        axes.plot([], [], color="black", linestyle=(0, (3, 1.5)), linewidth=1.1, label="sticks")
+    if seen.slips.any():
+        axes.plot([], [], color="black", linewidth=2.2, label="slips")
+    axes.plot([], [], "o", color="white", markeredgecolor="black", markersize=8, label="start")
+    if len(seen.knots) <= _MARKED:
+        axes.plot([], [], "o", color=figure.palette(0), label="knot")
+
+
+def _boundaries(axes: Axes, states: History, law: Criterion, parameters: Mapping[str, float]) -> float:
+    """The boundary of K at the extreme pressures; the largest stress on it or on the path."""
+    extremes = sorted({float(states.pressure.min()), float(states.pressure.max())}) if law.pressure else [0.0]
+    largest = float(np.abs(states.stress).max())
+    start = largest or float(np.abs(states.pressure).max()) or 1.0
+    lines = [line for pressure in extremes for line in outline(law, parameters, pressure, start)]
+    for i, line in enumerate(lines):
+        axes.plot(*line.T, color=figure.GREY, linewidth=1.0, label="_" if i else "boundary of $K$")
+    return max([largest, *(float(np.abs(line).max()) for line in lines)])
