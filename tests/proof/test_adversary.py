@@ -1,4 +1,4 @@
-"""Laws built to deceive the proof engines: a wrong verdict is never given, whatever else stays open.
+"""Laws built to deceive the proof methods: a wrong verdict is never given, whatever else stays open.
 
 Each row states what is true, derived by hand.  A claim that is true must not be refuted, one that is false must not be
 proved; open, tested and not applicable are honest answers.  Claims a row leaves out have no agreed truth there.

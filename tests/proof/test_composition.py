@@ -20,8 +20,8 @@ from duhem import Criterion, InputError, load
 from duhem.expression import numpy_
 from duhem.expression.cvxpy_ import expression
 from duhem.law.catalogue import names
-from duhem.proof.facts.case import Case
-from duhem.proof.facts.curvature import Shape, shape
+from duhem.proof.facts.curvature import Curvature, curvature
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import chords, composition
 
 cp = pytest.importorskip("cvxpy")
@@ -78,28 +78,28 @@ LAWS = {law.name: law for law in _laws()}
 
 
 @cache
-def _case(name: str) -> Case:
-    case = Case(LAWS[name])
-    case.allow(20)
-    return case
+def _subject(name: str) -> FormulaSubject:
+    subject = FormulaSubject(LAWS[name])
+    subject.allow(20)
+    return subject
 
 
 @cache
 def _numbers(name: str) -> dict[sp.Symbol, sp.Rational]:
     """The plainest admitted parameters of the law's simplest form."""
-    return {x: sp.Rational(v.numerator, v.denominator) for x, v in next(_case(name).choices(1)).items()}
+    return {x: sp.Rational(v.numerator, v.denominator) for x, v in next(_subject(name).choices(1)).items()}
 
 
-def _nodes(name: str) -> Iterator[tuple[sp.Expr, Shape, sp.Expr]]:
+def _nodes(name: str) -> Iterator[tuple[sp.Expr, Curvature, sp.Expr]]:
     """Each part of the formula that depends on the forces, what our rules say of it, and the part at those numbers."""
-    case = _case(name)
+    subject = _subject(name)
     seen = set()
-    for node in sp.preorder_traversal(case.simple.g):
-        if isinstance(node, sp.Expr) and node.free_symbols & set(case.simple.forces) and node not in seen:
+    for node in sp.preorder_traversal(subject.simple.g):
+        if isinstance(node, sp.Expr) and node.free_symbols & set(subject.simple.forces) and node not in seen:
             seen.add(node)
             at = node.subs(_numbers(name))
-            if at.free_symbols <= set(case.simple.forces):
-                yield node, shape(node, case), at
+            if at.free_symbols <= set(subject.simple.forces):
+                yield node, curvature(node, subject), at
 
 
 def _cvxpy(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> Any | None:
@@ -122,7 +122,7 @@ def _samples(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> tuple[Any, Any, An
 
 @pytest.mark.parametrize("name", LAWS)
 def test_samples_do_not_contradict_the_rules(name: str) -> None:
-    forces = _case(name).simple.forces
+    forces = _subject(name).simple.forces
     for node, facts, at in _nodes(name):
         p, q, middle = _samples(at, forces)
         finite = np.isfinite(p) & np.isfinite(q) & np.isfinite(middle)
@@ -137,14 +137,14 @@ def test_samples_do_not_contradict_the_rules(name: str) -> None:
 
 @pytest.mark.parametrize("name", LAWS)
 def test_what_cvxpy_proves_is_not_refuted(name: str) -> None:
-    """And what the composition engine proves neither, by the search for chords."""
-    case = _case(name)
-    theirs = _cvxpy(case.simple.g.subs(_numbers(name)), case.simple.forces)
+    """And what the composition method proves neither, by the search for chords."""
+    subject = _subject(name)
+    theirs = _cvxpy(subject.simple.g.subs(_numbers(name)), subject.simple.forces)
     convex = theirs is not None and theirs.is_dqcp() and theirs.is_quasiconvex()
-    if convex and case.simple.parameters == ():
-        assert chords.convexity_by_scouting(case) is None
-    if composition.convexity(case) is not None:
-        assert chords.convexity_by_scouting(case) is None
+    if convex and subject.simple.parameters == ():
+        assert chords.convexity_by_scouting(subject) is None
+    if composition.convexity(subject) is not None:
+        assert chords.convexity_by_scouting(subject) is None
 
 
 def _agreement() -> dict[tuple[bool, bool], int]:
@@ -152,7 +152,7 @@ def _agreement() -> dict[tuple[bool, bool], int]:
     counts = dict.fromkeys([(a, b) for a in (True, False) for b in (True, False)], 0)
     for name in LAWS:
         for _, facts, at in _nodes(name):
-            theirs = _cvxpy(at, _case(name).simple.forces)
+            theirs = _cvxpy(at, _subject(name).simple.forces)
             if theirs is not None:
                 counts[facts.convex, bool(theirs.is_dcp() and theirs.is_convex())] += 1
     return counts

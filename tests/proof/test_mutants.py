@@ -1,7 +1,7 @@
 """Small faults put into a law, and into duhem itself: each must show.
 
 Mutants of the four-quadrant ellipse: the inadmissible ones are refuted with witnesses that hold in another arithmetic,
-those that happen to be admissible are recognised as such.  Mutants of the deciders and engines: each must change an
+those that happen to be admissible are recognised as such.  Mutants of the deciders and methods: each must change an
 answer of the truth table below.
 """
 
@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 import sympy as sp
 
-import duhem.proof.decide.line as cells
-import duhem.proof.facts.case as case_module
-import duhem.proof.facts.curvature as shape_module
+import duhem.proof.decide.line_cells as cells
+import duhem.proof.facts.curvature as curvature_module
+import duhem.proof.facts.subject as subject_module
 import duhem.proof.methods.chords as chords_module
 import duhem.proof.methods.implicit as implicit
 import duhem.proof.methods.polar as polar
@@ -25,8 +25,8 @@ import duhem.proof.statement.problem as problem_module
 import duhem.proof.witness.rational_points as witness_module
 from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
 from duhem.proof.decide import Answer, Question, Sense, decide
-from duhem.proof.facts.case import Case
-from duhem.proof.facts.polar_form import Profile
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.polar_form import PolarForm
 from duhem.proof.facts.regularity import Regularity
 from tests.oracles.reevaluation import confirmed
 
@@ -253,7 +253,7 @@ def _faults() -> Iterator[str]:
             good = row.hard
         if not good:
             yield f"{row.law.name}: {row.claim} {result.verdict} by {result.method}"
-    if implicit.convexity(Case(_law(APART))) is not None:  # the scouts never let such a claim reach this engine
+    if implicit.convexity(FormulaSubject(_law(APART))) is not None:  # the scouts never let such a claim reach this method
         yield "two disks apart: convexity proved"
 
 
@@ -266,7 +266,7 @@ Patch = Callable[[pytest.MonkeyPatch], None]
 
 def _deciding(change: Callable[[Question, Answer], Answer]) -> Patch:
     def patch(monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(case_module, "decide", lambda question, seconds=5.0: change(question, decide(question, seconds)))
+        monkeypatch.setattr(subject_module, "decide", lambda question, seconds=5.0: change(question, decide(question, seconds)))
 
     return patch
 
@@ -276,7 +276,7 @@ def _strictness_lost(monkeypatch: pytest.MonkeyPatch) -> None:
         sense = Sense.NONNEGATIVE if question.sense is Sense.POSITIVE else question.sense
         return decide(Question(question.expr, sense, question.given, question.circle), seconds)
 
-    monkeypatch.setattr(case_module, "decide", weaker)
+    monkeypatch.setattr(subject_module, "decide", weaker)
 
 
 def _hypotheses_negated(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -301,17 +301,17 @@ def _chord(skipped: tuple[str, ...]) -> Patch:
     def patch(monkeypatch: pytest.MonkeyPatch) -> None:
         look = witness_module.sign_at
 
-        def chord(case: Case, parameters: Any, p: Any, q: Any) -> Witness | None:
+        def chord(subject: FormulaSubject, parameters: Any, p: Any, q: Any) -> Witness | None:
             middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
             points = {"p": p, "q": q, "midpoint": middle}
-            at = {role: case.values_at(parameters, x) for role, x in points.items()}
+            at = {role: subject.values_at(parameters, x) for role, x in points.items()}
             for role, values in at.items():
-                sign, _ = look(case.problem.g, values)
+                sign, _ = look(subject.problem.g, values)
                 if role not in skipped and (sign is None or (sign > 0) != (role == "midpoint")):
                     return None
             return Witness(
-                witness_module.describe(case, at["p"], forces=False),
-                {role: witness_module.describe(case, v) for role, v in at.items()},
+                witness_module.describe(subject, at["p"], forces=False),
+                {role: witness_module.describe(subject, v) for role, v in at.items()},
                 {},
                 "a chord",
             )
@@ -321,8 +321,8 @@ def _chord(skipped: tuple[str, ...]) -> Patch:
     return patch
 
 
-_curvature, _turn = Profile.curvature, Profile.turn
-_of_add = shape_module._Calculus.add
+_curvature, _turn = PolarForm.curvature, PolarForm.turn
+_of_add = curvature_module._CurvatureRules.add
 
 
 def _quasiconvex_sums(self: Any, node: Any, *terms: Any) -> Any:
@@ -332,10 +332,10 @@ def _quasiconvex_sums(self: Any, node: Any, *terms: Any) -> Any:
 
 
 def _any_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Case, "admits", lambda case, values: True)
+    monkeypatch.setattr(FormulaSubject, "admits", lambda subject, values: True)
 
 
-def _backwards(self: Profile, arc: Any) -> Any:
+def _backwards(self: PolarForm, arc: Any) -> Any:
     return -sp.Add(*(a * _turn(self, p) / p for p, a in zip(arc.expr, arc.exponents, strict=True)))
 
 
@@ -345,10 +345,10 @@ def _with_gamma(times: int) -> Any:
 
 MUTATIONS: dict[str, Patch] = {
     "the seam condition dropped": _set(polar, "_jumps", lambda form, sense: True),
-    "the curvature with its sign flipped": _set(Profile, "curvature", lambda self, arc: -_curvature(self, arc)),
-    "the curvature without gamma": _set(Profile, "curvature", _with_gamma(-1)),
-    "the curvature with gamma twice": _set(Profile, "curvature", _with_gamma(1)),
-    "theta turned the wrong way in the slopes": _set(Profile, "slope", _backwards),
+    "the curvature with its sign flipped": _set(PolarForm, "curvature", lambda self, arc: -_curvature(self, arc)),
+    "the curvature without gamma": _set(PolarForm, "curvature", _with_gamma(-1)),
+    "the curvature with gamma twice": _set(PolarForm, "curvature", _with_gamma(1)),
+    "theta turned the wrong way in the slopes": _set(PolarForm, "slope", _backwards),
     "a chord whose midpoint is not looked at": _chord(("midpoint",)),
     "a chord whose ends are not looked at": _chord(("p", "q")),
     "a witness outside the domain": _any_parameters,
@@ -361,9 +361,9 @@ MUTATIONS: dict[str, Patch] = {
     "branches looked at on the wrong side": _hypotheses_negated,
     "one sample for a whole line": _set(cells, "between", lambda roots: [Fraction(0)]),
     "kinks taken to cancel everywhere": _set(Regularity, "cancelling", property(lambda self: True)),
-    "sums of quasiconvex functions taken for quasiconvex": _set(shape_module._Calculus, "add", _quasiconvex_sums),
-    "a minimum taken for a maximum": _set(shape_module._Calculus, "minimum", shape_module._Calculus.maximum),
-    "the star shape not looked at": _set(implicit, "_star", lambda case, piece: True),
+    "sums of quasiconvex functions taken for quasiconvex": _set(curvature_module._CurvatureRules, "add", _quasiconvex_sums),
+    "a minimum taken for a maximum": _set(curvature_module._CurvatureRules, "minimum", curvature_module._CurvatureRules.maximum),
+    "the star shape not looked at": _set(implicit, "_star", lambda subject, piece: True),
     "every parameter set to 1": _set(problem_module, "removable", lambda expressions, relations, candidates: list(candidates)),
     "a force taken for irrelevant": _set(problem_module, "invariant_directions", lambda g, forces: [(0,) * (len(forces) - 1) + (1,)]),
 }  # fmt: skip

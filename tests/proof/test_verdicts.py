@@ -1,4 +1,4 @@
-"""Every built-in law gets the literature's verdict, with witnesses that hold in another arithmetic, by engines that agree."""
+"""Every built-in law gets the literature's verdict, with witnesses that hold in another arithmetic, by methods that agree."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import pytest
 from duhem import Criterion, Verdict, Verification, load, verify
 from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.claims import CLAIMS as REGISTERED
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import chords, composition, corners, evaluation, flow, implicit, polar, polyhedral
 from duhem.proof.verdict import Evidence
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
 from tests.oracles.reevaluation import confirmed
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
-Engine = Callable[[Case], Evidence | None]
+ProofMethod = Callable[[FormulaSubject], Evidence | None]
 
 
 @cache
@@ -82,16 +82,16 @@ def test_lobes(n: int, e: str, verdict: Verdict) -> None:
     assert _holds_elsewhere(here)
 
 
-# -- two engines, one answer ------------------------------------------------------------------------------------------
+# -- two methods, one answer ------------------------------------------------------------------------------------------
 
 
-def _case(name: str, at: dict[str, str] | None = None) -> Case:
-    case = Case(load(name).fix(at))
-    case.allow(8)
-    return case
+def _subject(name: str, at: dict[str, str] | None = None) -> FormulaSubject:
+    subject = FormulaSubject(load(name).fix(at))
+    subject.allow(8)
+    return subject
 
 
-CONVEX: list[tuple[str, dict[str, str], list[Engine]]] = [
+CONVEX: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
     ("antoni2007", {}, [composition.convexity, polar.convexity]),
     ("coulomb", {}, [composition.convexity, polar.convexity, implicit.convexity]),
     ("orthotropic", {}, [composition.convexity, polar.convexity]),
@@ -105,7 +105,7 @@ CONVEX: list[tuple[str, dict[str, str], list[Engine]]] = [
     ("drucker1949", {"c": "1"}, [polar.convexity, implicit.convexity]),
 ]
 
-SMOOTH: list[tuple[str, dict[str, str], list[Engine]]] = [
+SMOOTH: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
     ("antoni2007", {}, [composition.smoothness, polar.smoothness]),
     ("coulomb", {}, [composition.smoothness, polar.smoothness, implicit.smoothness]),
     ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, implicit.smoothness]),
@@ -113,7 +113,7 @@ SMOOTH: list[tuple[str, dict[str, str], list[Engine]]] = [
     ("shifted-ellipse", {}, [composition.smoothness, implicit.smoothness]),
 ]
 
-DISSIPATIVE: list[tuple[str, dict[str, str], list[Engine]]] = [
+DISSIPATIVE: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
     ("antoni2007", {}, [polar.dissipation, implicit.dissipation]),
     ("coulomb", {}, [polar.dissipation, implicit.dissipation]),
     ("quartic", {"c": "7"}, [polar.dissipation, implicit.dissipation]),
@@ -121,26 +121,26 @@ DISSIPATIVE: list[tuple[str, dict[str, str], list[Engine]]] = [
 ]
 
 
-def _ids(row: tuple[str, dict[str, str], list[Engine]]) -> str:
+def _ids(row: tuple[str, dict[str, str], list[ProofMethod]]) -> str:
     return "-".join([row[0], *row[1].values()])
 
 
 @pytest.mark.parametrize("row", [*CONVEX, *SMOOTH, *DISSIPATIVE], ids=_ids)
-def test_independent_engines_prove_the_same(row: tuple[str, dict[str, str], list[Engine]]) -> None:
+def test_independent_methods_prove_the_same(row: tuple[str, dict[str, str], list[ProofMethod]]) -> None:
     """Each on a case of its own, so that none profits from what another asked."""
-    name, at, engines = row
-    answers = {engine.__module__: engine(_case(name, at)) for engine in engines}
+    name, at, methods = row
+    answers = {method.__module__: method(_subject(name, at)) for method in methods}
     assert {module: answer.verdict if answer else None for module, answer in answers.items()} == dict.fromkeys(answers, PROVED)
 
 
-PROVERS: dict[str, list[Engine]] = {
+PROVERS: dict[str, list[ProofMethod]] = {
     "convexity": [composition.convexity, polyhedral.convexity, polar.convexity, implicit.convexity, implicit.hessian],
     "smoothness": [composition.smoothness, polar.smoothness, implicit.smoothness],
     "dissipation": [polar.dissipation, implicit.dissipation],
     "normality": [flow.normality],
     "origin": [evaluation.origin, polar.origin],
 }
-REFUTERS: dict[str, list[Engine]] = {
+REFUTERS: dict[str, list[ProofMethod]] = {
     "convexity": [
         chords.convexity_by_scouting,
         chords.convexity_at_dents,
@@ -160,20 +160,22 @@ TRUE = [asked for asked in STATED if KNOWN[asked[0]][asked[2]] is PROVED and ask
 
 
 @pytest.mark.parametrize(("name", "at", "claim"), FALSE, ids=lambda v: v if isinstance(v, str) else None)
-def test_no_engine_proves_what_is_false(name: str, at: dict[str, str], claim: str) -> None:
+def test_no_method_proves_what_is_false(name: str, at: dict[str, str], claim: str) -> None:
     """Asked directly, also those that the order of the claim never reaches."""
     provers = PROVERS[claim] if not (claim == "normality" and KNOWN[name]["convexity"] is REFUTED) else []
-    assert [engine.__module__ for engine in provers if (answer := engine(_case(name, at))) is not None and answer.verdict is PROVED] == []
+    assert [
+        method.__module__ for method in provers if (answer := method(_subject(name, at))) is not None and answer.verdict is PROVED
+    ] == []
 
 
 @pytest.mark.parametrize(("name", "at", "claim"), TRUE, ids=lambda v: v if isinstance(v, str) else None)
-def test_no_engine_refutes_what_is_true(name: str, at: dict[str, str], claim: str) -> None:
-    assert [engine.__module__ for engine in REFUTERS[claim] if engine(_case(name, at)) is not None] == []
+def test_no_method_refutes_what_is_true(name: str, at: dict[str, str], claim: str) -> None:
+    assert [method.__module__ for method in REFUTERS[claim] if method(_subject(name, at)) is not None] == []
 
 
 def test_scouting_and_curvature_find_the_same_dent() -> None:
     for name, at in (("quartic", {"c": "7"}), ("limacon", {"e": "3/4"}), ("matchstick", {"mu_a": "1", "mu_b": "2"})):
         law: Criterion = load(name).fix(at)
-        for engine in (chords.convexity_by_scouting, chords.convexity_at_dents):
-            answer = engine(_case(name, at))
+        for method in (chords.convexity_by_scouting, chords.convexity_at_dents):
+            answer = method(_subject(name, at))
             assert answer is not None and answer.witness is not None and confirmed(law, "convexity", answer.witness)

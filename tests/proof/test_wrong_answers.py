@@ -90,7 +90,7 @@ def test_a_question_without_time_stays_open() -> None:
 @pytest.mark.parametrize("reason", ["unknown", "timeout", "delta-sat with a model that is not one"])
 def test_an_open_decider_refutes_nothing(monkeypatch: pytest.MonkeyPatch, reason: str) -> None:
     """Whatever the deciders leave open, or suggest by a wrong model, a law that is convex is not refuted."""
-    from duhem.proof.facts import case
+    from duhem.proof.facts import subject
 
     def shrug(question: Question, seconds: float = 0.0) -> Answer:
         if reason.startswith("delta"):
@@ -98,7 +98,7 @@ def test_an_open_decider_refutes_nothing(monkeypatch: pytest.MonkeyPatch, reason
             return Answer(False, "delta", point=dict.fromkeys(symbols, sp.S.One))
         return Answer(None, "none", reason=reason)
 
-    monkeypatch.setattr(case, "decide", shrug)
+    monkeypatch.setattr(subject, "decide", shrug)
     for g in ("sigma_a**4 + 6*sigma_a**2*sigma_b**2 + sigma_b**4 - abs(sigma_n)**4", "norm(sigma_a/mu, sigma_b) - abs(sigma_n)"):
         found = verify(_law(g, parameters={"mu": POSITIVE} if "mu" in g else {}))
         assert not [r.claim for r in found.results if r.verdict is REFUTED]

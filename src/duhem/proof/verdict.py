@@ -54,7 +54,7 @@ class Witness:
 
 @dataclass(frozen=True)
 class Evidence:
-    """One engine's answer to one claim: verdict, the method's name, and the argument in a sentence."""
+    """One method's answer to one claim: verdict, the method's name, and the argument in a sentence."""
 
     verdict: Verdict
     method: str

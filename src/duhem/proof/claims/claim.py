@@ -1,50 +1,62 @@
-"""A claim: what it states, what it rests on, and who may try it, cheapest sound method first."""
+"""A claim: what it states, what it rests on, and the methods that may try it, cheapest sound one first."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, Generic, TypeVar
 
-from duhem.proof.facts.case import Case
-from duhem.proof.facts.curve import CurveCase
+from duhem.proof.facts.subject import Subject
 from duhem.proof.verdict import Evidence, Verdict
 
-__all__ = ["Claim", "Consequence", "CurveEngine", "Engine"]
+__all__ = ["Claim", "Consequence", "ProofMethod"]
 
-Engine = Callable[[Case], Evidence | None]
-C = TypeVar("C")
-CurveEngine = Callable[[CurveCase], Evidence | None]
-Consequence = Callable[[Case, Mapping[str, Evidence]], Evidence | None]
+S = TypeVar("S", bound=Subject)
+Settled = Mapping[str, Evidence]  # claims decided before, by name
+
+
+@dataclass(frozen=True)
+class ProofMethod(Generic[S]):
+    """A method of proof or refutation: ``run`` answers, or passes with None, for the kind of law it ``takes``."""
+
+    takes: type[S]
+    run: Callable[[S], Evidence | None]
+
+    def answer(self, subject: Subject, settled: Settled) -> Evidence | None:
+        """What the method says of the law, whatever was settled before."""
+        return self.run(subject) if isinstance(subject, self.takes) else None
+
+
+@dataclass(frozen=True)
+class Consequence(Generic[S]):
+    """A method that starts from the evidence of the claims its own claim ``needs``."""
+
+    takes: type[S]
+    run: Callable[[S, Settled], Evidence | None]
+
+    def answer(self, subject: Subject, settled: Settled) -> Evidence | None:
+        """What follows for the law from what was settled before."""
+        return self.run(subject, settled) if isinstance(subject, self.takes) else None
 
 
 @dataclass(frozen=True)
 class Claim:
-    """``consequence`` settles the claim from the evidence of the claims it ``needs``; else ``engines`` try in order.
+    """``methods`` try in order, each on the kind of law it takes; ``needs`` names the claims to be settled before.
 
-    Laws given by a boundary curve go to ``curve_engines``, which need no other claim.
     ``seconds`` is the time the deciders may spend on it; what is then still open stays undecided.
     """
 
     name: str
     statement: str
     theory: str
-    engines: tuple[Engine, ...]
-    curve_engines: tuple[CurveEngine, ...]
+    methods: tuple[ProofMethod[Any] | Consequence[Any], ...]
     needs: tuple[str, ...] = ()
-    consequence: Consequence | None = None
     seconds: float = 16.0
 
-    def examine(self, case: Case | CurveCase, settled: Mapping[str, Evidence]) -> Evidence:
+    def examine(self, subject: Subject, settled: Settled) -> Evidence:
         """The first answer, or ``undecided`` when every method passed."""
-        case.allow(self.seconds)
-        if isinstance(case, CurveCase):
-            found = _first(self.curve_engines, case)
-        else:
-            found = None if self.consequence is None else self.consequence(case, settled)
-            found = found or _first(self.engines, case)
-        return found or Evidence(Verdict.UNDECIDED, "none", "no method decided it within its time")
-
-
-def _first(engines: Sequence[Callable[[C], Evidence | None]], case: C) -> Evidence | None:
-    return next((found for engine in engines if (found := engine(case)) is not None), None)
+        subject.allow(self.seconds)
+        for method in self.methods:
+            if (found := method.answer(subject, settled)) is not None:
+                return found
+        return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its time")

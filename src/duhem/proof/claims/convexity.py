@@ -1,7 +1,9 @@
 """K convex."""
 
-from duhem.proof.claims.claim import Claim
-from duhem.proof.methods import chords, composition, curve, curve_refutation, implicit, polar, polyhedral, sampling
+from duhem.proof.claims.claim import Claim, ProofMethod
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import chords, composition, curve_refutation, curve_signs, implicit, polar, polyhedral, sampling
 
 CLAIM = Claim(
     name="convexity",
@@ -15,17 +17,18 @@ found; implicit form (tangential second derivatives on the boundary); Hessian of
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
 boundary points that the curve does not wind around.""",
-    engines=(
-        composition.convexity,
-        chords.convexity_by_scouting,
-        polyhedral.convexity,
-        polar.convexity,
-        chords.convexity_at_dents,
-        chords.convexity_at_seams,
-        implicit.convexity,
-        implicit.hessian,
-        chords.convexity_by_thorough_scouting,
-        sampling.sampled,
+    methods=(
+        ProofMethod(FormulaSubject, composition.convexity),
+        ProofMethod(FormulaSubject, chords.convexity_by_scouting),
+        ProofMethod(FormulaSubject, polyhedral.convexity),
+        ProofMethod(FormulaSubject, polar.convexity),
+        ProofMethod(FormulaSubject, chords.convexity_at_dents),
+        ProofMethod(FormulaSubject, chords.convexity_at_seams),
+        ProofMethod(FormulaSubject, implicit.convexity),
+        ProofMethod(FormulaSubject, implicit.hessian),
+        ProofMethod(FormulaSubject, chords.convexity_by_thorough_scouting),
+        ProofMethod(FormulaSubject, sampling.sampled),
+        ProofMethod(CurveSubject, curve_signs.convexity),
+        ProofMethod(CurveSubject, curve_refutation.convexity),
     ),
-    curve_engines=(curve.convexity, curve_refutation.convexity),
 )

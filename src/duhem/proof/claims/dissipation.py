@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 
-from duhem.proof.claims.claim import Claim
-from duhem.proof.facts.case import Case
-from duhem.proof.methods import curve, curve_refutation, flow, implicit, polar, sampling
+from duhem.proof.claims.claim import Claim, Consequence, ProofMethod
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import curve_refutation, curve_signs, flow, implicit, polar, sampling
 from duhem.proof.verdict import Evidence, Verdict
 
 
-def by_normality(case: Case, settled: Mapping[str, Evidence]) -> Evidence | None:
+def by_normality(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
     """0 in K and a flow in the normal cone: d . (0 - sigma) <= 0."""
     if all(settled[name].verdict is Verdict.PROVED for name in ("origin", "normality")):
         return Evidence(Verdict.PROVED, "fenchel", "0 is in K and the flow d is in the normal cone at sigma, so d . (0 - sigma) <= 0")
@@ -24,8 +25,14 @@ It follows from 0 in K and normality (Fenchel: D = Phi*(sigma) + Phi(u_in') >= 0
 with associated flow dissipates by Euler's relation, and a non-associated law may dissipate too.
 Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.
 For a boundary curve T with flow d it is the sign of T . d all around, in balls or by sign rules for all parameters.""",
-    engines=(polar.dissipation, flow.dissipation_refuted, implicit.dissipation, sampling.sampled),
-    curve_engines=(curve.dissipation, curve_refutation.dissipation),
+    methods=(
+        Consequence(FormulaSubject, by_normality),
+        ProofMethod(FormulaSubject, polar.dissipation),
+        ProofMethod(FormulaSubject, flow.dissipation_refuted),
+        ProofMethod(FormulaSubject, implicit.dissipation),
+        ProofMethod(FormulaSubject, sampling.sampled),
+        ProofMethod(CurveSubject, curve_signs.dissipation),
+        ProofMethod(CurveSubject, curve_refutation.dissipation),
+    ),
     needs=("origin", "normality"),
-    consequence=by_normality,
 )

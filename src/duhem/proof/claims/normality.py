@@ -2,20 +2,21 @@
 
 from collections.abc import Mapping
 
-from duhem.proof.claims.claim import Claim
-from duhem.proof.facts.case import Case
-from duhem.proof.methods import curve, curve_deviation, curve_refutation, flow, sampling
+from duhem.proof.claims.claim import Claim, Consequence, ProofMethod
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import curve_deviation, curve_refutation, curve_signs, flow, sampling
 from duhem.proof.verdict import Evidence, Verdict
 
 
-def by_convexity(case: Case, settled: Mapping[str, Evidence]) -> Evidence | None:
+def by_convexity(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
     """Associated flow: normal exactly when K is convex; a flow of the law's own on a convex K is compared with grad g."""
     convexity = settled["convexity"]
-    if case.problem.flow is None and convexity.verdict is Verdict.PROVED:
+    if subject.problem.flow is None and convexity.verdict is Verdict.PROVED:
         return Evidence(Verdict.PROVED, "normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex")
-    if case.problem.flow is None and convexity.witness is not None:
-        return flow.normality_refuted_by_chord(case, convexity.witness)
-    return flow.normality(case) if convexity.verdict is Verdict.PROVED else None
+    if subject.problem.flow is None and convexity.witness is not None:
+        return flow.normality_refuted_by_chord(subject, convexity.witness)
+    return flow.normality(subject) if convexity.verdict is Verdict.PROVED else None
 
 
 CLAIM = Claim(
@@ -29,8 +30,13 @@ A law with a flow of its own obeys it when that flow is a non-negative multiple 
 Refuted by a boundary point, held between two rational ones, and a point tau of K towards which the flow points.
 For a boundary curve the deviation between flow and normal is greatest at an angle found by branch and bound in balls; two
 boundary points at exact angles show the violation.""",
-    engines=(flow.normality_refuted, sampling.sampled),
-    curve_engines=(curve.normality, curve_deviation.normality, curve_refutation.normality_of_a_dent),
+    methods=(
+        Consequence(FormulaSubject, by_convexity),
+        ProofMethod(FormulaSubject, flow.normality_refuted),
+        ProofMethod(FormulaSubject, sampling.sampled),
+        ProofMethod(CurveSubject, curve_signs.normality),
+        ProofMethod(CurveSubject, curve_deviation.normality),
+        ProofMethod(CurveSubject, curve_refutation.normality_of_a_dent),
+    ),
     needs=("convexity",),
-    consequence=by_convexity,
 )

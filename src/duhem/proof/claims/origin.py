@@ -1,7 +1,9 @@
 """0 in K."""
 
-from duhem.proof.claims.claim import Claim
-from duhem.proof.methods import curve, curve_refutation, evaluation, polar
+from duhem.proof.claims.claim import Claim, ProofMethod
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import curve_refutation, curve_signs, evaluation, polar
 
 CLAIM = Claim(
     name="origin",
@@ -13,6 +15,11 @@ Decided by evaluating g at the origin and deciding the sign over all parameters;
 taken by closure when its set is star-shaped about 0.
 For a law given by a boundary curve T, K holds the points the curve winds around: the turns of T around 0 are counted in
 balls, or T . d > 0, so that T turns as often as the flow d does.""",
-    engines=(evaluation.origin, polar.origin, evaluation.origin_refuted),
-    curve_engines=(curve.origin, curve_refutation.origin),
+    methods=(
+        ProofMethod(FormulaSubject, evaluation.origin),
+        ProofMethod(FormulaSubject, polar.origin),
+        ProofMethod(FormulaSubject, evaluation.origin_refuted),
+        ProofMethod(CurveSubject, curve_signs.origin),
+        ProofMethod(CurveSubject, curve_refutation.origin),
+    ),
 )

@@ -1,7 +1,9 @@
 """Boundary C^1."""
 
-from duhem.proof.claims.claim import Claim
-from duhem.proof.methods import composition, corners, curve, implicit, polar
+from duhem.proof.claims.claim import Claim, ProofMethod
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import composition, corners, curve_signs, implicit, polar
 
 CLAIM = Claim(
     name="smoothness",
@@ -13,6 +15,11 @@ that is why Eq. (35) is C^1 across its quadrant seams though its four branches d
 g is not differentiable, lies inside K for sigma_n < 0 and does not touch the boundary.
 Refuted by a corner held in a box, with two normals that are provably not parallel.
 A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in its angle and T' is never 0.""",
-    engines=(composition.smoothness, polar.smoothness, corners.smoothness, implicit.smoothness),
-    curve_engines=(curve.smoothness,),
+    methods=(
+        ProofMethod(FormulaSubject, composition.smoothness),
+        ProofMethod(FormulaSubject, polar.smoothness),
+        ProofMethod(FormulaSubject, corners.smoothness),
+        ProofMethod(FormulaSubject, implicit.smoothness),
+        ProofMethod(CurveSubject, curve_signs.smoothness),
+    ),
 )

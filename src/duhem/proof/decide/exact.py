@@ -3,7 +3,7 @@ plane region."""
 
 from __future__ import annotations
 
-from duhem.proof.decide.line import by_cells
+from duhem.proof.decide.line_cells import by_cells
 from duhem.proof.decide.plane_curve import by_plane
 from duhem.proof.decide.plane_region import by_region
 from duhem.proof.decide.polynomials import System

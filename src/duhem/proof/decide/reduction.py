@@ -13,13 +13,13 @@ import sympy as sp
 
 from duhem.proof.decide.polynomials import Relation, System
 
-__all__ = ["Part", "parts", "variables"]
+__all__ = ["Reduction", "parts", "variables"]
 
 _MOST = 32
 
 
 @dataclass(frozen=True)
-class Part:
+class Reduction:
     """A smaller question; ``steps`` say what each variable that is gone stands for, last first."""
 
     system: System
@@ -32,7 +32,7 @@ class Part:
             whole[x] = sp.sympify(value).subs(whole)
         return whole
 
-    def at(self, x: sp.Symbol, value: sp.Expr) -> Part | None:
+    def at(self, x: sp.Symbol, value: sp.Expr) -> Reduction | None:
         """With x = value put in place; None if a hypothesis is then false."""
 
         def put(relation: Relation) -> Relation:
@@ -44,7 +44,7 @@ class Part:
         circle = None if self.system.circle is not None and x in self.system.circle else self.system.circle
         kept = tuple(dict.fromkeys(r for r in given if not r.poly.is_number))
         variables = tuple(v for v in self.system.variables if v != x)
-        return Part(System(put(self.system.goal), kept, (), variables, circle), ((x, value), *self.steps))
+        return Reduction(System(put(self.system.goal), kept, (), variables, circle), ((x, value), *self.steps))
 
 
 def variables(system: System) -> set[sp.Symbol]:
@@ -52,10 +52,10 @@ def variables(system: System) -> set[sp.Symbol]:
     return set().union(system.goal.poly.free_symbols, *(r.poly.free_symbols for r in system.given))
 
 
-def parts(system: System) -> tuple[Part, ...]:
+def parts(system: System) -> tuple[Reduction, ...]:
     """The question as parts without a circle, and without an equation that gives a variable rational values or a linear one."""
-    found: list[Part] = []
-    for part in _solved(Part(_joined(system))):
+    found: list[Reduction] = []
+    for part in _solved(Reduction(_joined(system))):
         if part.system.circle is not None and variables(part.system) & set(part.system.circle):
             found += [smaller for turned in _half_angle(part) for smaller in _solved(turned)]
         else:
@@ -74,8 +74,8 @@ def _joined(system: System) -> System:
     return replace(system, given=tuple(dict.fromkeys(map(joined, system.given))))
 
 
-def _solved(part: Part) -> list[Part]:
-    queue, done = [part], list[Part]()
+def _solved(part: Reduction) -> list[Reduction]:
+    queue, done = [part], list[Reduction]()
     while queue:
         current = queue.pop()
         cases = _cases(current) if len(queue) + len(done) < _MOST else None
@@ -86,7 +86,7 @@ def _solved(part: Part) -> list[Part]:
     return done
 
 
-def _cases(part: Part) -> list[Part | None] | None:
+def _cases(part: Reduction) -> list[Reduction | None] | None:
     """The values, or the linear expression, that some equation gives a variable; None if no equation does."""
     circle = set(part.system.circle or ())
     for relation in part.system.given:
@@ -112,7 +112,7 @@ def _rational_roots(form: sp.Poly) -> list[sp.Rational] | None:
     return roots if sp.Poly(form.sqf_part(), form.gen).count_roots() == len(roots) else None
 
 
-def _half_angle(part: Part) -> Iterator[Part]:
+def _half_angle(part: Reduction) -> Iterator[Reduction]:
     """x = (1 - t^2)/(1 + t^2), y = 2t/(1 + t^2), t = tan(theta/2), and the one point without a t, (-1, 0)."""
     assert part.system.circle is not None
     x, y = part.system.circle
@@ -127,7 +127,7 @@ def _half_angle(part: Part) -> Iterator[Part]:
     given = tuple(turned(r) for r in part.system.given if not _is_circle(r, x, y))
     free = (*(v for v in part.system.variables if v not in (x, y)), t)
     steps = ((x, (1 - t**2) / (1 + t**2)), (y, 2 * t / (1 + t**2)), *part.steps)
-    yield Part(System(turned(part.system.goal), given, (), free, None), steps)
+    yield Reduction(System(turned(part.system.goal), given, (), free, None), steps)
 
 
 def _is_circle(relation: Relation, x: sp.Symbol, y: sp.Symbol) -> bool:

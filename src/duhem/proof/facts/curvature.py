@@ -15,13 +15,13 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Neg, Norm, Pos, Where, fold
 from duhem.proof.decide import Sense
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 
-__all__ = ["Shape", "shape"]
+__all__ = ["Curvature", "curvature"]
 
 
 @dataclass(frozen=True)
-class Shape:
+class Curvature:
     """Facts proved about a node as a function of the forces; a flag left False says nothing.
 
     ``nonnegative`` and ``nonpositive`` hold for all forces and parameters; ``rules`` are the theorems used.
@@ -40,28 +40,28 @@ class Shape:
         """Both convex and concave."""
         return self.convex and self.concave
 
-    def negated(self) -> Shape:
+    def negated(self) -> Curvature:
         """Facts of the opposite."""
-        return Shape(self.constant, self.concave, self.convex, self.concave, self.nonpositive, self.nonnegative, self.rules)
+        return Curvature(self.constant, self.concave, self.convex, self.concave, self.nonpositive, self.nonnegative, self.rules)
 
 
-_UNKNOWN = Shape()
+_UNKNOWN = Curvature()
 
 
-def shape(expr: sp.Expr, case: Case) -> Shape:
-    """Facts about ``expr`` over the forces of the case's simple problem, for every parameter of its domain."""
-    return _Calculus(case).of(expr)
+def curvature(expr: sp.Expr, subject: FormulaSubject) -> Curvature:
+    """Facts about ``expr`` over the forces of the subject's simple problem, for every parameter of its domain."""
+    return _CurvatureRules(subject).of(expr)
 
 
-def _used(*shapes: Shape, rule: str = "") -> tuple[str, ...]:
+def _used(*shapes: Curvature, rule: str = "") -> tuple[str, ...]:
     return tuple(dict.fromkeys([r for s in shapes for r in s.rules] + ([rule] if rule else [])))
 
 
-class _Calculus:
-    def __init__(self, case: Case) -> None:
-        self.case = case
-        self.forces = set(case.simple.forces)
-        self.table: dict[type, Callable[..., Shape]] = {
+class _CurvatureRules:
+    def __init__(self, subject: FormulaSubject) -> None:
+        self.subject = subject
+        self.forces = set(subject.simple.forces)
+        self.table: dict[type, Callable[..., Curvature]] = {
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Abs: self.absolute, sp.exp: self.exponential,
             sp.log: self.logarithm, sp.Max: self.maximum, sp.Min: self.minimum, Pos: self.positive_part,
             Neg: self.negative_part, Norm: self.norm, sp.tanh: self.increasing, sp.atan: self.increasing,
@@ -70,21 +70,21 @@ class _Calculus:
         for relation in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan):
             self.table[relation] = self.opaque
 
-    def of(self, expr: sp.Expr) -> Shape:
+    def of(self, expr: sp.Expr) -> Curvature:
         try:
             return fold(expr, self.table, self.leaf)
         except InputError:
             return _UNKNOWN
 
-    def leaf(self, node: Any) -> Shape:
-        return self.constant(node) if node not in self.forces else Shape(convex=True, concave=True, quasiconvex=True)
+    def leaf(self, node: Any) -> Curvature:
+        return self.constant(node) if node not in self.forces else Curvature(convex=True, concave=True, quasiconvex=True)
 
-    def constant(self, node: sp.Expr) -> Shape:
-        low = self.case.nonnegative(node)
-        high = not low and self.case.nonnegative(-node)
-        return Shape(True, True, True, True, low, high or node.is_zero is True)
+    def constant(self, node: sp.Expr) -> Curvature:
+        low = self.subject.nonnegative(node)
+        high = not low and self.subject.nonnegative(-node)
+        return Curvature(True, True, True, True, low, high or node.is_zero is True)
 
-    def signed(self, node: Any, facts: Shape) -> Shape:
+    def signed(self, node: Any, facts: Curvature) -> Curvature:
         """The facts, plus the sign SymPy sees; a node without forces is a constant whatever its parts."""
         if not node.free_symbols & self.forces:
             return self.constant(node)
@@ -92,15 +92,15 @@ class _Calculus:
             facts = replace(facts, nonnegative=True)
         return facts
 
-    def opaque(self, node: Any, *parts: Shape) -> Shape:
+    def opaque(self, node: Any, *parts: Curvature) -> Curvature:
         if isinstance(node, sp.Expr) and not node.free_symbols & self.forces:
             return self.constant(node)
         return _UNKNOWN
 
-    def add(self, node: Any, *terms: Shape) -> Shape:
+    def add(self, node: Any, *terms: Curvature) -> Curvature:
         convex, concave = all(t.convex for t in terms), all(t.concave for t in terms)
         moving = [t for t in terms if not t.constant]
-        facts = Shape(
+        facts = Curvature(
             convex=convex,
             concave=concave,
             quasiconvex=convex or (len(moving) == 1 and moving[0].quasiconvex),
@@ -112,20 +112,20 @@ class _Calculus:
             facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule=form))
         return self.signed(node, facts)
 
-    def mul(self, node: Any, *factors: Shape) -> Shape:
+    def mul(self, node: Any, *factors: Curvature) -> Curvature:
         if not node.free_symbols & self.forces:
             return self.constant(node)
         scale = sp.Mul(*(f for f in node.args if not f.free_symbols & self.forces))
         moving = [(f, s) for f, s in zip(node.args, factors, strict=True) if f.free_symbols & self.forces]
-        several = Shape(nonnegative=all(s.nonnegative for _, s in moving))  # of a product only the sign is followed
+        several = Curvature(nonnegative=all(s.nonnegative for _, s in moving))  # of a product only the sign is followed
         facts = moving[0][1] if len(moving) == 1 else several
-        if self.case.nonnegative(scale):
+        if self.subject.nonnegative(scale):
             return self.signed(node, facts)
-        if self.case.nonnegative(-scale):
+        if self.subject.nonnegative(-scale):
             return self.signed(node, facts.negated())
-        return self.signed(node, Shape(convex=facts.affine, concave=facts.affine, quasiconvex=facts.affine, rules=facts.rules))
+        return self.signed(node, Curvature(convex=facts.affine, concave=facts.affine, quasiconvex=facts.affine, rules=facts.rules))
 
-    def power(self, node: Any, base: Shape, exponent: Shape) -> Shape:
+    def power(self, node: Any, base: Curvature, exponent: Curvature) -> Curvature:
         if not node.free_symbols & self.forces:
             return self.constant(node)
         p = node.exp
@@ -133,29 +133,29 @@ class _Calculus:
             return _UNKNOWN
         if p.is_Integer and p > 0 and p % 2 == 0:
             if base.affine or (base.convex and base.nonnegative) or (base.concave and base.nonpositive):
-                return Shape(
+                return Curvature(
                     convex=True, quasiconvex=True, nonnegative=True, rules=_used(base, rule="even powers of affine functions are convex")
                 )
-            return Shape(nonnegative=True)
+            return Curvature(nonnegative=True)
         if not base.nonnegative:
             return self.signed(node, _UNKNOWN)
-        if self.case.nonnegative(p - 1):
+        if self.subject.nonnegative(p - 1):
             if base.convex:
-                return Shape(
+                return Curvature(
                     convex=True,
                     quasiconvex=True,
                     nonnegative=True,
                     rules=_used(base, rule="x^p is convex and increasing on x >= 0 for p >= 1"),
                 )
-            return Shape(quasiconvex=base.quasiconvex, nonnegative=True, rules=base.rules)
-        if self.case.positive(p):
+            return Curvature(quasiconvex=base.quasiconvex, nonnegative=True, rules=base.rules)
+        if self.subject.positive(p):
             if gauge := self._gauge(node.base, p):
-                return Shape(convex=True, quasiconvex=True, nonnegative=True, rules=gauge)
-            concave = base.concave and self.case.nonnegative(1 - p)
-            return Shape(
+                return Curvature(convex=True, quasiconvex=True, nonnegative=True, rules=gauge)
+            concave = base.concave and self.subject.nonnegative(1 - p)
+            return Curvature(
                 concave=concave, quasiconvex=base.quasiconvex, nonnegative=True, rules=_used(base, rule="x^p is increasing on x >= 0")
             )
-        return Shape(nonnegative=True)
+        return Curvature(nonnegative=True)
 
     def _gauge(self, base: sp.Expr, p: sp.Expr) -> tuple[str, ...] | None:
         """(sum c_i v_i^q)^(1/q), q >= 1, v_i convex and >= 0 (or affine, q even): a norm of convex functions (Minkowski)."""
@@ -166,7 +166,7 @@ class _Calculus:
         for term in terms:
             scale = sp.Mul(*(f for f in sp.Mul.make_args(term) if not f.free_symbols & self.forces))
             moving = [f for f in sp.Mul.make_args(term) if f.free_symbols & self.forces]
-            if not self.case.nonnegative(scale):
+            if not self.subject.nonnegative(scale):
                 return None
             powers = [(f.base, f.exp) if f.is_Pow else (f, sp.S.One) for f in moving]
             if not powers:
@@ -178,11 +178,11 @@ class _Calculus:
             if not ((inner.convex and inner.nonnegative) or (even and inner.affine)):
                 return None
             rules += inner.rules
-        return tuple(dict.fromkeys(rules)) if self.case.nonnegative(q - 1) else None
+        return tuple(dict.fromkeys(rules)) if self.subject.nonnegative(q - 1) else None
 
     def _quadratic(self, expr: sp.Expr, root: bool = False) -> str | None:
         """A polynomial of degree 2 with positive semidefinite matrix; with ``root``, non-negative together with its constant."""
-        forces = self.case.simple.forces
+        forces = self.subject.simple.forces
         if not expr.is_polynomial(*forces):
             return None
         form = sp.Poly(expr, *forces)
@@ -194,29 +194,29 @@ class _Calculus:
             if root
             else sum(c * sp.prod(x**k for x, k in zip(forces, m, strict=True)) for m, c in form.terms() if sum(m) == 2)
         )
-        answer = self.case.ask(homogeneous, Sense.NONNEGATIVE)
+        answer = self.subject.ask(homogeneous, Sense.NONNEGATIVE)
         return "a quadratic function with positive semidefinite matrix is convex" if answer.holds is True else None
 
-    def absolute(self, node: Any, x: Shape) -> Shape:
+    def absolute(self, node: Any, x: Curvature) -> Curvature:
         convex = x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive)
-        return self.signed(node, Shape(convex=convex, quasiconvex=convex, nonnegative=True, rules=_used(x, rule="|x| is convex")))
+        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=_used(x, rule="|x| is convex")))
 
-    def norm(self, node: Any, *args: Shape) -> Shape:
+    def norm(self, node: Any, *args: Curvature) -> Curvature:
         convex = all(x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive) for x in args)
         rule = "a Euclidean norm of affine or of convex non-negative functions is convex"
-        return self.signed(node, Shape(convex=convex, quasiconvex=convex, nonnegative=True, rules=_used(*args, rule=rule)))
+        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=_used(*args, rule=rule)))
 
-    def positive_part(self, node: Any, x: Shape) -> Shape:
+    def positive_part(self, node: Any, x: Curvature) -> Curvature:
         rule = "a ramp of an affine function is convex"
-        return self.signed(node, Shape(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule=rule)))
+        return self.signed(node, Curvature(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule=rule)))
 
-    def negative_part(self, node: Any, x: Shape) -> Shape:
+    def negative_part(self, node: Any, x: Curvature) -> Curvature:
         return self.positive_part(node, x.negated())
 
-    def maximum(self, node: Any, *args: Shape) -> Shape:
+    def maximum(self, node: Any, *args: Curvature) -> Curvature:
         return self.signed(
             node,
-            Shape(
+            Curvature(
                 convex=all(x.convex for x in args),
                 quasiconvex=all(x.quasiconvex for x in args),
                 nonnegative=any(x.nonnegative for x in args),
@@ -225,19 +225,18 @@ class _Calculus:
             ),
         )
 
-    def minimum(self, node: Any, *args: Shape) -> Shape:
+    def minimum(self, node: Any, *args: Curvature) -> Curvature:
         return self.maximum(node, *(x.negated() for x in args)).negated() if node.free_symbols & self.forces else self.constant(node)
 
-    def exponential(self, node: Any, x: Shape) -> Shape:
-        return self.signed(
-            node, Shape(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule="exp is convex and increasing"))
-        )
+    def exponential(self, node: Any, x: Curvature) -> Curvature:
+        rules = _used(x, rule="exp is convex and increasing")
+        return self.signed(node, Curvature(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=rules))
 
-    def logarithm(self, node: Any, x: Shape) -> Shape:
+    def logarithm(self, node: Any, x: Curvature) -> Curvature:
         return self.opaque(node, x)
 
-    def increasing(self, node: Any, x: Shape) -> Shape:
-        facts = Shape(
+    def increasing(self, node: Any, x: Curvature) -> Curvature:
+        facts = Curvature(
             quasiconvex=x.quasiconvex,
             nonnegative=x.nonnegative,
             nonpositive=x.nonpositive,

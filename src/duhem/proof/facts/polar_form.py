@@ -20,39 +20,40 @@ from duhem.expression import Norm, Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches
 from duhem.expression.switches import plain_switches
 from duhem.proof.decide import Sense
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.subject import fact
 
-__all__ = ["Profile", "profile"]
+__all__ = ["PolarForm", "polar_form"]
 
 _MOST_ARCS = 24
 
 
 @dataclass(frozen=True)
-class Arc(Branch):
+class PolarArc(Branch):
     """Where the gauge is the product of the bases in ``expr`` to the powers in ``exponents``."""
 
     exponents: tuple[sp.Rational, ...]
 
 
 @dataclass(frozen=True)
-class Profile:
+class PolarForm:
     """The gauge arc by arc; ``thin`` holds the branches without an inside, which count where the formula might jump."""
 
-    case: Case
+    subject: FormulaSubject
     x: sp.Symbol
     y: sp.Symbol
-    arcs: tuple[Arc, ...]
-    thin: tuple[Arc, ...] = ()
+    arcs: tuple[PolarArc, ...]
+    thin: tuple[PolarArc, ...] = ()
 
     def turn(self, expr: sp.Expr) -> sp.Expr:
         """Derivative by theta of a function of (x, y) on the circle."""
         return self.x * sp.diff(expr, self.y) - self.y * sp.diff(expr, self.x)
 
-    def slope(self, arc: Arc) -> sp.Expr:
+    def slope(self, arc: PolarArc) -> sp.Expr:
         """L = gamma'/gamma on an arc."""
         return sp.Add(*(a * self.turn(p) / p for p, a in zip(arc.expr, arc.exponents, strict=True)))
 
-    def curvature(self, arc: Arc) -> sp.Expr:
+    def curvature(self, arc: PolarArc) -> sp.Expr:
         """(gamma'' + gamma)/gamma times prod P_i^2 on an arc: a polynomial in the bases and their derivatives."""
         bases, first = list(arc.expr), [self.turn(p) for p in arc.expr]
         second = [self.turn(d) for d in first]
@@ -69,7 +70,7 @@ class Profile:
         slope = sp.Add(*(a * d1 * others(i) for i, (a, d1) in enumerate(zip(arc.exponents, first, strict=True))))
         return bend + slope**2 + others() ** 2
 
-    def seams(self) -> Iterator[tuple[Arc, Arc, tuple[sp.Basic, ...]]]:
+    def seams(self) -> Iterator[tuple[PolarArc, PolarArc, tuple[sp.Basic, ...]]]:
         """Ordered pairs of arcs (before, after) with the relations that say theta passes from one to the other."""
         for before in self.arcs:
             for after in self.arcs:
@@ -91,7 +92,7 @@ class Profile:
         """Whether every switch changes sign where it vanishes, so that each seam is seen by :meth:`seams`."""
         circle = (self.x, self.y)
         for switch in {s for arc in self.arcs for s in arc.signs}:
-            if self.case.ask(self.turn(switch) ** 2, Sense.POSITIVE, sp.Eq(switch, 0), circle=circle).holds is not True:
+            if self.subject.ask(self.turn(switch) ** 2, Sense.POSITIVE, sp.Eq(switch, 0), circle=circle).holds is not True:
                 return False
         return True
 
@@ -99,32 +100,28 @@ class Profile:
         """Whether every base has a derivative on its whole closed arc: no quotient or root in it degenerates there."""
         circle = (self.x, self.y)
         return all(
-            self.case.ask(self.turn(p) ** 2, Sense.NONNEGATIVE, *arc.conditions(), circle=circle).holds is True
+            self.subject.ask(self.turn(p) ** 2, Sense.NONNEGATIVE, *arc.conditions(), circle=circle).holds is True
             for arc in self.arcs
             for p in arc.expr
         )
 
     def continuous(self) -> bool:
         """Whether the gauge is the same from both sides wherever two of its branches meet."""
+        circle = (self.x, self.y)
         return all(
-            self.case.ask(_quotient_gap(one, two), Sense.ZERO, *one.conditions(), *two.conditions(), circle=(self.x, self.y)).holds is True
+            self.subject.ask(_quotient_gap(one, two), Sense.ZERO, *one.conditions(), *two.conditions(), circle=circle).holds is True
             for one, two in combinations((*self.arcs, *self.thin), 2)
             if not _same(one, two)
         )
 
 
-def profile(case: Case) -> Profile | None:
-    """The polar form of the case's simple problem; None where it has none or its positivity is not proved (in time)."""
-    if (known := case.forms.get(__name__)) is None and (known := _profile(case)) is not None:
-        case.forms[__name__] = known
-    return known
-
-
-def _profile(case: Case) -> Profile | None:
-    problem, star = case.simple, case.star
+@fact
+def polar_form(subject: FormulaSubject) -> PolarForm | None:
+    """The polar form of the subject's simple problem; None where it has none or its positivity is not proved (in time)."""
+    problem, star = subject.simple, subject.star
     if star is None or len(problem.forces) != 2:
         return None
-    if case.at_origin is not None and not case.nonnegative(-case.at_origin):
+    if subject.at_origin is not None and not subject.nonnegative(-subject.at_origin):
         return None  # the form says nothing of the origin itself, where a formula may jump
     x, y = problem.forces
     factors = star.factors()
@@ -135,15 +132,15 @@ def _profile(case: Case) -> Profile | None:
     pieces = [_arc(piece, [a for _, a in factors]) for piece in found]
     for arc in pieces:
         for base in arc.expr:
-            if case.ask(base, Sense.POSITIVE, *arc.conditions(), circle=(x, y)).holds is not True:
+            if subject.ask(base, Sense.POSITIVE, *arc.conditions(), circle=(x, y)).holds is not True:
                 return None
     arcs, thin = (tuple(a for a in pieces if (0 in a.signs.values()) is flat) for flat in (False, True))
-    form = Profile(case, x, y, arcs, thin)
+    form = PolarForm(subject, x, y, arcs, thin)
     jumps = any(p.has(Where) for p, _ in factors)
     return form if form.transversal() and (not jumps or form.continuous()) else None
 
 
-def _arc(piece: Branch, exponents: Sequence[sp.Rational]) -> Arc:
+def _arc(piece: Branch, exponents: Sequence[sp.Rational]) -> PolarArc:
     """The piece's bases split further: each root as a power of what is under it, so that the arc is free of roots."""
     found: dict[sp.Expr, sp.Rational] = {}
     queue = list(zip(piece.expr, exponents, strict=True))
@@ -157,14 +154,14 @@ def _arc(piece: Branch, exponents: Sequence[sp.Rational]) -> Arc:
             queue += [(base.args[0], a), (sp.Mul(*base.args[1:]), a)]
         else:
             found[base] = found.get(base, sp.S.Zero) + a
-    return Arc(piece.signs, tuple(found), tuple(found.values()))
+    return PolarArc(piece.signs, tuple(found), tuple(found.values()))
 
 
-def _same(one: Arc, two: Arc) -> bool:
+def _same(one: PolarArc, two: PolarArc) -> bool:
     return (one.expr, one.exponents) == (two.expr, two.exponents)
 
 
-def _quotient_gap(one: Arc, two: Arc) -> sp.Expr:
+def _quotient_gap(one: PolarArc, two: PolarArc) -> sp.Expr:
     """Zero exactly where two products of positive bases agree: both to the power that makes it integer, cleared of quotients."""
     powers = [*zip(one.expr, one.exponents, strict=True), *((p, -a) for p, a in zip(two.expr, two.exponents, strict=True))]
     whole = lcm(*(int(a.q) for _, a in powers))

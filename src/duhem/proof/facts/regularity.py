@@ -16,7 +16,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Neg, Norm, Pos, Where, fold
 from duhem.expression.branches import oriented
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 
 __all__ = ["Regularity", "regularity"]
 
@@ -45,14 +45,14 @@ class Regularity:
 _OPAQUE = Regularity(known=False)
 
 
-def regularity(expr: sp.Expr, case: Case) -> Regularity:
-    """Kinks and tips of ``expr`` in the forces of the case's simple problem."""
-    return _Calculus(case).of(expr)
+def regularity(expr: sp.Expr, subject: FormulaSubject) -> Regularity:
+    """Kinks and tips of ``expr`` in the forces of the subject's simple problem."""
+    return _RegularityRules(subject).of(expr)
 
 
-class _Calculus:
-    def __init__(self, case: Case) -> None:
-        self.case, self.forces = case, set(case.simple.forces)
+class _RegularityRules:
+    def __init__(self, subject: FormulaSubject) -> None:
+        self.subject, self.forces = subject, set(subject.simple.forces)
 
     def of(self, expr: sp.Expr) -> Regularity:
         smooth = (sp.exp, sp.sin, sp.cos, sp.tanh, sp.atan)
@@ -106,7 +106,7 @@ class _Calculus:
             return _OPAQUE
         zero = frozenset.intersection(*(a.vanishing for a in args))
         tips = frozenset().union(*(a.tips for a in args))
-        strictly = any(self.constant(a) and self.case.positive(a**2) for a in node.args)
+        strictly = any(self.constant(a) and self.subject.positive(a**2) for a in node.args)
         return Regularity(True, _NONE, zero, tips if strictly else tips | {node})
 
     def power(self, node: Any, base: Regularity, exponent: Regularity) -> Regularity:
@@ -117,9 +117,9 @@ class _Calculus:
             return _OPAQUE
         if p.is_Integer and p > 0:
             return Regularity(True, _NONE if p > 1 and base.cancelling else base.kinks, base.vanishing, base.tips)
-        if not (node.base.is_extended_nonnegative or self.case.nonnegative(node.base)):
+        if not (node.base.is_extended_nonnegative or self.subject.nonnegative(node.base)):
             return _OPAQUE  # undefined where the base is negative
-        if self.case.positive(p - 1):
+        if self.subject.positive(p - 1):
             return Regularity(True, _NONE if base.cancelling else base.kinks, base.vanishing, base.tips)
-        zero = base.vanishing if self.case.positive(p) else _NONE
+        zero = base.vanishing if self.subject.positive(p) else _NONE
         return Regularity(True, base.kinks, zero, base.tips | {node.base})

@@ -6,37 +6,37 @@ import sympy as sp
 
 from duhem.expression import Norm
 from duhem.proof.decide import Sense
-from duhem.proof.facts.case import Case
-from duhem.proof.facts.curvature import shape
+from duhem.proof.facts.curvature import curvature
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["convexity", "smoothness"]
 
 
-def convexity(case: Case) -> Evidence | None:
+def convexity(subject: FormulaSubject) -> Evidence | None:
     """K is convex if g is quasiconvex by the composition rules (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)."""
-    facts = shape(case.simple.g, case)
+    facts = curvature(subject.simple.g, subject)
     if not facts.quasiconvex:
         return None
     kind = "convex" if facts.convex else "quasiconvex"
     return Evidence(Verdict.PROVED, "composition", f"g is {kind}: " + "; ".join(facts.rules or ("g is affine",)))
 
 
-def smoothness(case: Case) -> Evidence | None:
+def smoothness(subject: FormulaSubject) -> Evidence | None:
     """The boundary is C^1 if g is C^1 near it and its gradient does not vanish there.
 
     The second follows from convexity and a point with g < 0 (no minimum on the boundary), or from Euler's relation.
     """
-    if len(case.simple.forces) == 1:
+    if len(subject.simple.forces) == 1:
         return Evidence(
             Verdict.PROVED, "one-dimensional", "with one force the boundary is at most isolated points, where the normal is +1 or -1"
         )
-    g = case.simple.g
-    facts = regularity(g, case)
-    if not facts.known or facts.kinks or not all(_off_boundary(case, tip) for tip in facts.tips):
+    g = subject.simple.g
+    facts = regularity(g, subject)
+    if not facts.known or facts.kinks or not all(_off_boundary(subject, tip) for tip in facts.tips):
         return None
-    regular = _regular(case)
+    regular = _regular(subject)
     if regular is None:
         return None
     cancelled = (
@@ -45,16 +45,16 @@ def smoothness(case: Case) -> Evidence | None:
     return Evidence(Verdict.PROVED, "composition", f"{cancelled}, no tip lies on the boundary, and {regular}")
 
 
-def _off_boundary(case: Case, tip: sp.Expr) -> bool:
+def _off_boundary(subject: FormulaSubject, tip: sp.Expr) -> bool:
     """Whether g != 0 wherever ``tip`` = 0: g with the tip set to 0 has one strict sign."""
     mark = sp.Dummy("tip", positive=True)
-    marked = case.simple.g.xreplace({tip: mark})
+    marked = subject.simple.g.xreplace({tip: mark})
     if not all(_tame(node, mark) for node in sp.preorder_traversal(marked)):
         return False
     rest = marked.xreplace({mark: sp.S.Zero})
-    if rest.free_symbols & set(case.simple.forces):
+    if rest.free_symbols & set(subject.simple.forces):
         return False
-    return any(case.ask(sign * rest, Sense.POSITIVE).holds is True for sign in (-1, 1))
+    return any(subject.ask(sign * rest, Sense.POSITIVE).holds is True for sign in (-1, 1))
 
 
 def _tame(node: sp.Basic, mark: sp.Symbol) -> bool:
@@ -64,11 +64,11 @@ def _tame(node: sp.Basic, mark: sp.Symbol) -> bool:
     return bool(node.is_Pow and not node.exp.has(mark) and node.exp.is_positive)
 
 
-def _regular(case: Case) -> str | None:
-    origin = case.simple.g.xreplace(dict.fromkeys(case.simple.forces, sp.S.Zero))
-    if shape(case.simple.g, case).convex and case.positive(-origin):
+def _regular(subject: FormulaSubject) -> str | None:
+    origin = subject.simple.g.xreplace(dict.fromkeys(subject.simple.forces, sp.S.Zero))
+    if curvature(subject.simple.g, subject).convex and subject.positive(-origin):
         return "grad g != 0 on the boundary because g is convex and negative at the origin"
-    star = case.star
-    if star is not None and not star.lower.free_symbols & set(case.simple.forces) and case.positive(star.lower):
+    star = subject.star
+    if star is not None and not star.lower.free_symbols & set(subject.simple.forces) and subject.positive(star.lower):
         return "grad g != 0 on the boundary by Euler's relation"
     return None

@@ -12,7 +12,7 @@ import sympy as sp
 from duhem.expression import Where
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.expression.text import formula
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.search.seam_crossings import Crossing, crossings
 from duhem.proof.verdict import Evidence, Verdict, Witness
@@ -21,29 +21,29 @@ from duhem.proof.witness.rational_points import decimal_pair, describe
 __all__ = ["smoothness"]
 
 
-def smoothness(case: Case) -> Evidence | None:
+def smoothness(subject: FormulaSubject) -> Evidence | None:
     """A boundary point on a seam where the one-sided normals differ (two forces, or laws that reduce to two)."""
-    pieces = case.pieces
-    if len(case.simple.forces) != 2 or pieces is None or len(pieces) < 2:
+    pieces = subject.pieces
+    if len(subject.simple.forces) != 2 or pieces is None or len(pieces) < 2:
         return None
-    jumps = case.simple.g.has(Where) and not case.continuous
-    for parameters in case.choices(6):
-        for crossing in crossings(case, parameters):
-            if (witness := _corner(case, parameters, crossing, jumps)) is not None:
+    jumps = subject.simple.g.has(Where) and not subject.continuous
+    for parameters in subject.choices(6):
+        for crossing in crossings(subject, parameters):
+            if (witness := _corner(subject, parameters, crossing, jumps)) is not None:
                 return Evidence(Verdict.REFUTED, "witness-corner", "the outward normal jumps at a corner of the boundary", witness)
     return None
 
 
-def _corner(case: Case, parameters: Values, crossing: Crossing, jumps: bool) -> Witness | None:
+def _corner(subject: FormulaSubject, parameters: Values, crossing: Crossing, jumps: bool) -> Witness | None:
     """The corner in a box; where g jumps, only one between the boundary of one branch and the seam, which g does not cross."""
     before, after, seam = crossing.before, crossing.after, crossing.seam
-    forces = case.simple.forces
+    forces = subject.simple.forces
     exact = rationals(parameters)
     system = sp.Matrix([after.expr, seam]).subs(exact)
     jacobian = system.jacobian(list(forces))
     for limit, radius in ((1000, Fraction(1, 2**30)), (10**25, Fraction(1, 2**40))):
         point = [c.limit_denominator(limit) for c in crossing.point]
-        values = {x: ball(v) for x, v in case.values_at(parameters, point).items()}
+        values = {x: ball(v) for x, v in subject.values_at(parameters, point).items()}
         with precision(256):
             box = {**values, **{x: ball(c - radius, c + radius) for x, c in zip(forces, point, strict=True)}}
             if not _has_zero(system, jacobian, forces, values, box, radius):
@@ -66,10 +66,10 @@ def _corner(case: Case, parameters: Values, crossing: Crossing, jumps: bool) -> 
             if certain_sign(cross) not in (-1, 1) or not transversal:
                 continue
             angle = math.degrees(math.atan2(abs(float(cross.mid())), float((one[0] * two[0] + one[1] * two[1]).mid())))
-            at = case.values_at(parameters, point)
+            at = subject.values_at(parameters, point)
             return Witness(
-                parameters=describe(case, at, forces=False),
-                points={"corner": describe(case, at)},
+                parameters=describe(subject, at, forces=False),
+                points={"corner": describe(subject, at)},
                 values={
                     "n1 x n2": decimal_pair(cross),
                     **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(forces, n, strict=True)},

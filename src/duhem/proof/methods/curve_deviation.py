@@ -10,8 +10,10 @@ from math import factorial
 import flint
 
 from duhem.expression.balls import certain_sign, precision
-from duhem.proof.facts.curve import LEAD, LEAN, CurveCase, Values
 from duhem.proof.facts.curve_balls import Ball, Greatest, Jet, NumericCurve, Span, cross, dot
+from duhem.proof.facts.curve_quantities import LEAD, LEAN
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.curve_points import at_angle, coordinates, parameters
 from duhem.proof.witness.rational_points import decimal_pair
@@ -23,21 +25,21 @@ _BITS = 256
 _STATEMENT = "the flow at sigma points towards tau, a point of K: it is not in the normal cone; the deviation is the greatest of all angles"
 
 
-def normality(case: CurveCase) -> Evidence | None:
+def normality(subject: CurveSubject) -> Evidence | None:
     """A flow that leans from the boundary point of greatest deviation towards another boundary point."""
-    if case.law.flow is None:
+    if subject.law.flow is None:
         return None
-    for values in case.choices(12):
-        if case.exhausted:
+    for values in subject.choices(12):
+        if subject.exhausted:
             return None
-        if not case.simple_at(values) or not _deviates(case, values):
+        if not subject.simple_at(values) or not _deviates(subject, values):
             continue
-        curve = case.at(values)
+        curve = subject.at(values)
         worst = curve.greatest(deviation, 3, _WIDTH)
         if worst is None:
             continue
         angle = _place(curve, worst)
-        if (witness := _witness(case, values, curve, worst, angle)) is not None:
+        if (witness := _witness(subject, values, curve, worst, angle)) is not None:
             least, most = (math.degrees(float(x)) for x in (worst.value.lower(), worst.value.upper()))
             bound = "nowhere by more" if most - least < 1e-6 else f"nowhere by more than {most:.6g}"
             detail = f"the flow leaves the normal by {least:.6g} degrees at angle {math.degrees(angle):.6g}, and {bound}"
@@ -45,9 +47,9 @@ def normality(case: CurveCase) -> Evidence | None:
     return None
 
 
-def _deviates(case: CurveCase, values: Values) -> bool:
+def _deviates(subject: CurveSubject, values: Values) -> bool:
     """Whether a few angles show a deviation at all."""
-    curve = case.at(values)
+    curve = subject.at(values)
     return any(certain_sign(LEAN.of(curve.at(Fraction(k, 7), 1))) in (1, -1) for k in range(-20, 21, 3)) or any(
         certain_sign(LEAD.of(curve.at(Fraction(k, 7), 1))) == -1 for k in range(-20, 21, 3)
     )
@@ -94,37 +96,37 @@ def _cluster(arcs: tuple[Span, ...]) -> Span:
     return next((span for span in joined if span[0] + span[1] >= 0), joined[-1])
 
 
-def _witness(case: CurveCase, values: Values, curve: NumericCurve, worst: Greatest, angle: float) -> Witness | None:
+def _witness(subject: CurveSubject, values: Values, curve: NumericCurve, worst: Greatest, angle: float) -> Witness | None:
     from duhem.proof.search.curve_angles import half_tangent
 
     with precision(_BITS):
         t = half_tangent(angle)
         jet = curve.at(t, 2)
         sigma, flow = jet.boundary[0], jet.flow[0]
-        for u in _targets(case, values, jet, angle):
+        for u in _targets(subject, values, jet, angle):
             tau = curve.point(u)
             lean = dot(flow, (tau[0] - sigma[0], tau[1] - sigma[1]))
             if certain_sign(lean) == 1:
                 degrees = worst.value * 180 / flint.arb.pi()
                 shown = {
-                    **coordinates(case, "sigma", sigma),
-                    **coordinates(case, "tau", tau),
+                    **coordinates(subject, "sigma", sigma),
+                    **coordinates(subject, "tau", tau),
                     "flow . (tau - sigma)": decimal_pair(lean),
                     "greatest deviation in degrees": decimal_pair(degrees),
                 }
-                points = {"sigma": at_angle(case, t), "tau": at_angle(case, u)}
+                points = {"sigma": at_angle(subject, t), "tau": at_angle(subject, u)}
                 slip = math.degrees(math.atan2(float(flow[1]), float(flow[0])))
                 measures = {"deviation_degrees": float(degrees.lower()), "slip_angle_degrees": slip}
-                return Witness(parameters(case, values), points, shown, _STATEMENT, measures)
+                return Witness(parameters(subject, values), points, shown, _STATEMENT, measures)
     return None
 
 
-def _targets(case: CurveCase, values: Values, jet: Jet, angle: float) -> Iterator[Fraction]:
+def _targets(subject: CurveSubject, values: Values, jet: Jet, angle: float) -> Iterator[Fraction]:
     """Where the flow may lean to: far along the boundary first, then close by at the scale of the deviation itself."""
     from duhem.proof.search.curve_angles import CurveScouts, half_tangent
 
     point, slip = ([float(x) for x in v] for v in (jet.boundary[0], jet.flow[0]))
-    for other in CurveScouts(case).at(values).targets(slip, point):
+    for other in CurveScouts(subject).at(values).targets(slip, point):
         yield half_tangent(other)
     turn = math.atan2(float(LEAN.of(jet)), float(LEAD.of(jet)))
     for digits in range(8):

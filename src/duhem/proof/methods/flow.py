@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 import sympy as sp
 
 from duhem.proof.decide import Sense
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.search.suggestion import Exit, Point
 from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.enclosed_point import Bracket, bracketed, enclosed_normal, over_box, violation
+from duhem.proof.witness.enclosed_point import EnclosedPoint, enclosed, enclosed_normal, over_box, violation
 
 if TYPE_CHECKING:
     from duhem.proof.search.boundary_points import BoundaryScout
@@ -30,31 +30,31 @@ _NORMALITY = "the flow at the boundary point between `inside` and `outside` poin
 _DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `outside`"
 
 
-def normality(case: Case) -> Evidence | None:
+def normality(subject: FormulaSubject) -> Evidence | None:
     """A flow of the law's own is parallel to grad g and points the same way, on every branch where g = 0 (K convex)."""
-    problem, pieces = case.simple, case.pieces
-    if problem.flow is None or pieces is None or not case.continuous:
+    problem, pieces = subject.simple, subject.pieces
+    if problem.flow is None or pieces is None or not subject.continuous:
         return None
     for piece in pieces:
         gradient = [sp.diff(piece.expr, x) for x in problem.forces]
         on_boundary = (*piece.conditions(), sp.Eq(piece.expr, 0))
-        if case.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *on_boundary).holds is not True:
+        if subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *on_boundary).holds is not True:
             return None  # where grad g = 0 every flow would look parallel to it
         for i, j in itertools.combinations(range(len(gradient)), 2):
             minor = problem.flow[i] * gradient[j] - problem.flow[j] * gradient[i]
-            if case.ask(minor, Sense.ZERO, *on_boundary).holds is not True:
+            if subject.ask(minor, Sense.ZERO, *on_boundary).holds is not True:
                 return None
         along = sum(d * n for d, n in zip(problem.flow, gradient, strict=True))
-        if case.ask(along, Sense.NONNEGATIVE, *on_boundary).holds is not True:
+        if subject.ask(along, Sense.NONNEGATIVE, *on_boundary).holds is not True:
             return None
     return Evidence(Verdict.PROVED, "parallel", "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex")
 
 
-def normality_refuted_by_chord(case: Case, chord: Witness) -> Evidence | None:
+def normality_refuted_by_chord(subject: FormulaSubject, chord: Witness) -> Evidence | None:
     """Associated flow on a non-convex K: where a chord from p to q leaves K, the normal there points towards q."""
-    if case.problem.flow is not None:
+    if subject.problem.flow is not None:
         return None
-    parameters, p, q, middle = _read(case, chord)
+    parameters, p, q, middle = _read(subject, chord)
     statement = (
         "on the way from `inside` to the midpoint of a chord of K the boundary is crossed outward, so grad g . (tau - sigma) > 0 there "
         "for one end tau of the chord: the normal is not in the normal cone of K"
@@ -65,89 +65,91 @@ def normality_refuted_by_chord(case: Case, chord: Witness) -> Evidence | None:
         if start is target:
             continue
 
-        def turned_away(bracket: Bracket, target: Sequence[Fraction] = target) -> sp.Expr | None:
-            normal = enclosed_normal(case, bracket)
+        def turned_away(point: EnclosedPoint, target: Sequence[Fraction] = target) -> sp.Expr | None:
+            normal = enclosed_normal(subject, point)
             if normal is None:
                 return None
-            return sp.Add(*(n * (sp.Rational(str(t)) - x) for n, t, x in zip(normal, target, case.simple.forces, strict=True)))
+            return sp.Add(*(n * (sp.Rational(str(t)) - x) for n, t, x in zip(normal, target, subject.simple.forces, strict=True)))
 
-        witness = violation(case, parameters, start, middle, turned_away, "grad g . (tau - sigma)", statement, wanted=1, target=target)
+        witness = violation(subject, parameters, start, middle, turned_away, "grad g . (tau - sigma)", statement, wanted=1, target=target)
         if witness is not None:
             return Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
     return None
 
 
-def _read(case: Case, chord: Witness) -> tuple[Values, list[Fraction], list[Fraction], list[Fraction]]:
-    table = case.law.symbols()
-    parameters = {table[name]: Fraction(value) for name, value in chord.parameters.items() if table[name] in case.simple.parameters}
-    if case.simple.magnitude in case.simple.parameters and case.simple.magnitude is not None:
-        parameters[case.simple.magnitude] = -Fraction(chord.points["p"][str(case.law.pressure)])
-    points = [[Fraction(chord.points[role][str(x)]) for x in case.simple.forces] for role in ("p", "q", "midpoint")]
+def _read(subject: FormulaSubject, chord: Witness) -> tuple[Values, list[Fraction], list[Fraction], list[Fraction]]:
+    table = subject.law.symbols()
+    parameters = {table[name]: Fraction(value) for name, value in chord.parameters.items() if table[name] in subject.simple.parameters}
+    if subject.simple.magnitude in subject.simple.parameters and subject.simple.magnitude is not None:
+        parameters[subject.simple.magnitude] = -Fraction(chord.points["p"][str(subject.law.pressure)])
+    points = [[Fraction(chord.points[role][str(x)]) for x in subject.simple.forces] for role in ("p", "q", "midpoint")]
     return parameters, points[0], points[1], points[2]
 
 
-def normality_refuted(case: Case) -> Evidence | None:
+def normality_refuted(subject: FormulaSubject) -> Evidence | None:
     """A boundary point whose flow points towards another point of K, the worst direction first.
 
     The other point is first sought all along the boundary, then close by, at the scale of the deviation itself.
     """
-    if case.simple.flow is None:
+    if subject.simple.flow is None:
         return None
     from duhem.proof.search.boundary_points import BoundaryScout  # numpy, only when something is looked for
 
-    for parameters in case.choices(12):
-        scout = BoundaryScout(case, parameters)
+    for parameters in subject.choices(12):
+        scout = BoundaryScout(subject, parameters)
         if len(scout.boundary) < 2:
             continue
-        for exit, target in itertools.chain(scout.far_targets(), _on_the_boundary(case, scout)):
-            if witness := _leans_towards(case, exit, target):
+        for exit, target in itertools.chain(scout.far_targets(), _on_the_boundary(subject, scout)):
+            if witness := _leans_towards(subject, exit, target):
                 return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
     return None
 
 
-def _on_the_boundary(case: Case, scout: BoundaryScout) -> Iterator[tuple[Exit, Point]]:
+def _on_the_boundary(subject: FormulaSubject, scout: BoundaryScout) -> Iterator[tuple[Exit, Point]]:
     """Targets close by as points that are surely in K."""
     for exit, turned in scout.near_targets():
-        if found := bracketed(case, turned.parameters, turned.inside, turned.outside, 80):
+        if found := enclosed(subject, turned.parameters, turned.inside, turned.outside, 80):
             yield exit, found.inside
 
 
-def _leans_towards(case: Case, exit: Exit, target: Point) -> Witness | None:
-    problem = case.simple
+def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witness | None:
+    problem = subject.simple
 
-    def leaning(bracket: Bracket) -> sp.Expr:
+    def leaning(point: EnclosedPoint) -> sp.Expr:
         assert problem.flow is not None
         return sp.Add(*(d * (sp.Rational(str(t)) - x) for d, t, x in zip(problem.flow, target, problem.forces, strict=True)))
 
     name = "flow . (tau - sigma)"
-    return violation(case, exit.parameters, exit.inside, exit.outside, leaning, name, _NORMALITY, 1, target, lambda b: _angles(case, b))
+    return violation(
+        subject, exit.parameters, exit.inside, exit.outside, leaning, name, _NORMALITY, 1, target, lambda b: _angles(subject, b)
+    )
 
 
-def dissipation_refuted(case: Case) -> Evidence | None:
+def dissipation_refuted(subject: FormulaSubject) -> Evidence | None:
     """A boundary point where force . flow < 0."""
     from duhem.proof.search.boundary_points import BoundaryScout
 
-    problem = case.simple
+    problem = subject.simple
 
-    def power(bracket: Bracket) -> sp.Expr | None:
-        flow = problem.flow or enclosed_normal(case, bracket)
+    def power(point: EnclosedPoint) -> sp.Expr | None:
+        flow = problem.flow or enclosed_normal(subject, point)
         return None if flow is None else sp.Add(*(x * d for x, d in zip(problem.forces, flow, strict=True)))
 
-    for parameters in case.choices(12):
-        scout = BoundaryScout(case, parameters)
+    for parameters in subject.choices(12):
+        scout = BoundaryScout(subject, parameters)
         for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5)):
-            if witness := violation(case, parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
+            if witness := violation(subject, parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
                 return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
     return None
 
 
-def _angles(case: Case, bracket: Bracket) -> dict[str, float]:
-    """Deviation of the flow from the normal at the bracketed point, and the flow's own angle (two forces), in degrees."""
-    normal = enclosed_normal(case, bracket)
-    flow = case.simple.flow
+def _angles(subject: FormulaSubject, point: EnclosedPoint) -> dict[str, float]:
+    """Deviation of the flow from the normal at the enclosed point, and the flow's own angle (two forces), in degrees."""
+    normal = enclosed_normal(subject, point)
+    flow = subject.simple.flow
     if normal is None or flow is None:
         return {}
-    n, d = ([float(over_box(c, case, bracket).mid()) for c in vector] for vector in (normal, flow))
+    n, d = ([float(over_box(c, subject, point).mid()) for c in vector] for vector in (normal, flow))
     cosine = sum(a * b for a, b in zip(n, d, strict=True)) / (math.hypot(*n) * math.hypot(*d))
     measures = {"deviation_degrees": math.degrees(math.acos(max(-1.0, min(1.0, cosine))))}
     if len(d) == 2:

@@ -14,27 +14,27 @@ import sympy as sp
 
 from duhem.expression.branches import Branch, seams
 from duhem.proof.decide import Sense
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["convexity", "dissipation", "hessian", "smoothness"]
 
 
-def convexity(case: Case) -> Evidence | None:
+def convexity(subject: FormulaSubject) -> Evidence | None:
     """Tangential second derivatives >= 0 on the boundary of a set star-shaped about the origin, no kink inward on a seam."""
-    pieces, forces = case.pieces, case.simple.forces
-    if pieces is None or len(pieces) > (8 if len(forces) == 2 else 1) or not case.continuous or not _star(case, pieces):
+    pieces, forces = subject.pieces, subject.simple.forces
+    if pieces is None or len(pieces) > (8 if len(forces) == 2 else 1) or not subject.continuous or not _star(subject, pieces):
         return None
     if len(forces) == 1:
         return Evidence(Verdict.PROVED, "implicit-curvature", "K is an interval: star-shaped about 0 on a line")
     used: set[str] = set()
     for piece in pieces:
         bend, tangential = _bend(piece.expr, forces)
-        answer = case.ask(bend, Sense.NONNEGATIVE, sp.Eq(piece.expr, 0), *tangential, *piece.conditions(strict=True))
+        answer = subject.ask(bend, Sense.NONNEGATIVE, sp.Eq(piece.expr, 0), *tangential, *piece.conditions(strict=True))
         if answer.holds is not True:
             return None
         used.add(answer.method)
-    if not all(_outward_kink(case, before, after) for before, after in permutations(pieces, 2)):
+    if not all(_outward_kink(subject, before, after) for before, after in permutations(pieces, 2)):
         return None
     seams_too = "" if len(pieces) == 1 else " and kinks outward on every seam"
     return Evidence(
@@ -56,7 +56,7 @@ def _bend(g: sp.Expr, forces: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, tuple[sp.
     return sum(tangent[i] * tangent[j] * sp.diff(gradient[i], forces[j]) for i in range(len(forces)) for j in range(len(forces))), given
 
 
-def _outward_kink(case: Case, before: Branch, after: Branch) -> bool:
+def _outward_kink(subject: FormulaSubject, before: Branch, after: Branch) -> bool:
     """Whether the boundary, run through with K on its left, turns left where it passes from one branch to another (two forces).
 
     The tangent (-g_y, g_x) of either branch then points into `after`, which is assumed, and T/E = gamma'/gamma with
@@ -67,7 +67,7 @@ def _outward_kink(case: Case, before: Branch, after: Branch) -> bool:
         return True
     if not crossed:
         return False
-    x, y = case.simple.forces
+    x, y = subject.simple.forces
     (bx, by), (ax, ay) = ([sp.diff(b.expr, v) for v in (x, y)] for b in (before, after))
     rest = {s: sign for s, sign in {**before.signs, **after.signs}.items() if s not in crossed}
     on_seam = [sp.Eq(before.expr, 0), *(sp.Eq(s, 0) for s in crossed), *(sp.GreaterThan(sign * s, 0) for s, sign in rest.items())]
@@ -75,20 +75,20 @@ def _outward_kink(case: Case, before: Branch, after: Branch) -> bool:
         sx, sy = (after.signs[s] * sp.diff(s, v) for v in (x, y))
         on_seam += [sp.GreaterThan(sy * ax - sx * ay, 0), sp.GreaterThan(sy * bx - sx * by, 0)]
     turn = (x * ay - y * ax) * (x * bx + y * by) - (x * by - y * bx) * (x * ax + y * ay)
-    return sp.false in on_seam or case.ask(turn, Sense.NONNEGATIVE, *(r for r in on_seam if r is not sp.true)).holds is True
+    return sp.false in on_seam or subject.ask(turn, Sense.NONNEGATIVE, *(r for r in on_seam if r is not sp.true)).holds is True
 
 
-def hessian(case: Case) -> Evidence | None:
+def hessian(subject: FormulaSubject) -> Evidence | None:
     """g is convex: second derivatives >= 0 inside every branch, no downward jump of the gradient across a seam."""
-    pieces = case.pieces
-    if pieces is None or len(pieces) > 8 or not case.continuous:
+    pieces = subject.pieces
+    if pieces is None or len(pieces) > 8 or not subject.continuous:
         return None
-    forces = case.simple.forces
+    forces = subject.simple.forces
     used: set[str] = set()
     v = [sp.Dummy(f"v{i}", real=True) for i in range(len(forces))]
     for piece in pieces:
         bend = sum(v[i] * v[j] * sp.diff(piece.expr, a, b) for i, a in enumerate(forces) for j, b in enumerate(forces))
-        answer = case.ask(bend, Sense.NONNEGATIVE, *piece.conditions(strict=True))
+        answer = subject.ask(bend, Sense.NONNEGATIVE, *piece.conditions(strict=True))
         if answer.holds is not True:
             return None
         used.add(answer.method)
@@ -96,10 +96,10 @@ def hessian(case: Case) -> Evidence | None:
         where = (*shared, *(sp.Eq(s, 0) for s in crossed))
         rise = [sp.diff(after.expr - before.expr, x) for x in forces]
         for switch in crossed:
-            if not _regular(case, switch, where):
+            if not _regular(subject, switch, where):
                 return None
             jump = after.signs[switch] * sp.Add(*(r * sp.diff(switch, x) for r, x in zip(rise, forces, strict=True)))
-            if case.ask(jump, Sense.NONNEGATIVE, *where).holds is not True:
+            if subject.ask(jump, Sense.NONNEGATIVE, *where).holds is not True:
                 return None
     return Evidence(
         Verdict.PROVED,
@@ -108,15 +108,15 @@ def hessian(case: Case) -> Evidence | None:
     )
 
 
-def smoothness(case: Case) -> Evidence | None:
+def smoothness(subject: FormulaSubject) -> Evidence | None:
     """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
-    pieces, forces = case.pieces, case.simple.forces
-    if pieces is None or len(pieces) > 8 or not case.continuous:
+    pieces, forces = subject.pieces, subject.simple.forces
+    if pieces is None or len(pieces) > 8 or not subject.continuous:
         return None
     used: set[str] = set()
     for piece in pieces:
         gradient = [sp.diff(piece.expr, x) for x in forces]
-        answer = case.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
+        answer = subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
         if answer.holds is not True:
             return None
         used.add(answer.method)
@@ -124,49 +124,49 @@ def smoothness(case: Case) -> Evidence | None:
         one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
         on_seam = (*where, *(sp.Eq(s, 0) for s in crossed), sp.Eq(before.expr, 0))
         minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
-        if any(case.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
+        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
             return None
-        if case.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
+        if subject.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
             return None
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
     return Evidence(Verdict.PROVED, f"regular-value ({', '.join(sorted(used))})", f"grad g != 0 wherever g = 0{told}")
 
 
-def dissipation(case: Case) -> Evidence | None:
+def dissipation(subject: FormulaSubject) -> Evidence | None:
     """force . flow >= 0 on the boundary, branch by branch; the flow is grad g unless the law has one of its own."""
-    problem = case.simple
-    pieces = case.pieces
-    if pieces is None or not case.continuous:
+    problem = subject.simple
+    pieces = subject.pieces
+    if pieces is None or not subject.continuous:
         return None
     used: set[str] = set()
     for piece in pieces:
         gradient = tuple(sp.diff(piece.expr, x) for x in problem.forces)
         on_boundary = (*piece.conditions(), sp.Eq(piece.expr, 0))
         flow = problem.flow or gradient
-        if flow is gradient and case.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *on_boundary).holds is not True:
+        if flow is gradient and subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *on_boundary).holds is not True:
             return None  # where grad g = 0 it says nothing of the normal
         power = sp.Add(*(x * d for x, d in zip(problem.forces, flow, strict=True)))
-        answer = case.ask(sp.factor_terms(sp.expand(power)), Sense.NONNEGATIVE, *on_boundary)
+        answer = subject.ask(sp.factor_terms(sp.expand(power)), Sense.NONNEGATIVE, *on_boundary)
         if answer.holds is not True:
             return None
         used.add(answer.method)
     return Evidence(Verdict.PROVED, f"boundary-power ({', '.join(sorted(used))})", "force . flow >= 0 wherever g = 0")
 
 
-def _regular(case: Case, switch: sp.Expr, where: Sequence[sp.Basic]) -> bool:
+def _regular(subject: FormulaSubject, switch: sp.Expr, where: Sequence[sp.Basic]) -> bool:
     """Whether the gradient of a switch shows the seam's normal: it vanishes on no more than a set of lower dimension."""
-    forces = case.simple.forces
+    forces = subject.simple.forces
     if switch.is_polynomial(*forces) and (form := sp.Poly(switch, *forces)).domain in (sp.ZZ, sp.QQ):
         return bool(form.is_sqf)
-    return case.ask(sp.Add(*(sp.diff(switch, x) ** 2 for x in forces)), Sense.POSITIVE, *where).holds is True
+    return subject.ask(sp.Add(*(sp.diff(switch, x) ** 2 for x in forces)), Sense.POSITIVE, *where).holds is True
 
 
-def _star(case: Case, pieces: Sequence[Branch]) -> bool:
+def _star(subject: FormulaSubject, pieces: Sequence[Branch]) -> bool:
     """Whether 0 is inside K and g rises outward wherever it is 0, so that each ray leaves K once."""
-    forces = case.simple.forces
-    if case.at_origin is None or not case.positive(-case.at_origin):
+    forces = subject.simple.forces
+    if subject.at_origin is None or not subject.positive(-subject.at_origin):
         return False
     return all(
-        case.ask(sum(x * sp.diff(p.expr, x) for x in forces), Sense.POSITIVE, sp.Eq(p.expr, 0), *p.conditions()).holds is True
+        subject.ask(sum(x * sp.diff(p.expr, x) for x in forces), Sense.POSITIVE, sp.Eq(p.expr, 0), *p.conditions()).holds is True
         for p in pieces
     )

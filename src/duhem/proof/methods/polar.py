@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from duhem.proof.decide import Sense
-from duhem.proof.facts.case import Case
-from duhem.proof.facts.polar_form import Profile, profile
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.polar_form import PolarForm, polar_form
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["convexity", "dissipation", "origin", "smoothness"]
 
 
-def convexity(case: Case) -> Evidence | None:
+def convexity(subject: FormulaSubject) -> Evidence | None:
     """gamma'' + gamma >= 0 as a measure on the circle."""
-    form = profile(case)
+    form = polar_form(subject)
     if form is None:
         return None
     used: set[str] = set()
     for arc in form.arcs:
-        answer = case.ask(form.curvature(arc), Sense.NONNEGATIVE, *arc.conditions(strict=True), circle=(form.x, form.y))
+        answer = subject.ask(form.curvature(arc), Sense.NONNEGATIVE, *arc.conditions(strict=True), circle=(form.x, form.y))
         if answer.holds is not True:
             return None
         used.add(answer.method)
@@ -27,33 +27,33 @@ def convexity(case: Case) -> Evidence | None:
     return Evidence(Verdict.PROVED, f"polar-curvature ({', '.join(sorted(used))})", f"gamma'' + gamma >= 0 as a measure: {arcs}")
 
 
-def smoothness(case: Case) -> Evidence | None:
+def smoothness(subject: FormulaSubject) -> Evidence | None:
     """The boundary of a star-shaped set is C^1 where its gauge is C^1 and positive."""
-    form = profile(case)
+    form = polar_form(subject)
     if form is None or not form.differentiable() or not _jumps(form, Sense.ZERO):
         return None
     seams = "no seam" if len(form.arcs) == 1 else "gamma' equal on both sides of each seam"
     return Evidence(Verdict.PROVED, "polar-seams", f"gamma > 0 is smooth on each arc, {seams}")
 
 
-def origin(case: Case) -> Evidence | None:
+def origin(subject: FormulaSubject) -> Evidence | None:
     """A star-shaped set contains the point it is star-shaped about."""
-    if case.at_origin is not None or profile(case) is None:
+    if subject.at_origin is not None or polar_form(subject) is None:
         return None
     return Evidence(Verdict.PROVED, "polar-form", "K is star-shaped about 0 (closure at 0 where the formula is 0/0)")
 
 
-def dissipation(case: Case) -> Evidence | None:
+def dissipation(subject: FormulaSubject) -> Evidence | None:
     """Euler: sigma . grad g > 0 on the boundary of g = A - B with A, B > 0 homogeneous of degrees a > b."""
-    if case.problem.flow is not None or profile(case) is None:
+    if subject.problem.flow is not None or polar_form(subject) is None:
         return None
     return Evidence(
         Verdict.PROVED, "euler", "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary"
     )
 
 
-def _jumps(form: Profile, sense: Sense) -> bool:
+def _jumps(form: PolarForm, sense: Sense) -> bool:
     return all(
-        form.case.ask(form.slope(after) - form.slope(before), sense, *where, circle=(form.x, form.y)).holds is True
+        form.subject.ask(form.slope(after) - form.slope(before), sense, *where, circle=(form.x, form.y)).holds is True
         for before, after, where in form.seams()
     )

@@ -14,16 +14,16 @@ import sympy as sp
 
 from duhem.expression import Where
 from duhem.proof.decide.affine import Affine
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["convexity"]
 
 
-def convexity(case: Case) -> Evidence | None:
+def convexity(subject: FormulaSubject) -> Evidence | None:
     """K is the intersection of the half-spaces that its faces span."""
-    g, forces, pieces = case.simple.g, case.simple.forces, case.pieces
-    if pieces is None or len(pieces) < 2 or case.simple.parameters or g.has(Where):
+    g, forces, pieces = subject.simple.g, subject.simple.forces, subject.pieces
+    if pieces is None or len(pieces) < 2 or subject.simple.parameters or g.has(Where):
         return None
     exprs = [p.expr for p in pieces] + [s for p in pieces for s in p.signs]
     if not all(e.is_polynomial(*forces) and sp.Poly(e, *forces).total_degree() <= 1 for e in exprs):

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["sampled"]
 
 
-def sampled(case: Case) -> Evidence | None:
+def sampled(subject: FormulaSubject) -> Evidence | None:
     """Called after every scout came back empty: states how many parameter choices they covered, with their fixed seeds."""
-    count = sum(1 for _ in case.choices(12))
+    count = sum(1 for _ in subject.choices(12))
     if count == 0:
         return None
     return Evidence(

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import sympy as sp
 
-from duhem.proof.facts.case import Case
-from duhem.proof.facts.curve import CurveCase
+from duhem.proof.facts.subject import Subject
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["state_laws"]
 
 
-def state_laws(case: Case | CurveCase) -> Evidence | None:
+def state_laws(subject: Subject) -> Evidence | None:
     """sigma = dpsi/du = -dpsi/du_in and psi convex, for psi = (u - u_in) . k (u - u_in)/2 with k = L L^T.
 
     Every positive semidefinite k has such a factor (Cholesky), so psi = |L^T (u - u_in)|^2/2 is a sum of squares of linear functions.
     """
-    d = len(case.law.forces)
+    d = len(subject.law.forces)
     u, inelastic = (sp.Matrix(sp.symbols(f"{name}1:{d + 1}", real=True)) for name in ("u", "w"))
     factor = sp.Matrix(d, d, lambda i, j: sp.Symbol(f"l{i + 1}{j + 1}", real=True) if i >= j else 0)
     stiffness = factor * factor.T

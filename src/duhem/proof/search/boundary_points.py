@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from duhem.expression.numpy_ import compiled
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.search.suggestion import Exit, Point
 
@@ -21,10 +21,10 @@ _DIRECTIONS = 720
 class BoundaryScout:
     """Boundary points of one parameter choice, in floats, along rays from a point of K."""
 
-    def __init__(self, case: Case, parameters: Values) -> None:
-        self.case, self.parameters = case, parameters
-        self.forces = case.simple.forces
-        self._g = compiled(case.formula_at(parameters), self.forces)
+    def __init__(self, subject: FormulaSubject, parameters: Values) -> None:
+        self.subject, self.parameters = subject, parameters
+        self.forces = subject.simple.forces
+        self._g = compiled(subject.formula_at(parameters), self.forces)
         d = len(self.forces)
         rng = np.random.default_rng(5)
         if d == 2:
@@ -63,7 +63,7 @@ class BoundaryScout:
         return self.centre + low[:, None] * self.directions, low, high
 
     def unit_flow(self) -> Any:
-        flow = self.case.simple.flow
+        flow = self.subject.simple.flow
         if flow is None:
             slips = self._gradient()
         else:

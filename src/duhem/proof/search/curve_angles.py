@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import compiled
-from duhem.proof.facts.curve import CurveCase, Values
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.parameter_choices import Values
 
 __all__ = ["CurveScout", "CurveScouts", "half_tangent"]
 
@@ -25,10 +26,10 @@ def half_tangent(angle: float, digits: int = 9) -> Fraction:
 class CurveScouts:
     """Scouts of one law; its formulas are compiled once."""
 
-    def __init__(self, case: CurveCase) -> None:
-        self._free = case.free
-        names = (case.cosine, case.sine, *case.free)
-        self._programs = [compiled(x, names) for x in (*case.boundary, *(case.flow or ()))]
+    def __init__(self, subject: CurveSubject) -> None:
+        self._free = subject.free
+        names = (subject.cosine, subject.sine, *subject.free)
+        self._programs = [compiled(x, names) for x in (*subject.boundary, *(subject.flow or ()))]
 
     def at(self, values: Values) -> CurveScout:
         """The scout at one choice of parameters."""

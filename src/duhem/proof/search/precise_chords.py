@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import mpmath_
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, fraction, rationals
 from duhem.proof.search.seam_crossings import Crossing, crossings
 from duhem.proof.search.suggestion import Chord, Point
@@ -22,14 +22,14 @@ from duhem.proof.search.suggestion import Chord, Point
 __all__ = ["dent_chords", "kink_chords"]
 
 
-def dent_chords(case: Case, parameters: Values, direction: Sequence[Any], dps: int = 60) -> Iterator[Chord]:
+def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence[Any], dps: int = 60) -> Iterator[Chord]:
     """Chords through the boundary point seen from the origin in ``direction`` (two forces), the longest first."""
     from mpmath import MPContext
 
     context = MPContext()
     context.dps = dps
-    forces = case.simple.forces
-    g = case.formula_at(parameters)
+    forces = subject.simple.forces
+    g = subject.formula_at(parameters)
 
     def value(point: Sequence[Any]) -> Any:
         return mpmath_.evaluate(g, dict(zip(forces, point, strict=True)), dps)
@@ -68,22 +68,22 @@ def dent_chords(case: Case, parameters: Values, direction: Sequence[Any], dps: i
             yield Chord(parameters, p, q)
 
 
-def kink_chords(case: Case, most: int = 12) -> Iterator[Chord]:
+def kink_chords(subject: FormulaSubject, most: int = 12) -> Iterator[Chord]:
     """Chords across seams where the tangents of the two branches of the boundary point out of K (two forces)."""
-    for parameters in case.choices(most):
-        for crossing in crossings(case, parameters, 80):
-            if case.exhausted:
+    for parameters in subject.choices(most):
+        for crossing in crossings(subject, parameters, 80):
+            if subject.exhausted:
                 return
-            yield from _across(case, parameters, crossing)
+            yield from _across(subject, parameters, crossing)
 
 
-def _across(case: Case, parameters: Values, crossing: Crossing, dps: int = 80) -> Iterator[Chord]:
+def _across(subject: FormulaSubject, parameters: Values, crossing: Crossing, dps: int = 80) -> Iterator[Chord]:
     """With unit tangents t1, t2 away from the crossing, K is dented there if t1 + t2 points along the outward normals."""
     from mpmath import MPContext
 
     context = MPContext()
     context.dps = dps
-    forces = case.simple.forces
+    forces = subject.simple.forces
     exact = rationals(parameters)
     x = [context.mpf(c.numerator) / c.denominator for c in crossing.point]
 

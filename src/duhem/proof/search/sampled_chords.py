@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import compiled
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.search.suggestion import Chord
 
@@ -23,17 +23,17 @@ Array = NDArray[np.float64]
 _ANGLES, _RADII, _SECTIONS = 720, 48, 24
 
 
-def sampled_chords(case: Case, most: int = 40) -> Iterator[Chord]:
+def sampled_chords(subject: FormulaSubject, most: int = 40) -> Iterator[Chord]:
     """Chords worth an exact look, one choice of parameters after the other while time lasts."""
-    for parameters in case.choices(most):
-        if case.exhausted:
+    for parameters in subject.choices(most):
+        if subject.exhausted:
             return
-        yield from _in_choice(case, parameters)
+        yield from _in_choice(subject, parameters)
 
 
-def _in_choice(case: Case, parameters: Values) -> Iterator[Chord]:
-    forces = case.simple.forces
-    run = compiled(case.formula_at(parameters), forces)
+def _in_choice(subject: FormulaSubject, parameters: Values) -> Iterator[Chord]:
+    forces = subject.simple.forces
+    run = compiled(subject.formula_at(parameters), forces)
 
     def value(points: Array) -> Array:
         return run(*np.moveaxis(points, -1, 0))

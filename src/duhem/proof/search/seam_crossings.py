@@ -13,7 +13,7 @@ import sympy as sp
 
 from duhem.expression import fold, mpmath_
 from duhem.expression.branches import Branch
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 
 __all__ = ["Crossing", "crossings"]
@@ -31,11 +31,11 @@ class Crossing:
     point: tuple[Fraction, ...]
 
 
-def crossings(case: Case, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
+def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
     """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain."""
-    exact, forces = rationals(parameters), case.simple.forces
-    grid = _Grid(forces, case.formula_at(parameters))
-    for before, after, seam in _neighbours(case.pieces or ()):
+    exact, forces = rationals(parameters), subject.simple.forces
+    grid = _Grid(forces, subject.formula_at(parameters))
+    for before, after, seam in _neighbours(subject.pieces or ()):
         system = sp.Matrix([after.expr, seam]).subs(exact)
         if not (starts := grid.starts(*system)):
             continue

@@ -6,27 +6,27 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 import flint
-import sympy as sp
 
-from duhem.proof.facts.curve import CurveCase, Values
 from duhem.proof.facts.curve_balls import Vector
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.witness.rational_points import decimal_pair
 
 __all__ = ["at_angle", "coordinates", "parameters"]
 
 
-def at_angle(case: CurveCase, t: Fraction) -> dict[str, str]:
+def at_angle(subject: CurveSubject, t: Fraction) -> dict[str, str]:
     """A boundary point at sigma_n = -1 by the tangent of half its angle."""
-    return {f"tan_half_{case.law.angle}": str(t), case.law.pressure: "-1"}
+    return {f"tan_half_{subject.law.angle}": str(t), subject.law.pressure: "-1"}
 
 
-def coordinates(case: CurveCase, role: str, point: Vector) -> dict[str, tuple[str, str]]:
+def coordinates(subject: CurveSubject, role: str, point: Vector) -> dict[str, tuple[str, str]]:
     """Enclosures of a point's coordinates, by name."""
-    return {f"{force}({role})": decimal_pair(flint.arb(x)) for force, x in zip(case.law.forces, point, strict=True)}
+    return {f"{force}({role})": decimal_pair(flint.arb(x)) for force, x in zip(subject.law.forces, point, strict=True)}
 
 
-def parameters(case: CurveCase, values: Values) -> Mapping[str, str]:
+def parameters(subject: CurveSubject, values: Values) -> Mapping[str, str]:
     """Every parameter's exact value, by name."""
-    table = case.law.symbols()
-    known: dict[sp.Symbol, sp.Rational] = {**case.fixed, **values}
-    return {name: str(known[table[name]]) for name in case.law.parameters}
+    table = subject.law.symbols()
+    known = {**subject.fixed, **values}
+    return {name: str(known[table[name]]) for name in subject.law.parameters}

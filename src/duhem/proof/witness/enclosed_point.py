@@ -1,7 +1,7 @@
 """Boundary points that are not rational, held between two rational ones.
 
-A bracket is a segment from a point inside K to one outside; by continuity the boundary crosses it.  What is shown in
-balls for the whole box around the segment holds at that boundary point.
+By continuity the boundary crosses a segment from a point inside K to one outside.  What is shown in balls for the whole
+box around the segment holds at that boundary point.
 """
 
 from __future__ import annotations
@@ -14,26 +14,28 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.balls import ball, certain_sign, enclose, precision
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.rational_points import decimal_pair, describe, sign_at
 
-__all__ = ["Bracket", "bracketed", "enclosed_normal", "over_box", "violation"]
+__all__ = ["EnclosedPoint", "enclosed", "enclosed_normal", "over_box", "violation"]
 
 _WIDTHS = (20, 40, 60, 90, 120)
 
 
 @dataclass(frozen=True)
-class Bracket:
-    """``inside`` and ``outside`` (simple problem's forces), g <= 0 at the one and g > 0 at the other, both certain."""
+class EnclosedPoint:
+    """Between ``inside`` and ``outside`` (simple problem's forces), g <= 0 at the one and g > 0 at the other, both certain."""
 
     parameters: Values
     inside: tuple[Fraction, ...]
     outside: tuple[Fraction, ...]
 
 
-def bracketed(case: Case, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], bits: int) -> Bracket | None:
+def enclosed(
+    subject: FormulaSubject, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], bits: int
+) -> EnclosedPoint | None:
     """The crossing between ``start`` in K and ``end`` outside, narrowed 2^bits times; None if a sign stays open."""
     low, high = Fraction(0), Fraction(1)
 
@@ -41,7 +43,7 @@ def bracketed(case: Case, parameters: Values, start: Sequence[Fraction], end: Se
         return tuple(a + s * (b - a) for a, b in zip(start, end, strict=True))
 
     def inside(s: Fraction) -> bool | None:
-        sign, _ = sign_at(case.problem.g, case.values_at(parameters, at(s)))
+        sign, _ = sign_at(subject.problem.g, subject.values_at(parameters, at(s)))
         return None if sign is None else sign <= 0
 
     if inside(low) is not True or inside(high) is not False:
@@ -52,58 +54,58 @@ def bracketed(case: Case, parameters: Values, start: Sequence[Fraction], end: Se
         if here is None:
             return None
         low, high = (middle, high) if here else (low, middle)
-    return Bracket(parameters, at(low), at(high))
+    return EnclosedPoint(parameters, at(low), at(high))
 
 
-def over_box(expr: sp.Expr, case: Case, bracket: Bracket, bits: int = 256) -> Any:
-    """Ball containing ``expr`` over the box spanned by the bracket (pressure and parameters exact)."""
-    a, b = case.values_at(bracket.parameters, bracket.inside), case.values_at(bracket.parameters, bracket.outside)
+def over_box(expr: sp.Expr, subject: FormulaSubject, point: EnclosedPoint, bits: int = 256) -> Any:
+    """Ball containing ``expr`` over the box around the point (pressure and parameters exact)."""
+    a, b = subject.values_at(point.parameters, point.inside), subject.values_at(point.parameters, point.outside)
     with precision(bits):
         return enclose(expr, {x: ball(min(a[x], b[x]), max(a[x], b[x])) for x in a})
 
 
-def enclosed_normal(case: Case, bracket: Bracket) -> tuple[sp.Expr, ...] | None:
+def enclosed_normal(subject: FormulaSubject, point: EnclosedPoint) -> tuple[sp.Expr, ...] | None:
     """Gradient of the one smooth branch of the simple problem that holds on the whole box; None on a seam."""
-    for piece in case.pieces or ():
-        if all(certain_sign(over_box(sign * switch, case, bracket)) == 1 for switch, sign in piece.signs.items()):
-            return tuple(sp.diff(piece.expr, x) for x in case.simple.forces)
+    for piece in subject.pieces or ():
+        if all(certain_sign(over_box(sign * switch, subject, point)) == 1 for switch, sign in piece.signs.items()):
+            return tuple(sp.diff(piece.expr, x) for x in subject.simple.forces)
     return None
 
 
 def violation(
-    case: Case,
+    subject: FormulaSubject,
     parameters: Values,
     start: Sequence[Fraction],
     end: Sequence[Fraction],
-    quantity: Callable[[Bracket], sp.Expr | None],
+    quantity: Callable[[EnclosedPoint], sp.Expr | None],
     name: str,
     statement: str,
     wanted: int = -1,
     target: Sequence[Fraction] | None = None,
-    measures: Callable[[Bracket], dict[str, float]] = lambda bracket: {},
+    measures: Callable[[EnclosedPoint], dict[str, float]] = lambda point: {},
 ) -> Witness | None:
     """A witness that ``quantity`` has the ``wanted`` sign at the boundary point between ``start`` and ``end``."""
-    if not case.admits(case.values_at(parameters, start)):
+    if not subject.admits(subject.values_at(parameters, start)):
         return None
-    others: dict[str, dict[sp.Symbol, Fraction]] = {} if target is None else {"tau": case.values_at(parameters, target)}
-    if any(sign_at(case.problem.g, at)[0] not in (-1, 0) for at in others.values()):
+    others: dict[str, dict[sp.Symbol, Fraction]] = {} if target is None else {"tau": subject.values_at(parameters, target)}
+    if any(sign_at(subject.problem.g, at)[0] not in (-1, 0) for at in others.values()):
         return None
     for bits in _WIDTHS:
-        bracket = bracketed(case, parameters, start, end, bits)
-        if bracket is None:
+        point = enclosed(subject, parameters, start, end, bits)
+        if point is None:
             return None
-        expr = quantity(bracket)
+        expr = quantity(point)
         if expr is None:
             continue
-        value = over_box(expr, case, bracket)
+        value = over_box(expr, subject, point)
         if certain_sign(value) == wanted:
-            ends = {"inside": case.values_at(parameters, bracket.inside), "outside": case.values_at(parameters, bracket.outside)}
-            shown = {f"g({role})": decimal_pair(sign_at(case.problem.g, at)[1]) for role, at in {**ends, **others}.items()}
+            ends = {"inside": subject.values_at(parameters, point.inside), "outside": subject.values_at(parameters, point.outside)}
+            shown = {f"g({role})": decimal_pair(sign_at(subject.problem.g, at)[1]) for role, at in {**ends, **others}.items()}
             return Witness(
-                parameters=describe(case, ends["inside"], forces=False),
-                points={role: describe(case, at) for role, at in {**ends, **others}.items()},
+                parameters=describe(subject, ends["inside"], forces=False),
+                points={role: describe(subject, at) for role, at in {**ends, **others}.items()},
                 values={**shown, name: decimal_pair(value)},
                 statement=statement,
-                measures=measures(bracket),
+                measures=measures(point),
             )
     return None

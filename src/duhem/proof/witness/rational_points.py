@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.balls import ball, certain_sign, enclose, precision
-from duhem.proof.facts.case import Case
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
 
@@ -34,33 +34,37 @@ def sign_at(expr: sp.Expr, values: Values) -> tuple[int | None, Any]:
     return None, enclosure
 
 
-def chord(case: Case, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction]) -> Witness | None:
+def chord(subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction]) -> Witness | None:
     """Non-convexity: g(p) <= 0, g(q) <= 0 and g > 0 at the midpoint, or None if that is not certain."""
     middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
-    points = {"p": case.values_at(parameters, p), "q": case.values_at(parameters, q), "midpoint": case.values_at(parameters, middle)}
-    if not case.admits(points["p"]):
+    points = {
+        "p": subject.values_at(parameters, p),
+        "q": subject.values_at(parameters, q),
+        "midpoint": subject.values_at(parameters, middle),
+    }
+    if not subject.admits(points["p"]):
         return None
     shown = {}
     for role, values in points.items():
-        sign, enclosure = sign_at(case.problem.g, values)
+        sign, enclosure = sign_at(subject.problem.g, values)
         if sign is None or (sign > 0) != (role == "midpoint"):
             return None
         shown[f"g({role})"] = decimal_pair(enclosure)
     return Witness(
-        parameters=describe(case, points["p"], forces=False),
-        points={role: describe(case, values) for role, values in points.items()},
+        parameters=describe(subject, points["p"], forces=False),
+        points={role: describe(subject, values) for role, values in points.items()},
         values=shown,
         statement="g(p) <= 0 and g(q) <= 0, yet g > 0 at the midpoint of p and q: {g <= 0} is not convex",
     )
 
 
-def describe(case: Case, values: Values, forces: bool = True) -> dict[str, str]:
+def describe(subject: FormulaSubject, values: Values, forces: bool = True) -> dict[str, str]:
     """Exact strings by name: forces and pressure, or the parameters."""
-    law = case.law
+    law = subject.law
     if forces:
-        named = {str(x): str(values[x]) for x in case.problem.forces}
-        if law.pressure is not None and case.problem.magnitude is not None:
-            named[law.pressure] = str(-values.get(case.problem.magnitude, Fraction(1)))
+        named = {str(x): str(values[x]) for x in subject.problem.forces}
+        if law.pressure is not None and subject.problem.magnitude is not None:
+            named[law.pressure] = str(-values.get(subject.problem.magnitude, Fraction(1)))
         return named
     table = law.symbols()
     return {name: str(values[table[name]]) for name in law.parameters if table[name] in values}

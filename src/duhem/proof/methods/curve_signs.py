@@ -11,7 +11,8 @@ import sympy as sp
 
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 from duhem.proof.decide import Sense
-from duhem.proof.facts.curve import LEAD, LEAN, POWER, STAR, TURNING, CurveCase
+from duhem.proof.facts.curve_quantities import LEAD, LEAN, POWER, STAR, TURNING
+from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["convexity", "dissipation", "duality", "normality", "origin", "smoothness"]
@@ -19,72 +20,72 @@ __all__ = ["convexity", "dissipation", "duality", "normality", "origin", "smooth
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 
 
-def origin(case: CurveCase) -> Evidence | None:
+def origin(subject: CurveSubject) -> Evidence | None:
     """The curve winds around 0."""
-    if not case.free:
-        turns = case.at({}).winding(lambda j: j.boundary[0], 0)
+    if not subject.free:
+        turns = subject.at({}).winding(lambda j: j.boundary[0], 0)
         return _proved("winding (interval)", f"the curve never meets 0 and winds around it {_times(turns)}") if turns else None
-    turns = case.flow_turns()
-    if turns and (method := case.positive(POWER)):
+    turns = subject.flow_turns()
+    if turns and (method := subject.positive(POWER)):
         return _proved(f"winding ({method})", f"T . d > 0, so T is never opposite to d and winds around 0 as d turns: {_times(turns)}")
-    return _proved("winding", "T x T' > 0: the curve runs around 0 once") if _star(case) else None
+    return _proved("winding", "T x T' > 0: the curve runs around 0 once") if _star(subject) else None
 
 
-def convexity(case: CurveCase) -> Evidence | None:
+def convexity(subject: CurveSubject) -> Evidence | None:
     """T' x T'' > 0 and the tangent turns once."""
-    method = _convex(case)
+    method = _convex(subject)
     return _proved(f"turning-tangent ({method})", "T' x T'' > 0 at every angle and the tangent turns once") if method else None
 
 
-def smoothness(case: CurveCase) -> Evidence | None:
+def smoothness(subject: CurveSubject) -> Evidence | None:
     """A simple closed curve, smooth in its angle, that never stops."""
-    method, reason = _convex(case), "T' x T'' > 0, the tangent turning once"
+    method, reason = _convex(subject), "T' x T'' > 0, the tangent turning once"
     if not method:
-        method, reason = _star(case), "T x T' > 0, the curve running around 0 once"
-    if not method or not _analytic(case):
+        method, reason = _star(subject), "T x T' > 0, the curve running around 0 once"
+    if not method or not _analytic(subject):
         return None
     return _proved(f"regular-curve ({method})", f"{reason}: simple and never at rest; T is an analytic function of the angle")
 
 
-def normality(case: CurveCase) -> Evidence | None:
+def normality(subject: CurveSubject) -> Evidence | None:
     """The flow is normal by definition, or d . T' = 0 with d on the outer side; K convex in either case."""
-    if not _convex(case):
+    if not _convex(subject):
         return None
-    if case.law.flow is None:
+    if subject.law.flow is None:
         return _proved("normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex")
-    if case.vanishes(LEAN) and case.positive(LEAD):
+    if subject.vanishes(LEAN) and subject.positive(LEAD):
         return _proved("parallel", "d . T' = 0 and d x T' > 0: the flow is the outward normal at every angle, and K is convex")
     return None
 
 
-def dissipation(case: CurveCase) -> Evidence | None:
+def dissipation(subject: CurveSubject) -> Evidence | None:
     """T . d > 0 at every angle."""
-    method = case.positive(POWER)
+    method = subject.positive(POWER)
     return _proved(f"power ({method})", "T . d > 0 at every angle, so force . flow = |sigma_n| T . d > 0") if method else None
 
 
-def duality(case: CurveCase) -> Evidence | None:
+def duality(subject: CurveSubject) -> Evidence | None:
     """A boundary curve gives its support function point by point only."""
-    if case.law.flow is not None:
+    if subject.law.flow is not None:
         return Evidence(Verdict.NOT_APPLICABLE, "curve", "the law has a flow of its own, which no potential of K gives")
     reason = "the support function of K is known along the curve only, Phi = T . n at the normal n, not in closed form"
     return Evidence(Verdict.NOT_APPLICABLE, "curve", reason)
 
 
-def _convex(case: CurveCase) -> str | None:
-    return case.positive(TURNING) if case.turns_once(1, TURNING) else None
+def _convex(subject: CurveSubject) -> str | None:
+    return subject.positive(TURNING) if subject.turns_once(1, TURNING) else None
 
 
-def _star(case: CurveCase) -> str | None:
-    return case.positive(STAR) if case.turns_once(0, STAR) else None
+def _star(subject: CurveSubject) -> str | None:
+    return subject.positive(STAR) if subject.turns_once(0, STAR) else None
 
 
-def _analytic(case: CurveCase) -> bool:
+def _analytic(subject: CurveSubject) -> bool:
     """Whether T is built from analytic functions, roots of what is > 0 only (balls show that where parameters are fixed)."""
-    if any(x.has(*_KINKS) or (case.free and x.has(Norm)) for x in case.boundary):
+    if any(x.has(*_KINKS) or (subject.free and x.has(Norm)) for x in subject.boundary):
         return False
-    radicands = {p.base for x in case.boundary for p in x.atoms(sp.Pow) if not p.exp.is_Integer}
-    return not case.free or all(case.ask(r, Sense.POSITIVE).method for r in radicands)
+    radicands = {p.base for x in subject.boundary for p in x.atoms(sp.Pow) if not p.exp.is_Integer}
+    return not subject.free or all(subject.ask(r, Sense.POSITIVE).method for r in radicands)
 
 
 def _times(turns: int | None) -> str:

@@ -1,19 +1,12 @@
-r"""One law given by a boundary curve, under examination: its derivatives by the angle and the signs that decide the claims.
-
-With T the boundary, d the flow and ' the derivative by the angle (the curve runs counter-clockwise):
-power T . d, star T x T' (> 0: the curve runs around 0 in polar order), turning T' x T'' (> 0: it turns left throughout),
-lead d x T' (> 0: the flow is less than a right angle from the outward normal), lean d . T' (0: the flow is normal).
-"""
+"""A law given by a boundary curve, under examination: which quantities are positive all around, and how often vectors turn."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from functools import cached_property
+from itertools import chain, islice
 from random import Random
-from typing import Any
 
 import sympy as sp
 
@@ -22,50 +15,28 @@ from duhem.expression.vocabulary import Where
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.formula_law import Domain
 from duhem.law.parameter_domain import simple_points
-from duhem.proof.decide import Answer, Question, Sense, decide
-from duhem.proof.facts.curve_balls import Jet, NumericCurve, Vector, cross, dot, normals
+from duhem.proof.decide import Answer, Question, Sense
+from duhem.proof.facts.curve_balls import Jet, NumericCurve, Vector, normals
+from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
+from duhem.proof.facts.parameter_choices import Values, fraction, rationals
+from duhem.proof.facts.subject import Subject
 
-__all__ = ["LEAD", "LEAN", "POWER", "STAR", "TURNING", "CurveCase", "Quantity", "Values"]
+__all__ = ["CurveSubject"]
 
-Values = Mapping[sp.Symbol, sp.Rational]
+_CURVE_SECONDS = 8.0
 _MOST_VARIABLES = 6  # a question with more, radicals included, is beyond the deciders
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A function of a jet of this order; ``linear`` in the boundary or not."""
+class CurveSubject(Subject):
+    """The curve over the cosine and sine of its angle, for all parameters together or at one choice of them."""
 
-    name: str
-    order: int
-    of: Callable[[Jet], Any]
-    linear: bool
-
-
-POWER = Quantity("T . d", 0, lambda j: dot(j.boundary[0], j.flow[0]), True)
-STAR = Quantity("T x T'", 1, lambda j: cross(j.boundary[0], j.boundary[1]), False)
-TURNING = Quantity("T' x T''", 2, lambda j: cross(j.boundary[1], j.boundary[2]), False)
-LEAD = Quantity("d x T'", 1, lambda j: cross(j.flow[0], j.boundary[1]), True)
-LEAN = Quantity("d . T'", 1, lambda j: dot(j.flow[0], j.boundary[1]), True)
-
-
-class CurveCase:
-    """Derived forms of one boundary curve, each computed at most once, within a time allowance."""
+    law: ParametricCriterion
 
     def __init__(self, law: ParametricCriterion, question_seconds: float = 2.0) -> None:
+        super().__init__(question_seconds)
         self.law = law
         self.cosine, self.sine = sp.Dummy("cos", real=True), sp.Dummy("sin", real=True)
-        self._question_seconds = question_seconds
-        self._deadline = float("inf")
         self._signs: dict[Quantity, str | None] = {}
-
-    def allow(self, seconds: float) -> None:
-        """What is examined from now on shares this many seconds."""
-        self._deadline = time.monotonic() + seconds
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether the time allowed has run out."""
-        return time.monotonic() >= self._deadline
 
     @cached_property
     def free(self) -> tuple[sp.Symbol, ...]:
@@ -74,7 +45,7 @@ class CurveCase:
         return tuple(table[name] for name, domain in self.law.parameters.items() if domain.value is None)
 
     @cached_property
-    def fixed(self) -> Values:
+    def fixed(self) -> Mapping[sp.Symbol, sp.Rational]:
         """Parameters that are."""
         table = self.law.symbols()
         return {table[name]: domain.value for name, domain in self.law.parameters.items() if domain.value is not None}
@@ -185,10 +156,7 @@ class CurveCase:
         if len(names) + len(radicals) > _MOST_VARIABLES:
             return Answer(None, reason="too many variables")
         given = tuple(r for r in self.given if r.free_symbols <= names)
-        seconds = min(self._question_seconds, self._deadline - time.monotonic())
-        if seconds <= 0:
-            return Answer(None, reason="the claim's time ran out")
-        answer = decide(Question(core, sense, given, (self.cosine, self.sine)), seconds)
+        answer = self.decided(Question(core, sense, given, (self.cosine, self.sine)))
         return answer if answer.holds is True else Answer(None, reason=answer.reason)
 
     def vanishes(self, quantity: Quantity) -> bool:
@@ -221,33 +189,29 @@ class CurveCase:
         """How often the flow turns, where it is one field for all parameters."""
         if self.flow is None or any(x.free_symbols & set(self.free) for x in self.flow):
             return None
-        return NumericCurve(self.flow, None, self.cosine, self.sine, self._seconds()).winding(lambda j: j.boundary[0], 0)
+        return NumericCurve(self.flow, None, self.cosine, self.sine, self.seconds(_CURVE_SECONDS)).winding(lambda j: j.boundary[0], 0)
 
     # -- one choice of parameters --------------------------------------------------------------------------------
 
     def at(self, values: Values) -> NumericCurve:
         """The curve at exact values of the free parameters."""
-        boundary, flow = ([x.xreplace(dict(values)) for x in v] if v is not None else None for v in (self.boundary, self.flow))
-        assert boundary is not None
-        return NumericCurve(boundary, flow, self.cosine, self.sine, self._seconds())
-
-    def _seconds(self) -> float:
-        return min(8.0, self._deadline - time.monotonic())
+        exact = rationals(values)
+        boundary = [x.xreplace(exact) for x in self.boundary]
+        flow = None if self.flow is None else [x.xreplace(exact) for x in self.flow]
+        return NumericCurve(boundary, flow, self.cosine, self.sine, self.seconds(_CURVE_SECONDS))
 
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain: the plainest first, then at random over decades."""
         if not self.free:
             yield {}
             return
-        rng, found = Random(7), 0
-        table = self.law.symbols()
-        domains = {table[name]: domain for name, domain in self.law.parameters.items() if table[name] in self.free}
+        rng = Random(7)
+        domains = {x: self.law.parameters[x.name] for x in self.free}
         plain = ({x: point[x] for x in self.free} for point in simple_points(self.law))
         drawn = ({x: _drawn(domain, rng) for x, domain in domains.items()} for _ in range(40 * most))
-        for values in (*plain, *drawn):
-            if found < most and all(r.xreplace(values) == sp.true for r in self.given):
-                found += 1
-                yield values
+        admitted = (point for point in chain(plain, drawn) if all(r.xreplace(point) == sp.true for r in self.given))
+        for point in islice(admitted, most):
+            yield {x: fraction(value) for x, value in point.items()}
 
 
 def _drawn(domain: Domain, rng: Random) -> sp.Rational:

@@ -1,4 +1,4 @@
-"""The portfolio: sign rules, exact cells on the line and in the plane, z3, enclosures, cheapest sound one first."""
+"""The deciders in the order they are asked: sign rules, exact cells on the line and in the plane, z3, enclosures."""
 
 from __future__ import annotations
 

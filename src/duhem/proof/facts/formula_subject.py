@@ -1,8 +1,7 @@
-"""One law under examination: its problem, the derived forms every engine may need, and the signs already decided."""
+"""A law given by a formula, under examination: its problem, the forms that every method may need, the signs decided."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
@@ -15,35 +14,23 @@ from duhem.expression import Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
-from duhem.proof.decide import Answer, Question, Sense, decide
+from duhem.proof.decide import Answer, Question, Sense
 from duhem.proof.facts.parameter_choices import Values, fraction, plain_choices, rationals
+from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.problem import Problem, state
 from duhem.proof.statement.star import Star, star_form
 
-__all__ = ["Case"]
+__all__ = ["FormulaSubject"]
 
 
-class Case:
-    """Derived forms of one law, each computed at most once, within a time allowance that the verification renews.
+class FormulaSubject(Subject):
+    """``problem`` is the law as stated, ``simple`` an equivalent slice of it (see :class:`duhem.proof.statement.problem.Problem`)."""
 
-    ``problem`` is the law as stated, ``simple`` an equivalent slice of it (see :class:`duhem.model.Problem`).
-    """
+    law: Criterion
 
     def __init__(self, law: Criterion, question_seconds: float = 4.0) -> None:
+        super().__init__(question_seconds)
         self.law = law
-        self._question_seconds = question_seconds
-        self._deadline = float("inf")
-        self._answers: dict[Question, Answer] = {}
-        self.forms: dict[str, Any] = {}  # derived forms that another module makes, by its name
-
-    def allow(self, seconds: float) -> None:
-        """Questions asked from now on share this many seconds; those after are left open."""
-        self._deadline = time.monotonic() + seconds
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether the time allowed has run out."""
-        return time.monotonic() >= self._deadline
 
     @cached_property
     def problem(self) -> Problem:
@@ -112,12 +99,12 @@ class Case:
         positive = all(v > 0 for x, v in values.items() if x.is_positive) and all(v >= 0 for x, v in values.items() if x.is_nonnegative)
         return positive and all(relation.subs(exact) in (sp.true, True) for relation in self.problem.given)
 
-    def choices(self, most: int, hints: Sequence[Mapping[sp.Symbol, Any]] = ()) -> Iterator[dict[sp.Symbol, Fraction]]:
+    def choices(self, most: int, hints: Sequence[Mapping[sp.Symbol, Any]] = ()) -> Iterator[Values]:
         """Exact parameter values inside the domain at which g is defined: hints first, then ``most`` others, the plainest first."""
         free, zero = self.simple.parameters, (Fraction(0),) * len(self.simple.forces)
         seen: set[tuple[Fraction, ...]] = set()
 
-        def admitted(values: dict[sp.Symbol, Fraction]) -> bool:
+        def admitted(values: Values) -> bool:
             key = tuple(values.values())
             if key in seen or not self.admits(self.values_at(values, zero)) or self.formula_at(values).has(sp.nan, sp.zoo, sp.oo):
                 return False
@@ -135,18 +122,8 @@ class Case:
             return Answer(None, reason="the expression is undefined")
         answer = Answer(True, "vacuous")
         for question in Question(expr, sense, (*self.simple.given, *given), circle).pinned():
-            if (answer := self._asked(question)).holds is not True:
+            if (answer := self.decided(question)).holds is not True:
                 break
-        return answer
-
-    def _asked(self, question: Question) -> Answer:
-        known = self._answers.get(question)
-        if known is not None and known.holds is not None:
-            return known
-        seconds = min(self._question_seconds, self._deadline - time.monotonic())
-        if seconds <= 0:
-            return Answer(None, reason="the claim's time ran out")
-        answer = self._answers[question] = decide(question, seconds)
         return answer
 
     def nonnegative(self, constant: sp.Expr) -> bool:
