@@ -46,7 +46,8 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import ParametricCriterion
     from duhem.law.formula_law import POSITIVE, REAL, Criterion, Domain, criterion
     from duhem.path import History, Path, simulate
-    from duhem.projection import Projection, Status, project
+    from duhem.projection.projector import project
+    from duhem.projection.result import Projection, Status
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
 
@@ -58,7 +59,8 @@ _HOMES = {
     "law.curve_law": ("ParametricCriterion",),
     "law.formula_law": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
     "path": ("History", "Path", "simulate"),
-    "projection": ("Projection", "Status", "project"),
+    "projection.projector": ("project",),
+    "projection.result": ("Projection", "Status"),
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
 }

@@ -6,7 +6,7 @@ import json
 import math
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
@@ -19,13 +19,14 @@ import sympy as sp
 
 import duhem
 from duhem.__main__ import main
-from duhem.benchmark.contenders import Contender, Subject, contenders
+from duhem.benchmark.contenders import Contender, Subject, applicable
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
 from duhem.benchmark.work_precision import bench
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
 from duhem.benchmark.work_precision.text import duration, text
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
 from duhem.projection.increment import Increment
 from duhem.projection.result import Solution
 from tests.oracles.path import drive
@@ -153,15 +154,15 @@ def question(name: str, values: dict[str, Any]) -> Increment:
     return subject.question(np.zeros((1, len(law.forces))), subject.pressure)
 
 
-def test_lineup_names_what_is_left_out_and_why() -> None:
-    found, left_out = contenders(question("coulomb", {"mu": "1/4"}), (1e-6, None))
+def test_what_does_not_apply_is_named_what_is_left_out_and_why() -> None:
+    found, left_out = applicable(question("coulomb", {"mu": "1/4"}), (1e-6, None))
     names = [c.name for c in found]
     assert names[0] == "closed-form" and "newton" in names and names.count("cvxpy CLARABEL") == 2
     reasons = {part.part: part.reason for part in left_out}
     assert ("closed-form, numba" in names) != ("closed-form, numba" in reasons)
     if find_spec("numba") is None:
         assert 'pip install "duhem[fast]"' in reasons["closed-form, numba"]
-    found, left_out = contenders(question("limacon", {"mu": "1/4", "e": "0.3"}))
+    found, left_out = applicable(question("limacon", {"mu": "1/4", "e": "0.3"}))
     assert [c.name for c in found] == ["newton"]
     reasons = {part.part: part.reason for part in left_out}
     assert "no closed form" in reasons["closed-form"] and reasons["cvxpy"]
@@ -179,32 +180,27 @@ def test_subject_measures_the_law_at_the_doubles_that_methods_read() -> None:
 # -- rows ------------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Skewed(Contender):
+def skewed() -> Contender:
     """The closed form with every stress a tenth of a percent too large: wrong, and sure of itself."""
 
-    @classmethod
-    def made(cls, name: str = "skewed") -> Contender:
-        right = Contender.of("closed-form", "closed-form")
+    def solve(asked: Increment, options: ClosedFormOptions) -> Solution:
+        answer = CLOSED_FORM.solve(asked, options)
+        return Solution(answer.stress * 1.001, answer.slip, answer.multiplier, answer.failed)
 
-        def solve(asked: Increment) -> Solution:
-            answer = right.solve(asked)
-            return Solution(answer.stress * 1.001, answer.slip, answer.multiplier, answer.failed)
-
-        return Contender(name, "closed-form", solve, {})
+    return Contender("skewed", replace(CLOSED_FORM, solve=solve), ClosedFormOptions())
 
 
 def broken() -> Contender:
-    def solve(_: Increment) -> Solution:
+    def solve(*_: object) -> Solution:
         raise RuntimeError("the solver went away")
 
-    return Contender("broken", "closed-form", solve, {})
+    return Contender("broken", replace(CLOSED_FORM, solve=solve), ClosedFormOptions())
 
 
 @pytest.fixture(scope="module")
 def increments() -> WorkPrecision:
-    lineup = [Contender.of("closed-form", "closed-form"), Skewed.made(), broken()]
-    return bench(coulomb(), scenes=("increment",), repeats=2, lineup=lineup)
+    contenders = [Contender.of("closed-form", "closed-form"), skewed(), broken()]
+    return bench(coulomb(), scenes=("increment",), repeats=2, contenders=contenders)
 
 
 def test_a_wrong_method_shows_its_error(increments: WorkPrecision) -> None:
@@ -220,7 +216,7 @@ def test_a_method_that_raises_is_listed_as_failed(increments: WorkPrecision) -> 
     assert row.seconds is None and row.error == {}
     assert "failed: RuntimeError: the solver went away" in text(increments)
     assert not increments.failed
-    assert bench(coulomb(), scenes=("path",), repeats=1, steps=(1,), lineup=[]).failed is False
+    assert bench(coulomb(), scenes=("path",), repeats=1, steps=(1,), contenders=[]).failed is False
 
 
 def test_nothing_but_failures_is_a_failure() -> None:

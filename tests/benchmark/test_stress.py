@@ -27,6 +27,7 @@ from duhem.benchmark.extreme_cases.stress import ExtremeCases, Tally
 from duhem.benchmark.extreme_cases.text import text
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
 from duhem.projection.result import Projection, Status
 
 FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}
@@ -62,7 +63,7 @@ class Doctored(Contender):
 
     @classmethod
     def made(cls, name: str, change: Callable[[Projection], Projection]) -> Doctored:
-        found = cls(name, "closed-form", Contender.of("closed-form", "closed-form").solve, {})
+        found = cls(name, CLOSED_FORM, ClosedFormOptions())
         object.__setattr__(found, "change", change)
         return found
 
@@ -89,8 +90,8 @@ def gone(done: Projection) -> Projection:
 @pytest.fixture(scope="module")
 def doctored() -> ExtremeCases:
     changes = {"skewed": skewed, "skewed and said": skewed_and_said, "lost": lost, "gone": gone}
-    lineup = [Contender.of("closed-form", "closed-form"), *(Doctored.made(n, c) for n, c in changes.items())]
-    return stress(flagship(), axes=("trial size",), lineup=lineup)
+    contenders = [Contender.of("closed-form", "closed-form"), *(Doctored.made(n, c) for n, c in changes.items())]
+    return stress(flagship(), axes=("trial size",), contenders=contenders)
 
 
 # -- the cases -------------------------------------------------------------------------------------------------------
@@ -170,8 +171,8 @@ def test_numbers_that_are_not_finite_and_errors(doctored: ExtremeCases) -> None:
 
 
 def test_closed_form_and_newton_stay_right_or_say_so() -> None:
-    lineup = [Contender.of("closed-form", "closed-form"), Contender.of("newton", "newton")]
-    result = stress(flagship(), axes=("stiffness ratio", "special values"), lineup=lineup)
+    contenders = [Contender.of("closed-form", "closed-form"), Contender.of("newton", "newton")]
+    result = stress(flagship(), axes=("stiffness ratio", "special values"), contenders=contenders)
     assert result.silently_wrong["closed-form"] == (0, 0)
     assert result.silently_wrong["newton"][0] == 0
     assert min(row.stress_digits for row in result.rows if row.method == "closed-form") >= 15.0
@@ -188,19 +189,19 @@ def test_refusals_name_argument_and_index() -> None:
         def project(self, subject: Subject, trial: Any, pressure: Any, stiffness: Any = None) -> Projection:
             return super().project(subject, np.ones((3, 2)), -1.0)
 
-    careless = Careless("careless", "closed-form", Contender.of("closed-form", "closed-form").solve, {})
+    careless = Careless("careless", CLOSED_FORM, ClosedFormOptions())
     found = list(refusals(subject, careless))
     assert not any(r.held for r in found) and all(r.answer.startswith("answered") for r in found)
 
 
 def test_metals_have_no_pressure_and_no_thin_axis() -> None:
-    lineup = [Contender.of("newton", "newton")]
-    result = stress(formula("tresca", yield_stress="1"), axes=("aspect of K", "boundary distance"), lineup=lineup)
+    contenders = [Contender.of("newton", "newton")]
+    result = stress(formula("tresca", yield_stress="1"), axes=("aspect of K", "boundary distance"), contenders=contenders)
     assert result.silently_wrong["newton"][0] == 0
     assert [part.reason for part in result.left_out if part.part == "axis aspect of K"] == [
         "no parameter of the law scales one axis of K alone"
     ]
-    line = stress(formula("antoni2007-1d", mu_plus="0.2", mu_minus="0.1"), axes=("seam distance",), lineup=lineup)
+    line = stress(formula("antoni2007-1d", mu_plus="0.2", mu_minus="0.1"), axes=("seam distance",), contenders=contenders)
     assert line.rows == () and any(part.part == "axis seam distance" for part in line.left_out)
 
 

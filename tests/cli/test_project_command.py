@@ -12,6 +12,9 @@ import pytest
 import duhem
 from duhem.__main__ import main
 from duhem.projection import closed_form
+from duhem.projection.increment import Increment
+from duhem.projection.method import Options
+from duhem.projection.result import Solution
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 Run = Callable[..., tuple[int, str, str]]
@@ -73,8 +76,11 @@ def test_command_refuses(run: Run, arguments: list[str], message: str) -> None:
 
 
 def test_command_ends_with_4_where_the_point_is_not_solved(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    right = closed_form.solve
-    monkeypatch.setattr(closed_form, "solve", lambda q: replace(right(q), stress=right(q).stress * 1.1))
+    def beyond(question: Increment, _: Options) -> Solution:
+        right = closed_form.solve(question)
+        return replace(right, stress=right.stress * 1.1)
+
+    monkeypatch.setattr(closed_form, "CLOSED_FORM", replace(closed_form.CLOSED_FORM, solve=beyond))
     code, out, _ = run("coulomb", "--set", "mu=0.3", "--trial", "1", "2", "--pressure", "-1")
     assert code == 4
     assert "inaccurate" in out

@@ -3,6 +3,8 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ import duhem
 from duhem import InputError
 from duhem.cli import cli
 from duhem.path import scene_file, scene_run
+from duhem.path.integrators import INTEGRATORS
 
 LINE = """\
 law = "antoni2007-1d"
@@ -178,18 +181,17 @@ def test_outputs_are_checked_before_the_run(folder, options, message, monkeypatc
 def test_an_interrupted_command_keeps_what_is_done_and_resumes(folder, monkeypatch):
     table = folder / "h.csv"
     run(folder / "plane.toml", "--out", folder / "whole.csv")
-    from duhem.path import exact
-
-    advance = exact.advance
+    simulation = import_module("duhem.path.simulate")  # the package has the function under this name
+    exact = INTEGRATORS["exact"]
 
     def stopping(problem, ledger):
-        for done in advance(problem, ledger):
+        for done in exact.advance(problem, ledger):
             yield done
             if done == 20:
                 raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(exact, "advance", stopping)
+        patch.setattr(simulation, "INTEGRATORS", {"exact": replace(exact, advance=stopping)})
         stopped = run(folder / "plane.toml", "--out", table)
     assert stopped.return_value == 130 and "19 of 40" in stopped.stderr and "--resume" in stopped.stderr
     assert not table.exists()
@@ -197,7 +199,8 @@ def test_an_interrupted_command_keeps_what_is_done_and_resumes(folder, monkeypat
     other = run(folder / "other.toml", "--out", table, "--resume")
     assert isinstance(other.exception, InputError) and "another run" in str(other.exception)
     begun = []
-    monkeypatch.setattr(exact, "advance", lambda problem, ledger: (begun.append(ledger.done), advance(problem, ledger))[1])
+    counting = replace(exact, advance=lambda problem, ledger: (begun.append(ledger.done), exact.advance(problem, ledger))[1])
+    monkeypatch.setattr(simulation, "INTEGRATORS", {"exact": counting})
     assert run(folder / "plane.toml", "--out", table, "--resume").return_value == 0
     assert begun == [20]
     assert table.read_bytes() == (folder / "whole.csv").read_bytes()

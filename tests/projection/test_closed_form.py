@@ -13,7 +13,7 @@ import duhem
 from duhem.expression import mpmath_
 from duhem.law.formula_law import Criterion, Domain
 from duhem.law.shapes import Disk, Interval, Quadrants
-from duhem.projection import Status
+from duhem.projection.result import Status
 from tests.oracles.projection import closest
 from tests.projection.declared_shapes import FIGURE_5, MU, WITH_SHAPE, off, values
 

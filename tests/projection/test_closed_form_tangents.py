@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem.projection import Status
+from duhem.projection.result import Status
 from tests.oracles.projection import Exact, closest
 from tests.projection.declared_shapes import FIGURE_5, MU, WITH_SHAPE, values
 

@@ -14,11 +14,17 @@ import duhem
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.conic_solvers import rungs
-from duhem.projection.cvxpy_method import applies, solve
-from duhem.projection.result import Array
+from duhem.projection.cvxpy_method import CVXPY, applies
+from duhem.projection.increment import Increment
+from duhem.projection.result import Array, Solution
 from tests.oracles.laws_by_hand import ANTONI, FULL, LAWS, Law, increment, norm, question
 
 EACH_LAW = pytest.mark.parametrize("law", LAWS, ids=Law.label)
+
+
+def solve(question: Increment, **options: Any) -> Solution:
+    """The method alone, unjudged."""
+    return CVXPY.solve(question, CVXPY.options_of(options))
 
 
 # -- truths ------------------------------------------------------------------------------------------------------------

@@ -12,17 +12,23 @@ import pytest
 import duhem
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
-from duhem.projection import Status, closed_form, newton
+from duhem.projection import closed_form, newton
 from duhem.projection.increment import Increment
-from duhem.projection.metric import factors
+from duhem.projection.method import Options
+from duhem.projection.methods import METHODS
 from duhem.projection.residuals import residuals
-from duhem.projection.result import Solution
+from duhem.projection.result import Solution, Status
+from duhem.projection.stiffness_factors import factors
 from duhem.projection.validation import increment as checked
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 nan, inf = float("nan"), float("inf")
-METHODS = ("closed-form", "newton", "cvxpy")
 Spoil = Callable[[Solution], Solution]
+
+
+def put(monkeypatch: pytest.MonkeyPatch, **parts: Any) -> None:
+    """The closed form with parts of another, for the time of a test."""
+    monkeypatch.setattr(closed_form, "CLOSED_FORM", replace(closed_form.CLOSED_FORM, **parts))
 
 
 def _turned(by: float) -> Spoil:
@@ -52,8 +58,7 @@ def _turned(by: float) -> Spoil:
     ids=["outside", "negative", "inside", "slip", "multiplier", "turned", "far", "no-slip"],
 )
 def test_a_wrong_answer_is_inaccurate(monkeypatch: pytest.MonkeyPatch, spoil: Spoil, residual: str) -> None:
-    right = closed_form.solve
-    monkeypatch.setattr(closed_form, "solve", lambda question: spoil(right(question)))
+    put(monkeypatch, solve=lambda question, _: spoil(closed_form.solve(question)))
     angle = np.linspace(0.05, 1.5, 8)
     trial = 2 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     done = duhem.project("orthotropic", trial, -1.0, parameters={"mu_a": 0.3, "mu_b": 0.2})
@@ -66,24 +71,22 @@ def test_a_wrong_answer_is_inaccurate(monkeypatch: pytest.MonkeyPatch, spoil: Sp
 @pytest.mark.parametrize("field", ["stress", "slip", "multiplier"])
 @pytest.mark.parametrize("value", [nan, inf])
 def test_what_is_not_finite_has_failed(monkeypatch: pytest.MonkeyPatch, field: str, value: float) -> None:
-    right = closed_form.solve
-
-    def broken(question: Increment) -> Solution:
-        solution = right(question)
+    def broken(question: Increment, _: Options) -> Solution:
+        solution = closed_form.solve(question)
         getattr(solution, field)[1] = value
         return solution
 
-    monkeypatch.setattr(closed_form, "solve", broken)
+    put(monkeypatch, solve=broken)
     done = duhem.project("coulomb", [[1.0, 2.0], [1.0, 3.0], [0.01, 0.0]], -1.0, parameters={"mu": 0.3})
     assert done.status.tolist() == [Status.SLIP, Status.FAILED, Status.STICK]
 
 
 def test_a_stick_outside_is_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
-    def lazy(q: Increment) -> Solution:
+    def lazy(q: Increment, _: Options) -> Solution:
         n = len(q.trial)
         return Solution(q.trial.copy(), np.zeros_like(q.trial), np.zeros(n), np.zeros(n, dtype=bool))
 
-    monkeypatch.setattr(closed_form, "solve", lazy)
+    put(monkeypatch, solve=lazy)
     done = duhem.project("coulomb", [[0.30001, 0.0], [0.29, 0.0]], -1.0, parameters={"mu": 0.3})
     assert done.status.tolist() == [Status.INACCURATE, Status.STICK]
 
@@ -93,12 +96,11 @@ def test_corners_are_judged_by_their_cone(monkeypatch: pytest.MonkeyPatch) -> No
     law = Criterion("corner", "max(abs(sigma_a), abs(sigma_b)) - abs(sigma_n)", {})
     for trial, right in (((3.0, 2.0), True), ((3.0, 0.5), False)):
 
-        def at_corner(q: Increment, t: tuple[float, float] = trial) -> Solution:
+        def at_corner(q: Increment, _: Options, t: tuple[float, float] = trial) -> Solution:
             slip = np.array([[t[0] - 1.0, t[1] - 1.0]])
             return Solution(np.array([[1.0, 1.0]]), slip, np.abs(slip).sum(axis=1), np.zeros(1, dtype=bool))
 
-        monkeypatch.setattr(closed_form, "applies", lambda q: None)
-        monkeypatch.setattr(closed_form, "solve", at_corner)
+        put(monkeypatch, applies=lambda q: None, solve=at_corner)
         status = duhem.project(law, trial, -1.0).status[0]
         assert status == (Status.SLIP if right else Status.INACCURATE)
 
@@ -252,8 +254,8 @@ def test_a_wrong_point_at_no_pressure_is_inaccurate(monkeypatch: pytest.MonkeyPa
     trial = np.array([[1.0, -2.0], [1.0, -1.0], [1.0, 2.0]])
     assert duhem.project(law, trial, 0.0, method="newton").stress == pytest.approx(trial - (trial @ [0.2, -0.4])[:, None] * [1, -2])
 
-    def origin(q: Increment) -> Solution:
+    def origin(q: Increment, _: Options) -> Solution:
         return Solution(np.zeros_like(q.trial), q.trial.copy(), np.linalg.norm(q.trial, axis=1), np.zeros(len(q.trial), dtype=bool))
 
-    monkeypatch.setattr(newton, "solve", origin)
+    monkeypatch.setattr(newton, "NEWTON", replace(newton.NEWTON, solve=origin))
     assert duhem.project(law, trial, 0.0, method="newton").status.tolist() == [Status.SLIP, Status.INACCURATE, Status.INACCURATE]

@@ -13,8 +13,10 @@ import pytest
 
 import duhem
 from duhem.errors import InputError, MissingExtraError
-from duhem.projection import Status, closed_form, compiled, quadrants
+from duhem.projection import closed_form, compiled, quadrants
+from duhem.projection.closed_form import ClosedFormOptions
 from duhem.projection.quadrants import BLOCK, Quarters
+from duhem.projection.result import Status
 from duhem.projection.validation import increment
 from tests.oracles.projection import Exact, closest
 from tests.projection.declared_shapes import EPS, FIGURE_5, MU, WITH_SHAPE, off, values
@@ -260,11 +262,11 @@ def test_the_arrays_of_an_earlier_solution_are_used_again(fast: bool) -> None:
         pytest.importorskip("numba")
     rng = np.random.default_rng(6)
     steps = [increment(duhem.load("antoni2007"), rng.normal(size=(3000, 2)), -rng.uniform(0.1, 9.0, 3000), 2.0, FIGURE_5) for _ in range(2)]
-    room = closed_form.solve(steps[0], compiled=fast)
-    again = closed_form.solve(steps[1], compiled=fast, into=room)
-    anew = closed_form.solve(steps[1], compiled=fast)
+    room = closed_form.solve(steps[0], ClosedFormOptions(compiled=fast))
+    again = closed_form.solve(steps[1], ClosedFormOptions(compiled=fast, into=room))
+    anew = closed_form.solve(steps[1], ClosedFormOptions(compiled=fast))
     assert again is room
     for name in ("stress", "slip", "multiplier", "failed"):
         assert (getattr(again, name) == getattr(anew, name)).all()
     with pytest.raises(InputError, match=r"stress of into has shape \(3000, 2\)"):
-        closed_form.solve(increment(duhem.load("antoni2007"), rng.normal(size=(5, 2)), -1.0, 2.0, FIGURE_5), into=room)
+        closed_form.solve(increment(duhem.load("antoni2007"), rng.normal(size=(5, 2)), -1.0, 2.0, FIGURE_5), ClosedFormOptions(into=room))

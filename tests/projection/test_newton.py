@@ -10,9 +10,10 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection import Status, newton
+from duhem.projection import newton
 from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
+from duhem.projection.result import Status
 from tests.campaigns.yield_surfaces import YIELD, campaign
 from tests.oracles.optimality import ANTONI, CONVEX, R, increment, radii, shortfall, stiffnesses
 
@@ -311,8 +312,8 @@ def test_nearest_point_of_half_spaces_by_brute_force():
 
 
 def test_endless_directions():
-    from duhem.projection.body import body
     from duhem.projection.scaled_formula import scaled
+    from duhem.projection.whitened_body import body
 
     def found(question):
         forces = question.law.force_symbols()

@@ -15,11 +15,11 @@ import pytest
 import duhem
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion, Domain
-from duhem.projection import projector
+from duhem.projection.methods import METHODS
+from duhem.projection.projector import Projector
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 nan, inf = float("nan"), float("inf")
-METHODS = ("closed-form", "newton", "cvxpy")
 
 
 # -- input -----------------------------------------------------------------------------------------------------------
@@ -144,7 +144,7 @@ def test_a_formula_alone_needs_no_declaration() -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_a_projector_gives_the_numbers_of_project(method: str) -> None:
     trial = np.random.default_rng(2).normal(size=(6, 2))
-    prepared = projector("antoni2007", [1.0, 3.0], MU, method)
+    prepared = Projector.of("antoni2007", [1.0, 3.0], MU, method)
     for pressure in (-1.0, -0.2):
         at_once, later = duhem.project("antoni2007", trial, pressure, [1.0, 3.0], MU, method), prepared(trial, pressure)
         for name in ("stress", "slip", "multiplier", "status"):

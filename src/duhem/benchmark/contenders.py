@@ -1,17 +1,12 @@
-"""Who is measured, on which law, on what machine: the methods that apply, and why the others are left out."""
+"""Who is measured, on which law: the methods that apply, and why the others are left out."""
 
 from __future__ import annotations
 
-import os
-import platform
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
-from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -21,16 +16,18 @@ from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.law.formula_law import Criterion, Domain
 from duhem.left_out import LeftOut
+from duhem.projection import conic_solvers
 from duhem.projection.increment import Increment
-from duhem.projection.project import METHODS, project
+from duhem.projection.method import Method, Options
+from duhem.projection.methods import METHODS
+from duhem.projection.projector import project
 from duhem.projection.result import Array, Projection, Solution
 from duhem.projection.validation import increment
 
-__all__ = ["Contender", "Subject", "contenders", "machine"]
+__all__ = ["Contender", "Subject", "applicable"]
 
-CONIC_SOLVERS = ("CLARABEL", "CVXOPT", "ECOS", "OSQP", "QOCO", "SCS")
+Tolerances = Sequence[float | None]
 _RADII = np.ldexp(1.0, np.arange(-1070, 1021))
-_PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "cvxpy", "clarabel", "numba", "cvxopt", "ecos", "osqp", "qoco", "scs")
 
 
 @dataclass(frozen=True)
@@ -96,83 +93,69 @@ class Subject:
 
 @dataclass(frozen=True)
 class Contender:
-    """One way to the closest point: ``solve`` from a checked question, unjudged; ``method`` and ``options`` as duhem.project takes them."""
+    """One way to the closest point: a method with its options, under the name it has in tables."""
 
     name: str
-    method: str
-    solve: Callable[[Increment], Solution]
-    options: Mapping[str, Any]
+    method: Method[Any]
+    options: Options
 
     @classmethod
     def of(cls, name: str, method: str, **options: Any) -> Contender:
         """One of duhem's own methods."""
-        return cls(name, method, partial(import_module(f"duhem.projection.{METHODS[method]}").solve, **options), options)
+        found = METHODS[method]()
+        return cls(name, found, found.options_of(options))
+
+    def solve(self, question: Increment) -> Solution:
+        """The method's answer to a checked question, unjudged."""
+        return self.method.solve(question, self.options)
 
     def again(self, question: Increment, into: Solution) -> Solution:
-        """The same into the arrays of an earlier solution of as many points; TypeError for a method that cannot."""
-        return cast(Solution, import_module(f"duhem.projection.{METHODS[self.method]}").solve(question, into=into, **self.options))
+        """The same into the arrays of an earlier solution of as many points; InputError for a method that cannot."""
+        return self.method.solve(question, self.method.options_of({**vars(self.options), "into": into}))
 
     def project(self, subject: Subject, trial: Array, pressure: Any, stiffness: Array | None = None) -> Projection:
         """The increment with statuses and residuals, as users get it."""
         k = subject.stiffness if stiffness is None else stiffness
-        return project(subject.law, trial, pressure, k, method=self.method, **self.options)
+        return project(subject.law, trial, pressure, k, method=self.method, **vars(self.options))
 
 
-def contenders(question: Increment, tolerances: Sequence[float | None] = (None,)) -> tuple[list[Contender], list[LeftOut]]:
+def applicable(question: Increment, tolerances: Tolerances = (None,)) -> tuple[list[Contender], list[LeftOut]]:
     """Every method that applies to the law, the conic solvers once for each tolerance (None: the tightest that is met)."""
     found, left_out = list[Contender](), list[LeftOut]()
-    reasons = {name: import_module(f"duhem.projection.{module}").applies(question) for name, module in METHODS.items()}
-    if reasons["closed-form"] is None:
-        found.append(Contender.of("closed-form", "closed-form"))
-        if find_spec("numba") is None:
-            left_out.append(LeftOut("closed-form, numba", 'numba is not installed, pip install "duhem[fast]"'))
-        elif question.trial.shape[1] == 2:
-            found.append(Contender.of("closed-form, numba", "closed-form", compiled=True))
-    else:
-        left_out.append(LeftOut("closed-form", reasons["closed-form"]))
-    found.append(Contender.of("newton", "newton"))
-    if reasons["cvxpy"] is not None:
-        left_out.append(LeftOut("cvxpy", reasons["cvxpy"]))
-        return found, left_out
-    installed: list[str] = import_module("cvxpy").installed_solvers()
-    for solver in CONIC_SOLVERS:
-        if solver not in installed:
-            left_out.append(LeftOut(f"cvxpy {solver}", f"not installed, pip install {solver.lower()}"))
+    for name, imported in METHODS.items():
+        if (reason := imported().applies(question)) is not None:
+            left_out.append(LeftOut(name, reason))
             continue
-        for tolerance in tolerances:
-            options = {"solver": solver} | ({} if tolerance is None else {"tolerance": tolerance})
-            found.append(Contender.of(f"cvxpy {solver}", "cvxpy", **options))
-    left_out += [LeftOut(f"cvxpy {s}", "no solver of second-order cones known to duhem") for s in installed if s not in CONIC_SOLVERS]
+        for entry in _VARIANTS[name](question, tolerances) if name in _VARIANTS else (Contender.of(name, name),):
+            if isinstance(entry, Contender):
+                found.append(entry)
+            else:
+                left_out.append(entry)
     return found, left_out
 
 
-def machine() -> dict[str, Any]:
-    """What the numbers were taken on: processor, system, versions."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    return {
-        "processor": _processor(),
-        "processors_usable": usable,
-        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
-        "python": platform.python_version(),
-        "versions": {name: found for name in _PACKAGES if (found := _version(name)) is not None},
-    }
+def _kernels(question: Increment, _: Tolerances) -> Iterator[Contender | LeftOut]:
+    """The closed form in NumPy, and compiled."""
+    yield Contender.of("closed-form", "closed-form")
+    if find_spec("numba") is None:
+        yield LeftOut("closed-form, numba", 'numba is not installed, pip install "duhem[fast]"')
+    elif question.trial.shape[1] == 2:
+        yield Contender.of("closed-form, numba", "closed-form", compiled=True)
 
 
-def _processor() -> str:
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as stream:
-            for line in stream:
-                if line.startswith("model name"):
-                    return line.partition(":")[2].strip()
-    except OSError:
-        pass
-    return platform.processor() or platform.machine()
-
-
-def _version(name: str) -> str | None:
-    for candidate in (name, f"{name}-base"):
-        try:
-            return version(candidate)
-        except PackageNotFoundError:
+def _conic(_: Increment, tolerances: Tolerances) -> Iterator[Contender | LeftOut]:
+    """Each conic solver at each tolerance."""
+    installed = conic_solvers.installed()
+    for solver in conic_solvers.KNOWN:
+        if solver not in installed:
+            yield LeftOut(f"cvxpy {solver}", f"not installed, pip install {solver.lower()}")
             continue
-    return None
+        for tolerance in tolerances:
+            yield Contender.of(f"cvxpy {solver}", "cvxpy", solver=solver, tolerance=tolerance)
+    for solver in installed:
+        if solver not in conic_solvers.KNOWN:
+            yield LeftOut(f"cvxpy {solver}", "no solver of second-order cones known to duhem")
+
+
+# Methods that are measured in several ways; any other is measured once, as it comes.
+_VARIANTS: Mapping[str, Callable[[Increment, Tolerances], Iterator[Contender | LeftOut]]] = {"closed-form": _kernels, "cvxpy": _conic}

@@ -9,6 +9,7 @@ import click
 from duhem.cli.arguments import Vectors, law_argument, read_fixed_formula, read_number, read_numbers, settings_option
 from duhem.cli.exit_code import FAILED, HELD
 from duhem.cli.output import say
+from duhem.projection.methods import METHODS
 
 __all__ = ["project"]
 
@@ -19,9 +20,7 @@ __all__ = ["project"]
 @click.option("--trial", metavar="A B ...", required=True, help="Trial stress k (u - u_in), one number a force.")
 @click.option("--pressure", metavar="N", help="Normal stress sigma_n <= 0 in compression.")
 @click.option("--stiffness", metavar="K ...", default="1", show_default=True, help="One number, one a force, or the matrix row by row.")
-@click.option(
-    "--method", type=click.Choice(["auto", "closed-form", "newton", "cvxpy"]), default="auto", show_default=True, help="How to solve."
-)
+@click.option("--method", type=click.Choice(["auto", *METHODS]), default="auto", show_default=True, help="How to solve.")
 @click.option("--tangent", is_flag=True, help="Add the consistent tangents.")
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
@@ -38,9 +37,9 @@ def project(
     target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")
     load = None if pressure is None else read_number(pressure, "--pressure")
 
-    from duhem.projection import Status
-    from duhem.projection import project as closest
     from duhem.projection import report as increment
+    from duhem.projection.projector import project as closest
+    from duhem.projection.result import Status
 
     d = len(fixed.forces)
     k = [rows[i : i + d] for i in range(0, d * d, d)] if len(rows) == d * d and d > 1 else rows if len(rows) > 1 else rows[0]

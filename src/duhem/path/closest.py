@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from duhem.errors import DuhemError
 from duhem.law.shapes import Disk, Interval, Quadrants
-from duhem.projection import Status, closed_form, projector, quadrants
+from duhem.projection import closed_form, quadrants
 from duhem.projection.coefficients import coefficients, of_pressure
 from duhem.projection.increment import Increment
-from duhem.projection.result import Array
+from duhem.projection.projector import Projector
+from duhem.projection.result import Array, Status
 
 __all__ = ["Closest", "Numbers", "closest", "numbers"]
 
@@ -96,8 +97,8 @@ def _on_interval(shape: Numbers, increment: Increment) -> Closest:
 
 
 def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
-    """Through :class:`duhem.projection.Projector`, which judges each answer; one that is not found ends the run."""
-    prepared = projector(increment.law, increment.stiffness, increment.parameters, method)
+    """Through :class:`duhem.projection.projector.Projector`, which judges each answer; one that is not found ends the run."""
+    prepared = Projector.of(increment.law, increment.stiffness, increment.parameters, method)
 
     def at(trial: Array, rows: Rows) -> Answer:
         found = prepared.at(replace(prepared.setting, trial=trial, pressure=increment.pressure[rows]))
@@ -107,4 +108,4 @@ def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
             raise DuhemError(what, where=f"step {row}", remedy="take another projection, or smaller steps")
         return found.stress, found.slip, found.multiplier
 
-    return at, f"projection by {prepared.method}"
+    return at, f"projection by {prepared.method.name}"

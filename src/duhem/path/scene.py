@@ -113,7 +113,7 @@ def _solver(scene: Scene, problem: Problem) -> Part:
     from duhem.projection import closed_form
 
     name, reason = "solver (CVXPY or Newton)", closed_form.applies(problem.increment)
-    if scene.projection in ("newton", "cvxpy"):
+    if scene.projection not in ("auto", "closed-form"):
         return Part(name, True, f"projection {scene.projection} is asked for")
     if reason is None:
         one = isinstance(scene.law.closed_form, Interval)

@@ -35,9 +35,11 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
+from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import CONTROLS, Path
 from duhem.path.scene import Scene
-from duhem.path.simulate import METHODS, plan
+from duhem.path.simulate import plan
+from duhem.projection.methods import METHODS
 
 __all__ = ["SceneFaults", "read", "reads"]
 
@@ -53,7 +55,7 @@ _KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # what each kind
     "random": (("seed", "points"), ("scale",)),
     "table": (("file",), ("columns", "time", "control")),
 }
-_PROJECTIONS = ("auto", "closed-form", "newton", "cvxpy")
+_PROJECTIONS = ("auto", *METHODS)
 MOST_BYTES = 10_000_000
 
 
@@ -107,7 +109,7 @@ class _Reader:
         path = self.path(law)
         method = self.section("method")
         self.known("method", method, _SECTIONS["method"])
-        integrator = self.choice("method", method, "integrator", METHODS, "implicit")
+        integrator = self.choice("method", method, "integrator", tuple(INTEGRATORS), "implicit")
         projection = self.choice("method", method, "projection", _PROJECTIONS, "auto")
         substeps = method.get("substeps", 1)
         if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Callable, Mapping
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -14,16 +13,16 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.path.history import History
+from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path
 from duhem.path.problem import Problem
-from duhem.projection import project
+from duhem.projection.projector import project
 from duhem.projection.result import Array
 from duhem.projection.validation import increment as checked
 
-__all__ = ["METHODS", "Interrupted", "plan", "simulate"]
+__all__ = ["Interrupted", "plan", "simulate"]
 
-METHODS = ("implicit", "extrapolated", "exact")
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
 
 
@@ -63,7 +62,7 @@ def simulate(
     problem = plan(law, path, stiffness=stiffness, parameters=parameters, method=method, projection=projection, substeps=substeps)
     if problem.path.control == "stress":
         return _prescribed(problem)
-    integrator = import_module(f"duhem.path.{method}")
+    integrator = INTEGRATORS[method]
     why = integrator.why(problem)
     ledger = Ledger.begun(problem, _first(problem, stress))
     if start is not None:
@@ -89,8 +88,8 @@ def plan(
     substeps: int = 1,
 ) -> Problem:
     """The checked question of :func:`simulate`, without an answer."""
-    if method not in METHODS:
-        raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(METHODS)}")
+    if method not in INTEGRATORS:
+        raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
     known = load_formula(law)
     fine = path.refined(substeps)
     d = len(known.forces)

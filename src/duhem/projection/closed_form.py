@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import dataclass, fields
 
 import numpy as np
 import sympy as sp
@@ -15,13 +15,28 @@ from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.closed_form_tangent import tangent
 from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
 from duhem.projection.increment import Increment
+from duhem.projection.method import Method, Options
 from duhem.projection.quadrants import BLOCK, Quarters
 from duhem.projection.result import Array, Solution
 
-__all__ = ["applies", "solve", "tangent"]
-
+__all__ = ["CLOSED_FORM", "ClosedFormOptions", "applies", "solve"]
 
 _COMPILED_BLOCK = 65_536  # the kernel has blocks of its own; these are for what NumPy does before and after it
+
+
+@dataclass(frozen=True)
+class ClosedFormOptions(Options):
+    """``compiled`` runs the same formulas through numba; a missing numba raises MissingExtraError.
+
+    ``into``: the solution of as many points, written over and returned: memory that the system has to find and to clear
+    first may cost half as much again.
+    """
+
+    compiled: bool = False
+    into: Solution | None = None
+
+
+_DEFAULTS = ClosedFormOptions()
 
 
 def applies(increment: Increment) -> str | None:
@@ -39,20 +54,16 @@ def applies(increment: Increment) -> str | None:
     return None
 
 
-def solve(increment: Increment, *, compiled: bool = False, into: Solution | None = None) -> Solution:
-    """The closest points, in blocks; units as in :class:`Increment`.
-
-    ``compiled`` runs the same formulas through numba; a missing numba raises MissingExtraError.  ``into``: the solution of
-    as many points, written over and returned: memory that the system has to find and to clear first may cost half as much again.
-    """
+def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solution:
+    """The closest points, in blocks; units as in :class:`Increment`."""
     n, d = increment.trial.shape
-    solution = _room(n, d) if into is None else _checked(into, n, d)
+    solution = _room(n, d) if options.into is None else _checked(options.into, n, d)
     shape = declared(increment)
     found = coefficients(increment)
-    project = _on_interval(found, increment) if isinstance(shape, Interval) else _on_quarters(found, increment, compiled)
+    project = _on_interval(found, increment) if isinstance(shape, Interval) else _on_quarters(found, increment, options.compiled)
     load, share = of_pressure(increment, shape.load), _share(increment, found)
     middles = [of_pressure(increment, c) for c in centre(shape)]
-    size = _COMPILED_BLOCK if compiled else BLOCK
+    size = _COMPILED_BLOCK if options.compiled else BLOCK
     keep_freed_memory(n)
     for start in range(0, n, size):
         block = slice(start, start + size)
@@ -127,3 +138,6 @@ def _on_interval(found: Coefficients, increment: Increment) -> Project:
         stress[:, 0], slip[:, 0], multiplier[:] = quadrants.clamped(trial[:, 0], mu, load, stiffness)
 
     return project
+
+
+CLOSED_FORM = Method("closed-form", applies, solve, ClosedFormOptions, tangent)

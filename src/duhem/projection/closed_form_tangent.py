@@ -19,8 +19,8 @@ from duhem.expression.jets import formula
 from duhem.law.shapes import Interval
 from duhem.projection.coefficients import centre, coefficients, declared, of_pressure
 from duhem.projection.increment import Increment
-from duhem.projection.metric import factors
 from duhem.projection.result import Array, Solution
+from duhem.projection.stiffness_factors import factors
 
 __all__ = ["tangent"]
 

@@ -17,14 +17,14 @@ from typing import Any
 
 from duhem.errors import InputError
 
-__all__ = ["Rungs", "checked", "ran", "rungs", "tolerances"]
+__all__ = ["KNOWN", "Rungs", "checked", "installed", "ran", "rungs", "tolerances"]
 
-Options = Mapping[str, Any]
-Rungs = tuple[tuple[Options, ...], ...]  # tolerances from the tightest on; for each, the ways to try it
+Settings = Mapping[str, Any]  # in the words of a solver
+Rungs = tuple[tuple[Settings, ...], ...]  # tolerances from the tightest on; for each, the ways to try it
 
 LEAST_INFEASIBILITY = 1e-8  # no tighter one is asked for; what is met is mostly tighter by far
 ALMOST = 10.0  # a stalled answer is taken if it misses what was asked by no more than this factor
-_PLAIN: Options = MappingProxyType({})
+_PLAIN: Settings = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class _Dialect:
     almost_gap: tuple[str, ...] = ()
     almost_infeasibility: tuple[str, ...] = ()
     ladder: tuple[float, ...] = (1e-12, 1e-10, 1e-8)
-    ways: tuple[Options, ...] = (_PLAIN,)
+    ways: tuple[Settings, ...] = (_PLAIN,)
 
-    def rung(self, tolerance: float) -> tuple[Options, ...]:
+    def rung(self, tolerance: float) -> tuple[Settings, ...]:
         infeasibility = max(tolerance, LEAST_INFEASIBILITY)
         stop = {
             **dict.fromkeys(self.gap, tolerance),
@@ -67,11 +67,19 @@ _DIALECTS = {
 }
 
 
+KNOWN = tuple(_DIALECTS)
+
+
+def installed() -> list[str]:
+    """The solvers CVXPY finds."""
+    return list(_cp().installed_solvers())
+
+
 def checked(solver: str) -> str:
     """The name as CVXPY writes it; raises InputError, saying what is installed, for any other."""
-    installed = _cp().installed_solvers()
-    if str(solver).upper() not in installed:
-        raise InputError(f"the solver {solver!r} is not installed", where="solver", remedy=f"installed are {', '.join(installed)}")
+    found = installed()
+    if str(solver).upper() not in found:
+        raise InputError(f"the solver {solver!r} is not installed", where="solver", remedy=f"installed are {', '.join(found)}")
     return str(solver).upper()
 
 
@@ -109,12 +117,12 @@ def ran(problem: Any, tries: Rungs, *, solver: str, warm_start: bool) -> bool:
     return any(_answered(problem, {"solver": solver, "warm_start": warm_start, **posing, **way}) for rung in tries for way in rung)
 
 
-def _answered(problem: Any, options: Options) -> bool:
+def _answered(problem: Any, settings: Settings) -> bool:
     cp = _cp()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": every answer is judged by its residuals
         try:
-            problem.solve(**options)
+            problem.solve(**settings)
         except cp.error.SolverError:
             return False
     return problem.status in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE)

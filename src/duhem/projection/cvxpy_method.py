@@ -33,18 +33,40 @@ from duhem.expression.number import exact_number
 from duhem.projection import conic_solvers
 from duhem.projection.conic_solvers import Rungs
 from duhem.projection.increment import Increment
-from duhem.projection.point import shrunk
+from duhem.projection.method import Method, Options
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
+from duhem.projection.without_interior import shrunk
 
-__all__ = ["applies", "solve"]
+__all__ = ["CVXPY", "CvxpyOptions", "applies", "solve"]
 
 Indices = NDArray[np.intp]
 
 _POOR = 3e-8  # a residual
 
 _ELSEWHERE = "or take method='newton', which needs g smooth and K convex only"
+
+
+@dataclass(frozen=True)
+class CvxpyOptions(Options):
+    """``solver``: any cone solver CVXPY finds installed.  ``tolerance``: its stopping tolerance on the O(1) problem, by
+    default the tightest it meets, and others where the residuals are poor.  ``batch``: points stacked into one problem,
+    several times faster a point; where a block misses the tightest tolerance, its points are solved one by one.
+    ``warm_start``: start from the last answer.  Raises InputError for a batch that is no count.
+    """
+
+    solver: str = "CLARABEL"
+    tolerance: float | None = None
+    batch: int = 32
+    warm_start: bool = False
+
+    def __post_init__(self) -> None:
+        if isinstance(self.batch, bool) or not isinstance(self.batch, (int, np.integer)) or self.batch < 1:
+            raise InputError(f"batch {self.batch!r} is not a count of points", where="batch", remedy="give a whole number >= 1")
+
+
+_DEFAULTS = CvxpyOptions()
 
 
 def applies(increment: Increment) -> str | None:
@@ -57,51 +79,43 @@ def applies(increment: Increment) -> str | None:
     return f"{fault}; {_ELSEWHERE}"
 
 
-def solve(
-    increment: Increment, *, solver: str = "CLARABEL", tolerance: float | None = None, batch: int = 32, warm_start: bool = False
-) -> Solution:
+def solve(increment: Increment, options: CvxpyOptions = _DEFAULTS) -> Solution:
     """The increments' stress (Pa), slip k^-1 (sigma_tr - sigma) (m for k in Pa/m) and multiplier lambda, as the solver left them.
 
-    ``solver``: any cone solver CVXPY finds installed.  ``tolerance``: its stopping tolerance on the O(1) problem, by
-    default the tightest it meets, and others where the residuals are poor.  ``batch``: points stacked into one problem,
-    several times faster a point; where a block misses the tightest tolerance, its points are solved one by one.
-    ``warm_start``: start from the last answer.
     A trial with g <= 0 is its own projection, without a solver.  ``failed`` marks the points without an answer (nan):
     K empty, no multiplier (dg/dsigma = 0 on all of K, as for some laws at sigma_n = 0), or beyond double precision.
     Raises InputError for a law that is not DCP, an unknown solver, one that lacks a cone the law needs, a bad option.
     """
     if reason := applies(increment):
         raise InputError(reason, where=increment.law.name)
-    if isinstance(batch, bool) or not isinstance(batch, (int, np.integer)) or batch < 1:
-        raise InputError(f"batch {batch!r} is not a count of points", where="batch", remedy="give a whole number >= 1")
-    name = conic_solvers.checked(solver)
-    run, rungs = partial(conic_solvers.ran, solver=name, warm_start=warm_start), conic_solvers.rungs(name, tolerance)
+    solver = conic_solvers.checked(options.solver)
+    run, rungs = partial(conic_solvers.ran, solver=solver, warm_start=options.warm_start), conic_solvers.rungs(solver, options.tolerance)
     count = len(increment.trial)
     stress, multiplier = increment.trial.copy(), np.zeros(count)
     bare = _at_a_point(increment)
     for g, chosen in _groups(increment, np.setdiff1d(np.arange(count), bare)):
         slipping = _Slipping.of(increment, g, chosen)
-        stress[slipping.outside], multiplier[slipping.outside] = slipping.answers(run, rungs, int(batch), name)
+        stress[slipping.outside], multiplier[slipping.outside] = slipping.answers(run, rungs, int(options.batch), solver)
     if bare.size:
-        found = shrunk(increment, bare, partial(solve, solver=solver, tolerance=tolerance, batch=batch, warm_start=warm_start))
+        found = shrunk(increment, bare, partial(solve, options=options))
         stress[bare], multiplier[bare] = np.where(found.failed[:, None], np.nan, found.stress), found.multiplier
     slip = np.asarray(np.linalg.solve(increment.stiffness, (increment.trial - stress).T).T, dtype=np.float64)
     failed = np.logical_not(np.all(np.isfinite(np.column_stack([stress, slip, multiplier])), axis=1))
     solution = Solution(stress, slip, multiplier, np.atleast_1d(failed))
-    if tolerance is None:
-        _bettered(increment, solution, name, warm_start)
+    if options.tolerance is None:
+        _bettered(increment, solution, replace(options, solver=solver))
     return solution
 
 
-def _bettered(increment: Increment, solution: Solution, solver: str, warm_start: bool) -> None:
+def _bettered(increment: Increment, solution: Solution, options: CvxpyOptions) -> None:
     """Poor answers give way, in place, to better ones by other tolerances: where a solver stalls is a matter of luck."""
     worst = residuals(increment, solution).worst()
-    for tolerance in conic_solvers.tolerances(solver)[1:]:
+    for tolerance in conic_solvers.tolerances(options.solver)[1:]:
         at = np.flatnonzero(~solution.failed & (worst > _POOR))
         if not at.size:
             return
         asked = replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
-        other = solve(asked, solver=solver, tolerance=tolerance, batch=1, warm_start=warm_start)
+        other = solve(asked, replace(options, tolerance=tolerance, batch=1))
         found = residuals(asked, other).worst()
         better = np.flatnonzero(found < worst[at])
         worst[at[better]] = found[better]
@@ -305,3 +319,6 @@ def _posed(
 
 def _sign(symbol: sp.Symbol) -> dict[str, bool]:
     return {"nonneg": True} if symbol.is_nonnegative else {"nonpos": True} if symbol.is_nonpositive else {}
+
+
+CVXPY = Method("cvxpy", applies, solve, CvxpyOptions)

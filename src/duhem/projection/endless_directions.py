@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from duhem.projection.body import Body, Index
 from duhem.projection.result import Array
+from duhem.projection.whitened_body import Body, Index
 
 __all__ = ["lineality"]
 

@@ -17,10 +17,10 @@ from itertools import product
 import numpy as np
 
 from duhem.expression.jets import Choices, Formula, formula
-from duhem.projection.body import whitening
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array, Solution
+from duhem.projection.whitened_body import whitening
 
 __all__ = ["tangent"]
 

@@ -17,18 +17,19 @@ from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
-from duhem.projection.body import Body, Index, body, power_of_two, whitening
-from duhem.projection.centre import centres
 from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.increment import Increment
-from duhem.projection.point import shrunk
+from duhem.projection.inner_points import inner_points
+from duhem.projection.method import Method, Options
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import scaled
 from duhem.projection.stationarity import Stationary, refine
+from duhem.projection.whitened_body import Body, Index, body, power_of_two, whitening
+from duhem.projection.without_interior import shrunk
 
-__all__ = ["applies", "solve", "tangent"]
+__all__ = ["NEWTON", "applies", "solve", "tangent"]
 
 _TRIES = frozenset({0, 1, 2, 3, 4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 60, 75, 90, 110, 130})
 _ROUNDS = 140
@@ -42,6 +43,7 @@ _STRAIGHT = 1e-5  # over shorter ways a bend could hide in rounding
 _BESIDE = 1e-10  # how far the normals at a settled, sharp edge may be taken from beside it
 _DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
 _TIP = 1e-14  # a component this small is rounding of the others
+_DEFAULTS = Options()
 _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting half-space
 
 
@@ -50,7 +52,7 @@ def applies(increment: Increment) -> str | None:
     return None
 
 
-def solve(increment: Increment) -> Solution:
+def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
     """The projection of every trial stress, to rounding; ``failed`` where no point could be shown to be optimal.
 
     The law is taken as convex.  At corners the slip is a sum over the pieces that meet, and so is the multiplier.
@@ -96,7 +98,7 @@ def _measured(k: Body, trial: Array, pressure: Array) -> tuple[Body, Array, NDAr
         near = np.max(np.abs(origin + share[:, None] * (x - origin)), axis=1)
         grown = np.where(missed, 1.0, power_of_two(near))
         k, origin = k.resized(pressure, k.size * grown), origin / grown[:, None]
-        centre, none = centres(k, everyone)
+        centre, none = inner_points(k, everyone)
         if not (centre != origin).any():
             break
         origin = centre
@@ -269,3 +271,6 @@ def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, c
         who = np.array([p for p, _ in members])
         choices = np.stack([cuts.choices[p, slots] for p, slots in members])
         _accept(found, k, refine(k, s[who], outer.point[who] @ k.root.T, who, choices), who, outer, cuts)
+
+
+NEWTON = Method("newton", applies, solve, Options, tangent)

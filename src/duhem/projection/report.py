@@ -12,7 +12,7 @@ from duhem.version import __version__
 
 if TYPE_CHECKING:
     from duhem.law.formula_law import Criterion
-    from duhem.projection import Projection
+    from duhem.projection.result import Projection
 
 __all__ = ["json", "text"]
 
@@ -83,7 +83,7 @@ def _residuals(done: Projection) -> dict[str, float]:
 
 
 def _status(done: Projection) -> str:
-    from duhem.projection import Status
+    from duhem.projection.result import Status
 
     return Status(int(done.status[0])).name.lower()
 

@@ -19,8 +19,8 @@ from duhem.expression.jets import Choices, Formula, Jet, formula, program
 from duhem.expression.numpy_ import Program
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.increment import Increment
-from duhem.projection.metric import factors
 from duhem.projection.result import Array, Residuals, Solution
+from duhem.projection.stiffness_factors import factors
 
 __all__ = ["residuals"]
 

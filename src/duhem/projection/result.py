@@ -22,7 +22,7 @@ class Status(IntEnum):
     FAILED = 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """What a method hands back, unchecked: stress (N, d), slip (N, d), multiplier (N,), failed (N,) where it gave up."""
 
@@ -32,7 +32,7 @@ class Solution:
     failed: NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Residuals:
     """Optimality of each point (N,), recomputed from the law after every solve, relative to the scale of the increment.
 
@@ -53,7 +53,7 @@ class Residuals:
         return np.max(np.stack([self.feasibility, self.multiplier_sign, self.complementarity, self.stationarity, self.variational]), axis=0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Projection:
     """The closest-point step of N increments: stress sigma = argmin over K of (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2.
 

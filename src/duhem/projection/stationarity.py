@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from duhem.expression.jets import Choices
-from duhem.projection.body import Body, Index
 from duhem.projection.result import Array
+from duhem.projection.whitened_body import Body, Index
 
 __all__ = ["Stationary", "refine", "stationary"]
 

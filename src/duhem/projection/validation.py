@@ -14,8 +14,8 @@ from duhem.errors import InputError
 from duhem.expression.number import exact_number
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
-from duhem.projection.metric import factors
 from duhem.projection.result import Array
+from duhem.projection.stiffness_factors import factors
 
 __all__ = ["increment", "posed", "setting"]
 

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.metric import factors
 from duhem.projection.result import Array
+from duhem.projection.stiffness_factors import factors
 from duhem.testing.case import Case
 from duhem.testing.region import Region
 from duhem.testing.routine import Step, Update, given_to

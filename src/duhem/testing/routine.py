@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.law.formula_law import Criterion
-from duhem.projection import Status, project
-from duhem.projection.result import Array
+from duhem.projection.projector import project
+from duhem.projection.result import Array, Status
 
 __all__ = ["Step", "Update", "from_displacements", "pointwise", "projection"]
 

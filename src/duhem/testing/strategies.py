@@ -19,8 +19,8 @@ from duhem.errors import InputError
 from duhem.expression.number import exact_number
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion, Domain
-from duhem.projection.metric import factors
 from duhem.projection.result import Array
+from duhem.projection.stiffness_factors import factors
 from duhem.testing.case import Case
 from duhem.testing.region import Region
 

@@ -10,15 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, Subject, contenders, machine
+from duhem.benchmark.contenders import Contender, Subject, applicable
 from duhem.benchmark.extreme_cases.cases import AXES, ExtremeCase, cases
 from duhem.benchmark.extreme_cases.judge import Judgement, judged
 from duhem.benchmark.extreme_cases.refusals import Refusal, refusals
+from duhem.benchmark.machine import machine
 from duhem.benchmark.reference import Closest, NoReference, ReferenceIncrement
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
-from duhem.projection import Status
+from duhem.projection.result import Status
 
 __all__ = ["ExtremeCases", "Tally", "stress"]
 
@@ -96,19 +97,19 @@ def stress(
     *,
     axes: Sequence[str] = tuple(AXES),
     stiffness: Sequence[float] | None = None,
-    lineup: Sequence[Contender] | None = None,
+    contenders: Sequence[Contender] | None = None,
     on_row: Callable[[Tally], None] | None = None,
 ) -> ExtremeCases:
     """Every method that applies to ``law``, all parameters fixed, on the cases of ``axes``.
 
-    ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; ``lineup`` replaces the contenders.  KeyboardInterrupt ends it
+    ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; ``contenders`` in place of all of them.  KeyboardInterrupt ends it
     with what is done.  Raises InputError for a parameter without value, a law with a flow of its own, an unknown axis.
     """
     if strange := [axis for axis in axes if axis not in AXES]:
         raise InputError(f"unknown axis {strange[0]!r}", where="axes", remedy=f"choose {', '.join(AXES)}")
     subject = Subject.of(law, stiffness)
-    found, left_out = contenders(subject.question(np.zeros((1, len(law.forces))), subject.pressure))
-    chosen = list(found if lineup is None else lineup)
+    found, left_out = applicable(subject.question(np.zeros((1, len(law.forces))), subject.pressure))
+    chosen = list(found if contenders is None else contenders)
     rows: list[Tally] = []
     refused: list[Refusal] = []
     worst, interrupted, seen = 0.0, False, set[str]()

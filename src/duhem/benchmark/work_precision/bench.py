@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, Subject, contenders, machine
+from duhem.benchmark.contenders import Contender, Subject, applicable
+from duhem.benchmark.machine import machine
 from duhem.benchmark.reference import NoReference
 from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
@@ -29,15 +30,15 @@ def bench(
     repeats: int = 5,
     points: int = 1_000_000,
     steps: Sequence[int] = path.STEPS,
-    lineup: Sequence[Contender] | None = None,
+    contenders: Sequence[Contender] | None = None,
     on_row: Callable[[Measurement], None] | None = None,
 ) -> WorkPrecision:
     """Error against run time of every method that applies to ``law``, all parameters fixed.
 
     ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; the pressure is -1.  ``scenes``: ``increment`` (each method and
     conic solver over its tolerances), ``path`` (each integrator over ``steps`` a segment), ``throughput`` (``points``
-    increments at once).  Each measurement runs ``repeats`` times, fewer where it is slow, and says so.  ``lineup`` replaces
-    the contenders.  A method that raises is a row with its failure.  KeyboardInterrupt ends it with what is done.
+    increments at once).  Each measurement runs ``repeats`` times, fewer where it is slow, and says so.  ``contenders`` in
+    place of all methods.  One that raises is a row with its failure.  KeyboardInterrupt ends it with what is done.
     Raises InputError for a parameter without value, a law with a flow of its own, or an unknown scene.
     """
     if strange := [scene for scene in scenes if scene not in SCENES]:
@@ -47,8 +48,8 @@ def bench(
             raise InputError(f"{name} is {count}", where=name, remedy="give a whole number >= 1")
     subject = Subject.of(law, stiffness)
     question = subject.question(np.zeros((1, len(law.forces))), subject.pressure)
-    found, left_out = contenders(question, increment.TOLERANCES)
-    chosen = list(found if lineup is None else lineup)
+    found, left_out = applicable(question, increment.TOLERANCES)
+    chosen = list(found if contenders is None else contenders)
     rows: list[Measurement] = []
     reference: dict[str, float | str] = {}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -12,8 +11,9 @@ from duhem.benchmark.contenders import Contender, Subject
 from duhem.benchmark.reference import ReferenceIncrement, distance
 from duhem.benchmark.work_precision.result import Measurement
 from duhem.benchmark.work_precision.timing import timed
+from duhem.projection.cvxpy_method import CvxpyOptions
 from duhem.projection.increment import Increment
-from duhem.projection.project import ACCURACY
+from duhem.projection.projector import ACCURACY
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Solution
 
@@ -106,7 +106,9 @@ def _flagged(work: Exercise, found: Sequence[Solution]) -> int:
 
 def _setting(contender: Contender) -> str:
     """The tolerance, where the method has one."""
-    options: dict[str, Any] = dict(contender.options)
-    if "solver" not in options:
-        return ""
-    return f"tolerance {options['tolerance']:.0e}" if "tolerance" in options else "tightest it meets"
+    match contender.options:
+        case CvxpyOptions(tolerance=None):
+            return "tightest it meets"
+        case CvxpyOptions(tolerance=tolerance):
+            return f"tolerance {tolerance:.0e}"
+    return ""

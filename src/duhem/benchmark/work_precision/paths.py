@@ -13,8 +13,9 @@ from duhem.benchmark.work_precision.result import Measurement
 from duhem.benchmark.work_precision.timing import timed
 from duhem.errors import DuhemError
 from duhem.left_out import LeftOut
+from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import Path
-from duhem.path.simulate import METHODS, simulate
+from duhem.path.simulate import simulate
 from duhem.projection.result import Array
 
 __all__ = ["SCENE", "STEPS", "Route", "route", "rows"]
@@ -53,7 +54,7 @@ def route(subject: Subject) -> Route:
 
 def rows(work: Route, repeats: int, left_out: list[LeftOut], steps: tuple[int, ...] = STEPS) -> Iterator[Measurement]:
     """A row for each integrator and step count; what grows too slow or does not apply goes to ``left_out``."""
-    for method in METHODS:
+    for method in INTEGRATORS:
         for count in steps:
             row = _row(work, method, count, repeats)
             yield row

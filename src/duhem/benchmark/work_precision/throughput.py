@@ -32,7 +32,7 @@ SCENE = "throughput"
 BOUND, BOUND_NEW, WHOLE = "memory bandwidth", "memory bandwidth, new arrays", "duhem.project"
 REUSED = ", arrays reused"
 ONCE, ANEW = "cvxpy, compiled once", "cvxpy, a new problem a point"
-_FEW = {"newton": 2_000, "cvxpy": 20}  # points for the slow ones: their cost a point does not depend on N
+_FEW, _FEWER = 2_000, 20  # points for the methods whose cost a point does not depend on N, and for cvxpy
 _LIMIT = 6.0
 
 
@@ -65,20 +65,21 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
     yield Measurement(SCENE, BOUND, f"N = {n}", seconds=_bound(load, repeats, new=False), note="copies and fills, one thread")
     yield Measurement(SCENE, BOUND_NEW, f"N = {n}", seconds=_bound(load, repeats, new=True), note="copies and fills, one thread")
     for contender in contenders:
-        if contender.method == "cvxpy":
+        method = contender.method.name
+        if method == "cvxpy":
             continue
-        few = _FEW.get(contender.method, n)
+        few = n if method == "closed-form" else _FEW
         part, count = (load.question, n) if few >= n else (load.first(few), few)
         note = "" if count == n else f"{count} points: its cost a point does not fall with N"
         yield _measured(contender.name, count, partial(contender.solve, part), repeats, note)
-        if contender.method == "closed-form":
+        if method == "closed-form":
             yield _reused(contender, part, repeats)
-        if contender.method == "closed-form" and not contender.options:
+        if method == "closed-form" and contender.options == contender.method.options():
             yield _memory(contender.name, partial(contender.solve, load.question))
-    if any(contender.method == "cvxpy" for contender in contenders):
-        yield from _cvxpy(load, min(n, _FEW["cvxpy"]), repeats)
+    if any(contender.method.name == "cvxpy" for contender in contenders):
+        yield from _cvxpy(load, min(n, _FEWER), repeats)
     first = contenders[0]
-    if first.method == "closed-form":
+    if first.method.name == "closed-form":
         pressure = None if load.subject.pressure is None else load.question.pressure
 
         def whole() -> object:

@@ -93,7 +93,7 @@ def _fitted_slip(law: Criterion, fit: Mapping[str, float], points: Array, theta:
 
     The wedges' tractions ``points`` have the directions ``theta``, increasing, and the slips ``phi``, all in rad.
     """
-    from duhem.projection import project
+    from duhem.projection.projector import project
 
     # The closest point of K to a stress outside moves along the normal there: the fitted law's slip.
     predicted = project(law, 1.5 * points, -1.0, 1.0, fit)

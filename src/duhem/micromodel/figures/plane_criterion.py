@@ -23,7 +23,7 @@ def criterion(
     """
     from duhem.law.catalogue import load
     from duhem.micromodel.figures.boundary import boundary
-    from duhem.projection import project
+    from duhem.projection.projector import project
 
     law = load("antoni2007")
     parameters = {"mu_a_plus": mu_a_plus, "mu_a_minus": mu_a_minus, "mu_b_plus": mu_b_plus, "mu_b_minus": mu_b_minus}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +14,14 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
+from duhem.projection.method import Method
+from duhem.projection.methods import METHODS
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Projection, Residuals, Solution, Status
 from duhem.projection.validation import posed, setting
 
-__all__ = ["ACCURACY", "METHODS", "Projector", "project", "projector"]
+__all__ = ["ACCURACY", "Projector", "project"]
 
-METHODS = {"closed-form": "closed_form", "newton": "newton", "cvxpy": "cvxpy_method"}  # cheapest first
 ACCURACY = 1e-7  # a point with a larger residual is inaccurate
 _BLOCK = 16_384
 
@@ -32,7 +32,7 @@ def project(
     pressure: ArrayLike | None = None,
     stiffness: ArrayLike = 1.0,
     parameters: Mapping[str, Any] | None = None,
-    method: str = "auto",
+    method: str | Method[Any] = "auto",
     tangent: bool = False,
     **options: Any,
 ) -> Projection:
@@ -42,51 +42,58 @@ def project(
     sigma_tr = k (u - u_in) of the end of the step.  ``trial`` (N, d) or (d,) in Pa; ``pressure`` sigma_n <= 0 in
     compression, one number or (N,), in Pa; ``stiffness`` k > 0 in Pa/m, one number, (d,) or symmetric (d, d);
     ``parameters`` a number for each parameter that the law leaves open.  ``method``: ``closed-form``, ``newton``,
-    ``cvxpy``, or ``auto`` for the first of these that applies.  ``tangent`` adds d sigma/d u and d sigma/d sigma_n.
-    ``options`` go to the method.
+    ``cvxpy``, ``auto`` for the first of these that applies, or a :class:`duhem.projection.method.Method` of your own.
+    ``tangent`` adds d sigma/d u and d sigma/d sigma_n.  ``options`` are the method's.
 
     Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
     returned as if it were.  Raises InputError for input that cannot be used, naming the first bad entry, and for a
     law with a flow of its own, which the closest point does not integrate.
     """
-    return projector(law, stiffness, parameters, method)(trial, pressure, tangent, **options)
+    return Projector.of(law, stiffness, parameters, method)(trial, pressure, tangent, **options)
 
 
 @dataclass(frozen=True)
 class Projector:
-    """:func:`project` for one law, stiffness and set of parameters, checked once; made by :func:`projector`.
+    """:func:`project` for one law, stiffness and set of parameters, checked once; ``why`` the method was taken.
 
     Call it with ``trial``, ``pressure``, ``tangent`` and the method's options, as often as there are steps.
     """
 
     setting: Increment
-    method: str
+    method: Method[Any]
     why: str
+
+    @classmethod
+    def of(
+        cls,
+        law: Criterion | str | Path,
+        stiffness: ArrayLike = 1.0,
+        parameters: Mapping[str, Any] | None = None,
+        method: str | Method[Any] = "auto",
+    ) -> Projector:
+        """What :func:`project` checks and chooses before it sees a stress; arguments, units and errors are the same."""
+        question = setting(load_formula(law), stiffness, parameters)
+        return cls(question, *_chosen(question, method))
 
     def __call__(self, trial: ArrayLike, pressure: ArrayLike | None = None, tangent: bool = False, **options: Any) -> Projection:
         return self.at(posed(self.setting, trial, pressure), tangent, **options)
 
     def at(self, question: Increment, tangent: bool = False, **options: Any) -> Projection:
         """The same for points that are checked already: ``setting`` with ``trial`` (N, d) and ``pressure`` (N,) of finite numbers."""
-        module = import_module(f"duhem.projection.{METHODS[self.method]}")
-        if tangent and not hasattr(module, "tangent"):
+        method = self.method
+        if tangent and method.tangent is None:
             remedy = "leave tangent out, or take a law with a closed form"
-            raise InputError(f"method {self.method} has no tangent", where="tangent", remedy=remedy)
-        try:
-            solution: Solution = module.solve(question, **options)
-        except TypeError as fault:
-            if "keyword argument" not in str(fault):
-                raise
-            raise InputError(f"method {self.method} takes no such option: {fault}", remedy="leave it out") from None
+            raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
+        solution = method.solve(question, method.options_of(options))
         found = residuals(question, solution)
-        slopes = module.tangent(question, solution) if tangent else (None, None)
+        slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
             slip=solution.slip,
             multiplier=solution.multiplier,
             dissipation=np.einsum("ij,ij->i", solution.stress, solution.slip),
             status=_status(solution, found),
-            method=self.method,
+            method=method.name,
             why=self.why,
             residuals=found,
             tangent=slopes[0],
@@ -94,30 +101,27 @@ class Projector:
         )
 
 
-def projector(
-    law: Criterion | str | Path, stiffness: ArrayLike = 1.0, parameters: Mapping[str, Any] | None = None, method: str = "auto"
-) -> Projector:
-    """What :func:`project` checks and chooses before it sees a stress; arguments, units and errors are the same."""
-    question = setting(load_formula(law), stiffness, parameters)
-    return Projector(question, *_chosen(question, method))
-
-
-def _chosen(question: Increment, method: str) -> tuple[str, str]:
+def _chosen(question: Increment, method: str | Method[Any]) -> tuple[Method[Any], str]:
     """The method and why it was taken."""
     if method != "auto":
-        if method not in METHODS:
-            raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose auto, {', '.join(METHODS)}")
-        reason = import_module(f"duhem.projection.{METHODS[method]}").applies(question)
+        asked = _named(method) if isinstance(method, str) else method
+        reason = asked.applies(question)
         if reason is not None:
-            raise InputError(f"method {method} does not apply: {reason}", where="method")
-        return method, "asked for"
+            raise InputError(f"method {asked.name} does not apply: {reason}", where="method")
+        return asked, "asked for"
     reasons: list[str] = []
-    for name, module in METHODS.items():
-        reason = import_module(f"duhem.projection.{module}").applies(question)
+    for name, imported in METHODS.items():
+        reason = imported().applies(question)
         if reason is None:
-            return name, "; ".join([*reasons, "the cheapest method that applies"])
+            return imported(), "; ".join([*reasons, "the cheapest method that applies"])
         reasons.append(f"not {name}: {reason}")
     raise InputError(f"no method applies: {'; '.join(reasons)}", where="method", remedy="rewrite the law in one of these forms")
+
+
+def _named(name: str) -> Method[Any]:
+    if name not in METHODS:
+        raise InputError(f"unknown method {name!r}", where="method", remedy=f"choose auto, {', '.join(METHODS)}")
+    return METHODS[name]()
 
 
 def _status(solution: Solution, found: Residuals) -> NDArray[np.int8]:

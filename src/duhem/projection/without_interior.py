@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.body import Body, Index, body, power_of_two, whitening
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import scaled
+from duhem.projection.whitened_body import Body, Index, body, power_of_two, whitening
 
 __all__ = ["shrunk"]
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.body import Body, Index
 from duhem.projection.result import Array
+from duhem.projection.whitened_body import Body, Index
 
-__all__ = ["centres"]
+__all__ = ["inner_points"]
 
 _MARGIN = 1e-11  # in sizes of K
 _MAGNITUDES = 4.0 ** np.arange(2, -22, -1)
 _DIRECTIONS = 48
 
 
-def centres(body: Body, at: Index) -> tuple[Array, NDArray[np.bool_]]:
+def inner_points(body: Body, at: Index) -> tuple[Array, NDArray[np.bool_]]:
     """Centres (M, d) in units of the size, and where there is none: K has no inner point that sampling finds."""
     d = len(body.root)
     centre = np.zeros((len(at), d))

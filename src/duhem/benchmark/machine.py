@@ -1,0 +1,44 @@
+"""What the numbers of a benchmark were taken on."""
+
+from __future__ import annotations
+
+import os
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+__all__ = ["machine"]
+
+_PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "cvxpy", "clarabel", "numba", "cvxopt", "ecos", "osqp", "qoco", "scs")
+
+
+def machine() -> dict[str, Any]:
+    """Processor, system, versions."""
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return {
+        "processor": _processor(),
+        "processors_usable": usable,
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "python": platform.python_version(),
+        "versions": {name: found for name in _PACKAGES if (found := _version(name)) is not None},
+    }
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as stream:
+            for line in stream:
+                if line.startswith("model name"):
+                    return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def _version(name: str) -> str | None:
+    for candidate in (name, f"{name}-base"):
+        try:
+            return version(candidate)
+        except PackageNotFoundError:
+            continue
+    return None

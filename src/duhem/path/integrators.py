@@ -1,0 +1,30 @@
+"""The ways along a loading path that there are, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from duhem.path import exact, extrapolated, implicit
+from duhem.path.ledger import Ledger
+from duhem.path.problem import Problem
+
+__all__ = ["INTEGRATORS", "Integrator"]
+
+
+@dataclass(frozen=True)
+class Integrator:
+    """One way along a path: ``advance`` fills the ledger row by row and yields the number of rows done, ``why`` says by what."""
+
+    why: Callable[[Problem], str]
+    advance: Callable[[Problem, Ledger], Iterator[int]]
+
+
+INTEGRATORS: Mapping[str, Integrator] = MappingProxyType(
+    {
+        "implicit": Integrator(implicit.why, implicit.advance),
+        "extrapolated": Integrator(extrapolated.why, extrapolated.advance),
+        "exact": Integrator(exact.why, exact.advance),
+    }
+)

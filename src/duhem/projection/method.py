@@ -1,0 +1,51 @@
+"""What a way to the closest point is: when it applies, its solution, its tangent and the options it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from duhem.errors import InputError
+
+if TYPE_CHECKING:
+    from duhem.projection.increment import Increment
+    from duhem.projection.result import Array, Solution
+
+__all__ = ["Method", "Options"]
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a caller may set; a method that takes options has its own, each with its type and what holds where it is left out."""
+
+
+Own = TypeVar("Own", bound=Options)
+
+
+@dataclass(frozen=True)
+class Method(Generic[Own]):
+    """One way to the closest point, as a value.
+
+    ``applies(question)`` is None where the method can be used, else the reason why not, with the remedy.
+    ``solve(question, options)`` returns the solution as the method left it, unjudged; ``tangent(question, solution)``
+    d sigma/d u (N, d, d) in Pa/m and d sigma/d sigma_n (N, d), None for a law without pressure; no tangent at all is None.
+    ``options`` is the type of the options.
+    """
+
+    name: str
+    applies: Callable[[Increment], str | None]
+    solve: Callable[[Increment, Own], Solution]
+    options: type[Own]
+    tangent: Callable[[Increment, Solution], tuple[Array, Array | None]] | None = None
+
+    def options_of(self, given: Mapping[str, Any]) -> Own:
+        """Options by name; InputError for one that the method does not have, naming those it has."""
+        known = [field.name for field in fields(self.options)]
+        if strange := [name for name in given if name not in known]:
+            near = get_close_matches(strange[0], known, n=1)
+            meant = f"did you mean {near[0]!r}? " if near else ""
+            remedy = f"{meant}its options are {', '.join(known)}" if known else "leave it out: it has no options"
+            raise InputError(f"method {self.name} takes no such option: {strange[0]!r}", where=strange[0], remedy=remedy)
+        return self.options(**given)
