@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial, reduce
-from itertools import combinations
+from itertools import combinations, count
 from typing import Any
 
 import numpy as np
@@ -20,12 +20,13 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.expression.fold import Table, fold
+from duhem.expression.fold import Table
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.recording import Recording, recorded
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
-__all__ = ["Choices", "Formula", "Jet", "formula", "program"]
+__all__ = ["TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
 
 Array = NDArray[np.float64]
 Choices = NDArray[np.int8]
@@ -57,12 +58,11 @@ class _Kinks:
 
 
 @dataclass(frozen=True)
-class Formula:
-    """A formula as steps over registers: the forces, the other symbols, then one register per node."""
+class JetProgram:
+    """A formula over the forces, then the other symbols, as recorded steps; ``kinks`` of them choose a piece."""
 
     kinks: int
-    steps: tuple[tuple[Callable[..., Jet], tuple[int, ...]], ...]
-    last: int
+    recording: Recording
 
     def __call__(self, forces: Array, others: Sequence[Array], choices: Choices | None = None, second: bool = True) -> tuple[Jet, Choices]:
         """Jet at ``forces`` (N, d) with the ``others`` (N,) fixed, and the piece followed at each kink (N, kinks)."""
@@ -70,21 +70,19 @@ class Formula:
         noted = _Kinks(choices, n, self.kinks)
         unit = np.eye(d)
         order = 2 if second else 1
-        registers = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, d)), None, order) for i in range(d)]
-        registers += [Jet(v, order=order) for v in others]
+        given = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, d)), None, order) for i in range(d)]
+        given += [Jet(v, order=order) for v in others]
         with np.errstate(all="ignore"):
-            for step, arguments in self.steps:
-                registers.append(step(noted, *(registers[i] for i in arguments)))
-        last = registers[self.last]
+            last = self.recording.run(given, noted)[self.recording.last]
         value = np.broadcast_to(last.value, (n,))
         gradient = np.zeros((n, d)) if last.gradient is None else last.gradient
         hessian = (np.zeros((n, d, d)) if last.hessian is None else last.hessian) if second else None
         return Jet(value, gradient, hessian), noted.taken
 
 
-def formula(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Formula:
+def formula(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> JetProgram:
     """``expr`` compiled once: differentiated in the ``forces``, the ``others`` held fixed."""
-    return _recorded(expr, (*forces, *others))
+    return _compiled(expr, (*forces, *others))
 
 
 @lru_cache(maxsize=256)
@@ -94,31 +92,18 @@ def program(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> Program:
 
 
 @lru_cache(maxsize=256)
-def _recorded(expr: sp.Expr, order: tuple[sp.Symbol, ...]) -> Formula:
-    steps: list[tuple[Callable[..., Jet], tuple[int, ...]]] = []
-    kinks = 0
+def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...]) -> JetProgram:
+    met = count()
 
-    def register(step: Callable[..., Jet], arguments: tuple[int, ...]) -> int:
-        steps.append((step, arguments))
-        return len(order) + len(steps) - 1
+    def smooth(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
+        return lambda node: partial(_smooth, row, node)
 
-    def leaf(node: Any) -> int:
-        return order.index(node) if node in order else register(partial(_same, Jet(np.array(_number(node)))), ())
+    def kinked(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
+        return lambda node: partial(row, node, next(met))
 
-    def recorder(row: Callable[..., Jet]) -> Callable[..., int]:
-        return lambda node, *arguments: register(partial(_smooth, row, node), arguments)
-
-    def brancher(row: Callable[..., Jet]) -> Callable[..., int]:
-        def record(node: Any, *arguments: int) -> int:
-            nonlocal kinks
-            kinks += 1
-            return register(partial(row, node, kinks - 1), arguments)
-
-        return record
-
-    rows = {kind: recorder(row) for kind, row in _SMOOTH.items()} | {kind: brancher(row) for kind, row in _KINKED.items()}
-    last = fold(recognised(expr), rows, leaf)
-    return Formula(kinks, tuple(steps), last)
+    table = {kind: (kinked if kind in _KINKED else smooth)(row) for kind, row in TABLE.items()}
+    recording = recorded(recognised(expr), order, table, lambda node: partial(_same, Jet(np.array(_number(node)))))
+    return JetProgram(next(met), recording)
 
 
 def _same(jet: Jet, _: _Kinks) -> Jet:
@@ -334,3 +319,4 @@ _SMOOTH: Table[Jet] = {
     sp.LessThan: _comparison(np.less_equal),
 }
 _KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
+TABLE: Table[Jet] = {**_SMOOTH, **_KINKED}

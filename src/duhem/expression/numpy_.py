@@ -1,7 +1,6 @@
 """Formulas over NumPy arrays, in double precision.
 
-A formula is flattened once into a straight list of steps, each shared sub-expression one step; running it is a loop
-over that list.  Norms, those spelt as powers included, are scaled so that no power overflows or vanishes on the way.
+Norms, those spelt as powers included, are scaled so that no power overflows or vanishes on the way.
 Both branches of every kink are computed, so the faults of a branch that is not taken stay silent;
 where the formula itself is undefined (a root of a negative number, ...) the result is nan, and nan spreads, through
 comparisons too.
@@ -20,8 +19,9 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
-from duhem.expression.fold import Table, fold
+from duhem.expression.fold import Table
 from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.recording import Recording, bound, recorded
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "Program", "compiled", "evaluate"]
@@ -41,47 +41,27 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, ArrayLike]) -> Array:
 def compiled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Program:
     """The formula as a function of ``symbols``, in their order; walk once, call often."""
     order = tuple(symbols)
-    steps: list[Step] = []
-
-    def register(function: Callable[..., Any], arguments: tuple[int, ...]) -> int:
-        steps.append((function, arguments))
-        return len(order) + len(steps) - 1
-
-    def leaf(node: Any) -> int:
-        if node in order:
-            return order.index(node)
-        return register(partial(_same, _constant(node)), ())
-
-    def recorder(row: Callable[..., Any]) -> Callable[..., int]:
-        return lambda node, *registers: register(partial(row, node), registers)
-
-    last = fold(recognised(expr), {kind: recorder(row) for kind, row in TABLE.items()}, leaf)
-    return Program(order, tuple(steps), last)
-
-
-Step = tuple[Callable[..., Any], tuple[int, ...]]
+    return Program(order, recorded(recognised(expr), order, bound(TABLE), lambda node: partial(_same, _constant(node))))
 
 
 @dataclass(frozen=True)
 class Program:
-    """A formula as steps over registers: first the values of ``symbols``, then one register per step."""
+    """A formula over arrays, one for each of ``symbols``, as recorded steps."""
 
     symbols: tuple[sp.Symbol, ...]
-    steps: tuple[Step, ...]
-    last: int
+    recording: Recording
 
     def __call__(self, *values: ArrayLike) -> Array:
         """The formula at one array per symbol; a fresh array of their common shape."""
-        registers: list[Any] = [np.asarray(value, dtype=np.float64) for value in values]
-        if len(registers) != len(self.symbols):
-            raise InputError(f"{len(registers)} values are given for {len(self.symbols)} symbols", remedy="give one array per symbol")
-        shape = np.broadcast_shapes(*(value.shape for value in registers))
+        given = [np.asarray(value, dtype=np.float64) for value in values]
+        if len(given) != len(self.symbols):
+            raise InputError(f"{len(given)} values are given for {len(self.symbols)} symbols", remedy="give one array per symbol")
+        shape = np.broadcast_shapes(*(value.shape for value in given))
         with np.errstate(all="ignore"):
-            for function, arguments in self.steps:
-                registers.append(function(*(registers[i] for i in arguments)))
-        last = registers[self.last]
-        fresh = self.last >= len(self.symbols) and isinstance(last, np.ndarray) and last.shape == shape and last.base is None
-        return last if fresh and sum(last is r for r in registers) == 1 else np.array(np.broadcast_to(last, shape))
+            registers = self.recording.run(given)
+        last = registers[self.recording.last]
+        own = self.recording.last >= len(given) and isinstance(last, np.ndarray) and last.shape == shape and last.base is None
+        return last if own and sum(last is r for r in registers) == 1 else np.array(np.broadcast_to(last, shape))
 
 
 def _same(value: float) -> float:

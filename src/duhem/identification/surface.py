@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.expression.jets import Formula, formula
+from duhem.expression.jets import JetProgram, formula
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants
 
@@ -132,7 +132,7 @@ class AnyFormula:
     def __init__(self, law: Criterion, pressure: Array | None) -> None:
         table = law.symbols()
         self.names = free_parameters(law)
-        self._jets: Formula = formula(
+        self._jets: JetProgram = formula(
             law.g, law.force_symbols(), [table[n] for n in (*([law.pressure] if law.pressure else []), *law.parameters)]
         )
         self._pressure = [] if pressure is None else [pressure]

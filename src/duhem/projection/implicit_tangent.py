@@ -16,7 +16,7 @@ from itertools import product
 
 import numpy as np
 
-from duhem.expression.jets import Choices, Formula, formula
+from duhem.expression.jets import Choices, JetProgram, formula
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array, Solution
@@ -61,7 +61,7 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
 class _Pieces:
     """The smooth pieces of g and their slopes in whitened forces and, in the last place, in the pressure."""
 
-    def __init__(self, g: Formula, root: Array, pressure: bool) -> None:
+    def __init__(self, g: JetProgram, root: Array, pressure: bool) -> None:
         self.g, self.root, self.pressure = g, root, pressure
 
     def at(self, point: Array, choices: Choices | None = None) -> tuple[Array, Array, Array, Array, Array, Choices]:

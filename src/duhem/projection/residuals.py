@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.expression.jets import Choices, Formula, Jet, formula, program
+from duhem.expression.jets import Choices, Jet, JetProgram, formula, program
 from duhem.expression.numpy_ import Program
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.increment import Increment
@@ -61,7 +61,7 @@ class _Judge:
         law = increment.law
         self.forces = law.force_symbols()
         self.pressure = law.symbols()[law.pressure] if law.pressure else None
-        self.formula: Formula = formula(increment.g, self.forces, () if self.pressure is None else (self.pressure,))
+        self.formula: JetProgram = formula(increment.g, self.forces, () if self.pressure is None else (self.pressure,))
         names = self.forces if self.pressure is None else (*self.forces, self.pressure)
         self.g = program(increment.g, names)
         self.stiffness = increment.stiffness

@@ -12,7 +12,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.expression.jets import Choices, Formula, formula, program
+from duhem.expression.jets import Choices, JetProgram, formula, program
 from duhem.expression.numpy_ import Program
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
@@ -44,7 +44,7 @@ class Body:
 
     scaled: ScaledFormula
     value: Program
-    jets: Formula
+    jets: JetProgram
     data: tuple[Array, ...]
     size: Array
     root: Array

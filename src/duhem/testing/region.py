@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from duhem.expression import mpmath_
 from duhem.expression.balls import enclose, precision
-from duhem.expression.jets import Choices, Formula, formula
+from duhem.expression.jets import Choices, JetProgram, formula
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.rays import Rays
 from duhem.law.formula_law import Criterion
@@ -88,7 +88,7 @@ class Region:
 
 
 @lru_cache(maxsize=64)
-def _programs(law: Criterion) -> tuple[Program, Formula]:
+def _programs(law: Criterion) -> tuple[Program, JetProgram]:
     names = tuple(law.symbols().values())
     forces = law.force_symbols()
     return compiled(law.g, names), formula(law.g, forces, names[len(forces) :])

@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from duhem.benchmark.reference.formula import Formula, NoReference, Slice
+from duhem.benchmark.reference.formula import NoReference, PreciseFormula, Slice
 from duhem.benchmark.reference.ray import extents
 from duhem.benchmark.reference.search import Search
 from duhem.expression.lineality import invariant_directions
@@ -59,7 +59,7 @@ class Closest:
     ) -> None:
         self.digits, self.context = digits, MPContext()
         self.context.dps = _GUARD * digits
-        self.formula = Formula(g, (*forces, *([] if pressure is None else [pressure])), self.context)
+        self.formula = PreciseFormula(g, (*forces, *([] if pressure is None else [pressure])), self.context)
         mp, d = self.context, len(forces)
         k = mp.matrix([[mp.mpf(float(x)) for x in row] for row in stiffness])
         self.compliance = k**-1

@@ -8,19 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import sympy as sp
 
 from duhem.errors import DuhemError
-from duhem.expression import Neg, Pos, Where, fold
+from duhem.expression import Neg, Pos, Where
 from duhem.expression.mpmath_ import table
+from duhem.expression.recording import recorded
 
-__all__ = ["Choices", "Formula", "NoReference", "Reading", "Slice"]
+__all__ = ["Choices", "NoReference", "PreciseFormula", "Reading", "Slice"]
 
 Choices = tuple[int, ...]
-Step = tuple[Callable[..., Any], tuple[int, ...], bool]  # function, registers of its arguments, whether it is a kink
 
 
 class NoReference(DuhemError):
@@ -36,49 +35,30 @@ class Reading:
     margins: tuple[Any, ...]
 
 
-class Formula:
+class _Notes:
+    """The branches told or taken during one reading, and their margins, in the order of the kinks."""
+
+    def __init__(self, told: Choices | None) -> None:
+        self.told = told
+        self.taken: list[int] = []
+        self.margins: list[Any] = []
+
+
+class PreciseFormula:
     """``expr`` over ``symbols``, computed in ``context``'s precision; walked once, read often."""
 
     def __init__(self, expr: sp.Expr, symbols: Sequence[sp.Symbol], context: Any) -> None:
         self.context = context
         self.step = context.mpf(10) ** -(3 * context.dps // 10)
-        order, rows, steps = tuple(symbols), table(context), list[Step]()
-
-        def register(function: Callable[..., Any], arguments: tuple[int, ...], kink: bool = False) -> int:
-            steps.append((function, arguments, kink))
-            return len(order) + len(steps) - 1
-
-        def leaf(node: Any) -> int:
-            if node in order:
-                return order.index(node)
-            constant = _constant(node, context)
-            return register(lambda: constant, ())
-
-        def recorder(kind: type) -> Callable[..., int]:
-            kinked = _KINKS.get(kind)
-            if kinked is not None:
-                return lambda _, *arguments: register(kinked, arguments, True)
-            return lambda node, *arguments: register(partial(rows[kind], node), arguments)
-
-        comparisons = (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan)
-        kinds = {kind: recorder(kind) for kind in rows} | {
-            kind: lambda node, a, b: register(_difference(node), (a, b)) for kind in comparisons
-        }
-        self._last, self._steps = fold(expr, kinds, leaf), tuple(steps)
+        rows = {kind: _smooth(row) for kind, row in table(context).items()}
+        rows |= dict.fromkeys(_COMPARISONS, _difference) | {kind: _kinked(row) for kind, row in _KINKS.items()}
+        self._recording = recorded(expr, symbols, rows, lambda node: _constant(node, context))
 
     def read(self, point: Sequence[Any], choices: Choices | None = None) -> Reading:
         """The formula at ``point``; ``choices`` names the branch of each kink, which else is the one that holds."""
-        registers, taken, margins = list(point), list[int](), list[Any]()
-        for function, arguments, kink in self._steps:
-            if kink:
-                told = None if choices is None else choices[len(taken)]
-                value, choice, margin = function(told, *(registers[i] for i in arguments))
-                taken.append(choice)
-                margins.append(margin)
-            else:
-                value = function(*(registers[i] for i in arguments))
-            registers.append(value)
-        return Reading(registers[self._last], tuple(taken), tuple(margins))
+        notes = _Notes(choices)
+        value = self._recording.run(point, notes)[self._recording.last]
+        return Reading(value, tuple(notes.taken), tuple(notes.margins))
 
 
 @dataclass(frozen=True)
@@ -88,7 +68,7 @@ class Slice:
     ``columns`` (d, m) by rows.  Derivatives are taken by w, so that their step means the same at every scale.
     """
 
-    formula: Formula
+    formula: PreciseFormula
     columns: Sequence[Sequence[Any]]
     tail: Sequence[Any]
 
@@ -122,17 +102,30 @@ class Slice:
         return self.read(there, choices).value
 
 
-def _constant(node: Any, context: Any) -> Any:
-    if node.is_Rational:
-        return context.mpf(int(node.p)) / int(node.q)
-    if node in (sp.pi, sp.E):
-        return +(context.pi if node is sp.pi else context.e)
-    raise NoReference(f"{node} has no value", remedy="give every parameter a value")
+def _constant(node: Any, context: Any) -> Callable[..., Any]:
+    if not (node.is_Rational or node in (sp.pi, sp.E)):
+        raise NoReference(f"{node} has no value", remedy="give every parameter a value")
+    value = context.mpf(int(node.p)) / int(node.q) if node.is_Rational else +(context.pi if node is sp.pi else context.e)
+    return lambda _: value
+
+
+def _smooth(row: Callable[..., Any]) -> Callable[[Any], Callable[..., Any]]:
+    return lambda node: lambda _, *arguments: row(node, *arguments)
+
+
+def _kinked(row: Callable[..., Any]) -> Callable[[Any], Callable[..., Any]]:
+    def follow(notes: _Notes, *arguments: Any) -> Any:
+        value, choice, margin = row(None if notes.told is None else notes.told[len(notes.taken)], *arguments)
+        notes.taken.append(choice)
+        notes.margins.append(margin)
+        return value
+
+    return lambda _: follow
 
 
 def _difference(node: Any) -> Callable[..., Any]:
     """What is positive where a comparison holds; on the border it takes the side of the comparison."""
-    return (lambda a, b: a - b) if isinstance(node, (sp.StrictGreaterThan, sp.GreaterThan)) else (lambda a, b: b - a)
+    return (lambda _, a, b: a - b) if isinstance(node, (sp.StrictGreaterThan, sp.GreaterThan)) else (lambda _, a, b: b - a)
 
 
 def _pos(told: int | None, x: Any) -> tuple[Any, int, Any]:
@@ -166,4 +159,5 @@ def _where(told: int | None, difference: Any, a: Any, b: Any) -> tuple[Any, int,
     return (a if choice else b), choice, abs(difference)
 
 
+_COMPARISONS = (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan)
 _KINKS: dict[type, Callable[..., Any]] = {Pos: _pos, Neg: _neg, sp.Abs: _abs, sp.Max: _most, sp.Min: _least, Where: _where}

@@ -18,7 +18,7 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from duhem.benchmark.reference.formula import Choices, Formula, NoReference, Slice
+from duhem.benchmark.reference.formula import Choices, NoReference, PreciseFormula, Slice
 from duhem.benchmark.reference.ray import extents, root
 
 __all__ = ["Drive", "Driven"]
@@ -55,7 +55,7 @@ class Drive:
         mp.dps = 2 * digits + 6
         d = len(forces)
         self.tolerance, self.nothing = mp.mpf(10) ** -digits, mp.mpf(10) ** -(digits + 6)
-        formula = Formula(g, (*forces, *([] if pressure is None else [pressure])), mp)
+        formula = PreciseFormula(g, (*forces, *([] if pressure is None else [pressure])), mp)
         tail = [] if load is None else [mp.mpf(float(load))]
         unit = [[mp.mpf(int(i == j)) for j in range(d)] for i in range(d)]
         size = extents(Slice(formula, unit, tail), [mp.mpf(1)] * d)

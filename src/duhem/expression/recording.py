@@ -1,0 +1,63 @@
+"""A formula walked once into a straight list of steps over registers; each shared sub-expression is one step.
+
+What the registers hold (arrays, jets, balls, numbers of many digits) is the affair of the interpreter, which gives a
+table of its rows and says what a constant is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression.fold import Table, fold
+
+__all__ = ["Recording", "bound", "recorded"]
+
+Step = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Functions with the registers of their arguments; the first registers are the symbols', each step fills the next."""
+
+    steps: tuple[tuple[Step, tuple[int, ...]], ...]
+    last: int
+
+    def run(self, values: Iterable[Any], *notes: Any) -> list[Any]:
+        """All registers, from one value for each symbol; the formula's is number ``last``.  Every step is told the ``notes`` first."""
+        registers = list(values)
+        for step, arguments in self.steps:
+            registers.append(step(*notes, *[registers[i] for i in arguments]))
+        return registers
+
+
+def recorded(expr: sp.Basic, symbols: Iterable[sp.Symbol], table: Table[Step], constant: Callable[[Any], Step]) -> Recording:
+    """``expr`` over ``symbols``, in their order.
+
+    ``table`` gives the step of a node from the node, called in the order of the walk; ``constant`` that of a number, so
+    that it may depend on what holds when it runs, such as a working precision.  Raises what :func:`fold` raises.
+    """
+    order = tuple(symbols)
+    steps: list[tuple[Step, tuple[int, ...]]] = []
+
+    def register(step: Step, arguments: tuple[int, ...]) -> int:
+        steps.append((step, arguments))
+        return len(order) + len(steps) - 1
+
+    def recorder(step_of: Callable[..., Step]) -> Callable[..., int]:
+        return lambda node, *arguments: register(step_of(node), arguments)
+
+    def leaf(node: Any) -> int:
+        return order.index(node) if node in order else register(constant(node), ())
+
+    last = fold(expr, {kind: recorder(step_of) for kind, step_of in table.items()}, leaf)
+    return Recording(tuple(steps), last)
+
+
+def bound(table: Table[Any]) -> Table[Step]:
+    """The steps of rows that take the node and the values of its arguments."""
+    return {kind: partial(partial, row) for kind, row in table.items()}
