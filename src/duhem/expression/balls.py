@@ -13,10 +13,10 @@ from typing import Any
 import flint
 import sympy as sp
 
-from duhem.expression.fold import fold
+from duhem.expression.fold import Table, fold
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
-__all__ = ["ball", "certain_sign", "enclose", "precision"]
+__all__ = ["ANALYTIC", "TABLE", "ball", "certain_sign", "constant", "enclose", "precision"]
 
 
 def precision(bits: int) -> Any:
@@ -49,21 +49,25 @@ def certain_sign(value: Any) -> int | None:
 
 def enclose(expr: sp.Basic, values: Mapping[sp.Symbol, Any]) -> Any:
     """Ball containing every value of ``expr`` when each symbol ranges over its ball."""
-    return fold(expr, _TABLE, lambda node: _leaf(node, values))
+    return fold(expr, TABLE, lambda node: _leaf(node, values))
 
 
-def _leaf(node: Any, values: Mapping[sp.Symbol, Any]) -> Any:
-    if node.is_Symbol:
-        return values[node]
+def constant(node: Any) -> Any:
+    """A number or a truth value of a formula, as sharp as the working precision allows; None for what is neither."""
     if node.is_Rational:
         return flint.arb(flint.fmpq(int(node.p), int(node.q)))
     if node is sp.pi:
         return flint.arb.pi()
     if node is sp.E:
         return flint.arb(1).exp()
-    if node in (sp.true, sp.false):
-        return node is sp.true
-    return flint.arb("nan")
+    return node is sp.true if node in (sp.true, sp.false) else None
+
+
+def _leaf(node: Any, values: Mapping[sp.Symbol, Any]) -> Any:
+    if node.is_Symbol:
+        return values[node]
+    known = constant(node)
+    return flint.arb("nan") if known is None else known
 
 
 def _add(node: sp.Basic, *terms: Any) -> Any:
@@ -151,18 +155,22 @@ def _truth(sure: Callable[[Any, Any], bool], never: Callable[[Any, Any], bool]) 
     return relation
 
 
-_TABLE: dict[type, Callable[..., Any]] = {
+# What reads alike for a ball and for a power series in balls.
+ANALYTIC: Table[Any] = {
     sp.Add: _add,
     sp.Mul: _mul,
-    sp.Pow: _pow,
-    sp.Abs: lambda node, x: _max(node, x, -x).nonnegative_part(),
     sp.exp: lambda node, x: x.exp(),
-    sp.log: lambda node, x: x.log() if x > 0 else flint.arb("nan"),
     sp.sin: lambda node, x: x.sin(),
     sp.cos: lambda node, x: x.cos(),
     sp.tan: lambda node, x: x.tan(),
-    sp.tanh: lambda node, x: x.tanh(),
     sp.atan: lambda node, x: x.atan(),
+}
+TABLE: Table[Any] = {
+    **ANALYTIC,
+    sp.Pow: _pow,
+    sp.Abs: lambda node, x: _max(node, x, -x).nonnegative_part(),
+    sp.log: lambda node, x: x.log() if x > 0 else flint.arb("nan"),
+    sp.tanh: lambda node, x: x.tanh(),
     sp.Max: _max,
     sp.Min: _min,
     Pos: lambda node, x: _max(node, x, flint.arb(0)).nonnegative_part(),

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from duhem.proof.facts.curve_balls import Jet, cross, dot
+from duhem.proof.facts.numeric_curve import CurveJet, cross, dot
 
 __all__ = ["LEAD", "LEAN", "POWER", "STAR", "TURNING", "Quantity"]
 
@@ -22,7 +22,7 @@ class Quantity:
 
     name: str
     order: int
-    of: Callable[[Jet], Any]
+    of: Callable[[CurveJet], Any]
     linear: bool
 
 

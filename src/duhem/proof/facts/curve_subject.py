@@ -16,8 +16,8 @@ from duhem.law.curve_law import ParametricCriterion
 from duhem.law.formula_law import Domain
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import Answer, Question, Sense
-from duhem.proof.facts.curve_balls import Jet, NumericCurve, Vector, normals
 from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
+from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, normals
 from duhem.proof.facts.parameter_choices import Values, fraction, rationals
 from duhem.proof.facts.subject import Subject
 
@@ -83,10 +83,10 @@ class CurveSubject(Subject):
         one, two = (c * sp.diff(x, s) - s * sp.diff(x, c) for x in v)
         return one, two
 
-    def _jet(self, boundary: Vector) -> Jet:
+    def _jet(self, boundary: Vector) -> CurveJet:
         first = self._turned(boundary)
         curve = (boundary, first, self._turned(first))
-        return Jet(curve, (self.flow,) if self.flow is not None else tuple(normals(curve)))
+        return CurveJet(curve, (self.flow,) if self.flow is not None else tuple(normals(curve)))
 
     # -- all parameters --------------------------------------------------------------------------------------------
 

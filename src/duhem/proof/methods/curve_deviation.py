@@ -10,9 +10,9 @@ from math import factorial
 import flint
 
 from duhem.expression.balls import certain_sign, precision
-from duhem.proof.facts.curve_balls import Ball, Greatest, Jet, NumericCurve, Span, cross, dot
 from duhem.proof.facts.curve_quantities import LEAD, LEAN
 from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.numeric_curve import Ball, CurveJet, Greatest, NumericCurve, Span, cross, dot
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.curve_points import at_angle, coordinates, parameters
@@ -55,7 +55,7 @@ def _deviates(subject: CurveSubject, values: Values) -> bool:
     )
 
 
-def deviation(jet: Jet) -> tuple[Ball, Ball, Ball]:
+def deviation(jet: CurveJet) -> tuple[Ball, Ball, Ball]:
     """The angle from the outward normal to the flow, its slope and second derivative by the angle (not a number at a jump)."""
     tangent = [flint.arb_series([v[i] / factorial(k) for k, v in enumerate(jet.boundary[1:4])], prec=3) for i in (0, 1)]
     flow = [flint.arb_series([v[i] / factorial(k) for k, v in enumerate(jet.flow[:3])], prec=3) for i in (0, 1)]
@@ -121,7 +121,7 @@ def _witness(subject: CurveSubject, values: Values, curve: NumericCurve, worst: 
     return None
 
 
-def _targets(subject: CurveSubject, values: Values, jet: Jet, angle: float) -> Iterator[Fraction]:
+def _targets(subject: CurveSubject, values: Values, jet: CurveJet, angle: float) -> Iterator[Fraction]:
     """Where the flow may lean to: far along the boundary first, then close by at the scale of the deviation itself."""
     from duhem.proof.search.curve_angles import CurveScouts, half_tangent
 

@@ -7,9 +7,9 @@ from fractions import Fraction
 from typing import Any
 
 from duhem.expression.balls import ball, certain_sign, precision
-from duhem.proof.facts.curve_balls import NumericCurve, Vector, cross, dot
 from duhem.proof.facts.curve_quantities import POWER
 from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.numeric_curve import NumericCurve, Vector, cross, dot
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.curve_points import at_angle, coordinates, parameters

@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import flint
 
-from duhem.proof.facts.curve_balls import Vector
 from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.numeric_curve import Vector
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.witness.rational_points import decimal_pair
 

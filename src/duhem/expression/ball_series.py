@@ -1,0 +1,120 @@
+"""Formulas over power series in real balls (Arb): an enclosure of a value and its derivatives along a line, arc or step.
+
+A value may also be a plain ball, a series that is constant.  A kink (abs, pos, ...) is followed where the sign of what it
+bends is certain; where it is open the value is enclosed and every derivative is the indeterminate ball.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import Any
+
+import flint
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.balls import ANALYTIC, certain_sign, constant
+from duhem.expression.fold import Table
+from duhem.expression.recording import bound, recorded
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+
+__all__ = ["TABLE", "compiled", "derivatives"]
+
+
+def compiled(exprs: Sequence[sp.Expr], symbols: Iterable[sp.Symbol]) -> Callable[..., tuple[Any, ...]]:
+    """The formulas as one function of the symbols' series; walked once, run in the precision of each call."""
+    rows = {sp.Tuple: lambda _, *parts: parts, **TABLE}
+    recording = recorded(sp.Tuple(*exprs), symbols, bound(rows), lambda node: partial(_known, node))
+    return lambda *values: tuple(recording.run(values)[recording.last])
+
+
+def derivatives(value: Any, order: int) -> list[Any]:
+    """The value at 0 and its derivatives up to ``order``, in balls."""
+    if not isinstance(value, flint.arb_series):
+        return [value, *([flint.arb(0)] * order)]
+    factorial, found = 1, []
+    for k in range(order + 1):
+        factorial *= max(k, 1)
+        found.append(value[k] * factorial)
+    return found
+
+
+def _known(node: Any) -> Any:
+    value = constant(node)
+    if value is None:
+        raise InputError(f"{node} has no value", remedy="fix every parameter")
+    return value
+
+
+def _power(node: sp.Pow, base: Any, exponent: Any) -> Any:
+    if node.exp.is_Integer:
+        raised = base ** abs(int(node.exp))
+        return raised if node.exp > 0 else _inverse(raised)
+    if node.exp == sp.S.Half:
+        return base.sqrt()
+    return base**exponent
+
+
+def _inverse(x: Any) -> Any:
+    """1/x; not a number where x may vanish, which a series would refuse."""
+    if isinstance(x, flint.arb_series) and certain_sign(x[0]) not in (1, -1):
+        return flint.arb_series([flint.arb("nan")] * x.prec, prec=x.prec)
+    return 1 / x
+
+
+def _signed(node: sp.Basic, x: Any, left: int, right: int) -> Any:
+    """left * x below 0 and right * x above; where the sign is open the value is enclosed and no derivative known."""
+    here = x[0] if isinstance(x, flint.arb_series) else x
+    sign = certain_sign(here)
+    if sign in (1, -1):
+        return x * (left if sign == -1 else right)
+    value = (here * left).union(here * right) if here.is_finite() else here
+    return flint.arb_series([value, *([flint.arb("nan")] * (x.prec - 1))], prec=x.prec) if isinstance(x, flint.arb_series) else value
+
+
+def _norm(node: sp.Basic, *parts: Any) -> Any:
+    return sum((p * p for p in parts), flint.arb(0)).sqrt()
+
+
+def _lattice(sense: int) -> Callable[..., Any]:
+    def chosen(node: sp.Basic, first: Any, *rest: Any) -> Any:
+        for x in rest:
+            gap = first - x
+            first = x + _signed(node, gap, 0, 1) if sense > 0 else x + _signed(node, gap, 1, 0)
+        return first
+
+    return chosen
+
+
+def _tanh(node: sp.Basic, x: Any) -> Any:
+    grown = (2 * x).exp()
+    return (grown - 1) / (grown + 1)
+
+
+def _compared(sense: int) -> Callable[..., bool | None]:
+    def truth(node: sp.Basic, a: Any, b: Any) -> bool | None:
+        gap = a - b
+        sign = certain_sign(gap[0] if isinstance(gap, flint.arb_series) else gap)
+        return None if not sign else sign == sense
+
+    return truth
+
+
+TABLE: Table[Any] = {
+    **ANALYTIC,
+    sp.Pow: _power,
+    sp.log: lambda node, x: x.log(),
+    sp.tanh: _tanh,
+    sp.Abs: lambda node, x: _signed(node, x, -1, 1),
+    Pos: lambda node, x: _signed(node, x, 0, 1),
+    Neg: lambda node, x: _signed(node, x, -1, 0),
+    sp.Max: _lattice(1),
+    sp.Min: _lattice(-1),
+    Norm: _norm,
+    Where: lambda node, condition, a, b: flint.arb("nan") * a if condition is None else a if condition else b,
+    sp.StrictGreaterThan: _compared(1),
+    sp.GreaterThan: _compared(1),
+    sp.StrictLessThan: _compared(-1),
+    sp.LessThan: _compared(-1),
+}
