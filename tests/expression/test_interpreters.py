@@ -184,7 +184,7 @@ def test_values_broadcast_and_the_result_is_fresh() -> None:
 def test_compiled_walks_once_and_shares_what_is_equal() -> None:
     size = Norm(x, y)
     program = numpy_.compiled(size**2 + size + sp.exp(size), [x, y])
-    assert len(program.steps) == 5  # norm, exponent, square, exp, sum
+    assert len(program.recording.steps) == 5  # norm, exponent, square, exp, sum
     for a in (3.0, 0.0):
         assert program(a, 4.0) == numpy_.evaluate(size**2 + size + sp.exp(size), {x: a, y: 4.0})
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Iterator
 
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Neg, Pos, fold
+from duhem.expression.smt import Reals
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Domain
 
 __all__ = ["check_domain", "simple_points"]
 
 _MILLISECONDS = 1000
+_MOST_EXPONENT = 16
 
 
 def check_domain(law: Law, *, where: str = "") -> None:
@@ -68,29 +68,19 @@ def _holds(law: Law, point: dict[sp.Symbol, sp.Rational]) -> bool:
 def _contradictory(law: Law) -> bool:
     import z3
 
-    context = z3.Context()
     symbols = _parameters(law)
-    names = {s: z3.Real(f"x{i}", ctx=context) for i, s in enumerate(symbols)}
-
-    def leaf(x: Any) -> Any:
-        if x in (sp.true, sp.false):
-            return z3.BoolVal(bool(x), ctx=context)
-        if x.is_Rational:
-            return z3.RealVal(f"{x.p}/{x.q}", ctx=context)
-        if x not in names:
-            raise InputError(f"{x} is outside real arithmetic")
-        return names[x]
-
-    table = _arithmetic(z3)
-    solver = z3.Solver(ctx=context)
+    reals = Reals(symbols)
+    solver = z3.Solver(ctx=reals.context)
     solver.set("timeout", _MILLISECONDS)
     for s in symbols:
         for relation in law.parameters[s.name].relations(s):
-            solver.add(fold(relation, table, leaf))
+            solver.add(reals.term(relation))
     for constraint in law.constraints:
+        if any(abs(power.exp) > _MOST_EXPONENT for power in constraint.atoms(sp.Pow) if power.exp.is_Integer):
+            continue  # leaving a constraint out never makes the rest contradictory
         try:
-            solver.add(fold(constraint, table, leaf))
-        except InputError:  # leaving a constraint out never makes the rest contradictory
+            solver.add(reals.term(constraint))
+        except InputError:
             continue
     try:
         result = solver.check()
@@ -99,36 +89,3 @@ def _contradictory(law: Law) -> bool:
     if result == z3.unknown and solver.reason_unknown() == "interrupted from keyboard":  # z3 catches Ctrl-C itself
         raise KeyboardInterrupt
     return bool(result == z3.unsat)
-
-
-def _arithmetic(z3: Any) -> dict[type, Callable[..., Any]]:
-    def least(_: Any, first: Any, *rest: Any) -> Any:
-        for x in rest:
-            first = z3.If(x < first, x, first)
-        return first
-
-    def greatest(_: Any, first: Any, *rest: Any) -> Any:
-        for x in rest:
-            first = z3.If(x > first, x, first)
-        return first
-
-    def power(node: sp.Pow, base: Any, _: Any) -> Any:
-        if not (node.exp.is_Integer and 0 < abs(node.exp) <= 16):
-            raise InputError(f"{node} is outside real arithmetic")
-        raised = z3.Product([base] * int(abs(node.exp)))
-        return raised if node.exp > 0 else 1 / raised
-
-    return {
-        sp.Add: lambda _, *a: z3.Sum(a),
-        sp.Mul: lambda _, *a: z3.Product(a),
-        sp.Pow: power,
-        sp.Abs: lambda _, a: z3.If(a >= 0, a, -a),
-        sp.Min: least,
-        sp.Max: greatest,
-        Pos: lambda _, a: z3.If(a >= 0, a, 0 * a),
-        Neg: lambda _, a: z3.If(a <= 0, -a, 0 * a),
-        sp.StrictLessThan: lambda _, a, b: a < b,
-        sp.LessThan: lambda _, a, b: a <= b,
-        sp.StrictGreaterThan: lambda _, a, b: a > b,
-        sp.GreaterThan: lambda _, a, b: a >= b,
-    }
