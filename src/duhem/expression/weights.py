@@ -2,75 +2,88 @@
 
 A weight w scales each symbol x to t^(w_x) x.  Every sum, maximum, norm or comparison needs equal weights on its parts;
 functions and symbolic exponents need weight 0.  The admissible weights are the null space of these linear conditions.
+
+``ROLES`` says what units mean to each word.  Two walks read it: the one here leaves every weight open and collects the
+conditions, :mod:`duhem.projection.scaled_formula` knows that forces weigh 1 and rebuilds the formula as it goes; what
+else they do with a role is their own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal
 
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Neg, Norm, Pos, Where, fold
+from duhem.expression.fold import Table, fold
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
-__all__ = ["degree", "removable"]
+__all__ = ["ROLES", "degree", "removable", "weighing"]
 
 Weight = dict[sp.Symbol, sp.Rational]
+Role = Literal["alike", "kept", "pure", "compared", "chosen", "product", "power"]
+
+# alike: parts of one unit, which is the result's; kept: the result has the unit of its one part; pure: numbers to numbers;
+# compared: parts of one unit, a truth value; chosen: a condition and two of one unit, which is the result's.
+ROLES: Mapping[type, Role] = {
+    **dict.fromkeys((sp.Add, sp.Max, sp.Min, Norm), "alike"),
+    **dict.fromkeys((sp.Abs, Pos, Neg), "kept"),
+    **dict.fromkeys((sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.tanh, sp.atan), "pure"),
+    **dict.fromkeys((sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "compared"),
+    Where: "chosen",
+    sp.Mul: "product",
+    sp.Pow: "power",
+}
 
 
-@dataclass(frozen=True)
-class _Any:
-    """The weight of 0, which fits every sum."""
+def weighing(rows: Mapping[Role, Callable[..., Any]]) -> Table[Any]:
+    """A table with the row of its role for every word."""
+    return {kind: rows[role] for kind, role in ROLES.items()}
 
 
 class _Conditions:
-    """Collects the linear conditions while a tree is weighed."""
+    """Collects the linear conditions while a tree is weighed; a weight of None is that of 0, which fits every sum."""
 
     def __init__(self) -> None:
         self.rows: list[Weight] = []
+        self._table = weighing(
+            {
+                "alike": self._equal,
+                "kept": self._equal,
+                "pure": self._pure,
+                "compared": self._equal,
+                "chosen": lambda node, _, a, b: self._equal(node, a, b),
+                "product": self._product,
+                "power": self._power,
+            }
+        )
 
-    def equal(self, parts: Sequence[Any]) -> Any:
-        real = [p for p in parts if not isinstance(p, _Any)]
+    def weigh(self, expr: sp.Basic) -> Weight | None:
+        return fold(expr, self._table, lambda node: None if node.is_zero else {node: sp.S.One} if node.is_Symbol else {})
+
+    def _equal(self, _: sp.Basic, *parts: Weight | None) -> Weight | None:
+        real = [p for p in parts if p is not None]
         for part in real[1:]:
             self.rows.append(_combine([(sp.S.One, real[0]), (sp.S.NegativeOne, part)]))
-        return real[0] if real else _Any()
+        return real[0] if real else None
 
-    def none(self, part: Any) -> Weight:
-        if not isinstance(part, _Any):
+    def _pure(self, _: sp.Basic, part: Weight | None) -> Weight:
+        if part is not None:
             self.rows.append(part)
         return {}
 
-    def weigh(self, expr: sp.Basic) -> Any:
-        def same(node: sp.Basic, *parts: Any) -> Any:
-            return self.equal(parts)
+    def _product(self, _: sp.Basic, *parts: Weight | None) -> Weight | None:
+        real = [(sp.S.One, p) for p in parts if p is not None]
+        return _combine(real) if len(real) == len(parts) else None
 
-        def mul(node: sp.Basic, *parts: Any) -> Any:
-            return _Any() if any(isinstance(p, _Any) for p in parts) else _combine([(sp.S.One, p) for p in parts])
-
-        def power(node: Any, base: Any, exponent: Any) -> Any:
-            if isinstance(base, _Any):
-                return base
-            if node.exp.is_Rational:
-                return _combine([(node.exp, base)])
-            self.none(exponent)
-            return self.none(base)
-
-        def function(node: sp.Basic, part: Any) -> Any:
-            return self.none(part)
-
-        def where(node: sp.Basic, condition: Any, a: Any, b: Any) -> Any:
-            return self.equal((a, b))
-
-        def leaf(node: Any) -> Any:
-            return _Any() if node.is_zero else {node: sp.S.One} if node.is_Symbol else {}
-
-        functions = (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.tanh, sp.atan)
-        alike = (sp.Add, sp.Max, sp.Min, Norm, sp.Abs, Pos, Neg, sp.GreaterThan, sp.StrictGreaterThan, sp.LessThan, sp.StrictLessThan)
-        table: dict[type, Callable[..., Any]] = {f: function for f in functions} | {f: same for f in alike}
-        table |= {sp.Mul: mul, sp.Pow: power, Where: where}
-        return fold(expr, table, leaf)
+    def _power(self, node: Any, base: Weight | None, exponent: Weight | None) -> Weight | None:
+        if base is None:
+            return None
+        if node.exp.is_Rational:
+            return _combine([(node.exp, base)])
+        self._pure(node, exponent)
+        return self._pure(node, base)
 
 
 def _combine(parts: Iterable[tuple[sp.Expr, Weight]]) -> Weight:
@@ -116,6 +129,6 @@ def degree(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Rational | None:
     def total(w: Weight) -> sp.Rational:
         return sp.Add(*(c for x, c in w.items() if x in ones))
 
-    if isinstance(weight, _Any) or any(total(row) != 0 for row in conditions.rows):
+    if weight is None or any(total(row) != 0 for row in conditions.rows):
         return None
     return total(weight)

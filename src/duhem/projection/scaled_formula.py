@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from duhem.expression import NODES, Neg, Norm, Pos, Table, fold
+from duhem.expression import Table, fold
 from duhem.expression.jets import program
 from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.weights import weighing
 from duhem.projection.result import Array
 
 __all__ = ["Datum", "ScaledFormula", "scaled"]
@@ -94,13 +95,21 @@ class _Weigher:
         return _Part(node, sp.S.One if node in self.forces else None)
 
     def table(self) -> Table[_Part]:
-        rows: Table[_Part] = {PNorm: self.pnorm, sp.Mul: self.product, sp.Pow: self.power}
-        alike = dict.fromkeys((sp.Add, sp.Max, sp.Min, Norm), self.alike)
-        same = dict.fromkeys((sp.Abs, Pos, Neg), self.same)
-        return {**dict.fromkeys(NODES, self.free), **alike, **same, **rows}
+        rows = weighing(
+            {
+                "alike": self.alike,
+                "kept": self.kept,
+                "pure": self.free,
+                "compared": self.free,
+                "chosen": self.free,
+                "product": self.product,
+                "power": self.power,
+            }
+        )
+        return {**rows, PNorm: self.pnorm}
 
     def free(self, node: sp.Basic, *parts: _Part) -> _Part:
-        """Any other node: fine where no force or only a dimensionless one enters."""
+        """A function, a comparison or a choice: fine where no force or only a dimensionless one enters."""
         if any(p.weight not in (None, 0) for p in parts):
             raise _NoDegree
         weight = None if all(p.weight is None for p in parts) else sp.S.Zero
@@ -122,7 +131,7 @@ class _Weigher:
         moving, still = ([p.expr for p in parts if (p.weight is None) is free] for free in (False, True))
         return _Part(build(*moving, *([self.datum(build(*still), weight)] if still else [])), weight)
 
-    def same(self, node: Any, part: _Part) -> _Part:
+    def kept(self, node: Any, part: _Part) -> _Part:
         return _Part(node, None) if part.weight is None else _Part(node.func(part.expr), part.weight)
 
     def product(self, node: Any, *parts: _Part) -> _Part:
