@@ -6,7 +6,7 @@ import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, Verdict, load, project, verify
 from duhem.expression import mpmath_
-from duhem.expression.inert_number import Held, held_exponent
+from duhem.expression.inert_number import InertNumber, inert_exponent
 from duhem.expression.parse import parse_expression
 
 P = "3.00123456789"
@@ -15,11 +15,11 @@ LAW = {"mu_a": "0.30123457", "mu_b": "0.2012347919", "p": P}
 
 def test_a_held_number_is_one_object_with_the_value_of_its_rational() -> None:
     value = sp.Rational(300123, 100000)
-    held = held_exponent(value)
-    assert isinstance(held, Held) and held is Held(value) and held != Held(value + 1)
-    assert held.is_positive and held > 3 and held < 4 and sp.Rational(5, 2) == held_exponent(sp.Rational(5, 2))
-    power = sp.Rational(3, 10) ** held
-    assert power.args == (sp.Rational(3, 10), held)
+    inert = inert_exponent(value)
+    assert isinstance(inert, InertNumber) and inert is InertNumber(value) and inert != InertNumber(value + 1)
+    assert inert.is_positive and inert > 3 and inert < 4 and sp.Rational(5, 2) == inert_exponent(sp.Rational(5, 2))
+    power = sp.Rational(3, 10) ** inert
+    assert power.args == (sp.Rational(3, 10), inert)
     assert abs(mpmath_.evaluate(power, {}, 40) - mpmath_.evaluate(sp.exp(value * sp.log(sp.Rational(3, 10))), {}, 40)) < 1e-39
 
 
@@ -41,7 +41,8 @@ def test_a_false_law_with_such_an_exponent_is_refuted() -> None:
 
 def test_written_into_the_formula() -> None:
     x = sp.Symbol("x", real=True)
-    assert parse_expression("(abs(x)/0.3012345)**3.00123456789", {"x": x}).atoms(Held) == {Held(sp.Rational(300123456789, 10**11))}
+    inert = parse_expression("(abs(x)/0.3012345)**3.00123456789", {"x": x}).atoms(InertNumber)
+    assert inert == {InertNumber(sp.Rational(300123456789, 10**11))}
 
 
 def test_projected_by_two_methods() -> None:

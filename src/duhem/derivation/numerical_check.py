@@ -15,6 +15,7 @@ import mpmath
 import sympy as sp
 
 from duhem.derivation.potential import SupportFunction
+from duhem.expression import mpmath_
 from duhem.expression.rays_mpmath import reach
 from duhem.law.formula_law import Criterion
 
@@ -24,23 +25,16 @@ DIGITS = 40
 BITS = 39  # of a boundary point: 12 digits, so that in 15 no rounding of g takes it out of K
 SMALL = mpmath.mpf(10) ** -25
 
-_WORDS: dict[str, Callable[..., Any]] = {
-    "Pos": lambda x: max(x, 0),
-    "Neg": lambda x: max(-x, 0),
-    "Norm": lambda *x: mpmath.sqrt(mpmath.fsum(v * v for v in x)),
-    "Where": lambda condition, a, b: a if condition else b,
-    "Abs": abs,
-    "Max": max,
-    "Min": min,
-}
-
 
 def compiled(exprs: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> Callable[..., list[Any]]:
-    """The expressions as one function of the symbols' values, in mpmath's working precision."""
-    function = sp.lambdify(list(symbols), list(exprs), modules=[_WORDS, "mpmath"])
+    """The expressions as one function of the symbols' values, in mpmath's working precision; ArithmeticError where one is not finite."""
+    run = mpmath_.compiled(exprs, symbols, mpmath.mp)
 
     def evaluate(*values: Any) -> list[Any]:
-        return list(function(*(mpmath.mpf(int(v.p)) / int(v.q) if isinstance(v, sp.Rational) else v for v in values)))
+        found = run(*values)
+        if not all(map(mpmath.isfinite, found)):
+            raise ArithmeticError("a value is not real and finite")
+        return found
 
     return evaluate
 
@@ -129,7 +123,7 @@ def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, point
 
 
 def _dot(x: Sequence[Any], d: Sequence[sp.Rational]) -> Any:
-    return mpmath.fsum(a * mpmath.mpf(int(b.p)) / int(b.q) for a, b in zip(x, d, strict=True))
+    return mpmath.fsum(a * mpmath_.number(mpmath.mp, b) for a, b in zip(x, d, strict=True))
 
 
 def _direction(support: SupportFunction, values: Mapping[sp.Symbol, sp.Rational], random: Random) -> list[sp.Rational]:

@@ -6,18 +6,17 @@ Here the size of a result is bounded before SymPy is asked for it, and what come
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
-from duhem.expression.fold import fold
-from duhem.expression.inert_number import Held, held_exponent
-from duhem.expression.vocabulary import NODES, WORDS, Neg, Norm, Pos, Where
+from duhem.expression.floats import approximate
+from duhem.expression.inert_number import InertNumber, inert_exponent
+from duhem.expression.vocabulary import NODES, WORDS
 
-__all__ = ["approximate", "call", "power", "product", "relation", "total", "unacceptable"]
+__all__ = ["call", "power", "product", "relation", "total", "unacceptable"]
 
 MOST_BITS = 8192
 MOST_EXPONENT = 1000
@@ -52,7 +51,7 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
             raise InputError("division by zero", remedy="correct the divisor")
     elif base.is_number and (_is_zero(base) or approximate(base) < 0):
         raise InputError("a variable power of a number that is not positive is not real", remedy="use a positive base")
-    return _checked(sp.Pow(base, held_exponent(exponent)))
+    return _checked(sp.Pow(base, inert_exponent(exponent)))
 
 
 def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
@@ -76,17 +75,6 @@ def relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:
     return kind(left, right)
 
 
-def approximate(expr: sp.Expr) -> float:
-    """The value of a constant in double precision; InputError if it is not real and finite."""
-    try:
-        value = fold(expr, _FLOAT, float)
-    except (OverflowError, ValueError, ZeroDivisionError, TypeError):
-        value = math.nan
-    if isinstance(value, complex) or not math.isfinite(value):
-        raise InputError("the value is not real and finite, or too large", remedy="keep every part of the formula real and finite")
-    return float(value)
-
-
 def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> str | None:
     """Why a finished formula cannot be used, or None."""
     for node in sp.preorder_traversal(expr):
@@ -95,7 +83,7 @@ def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> str | None:
                 return f"no meaning is given to {type(node).__name__} in {str(node)[:60]!r}"
             if isinstance(node, sp.Pow) and node.exp.is_number and abs(approximate(node.exp)) > MOST_EXPONENT:
                 return f"the exponent of {str(node.base)[:40]!r} is too large"
-        elif not (node in known or isinstance(node, sp.Rational | Held) or node in (sp.pi, sp.E)):
+        elif not (node in known or isinstance(node, sp.Rational | InertNumber) or node in (sp.pi, sp.E)):
             return f"{node} is not a real number"
     return None
 
@@ -135,35 +123,3 @@ def _bits(expr: sp.Basic) -> int:
 def _bound_bits(bits: int) -> None:
     if bits > MOST_BITS:
         raise InputError("the number is too large", remedy="use numbers of ordinary size")
-
-
-def _power(_: sp.Basic, base: float, exponent: float) -> float:
-    result = base**exponent
-    if isinstance(result, complex):
-        raise ValueError("not real")
-    return result
-
-
-_FLOAT: dict[type, Callable[..., float]] = {
-    sp.Add: lambda _, *a: math.fsum(a),
-    sp.Mul: lambda _, *a: math.prod(a),
-    sp.Pow: _power,
-    sp.Abs: lambda _, a: abs(a),
-    sp.exp: lambda _, a: math.exp(a),
-    sp.log: lambda _, a: math.log(a),
-    sp.sin: lambda _, a: math.sin(a),
-    sp.cos: lambda _, a: math.cos(a),
-    sp.tan: lambda _, a: math.tan(a),
-    sp.tanh: lambda _, a: math.tanh(a),
-    sp.atan: lambda _, a: math.atan(a),
-    sp.Min: lambda _, *a: min(a),
-    sp.Max: lambda _, *a: max(a),
-    Pos: lambda _, a: max(a, 0.0),
-    Neg: lambda _, a: max(-a, 0.0),
-    Norm: lambda _, *a: math.hypot(*a),
-    Where: lambda _, condition, a, b: a if condition else b,
-    sp.StrictLessThan: lambda _, a, b: float(a < b),
-    sp.LessThan: lambda _, a, b: float(a <= b),
-    sp.StrictGreaterThan: lambda _, a, b: float(a > b),
-    sp.GreaterThan: lambda _, a, b: float(a >= b),
-}

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.inert_number import Held
+from duhem.expression.inert_number import InertNumber
 
 __all__ = ["Table", "fold"]
 
@@ -29,7 +29,7 @@ def fold(expr: sp.Basic, table: Table[T], leaf: Callable[[Any], T]) -> T:
         if node in done:
             continue
         if not node.args:
-            done[node] = leaf(node.value if isinstance(node, Held) else node)
+            done[node] = leaf(node.value if isinstance(node, InertNumber) else node)
         elif ready:
             done[node] = _row(node, table)(node, *(done[a] for a in node.args))
         else:

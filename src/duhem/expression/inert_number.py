@@ -7,13 +7,13 @@ from typing import Any
 
 import sympy as sp
 
-__all__ = ["MOST_ROOT", "Held", "held_exponent"]
+__all__ = ["MOST_ROOT", "InertNumber", "inert_exponent"]
 
 # 0.3**3.0012 has SymPy write out 3**30012; up to this denominator the integers stay small and the algebra is worth having.
 MOST_ROOT = 12
 
 
-class Held(sp.NumberSymbol):
+class InertNumber(sp.NumberSymbol):
     """The rational ``value`` as a number that is never combined with others, as pi is; every interpreter reads the value."""
 
     is_real = True
@@ -25,7 +25,7 @@ class Held(sp.NumberSymbol):
 
     value: sp.Rational
 
-    def __new__(cls, value: sp.Rational) -> Held:
+    def __new__(cls, value: sp.Rational) -> InertNumber:
         return _only(value)
 
     def _eval_is_positive(self) -> bool:
@@ -57,13 +57,13 @@ class Held(sp.NumberSymbol):
 
 
 @lru_cache(maxsize=256)
-def _only(value: sp.Rational) -> Held:
+def _only(value: sp.Rational) -> InertNumber:
     """One object for each value: SymPy compares such numbers by identity."""
-    found: Held = sp.AtomicExpr.__new__(Held)
+    found: InertNumber = sp.AtomicExpr.__new__(InertNumber)
     found.value = value
     return found
 
 
-def held_exponent(value: Any) -> Any:
-    """A rational with a long denominator as :class:`Held`; anything else as it is."""
-    return Held(value) if isinstance(value, sp.Rational) and value.q > MOST_ROOT else value
+def inert_exponent(value: Any) -> Any:
+    """A rational with a long denominator as :class:`InertNumber`; anything else as it is."""
+    return InertNumber(value) if isinstance(value, sp.Rational) and value.q > MOST_ROOT else value

@@ -7,18 +7,19 @@ values (a root of a negative number, ...) are nan, and nan spreads; a zero divis
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from functools import reduce
+from functools import partial, reduce
 from typing import Any
 
 import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
+from duhem.expression.recording import bound, recorded
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
-__all__ = ["evaluate", "table"]
+__all__ = ["compiled", "constant", "evaluate", "number", "table"]
 
 
 def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> Any:
@@ -31,25 +32,37 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> 
 
     context = MPContext()  # of our own, so that nobody's precision changes
     context.dps = dps
-    known = {symbol: _number(context, value) for symbol, value in values.items()}
-
-    def leaf(node: Any) -> Any:
-        if node in known:
-            return known[node]
-        if node.is_Rational:
-            return _number(context, node)
-        if node is sp.pi:
-            return +context.pi
-        if node is sp.E:
-            return +context.e
-        if node in (sp.true, sp.false):
-            return context.mpf(node is sp.true)
-        raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
-
-    return fold(expr, table(context), leaf)
+    known = {symbol: number(context, value) for symbol, value in values.items()}
+    return fold(expr, table(context), lambda node: known[node] if node in known else constant(context, node))
 
 
-def _number(context: Any, value: Any) -> Any:
+def compiled(exprs: Sequence[sp.Basic], symbols: Iterable[sp.Symbol], context: Any) -> Callable[..., list[Any]]:
+    """The formulas as one function of the symbols' values; walked once, run in the precision ``context`` has at each call."""
+    rows = {sp.Tuple: lambda _, *parts: list(parts), **table(context)}
+    recording = recorded(sp.Tuple(*exprs), symbols, bound(rows), lambda node: partial(constant, context, node))
+
+    def run(*values: Any) -> list[Any]:
+        found: list[Any] = recording.run([number(context, v) for v in values])[recording.last]
+        return found
+
+    return run
+
+
+def constant(context: Any, node: Any) -> Any:
+    """A number or a truth value of a formula in the precision of ``context``; InputError for anything else."""
+    if node.is_Rational:
+        return number(context, node)
+    if node is sp.pi:
+        return +context.pi
+    if node is sp.E:
+        return +context.e
+    if node in (sp.true, sp.false):
+        return context.mpf(node is sp.true)
+    raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+
+
+def number(context: Any, value: Any) -> Any:
+    """An integer, float (taken exactly), fraction, SymPy rational, mpf or decimal text in the precision of ``context``."""
     if isinstance(value, sp.Rational):
         return context.mpf(int(value.p)) / int(value.q)
     if isinstance(value, Fraction):

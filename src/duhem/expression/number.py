@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 
-__all__ = ["DECIMAL", "exact_number", "ratio"]
+__all__ = ["DECIMAL", "exact_number", "fraction", "ratio", "rational"]
 
 # A decimal without sign.  At most MOST_DIGITS digits and a scale of at most 10^+-MOST_DIGITS: beyond doubles, yet cheap.
 DECIMAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -35,10 +35,20 @@ def exact_number(x: Any) -> sp.Rational:
     if isinstance(x, str):
         return _from_text(x)
     if isinstance(x, numbers.Rational):
-        return sp.Rational(int(x.numerator), int(x.denominator))
+        return rational(x)
     if isinstance(x, (numbers.Real, Decimal, sp.Float)):
         return _from_text(str(x))
     raise InputError(f"{str(x)[:40]!r} ({type(x).__name__}) is not a number", remedy=_REMEDY)
+
+
+def rational(x: numbers.Rational) -> sp.Rational:
+    """A fraction (or an integer) as SymPy's rational."""
+    return sp.Rational(int(x.numerator), int(x.denominator))
+
+
+def fraction(x: Any) -> Fraction:
+    """A rational of SymPy or FLINT, which have ``p`` and ``q``, as a fraction."""
+    return Fraction(int(x.p), int(x.q))
 
 
 def ratio(x: sp.Rational) -> str:
@@ -58,7 +68,7 @@ def _from_text(text: str) -> sp.Rational:
             raise InputError(f"{text[:40]!r} divides by zero", remedy=_REMEDY)
         value /= divisor
     value = -value if sign == "-" else value
-    return sp.Rational(value.numerator, value.denominator)
+    return rational(value)
 
 
 def _decimal(text: str) -> Fraction:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
-from sympy.core.relational import Relational
 
 __all__ = ["NODES", "WORDS", "Neg", "Norm", "Pos", "Where", "Word", "symbol"]
 
@@ -155,8 +154,3 @@ NODES: tuple[type, ...] = (
 def symbol(name: str, **assumptions: bool) -> sp.Symbol:
     """A real symbol; all names of a criterion go through here so that equal names are equal symbols."""
     return sp.Symbol(name, **({"real": True} | assumptions))
-
-
-def is_condition(node: sp.Basic) -> bool:
-    """Whether a node is a comparison, allowed only inside ``where``."""
-    return isinstance(node, Relational)

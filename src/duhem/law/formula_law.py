@@ -17,7 +17,7 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import symbol
-from duhem.expression.inert_number import held_exponent
+from duhem.expression.inert_number import inert_exponent
 from duhem.expression.parse import exact_number, parse_expression, parse_relation
 from duhem.law.shapes import Shape, converted
 
@@ -189,7 +189,7 @@ class Criterion:
         """The fixed parameters with the numbers to put in their places; exponents as numbers that SymPy leaves alone."""
         exponents = {x for power in self.g.atoms(sp.Pow) for x in power.exp.free_symbols}
         fixed = {self.symbols()[name]: domain.value for name, domain in self.parameters.items() if domain.value is not None}
-        return {x: held_exponent(value) if x in exponents else value for x, value in fixed.items()}
+        return {x: inert_exponent(value) if x in exponents else value for x, value in fixed.items()}
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""

@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 from duhem.benchmark.contenders import Subject
+from duhem.expression.number import fraction
 from duhem.law.formula_law import Domain
 from duhem.projection.result import Array
 
@@ -118,7 +119,7 @@ def _scaled(subject: Subject, names: tuple[str, ...], factor: Fraction) -> Subje
     def moved(name: str, domain: Domain) -> Domain:
         value = domain.value
         assert value is not None
-        return Domain.fixed(Fraction(float(Fraction(int(value.p), int(value.q)) * factor))) if name in names else domain
+        return Domain.fixed(Fraction(float(fraction(value) * factor))) if name in names else domain
 
     law = replace(subject.law, parameters={name: moved(name, domain) for name, domain in subject.law.parameters.items()})
     return Subject(law, law, subject.stiffness)

@@ -19,6 +19,7 @@ from duhem.benchmark.reference.formula import NoReference, PreciseFormula, Slice
 from duhem.benchmark.reference.ray import extents
 from duhem.benchmark.reference.search import Search
 from duhem.expression.lineality import invariant_directions
+from duhem.expression.mpmath_ import number
 
 __all__ = ["Closest", "ReferenceIncrement", "distance"]
 
@@ -115,4 +116,4 @@ class Closest:
 def _normals(mp: Any, endless: Sequence[Any], d: int) -> Any:
     """A basis (d, d - r) of what is orthogonal to the endless directions."""
     space = sp.Matrix([[int(c) for c in v] for v in endless]).nullspace()
-    return mp.matrix([[mp.mpf(int(v[i].p)) / int(v[i].q) for v in space] for i in range(d)])
+    return mp.matrix([[number(mp, v[i]) for v in space] for i in range(d)])

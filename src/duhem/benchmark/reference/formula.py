@@ -12,9 +12,9 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.errors import DuhemError
+from duhem.errors import DuhemError, InputError
 from duhem.expression import Neg, Pos, Where
-from duhem.expression.mpmath_ import table
+from duhem.expression.mpmath_ import constant, table
 from duhem.expression.recording import recorded
 
 __all__ = ["Choices", "NoReference", "PreciseFormula", "Reading", "Slice"]
@@ -103,9 +103,10 @@ class Slice:
 
 
 def _constant(node: Any, context: Any) -> Callable[..., Any]:
-    if not (node.is_Rational or node in (sp.pi, sp.E)):
-        raise NoReference(f"{node} has no value", remedy="give every parameter a value")
-    value = context.mpf(int(node.p)) / int(node.q) if node.is_Rational else +(context.pi if node is sp.pi else context.e)
+    try:
+        value = constant(context, node)
+    except InputError:
+        raise NoReference(f"{node} has no value", remedy="give every parameter a value") from None
     return lambda _: value
 
 

@@ -15,6 +15,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.balls import ball, enclose
+from duhem.expression.number import fraction, rational
 from duhem.proof.decide.question import Answer, Question, Sense
 
 __all__ = ["by_enclosure"]
@@ -46,9 +47,7 @@ def by_enclosure(question: Question, seconds: float, most: int = 200_000) -> Ans
         if goal is True:
             continue
         if goal is False and all(v is True for v in verdicts):
-            return Answer(
-                False, _METHOD, point={x: sp.Rational(v.numerator, v.denominator) for x, v in _middle(current, question, angle).items()}
-            )
+            return Answer(False, _METHOD, point={x: rational(v) for x, v in _middle(current, question, angle).items()})
         if not current:
             return Answer(None, _METHOD, reason="the margin is below the working precision")
         queue.extend(_halves(current))
@@ -94,10 +93,10 @@ def _bounds(x: sp.Symbol, given: tuple[sp.Basic, ...]) -> tuple[Fraction | None,
             continue
         great, least = relation.gts, relation.lts
         if great == x and least.is_Rational:
-            end = Fraction(int(least.p), int(least.q))
+            end = fraction(least)
             low = end if low is None else max(low, end)
         elif least == x and great.is_Rational:
-            end = Fraction(int(great.p), int(great.q))
+            end = fraction(great)
             high = end if high is None else min(high, end)
     return low, high
 

@@ -14,6 +14,7 @@ import flint
 import sympy as sp
 
 from duhem.expression.balls import certain_sign, precision
+from duhem.expression.number import fraction, rational
 from duhem.proof.decide.polynomials import System
 from duhem.proof.decide.question import Answer
 from duhem.proof.decide.reduction import variables
@@ -42,7 +43,7 @@ def by_cells(system: System) -> Answer:
             continue
         if value is None:
             return Answer(True, _METHOD)
-        return Answer(False, _METHOD, point={t: sp.Rational(value.numerator, value.denominator)})
+        return Answer(False, _METHOD, point={t: rational(value)})
     return Answer(None, _METHOD, reason="a sign at a root stays open")
 
 
@@ -70,7 +71,7 @@ def _violation(given: list[Sign], goal: Sign, bits: int) -> Fraction | None:
             for root in real_roots(factor, bits):
                 if _violated(given, goal, lambda p, f=factor, at=root: _sign_at_root(p, f, at)):
                     middle = root.mid().fmpq()
-                    return Fraction(int(middle.p), int(middle.q))
+                    return fraction(middle)
     return None
 
 

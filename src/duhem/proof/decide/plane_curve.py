@@ -21,6 +21,7 @@ import flint
 import sympy as sp
 
 from duhem.expression.balls import certain_sign, precision
+from duhem.expression.number import fraction, rational
 from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, projection, true
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.question import Answer
@@ -58,12 +59,8 @@ def by_plane(system: System, seconds: float = 5.0) -> Answer:
             return Answer(None, _METHOD, reason=str(fault))
         if point is None:
             return Answer(True, _METHOD)
-        return Answer(False, _METHOD, point={x: _rational(point[0] + shear * point[1]), y: _rational(point[1])})
+        return Answer(False, _METHOD, point={x: rational(point[0] + shear * point[1]), y: rational(point[1])})
     return Answer(None, _METHOD, reason="no projection is in general position")
-
-
-def _rational(value: Fraction) -> sp.Rational:
-    return sp.Rational(value.numerator, value.denominator)
 
 
 def _violation(
@@ -131,7 +128,7 @@ class _Component:
                 with precision(bits):
                     if all(true(_sign(p(root)), op) for p, op in others) and not true(_sign(wanted[0](root)), wanted[1]):
                         middle = root.mid().fmpq()
-                        return at, Fraction(int(middle.p), int(middle.q))
+                        return at, fraction(middle)
         return None
 
     def _above(self, special: Any, bits: int, deadline: float) -> tuple[Fraction, Fraction] | None:

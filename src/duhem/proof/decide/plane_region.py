@@ -14,6 +14,7 @@ from itertools import combinations
 import flint
 import sympy as sp
 
+from duhem.expression.number import rational
 from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, projection, true
 from duhem.proof.decide.plane_curve import by_plane
 from duhem.proof.decide.polynomials import Relation, System
@@ -43,7 +44,7 @@ def by_region(system: System, seconds: float = 5.0) -> Answer:
     except (DegenerateError, OpenError) as fault:
         return Answer(None, _METHOD, reason=str(fault) or "degenerate")
     if point is not None:
-        return Answer(False, _METHOD, point={s: sp.Rational(v.numerator, v.denominator) for s, v in zip((x, y), point, strict=True)})
+        return Answer(False, _METHOD, point={s: rational(v) for s, v in zip((x, y), point, strict=True)})
     if op == ">":
         zero = (*system.given, Relation(system.goal.poly, "=="))
         return by_plane(System(Relation(sp.S.NegativeOne, ">"), zero, (), system.variables, None), seconds)

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from duhem.expression.balls import precision
+from duhem.expression.number import fraction
 
 __all__ = ["between", "real_roots", "square_free"]
 
@@ -39,8 +40,7 @@ def between(roots: list[Any]) -> list[Fraction]:
 
 
 def _exact(end: Any) -> Fraction:
-    value = end.fmpq()
-    return Fraction(int(value.p), int(value.q))
+    return fraction(end.fmpq())
 
 
 def _plain(low: Fraction, high: Fraction) -> Fraction:

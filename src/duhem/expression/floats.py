@@ -1,0 +1,56 @@
+"""Constants in double precision, with Python's own arithmetic: quick, and enough to tell what is too large or not real."""
+
+from __future__ import annotations
+
+import math
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.fold import Table, fold
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+
+__all__ = ["TABLE", "approximate"]
+
+
+def approximate(expr: sp.Expr) -> float:
+    """The value of a constant in double precision; InputError if it is not real and finite."""
+    try:
+        value = fold(expr, TABLE, float)
+    except (OverflowError, ValueError, ZeroDivisionError, TypeError):
+        value = math.nan
+    if isinstance(value, complex) or not math.isfinite(value):
+        raise InputError("the value is not real and finite, or too large", remedy="keep every part of the formula real and finite")
+    return float(value)
+
+
+def _power(_: sp.Basic, base: float, exponent: float) -> float:
+    result = base**exponent
+    if isinstance(result, complex):
+        raise ValueError("not real")
+    return result
+
+
+TABLE: Table[float] = {
+    sp.Add: lambda _, *a: math.fsum(a),
+    sp.Mul: lambda _, *a: math.prod(a),
+    sp.Pow: _power,
+    sp.Abs: lambda _, a: abs(a),
+    sp.exp: lambda _, a: math.exp(a),
+    sp.log: lambda _, a: math.log(a),
+    sp.sin: lambda _, a: math.sin(a),
+    sp.cos: lambda _, a: math.cos(a),
+    sp.tan: lambda _, a: math.tan(a),
+    sp.tanh: lambda _, a: math.tanh(a),
+    sp.atan: lambda _, a: math.atan(a),
+    sp.Min: lambda _, *a: min(a),
+    sp.Max: lambda _, *a: max(a),
+    Pos: lambda _, a: max(a, 0.0),
+    Neg: lambda _, a: max(-a, 0.0),
+    Norm: lambda _, *a: math.hypot(*a),
+    Where: lambda _, condition, a, b: a if condition else b,
+    sp.StrictLessThan: lambda _, a, b: float(a < b),
+    sp.LessThan: lambda _, a, b: float(a <= b),
+    sp.StrictGreaterThan: lambda _, a, b: float(a > b),
+    sp.GreaterThan: lambda _, a, b: float(a >= b),
+}
