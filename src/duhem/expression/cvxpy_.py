@@ -23,7 +23,7 @@ from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.text import formula
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
-__all__ = ["TABLE", "UNSUPPORTED", "dcp_fault", "expression"]
+__all__ = ["NUMBERS_ONLY", "TABLE", "dcp_fault", "expression"]
 
 Atom = Any  # a cvxpy.Expression; the module is not imported here
 Row = Callable[..., Atom]
@@ -175,7 +175,7 @@ def _no_atom(node: sp.Basic, *_: Atom) -> Atom:
 
 
 # Node classes that mean something on numbers only, and why.
-UNSUPPORTED: dict[type, str] = dict.fromkeys((sp.sin, sp.cos, sp.tan, sp.tanh, sp.atan), "neither convex nor concave") | dict.fromkeys(
+NUMBERS_ONLY: dict[type, str] = dict.fromkeys((sp.sin, sp.cos, sp.tan, sp.tanh, sp.atan), "neither convex nor concave") | dict.fromkeys(
     (Where, sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "a case distinction has no curvature"
 )
 
@@ -192,7 +192,7 @@ TABLE: Table[Atom] = {
     Neg: lambda _, x: _cp().neg(x),
     Norm: _norm,
     PNorm: _pnorm,
-    **dict.fromkeys(UNSUPPORTED, _no_atom),
+    **dict.fromkeys(NUMBERS_ONLY, _no_atom),
     Where: _where,
 }
 
