@@ -44,7 +44,8 @@ if TYPE_CHECKING:
     from duhem.identification import Identification, identify
     from duhem.law.catalogue import load
     from duhem.law.curve_law import ParametricCriterion
-    from duhem.law.formula_law import POSITIVE, REAL, Criterion, Domain, criterion
+    from duhem.law.domain import POSITIVE, REAL, Domain
+    from duhem.law.formula_law import Criterion, criterion
     from duhem.path import History, Path, simulate
     from duhem.projection.projector import project
     from duhem.projection.result import Projection, Status
@@ -57,7 +58,8 @@ _HOMES = {
     "identification": ("Identification", "identify"),
     "law.catalogue": ("load",),
     "law.curve_law": ("ParametricCriterion",),
-    "law.formula_law": ("POSITIVE", "REAL", "Criterion", "Domain", "criterion"),
+    "law.domain": ("POSITIVE", "REAL", "Domain"),
+    "law.formula_law": ("Criterion", "criterion"),
     "path": ("History", "Path", "simulate"),
     "projection.projector": ("project",),
     "projection.result": ("Projection", "Status"),

@@ -18,7 +18,8 @@ from duhem.errors import InputError
 from duhem.expression import mpmath_
 from duhem.expression.parse import parse_expression
 from duhem.law.catalogue import load, names
-from duhem.law.formula_law import POSITIVE, Criterion
+from duhem.law.domain import POSITIVE
+from duhem.law.formula_law import Criterion
 
 LAWS = (
     "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "drucker1949", "hosford", "limacon", "lobes", "matchstick",

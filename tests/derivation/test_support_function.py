@@ -20,7 +20,8 @@ from duhem.derivation.potential import SupportFunction
 from duhem.derivation.support_function import biconjugate, rate_symbols, support_function
 from duhem.expression import Neg, Norm, Pos, mpmath_, numpy_
 from duhem.law.catalogue import load
-from duhem.law.formula_law import POSITIVE, REAL, Criterion, Domain
+from duhem.law.domain import POSITIVE, REAL, Domain
+from duhem.law.formula_law import Criterion
 
 CLOSED = (
     "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "orthotropic", "polygon", "radial-flow", "regularised",

@@ -18,7 +18,7 @@ from duhem.identification import Points
 from duhem.identification.criterion_text import criterion_text
 from duhem.identification.surface import AnyFormula, QuarterEllipses
 from duhem.law.criterion_file import reads
-from duhem.law.formula_law import Domain
+from duhem.law.domain import Domain
 
 NAMES = ("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus")
 PAPER = np.array([0.2, 0.08, 0.12, 0.15])

@@ -8,7 +8,8 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Norm
 from duhem.law.criterion_file import read, reads
-from duhem.law.formula_law import POSITIVE, REAL, Criterion, Domain
+from duhem.law.domain import POSITIVE, REAL, Domain
+from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 
 WHOLE = """\

@@ -17,9 +17,11 @@ from hypothesis import strategies as st
 import duhem.law.builtin
 from duhem.expression import mpmath_, numpy_
 from duhem.expression.balls import ball, enclose, precision
+from duhem.expression.parse import exact_number
 from duhem.law.builtin.lobes import lobe_law
 from duhem.law.curve_law import Law
-from duhem.law.formula_law import Criterion, Domain, exact_number
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
 from duhem.proof.verdict import Verdict
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, OUTSIDE, THRESHOLDS
 

@@ -11,7 +11,8 @@ import sympy as sp
 
 import duhem
 from duhem.expression import mpmath_
-from duhem.law.formula_law import Criterion, Domain
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants
 from duhem.projection.result import Status
 from tests.oracles.projection import closest

@@ -14,7 +14,8 @@ import pytest
 
 import duhem
 from duhem.errors import InputError
-from duhem.law.formula_law import Criterion, Domain
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
 from duhem.projection.methods import METHODS
 from duhem.projection.projector import Projector
 

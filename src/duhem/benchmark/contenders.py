@@ -14,7 +14,8 @@ from duhem.benchmark.reference import Closest
 from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
-from duhem.law.formula_law import Criterion, Domain
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
 from duhem.projection import conic_solvers
 from duhem.projection.increment import Increment

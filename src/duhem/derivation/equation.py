@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from duhem.derivation.notation import Names
+from duhem.expression.verbatim import Verbatim
 from duhem.left_out import LeftOut
 from duhem.show.printing import latex, markdown, text
 
@@ -21,7 +22,7 @@ class Belongs(sp.Function):
 
 
 @dataclass(frozen=True)
-class Equation:
+class Equation(Verbatim):
     """One line: its number in Antoni et al. (2007) or D1, D2, ... where the paper has none; ``note`` is one sentence."""
 
     number: str

@@ -10,6 +10,7 @@ import sympy as sp
 from duhem.derivation.support_function import compression, rate_symbols
 from duhem.errors import InputError
 from duhem.expression import symbol
+from duhem.expression.verbatim import Verbatim
 from duhem.law.formula_law import Criterion
 from duhem.show.notation import latex_name
 
@@ -19,7 +20,7 @@ STIFFNESSES = ("orthotropic", "full", "isotropic")
 
 
 @dataclass(frozen=True)
-class Names:
+class Names(Verbatim):
     """One symbol per force for each quantity of the theory, none of which clashes with a name of the law.
 
     ``total``, ``elastic``, ``inelastic``: displacements u, u_e, u_in; ``speed``, ``rates``: their rates du/dt and

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import Any
+from weakref import WeakValueDictionary
 
 import sympy as sp
 
@@ -26,7 +26,11 @@ class InertNumber(sp.NumberSymbol):
     value: sp.Rational
 
     def __new__(cls, value: sp.Rational) -> InertNumber:
-        return _only(value)
+        """One object for each value as long as anybody has it: SymPy compares such numbers by identity."""
+        if (found := _living.get(value)) is None:
+            _living[value] = found = sp.AtomicExpr.__new__(cls)
+            found.value = value
+        return found
 
     def _eval_is_positive(self) -> bool:
         return bool(self.value > 0)
@@ -56,12 +60,7 @@ class InertNumber(sp.NumberSymbol):
         return (self.value,)
 
 
-@lru_cache(maxsize=256)
-def _only(value: sp.Rational) -> InertNumber:
-    """One object for each value: SymPy compares such numbers by identity."""
-    found: InertNumber = sp.AtomicExpr.__new__(InertNumber)
-    found.value = value
-    return found
+_living: WeakValueDictionary[sp.Rational, InertNumber] = WeakValueDictionary()
 
 
 def inert_exponent(value: Any) -> Any:

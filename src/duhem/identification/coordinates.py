@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.law.formula_law import Domain
+from duhem.law.domain import Domain
 
 __all__ = ["Coordinates"]
 

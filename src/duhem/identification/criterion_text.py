@@ -8,7 +8,8 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.text import formula
-from duhem.law.formula_law import Criterion, Domain
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
 
 __all__ = ["criterion_text"]
 

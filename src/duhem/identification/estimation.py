@@ -19,7 +19,8 @@ from duhem.identification.result import Estimate, Identification, Outlier
 from duhem.identification.start import convex, guesses
 from duhem.identification.statistics import bootstrapped, covariance, fisher_information, outlying, scatter_level
 from duhem.identification.surface import QuarterEllipses, free_parameters, surface
-from duhem.law.formula_law import Criterion, Domain
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import Verification, verify

@@ -23,7 +23,7 @@ from duhem.errors import DuhemError
 from duhem.identification.fit import HUBER, FitProblem
 from duhem.identification.points import Points
 from duhem.identification.surface import QuarterEllipses
-from duhem.law.formula_law import Domain
+from duhem.law.domain import Domain
 
 __all__ = ["convex", "guesses"]
 

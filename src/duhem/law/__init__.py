@@ -11,12 +11,13 @@ __all__ = ["FORCES", "POSITIVE", "PRESSURE", "REAL", "Criterion", "Domain", "Par
 
 if TYPE_CHECKING:
     from duhem.law.curve_law import ParametricCriterion
-    from duhem.law.formula_law import FORCES, POSITIVE, PRESSURE, REAL, Criterion, Domain, criterion
+    from duhem.law.domain import POSITIVE, REAL, Domain
+    from duhem.law.formula_law import FORCES, PRESSURE, Criterion, criterion
 
 
 def __getattr__(name: str) -> Any:
     if name in __all__:
-        from duhem.law import curve_law, formula_law
+        from duhem.law import curve_law, domain, formula_law
 
-        return getattr(curve_law if name == "ParametricCriterion" else formula_law, name)
+        return next(getattr(module, name) for module in (formula_law, domain, curve_law) if name in module.__all__)
     raise AttributeError(f"module 'duhem.law' has no attribute {name!r}")

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import re
-import sys
 from collections.abc import Mapping
 from difflib import get_close_matches
 from importlib import import_module
@@ -19,6 +18,7 @@ from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, overload
 
 from duhem.errors import InputError
+from duhem.law.registry import registered
 
 if TYPE_CHECKING:
     from duhem.law.curve_law import Law, ParametricCriterion
@@ -32,7 +32,7 @@ _GROUP = "duhem.criteria"
 
 def names() -> tuple[str, ...]:
     """Every law that can be loaded by name, sorted."""
-    return tuple(sorted({*_built_in(), *_added(), *_registered()}))
+    return tuple(sorted({*_built_in(), *_added(), *registered()}))
 
 
 @overload
@@ -57,11 +57,11 @@ def load(law: str | Path | Law) -> Law:
     if not isinstance(law, str):
         raise InputError(f"{type(law).__name__} is no law", remedy="give a name, the path of a criterion file, or a Criterion")
     name = law.strip().replace("_", "-")
-    if name in _registered():
-        return _registered()[name]
+    if name in registered():
+        return registered()[name]
     if name in (modules := _built_in()):
         import_module(modules[name])
-        return _registered()[name]
+        return registered()[name]
     if law.endswith(".toml") or _exists(law):
         return _from_file(law)
     if name in (points := _added()):
@@ -86,7 +86,7 @@ def load_formula(law: str | Path | Law) -> Criterion:
 
 def summary(name: str) -> str:
     """One line about a law of :func:`names`, read from its source without running it."""
-    if (law := _registered().get(name)) is not None:
+    if (law := registered().get(name)) is not None:
         return law.summary
     if name in (modules := _built_in()):
         spec = find_spec(modules[name])
@@ -112,12 +112,6 @@ def _built_in() -> Mapping[str, str]:
 
 def _added() -> Mapping[str, EntryPoint]:
     return {point.name.replace("_", "-"): point for point in entry_points(group=_GROUP)}
-
-
-def _registered() -> Mapping[str, Law]:
-    """Laws registered in this process; none if nothing was imported yet."""
-    home = sys.modules.get("duhem.law.formula_law")
-    return home.registered() if home else {}
 
 
 def _exists(path: str) -> bool:

@@ -18,7 +18,8 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.parse import parse_expression, parse_relation
-from duhem.law.formula_law import FORCES, POSITIVE, PRESSURE, Criterion, Domain
+from duhem.law.domain import POSITIVE, Domain
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion
 from duhem.law.parameter_domain import check_domain
 
 __all__ = ["read", "reads"]

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from importlib import import_module
-from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
@@ -19,7 +18,10 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import parse_expression, parse_relation
-from duhem.law.formula_law import FORCES, POSITIVE, PRESSURE, Criterion, Domain, narrowed, register
+from duhem.expression.verbatim import Verbatim
+from duhem.law.domain import POSITIVE, Domain, Domains
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion
+from duhem.law.registry import register
 
 __all__ = ["ANGLE", "Law", "ParametricCriterion", "parametric"]
 
@@ -27,7 +29,7 @@ ANGLE = "phi"
 
 
 @dataclass(frozen=True)
-class ParametricCriterion:
+class ParametricCriterion(Verbatim):
     """K(sigma_n) = |sigma_n| K_1 in two forces, K_1 enclosed by the curve ``boundary`` (angle), angle in [0, 2 pi).
 
     ``boundary``, ``flow`` and ``constraints`` are text in the vocabulary or SymPy expressions over :meth:`symbols`;
@@ -38,7 +40,7 @@ class ParametricCriterion:
 
     name: str
     boundary: tuple[sp.Expr, sp.Expr]
-    parameters: Mapping[str, Domain] = field(default_factory=dict)
+    parameters: Mapping[str, Domain] = Domains()
     forces: tuple[str, ...] = FORCES
     pressure: str = PRESSURE
     angle: str = ANGLE
@@ -52,7 +54,7 @@ class ParametricCriterion:
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "forces", tuple(self.forces))
-        put(self, "parameters", MappingProxyType(dict(self.parameters)))
+        put(self, "parameters", Domains(self.parameters))
         names = [*self.forces, self.pressure, self.angle, *self.parameters]
         if len(self.forces) != 2 or len(set(names)) < len(names) or not all(n.isidentifier() for n in names):
             raise InputError(
@@ -69,7 +71,7 @@ class ParametricCriterion:
             raise InputError("boundary and flow have two components each", where=self.name, remedy="give one expression per force")
 
     def __hash__(self) -> int:
-        return hash((self.name, self.boundary, self.forces, self.pressure, tuple(self.parameters.items()), self.constraints, self.flow))
+        return hash((self.name, self.boundary, self.forces, self.pressure, self.parameters, self.constraints, self.flow))
 
     def _in_angle(self, given: Any, known: Mapping[str, sp.Symbol], what: str) -> sp.Expr:
         expr = parse_expression(given, known, where=f"{what} of {self.name}") if isinstance(given, str) else sp.sympify(given, strict=True)
@@ -99,7 +101,7 @@ class ParametricCriterion:
 
     def fix(self, values: Mapping[str, Any] | None) -> ParametricCriterion:
         """The same law with some parameters fixed; a value outside its domain is an InputError."""
-        domains = narrowed(self.name, self.parameters, values or {})
+        domains = Domains(self.parameters).fixed(values or {}, self.name)
         old = self.symbols()
         swap = {old[name]: domain.symbol(name) for name, domain in domains.items()}
         return replace(

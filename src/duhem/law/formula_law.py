@@ -9,7 +9,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import Any, overload
 
 import sympy as sp
@@ -18,86 +17,20 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.inert_number import inert_exponent
-from duhem.expression.parse import exact_number, parse_expression, parse_relation
+from duhem.expression.parse import parse_expression, parse_relation
+from duhem.expression.verbatim import Verbatim
+from duhem.law.domain import POSITIVE, Domain, Domains
+from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
 
-__all__ = ["FORCES", "POSITIVE", "PRESSURE", "REAL", "Criterion", "Domain", "criterion", "narrowed", "register", "registered"]
+__all__ = ["FORCES", "PRESSURE", "Criterion", "criterion"]
 
 FORCES = ("sigma_a", "sigma_b")
 PRESSURE = "sigma_n"
 
 
 @dataclass(frozen=True)
-class Domain:
-    """Where a parameter may lie: an interval with rational ends; ``None`` means no end.
-
-    ``positive`` makes the lower end 0 an open one; every other end is closed.  Equal ends fix the value.
-    """
-
-    low: sp.Rational | None = None
-    high: sp.Rational | None = None
-    positive: bool = False
-
-    def __post_init__(self) -> None:
-        if self.low is not None and self.high is not None and (self.low > self.high or (self.positive and self.high <= 0)):
-            raise InputError(f"the domain {self.describe()} is empty", remedy="give a least value below the greatest")
-
-    @classmethod
-    def between(cls, low: Any = None, high: Any = None) -> Domain:
-        """Closed interval; either end may be left out.  Numbers are read exactly, decimals as rationals."""
-        low, high = (None if end is None else exact_number(end) for end in (low, high))
-        return cls(low, high)
-
-    @classmethod
-    def fixed(cls, value: Any) -> Domain:
-        """One value."""
-        exact = exact_number(value)
-        return cls(exact, exact)
-
-    @property
-    def value(self) -> sp.Rational | None:
-        """The fixed value, if there is only one."""
-        return self.low if self.low is not None and self.low == self.high else None
-
-    def __contains__(self, value: object) -> bool:
-        number = exact_number(value)
-        above = self.low is None or (number > 0 if self.positive else number >= self.low)
-        return bool(above and (self.high is None or number <= self.high))
-
-    def symbol(self, name: str) -> sp.Symbol:
-        """The parameter as a symbol that knows its sign."""
-        if self.positive or (self.low is not None and self.low > 0):
-            return symbol(name, positive=True)
-        if self.low is not None and self.low >= 0:
-            return symbol(name, nonnegative=True)
-        return symbol(name)
-
-    def relations(self, x: sp.Expr) -> tuple[Relational, ...]:
-        """The domain as relations on ``x`` (those SymPy does not already see as true)."""
-        raw = []
-        if self.low is not None:
-            raw.append(sp.StrictGreaterThan(x, 0, evaluate=False) if self.positive else sp.GreaterThan(x, self.low, evaluate=False))
-        if self.high is not None:
-            raw.append(sp.LessThan(x, self.high, evaluate=False))
-        return tuple(raw)
-
-    def describe(self) -> str:
-        """The domain in words: ``positive``, ``real``, ``[0, 1/2]``, ``= 3/20``."""
-        if self.value is not None:
-            return f"= {self.value}"
-        if self.positive:
-            return "positive" if self.high is None else f"(0, {self.high}]"
-        if self.low is None:
-            return "real" if self.high is None else f"(-oo, {self.high}]"
-        return f"[{self.low}, oo)" if self.high is None else f"[{self.low}, {self.high}]"
-
-
-POSITIVE = Domain(low=sp.S.Zero, positive=True)
-REAL = Domain()
-
-
-@dataclass(frozen=True)
-class Criterion:
+class Criterion(Verbatim):
     """K(sigma_n) = {g <= 0} in the space of the forces, for every pressure and every parameter of the domain.
 
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over
@@ -108,7 +41,7 @@ class Criterion:
 
     name: str
     g: sp.Expr
-    parameters: Mapping[str, Domain] = field(default_factory=dict)
+    parameters: Mapping[str, Domain] = Domains()
     forces: tuple[str, ...] = FORCES
     pressure: str | None = PRESSURE
     constraints: tuple[Relational, ...] = ()
@@ -121,9 +54,9 @@ class Criterion:
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "forces", tuple(self.forces))
-        put(self, "parameters", MappingProxyType(dict(self.parameters)))
+        put(self, "parameters", Domains(self.parameters))
         self._check_names()
-        put(self, "_symbols", MappingProxyType(self._declared()))
+        put(self, "_symbols", self._declared())
         known = self.symbols()
         put(self, "g", _expression(self.g, known, f"g of {self.name}"))
         put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}") for c in self.constraints))
@@ -134,7 +67,7 @@ class Criterion:
         self._check_content()
 
     def __hash__(self) -> int:
-        return hash((self.name, self.g, self.forces, self.pressure, tuple(self.parameters.items()), self.constraints, self.flow))
+        return hash((self.name, self.g, self.forces, self.pressure, self.parameters, self.constraints, self.flow))
 
     def _check_names(self) -> None:
         names = [*self.forces, *([self.pressure] if self.pressure else []), *self.parameters]
@@ -193,22 +126,7 @@ class Criterion:
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""
-        return _over(self, narrowed(self.name, self.parameters, values or {}))
-
-
-def narrowed(law: str, domains: Mapping[str, Domain], values: Mapping[str, Any]) -> dict[str, Domain]:
-    """The domains with some parameters fixed; InputError for an unknown one or a value outside its domain."""
-    narrow = dict(domains)
-    for name, value in values.items():
-        if name not in domains:
-            raise InputError(f"unknown parameter {name!r}", where=law, remedy=f"its parameters are: {', '.join(domains) or 'none'}")
-        number = exact_number(value)
-        if number not in domains[name]:
-            raise InputError(
-                f"{name} = {number} lies outside its domain {domains[name].describe()}", where=law, remedy="choose a value inside"
-            )
-        narrow[name] = Domain.fixed(number)
-    return narrow
+        return _over(self, Domains(self.parameters).fixed(values or {}, self.name))
 
 
 def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
@@ -236,9 +154,6 @@ def _expression(given: Any, known: Mapping[str, sp.Symbol], where: str) -> sp.Ex
 
 def _relation(given: Any, known: Mapping[str, sp.Symbol], where: str) -> Relational:
     return parse_relation(given, known, where=where) if isinstance(given, str) else given
-
-
-_registered: dict[str, Any] = {}
 
 
 @overload
@@ -300,13 +215,3 @@ def criterion(
         return law
 
     return build if function is None else build(function)
-
-
-def register(name: str, law: Any) -> None:
-    """Make a law, of whatever kind, known by a name in this process."""
-    _registered[name] = law
-
-
-def registered() -> Mapping[str, Any]:
-    """The laws registered so far in this process, by name."""
-    return MappingProxyType(_registered)

@@ -9,7 +9,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.smt import Reals
 from duhem.law.curve_law import Law
-from duhem.law.formula_law import Domain
+from duhem.law.domain import Domain
 
 __all__ = ["check_domain", "simple_points"]
 

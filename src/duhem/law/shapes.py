@@ -14,6 +14,8 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
+from duhem.expression.verbatim import Verbatim
+
 __all__ = ["Disk", "Interval", "Quadrants", "Shape", "converted"]
 
 Entry: TypeAlias = str | sp.Expr
@@ -21,7 +23,7 @@ _LOAD = "abs(sigma_n)"
 
 
 @dataclass(frozen=True)
-class Interval:
+class Interval(Verbatim):
     """One force: -minus load <= sigma <= plus load.  Gauge: pos(sigma)/plus + neg(sigma)/minus."""
 
     plus: Entry
@@ -31,7 +33,7 @@ class Interval:
 
 
 @dataclass(frozen=True)
-class Disk:
+class Disk(Verbatim):
     """Two forces: |sigma| <= coefficient load.  Gauge: |sigma|."""
 
     coefficient: Entry = "1"
@@ -40,7 +42,7 @@ class Disk:
 
 
 @dataclass(frozen=True)
-class Quadrants:
+class Quadrants(Verbatim):
     """Two forces: a quarter ellipse per quadrant with semi-axes coefficient x load, about a centre (both in stress).
 
     Gauge: norm((sigma_a - centre_a)/a, (sigma_b - centre_b)/b) with a = a_plus where sigma_a >= centre_a, else a_minus,

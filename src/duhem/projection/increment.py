@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from duhem.expression.verbatim import Verbatim
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 
@@ -14,7 +15,7 @@ __all__ = ["Increment"]
 
 
 @dataclass(frozen=True)
-class Increment:
+class Increment(Verbatim):
     """N validated increments of one law.
 
     ``g``: the criterion with parameter values in place, over the force symbols and the pressure symbol.

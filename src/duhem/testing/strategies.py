@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
 from duhem.law.catalogue import load
-from duhem.law.formula_law import Criterion, Domain
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
 from duhem.testing.case import Case

@@ -10,7 +10,7 @@ import numpy as np
 
 from duhem.benchmark.contenders import Subject
 from duhem.expression.number import fraction
-from duhem.law.formula_law import Domain
+from duhem.law.domain import Domain
 from duhem.projection.result import Array
 
 __all__ = ["AXES", "ExtremeCase", "aspect", "cases"]

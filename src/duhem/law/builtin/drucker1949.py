@@ -16,7 +16,8 @@ Solids 6, 613-630 (range of c).
 
 from sympy import Expr
 
-from duhem.law.formula_law import REAL, criterion
+from duhem.law.domain import REAL
+from duhem.law.formula_law import criterion
 
 
 @criterion(forces=["s1", "s2", "s3"], pressure=None, parameters={"c": REAL}, constraints=["c < 27/4"], source="Drucker (1949)")

@@ -14,7 +14,8 @@ Source: W. F. Hosford (1972), J. Appl. Mech. 39, 607-609.
 
 from sympy import Abs, Expr
 
-from duhem.law.formula_law import Domain, criterion
+from duhem.law.domain import Domain
+from duhem.law.formula_law import criterion
 
 
 @criterion(

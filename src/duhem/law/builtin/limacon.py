@@ -16,7 +16,8 @@ Source: E. H. Lockwood (1961), A Book of Curves, Cambridge University Press (lim
 from sympy import Abs, Expr
 
 from duhem.expression import Norm
-from duhem.law.formula_law import Domain, criterion
+from duhem.law.domain import Domain
+from duhem.law.formula_law import criterion
 
 
 @criterion(parameters={"e": Domain.between(0, 1)}, constraints=["e < 1"], source="Lockwood (1961)")

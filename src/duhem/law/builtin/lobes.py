@@ -17,7 +17,8 @@ r^2 + 2 r'^2 - r r'' >= 0; least where cos n theta = -sign e).
 from sympy import Abs, Expr, I, expand, re
 
 from duhem.expression import Norm
-from duhem.law.formula_law import Criterion, Domain, criterion
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion, criterion
 
 DEPTH = Domain.between(-1, 1)
 

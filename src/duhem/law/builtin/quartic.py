@@ -16,7 +16,8 @@ non-negative Hessian, 48 c + 144 - 12 c^2 >= 0 on the diagonals and c >= 0 on th
 
 from sympy import Abs, Expr
 
-from duhem.law.formula_law import Domain, criterion
+from duhem.law.domain import Domain
+from duhem.law.formula_law import criterion
 
 
 @criterion(parameters={"c": Domain.between(-2, None)}, constraints=["c > -2"], source="Gotoh (1977)")

@@ -14,7 +14,8 @@ Source: A. Zmitrowicz (1981), Wear 73, 9-39 (friction not collinear with slip).
 from sympy import Abs, Expr, Rational
 
 from duhem.expression import Norm
-from duhem.law.formula_law import Domain, criterion
+from duhem.law.domain import Domain
+from duhem.law.formula_law import criterion
 
 FLOW = ("cos(delta)*sigma_a - sin(delta)*sigma_b", "sin(delta)*sigma_a + cos(delta)*sigma_b")
 

@@ -14,7 +14,8 @@ Source: R. T. Rockafellar (1970), Convex Analysis, section 13 (support function 
 from sympy import Abs, Expr
 
 from duhem.expression import Norm
-from duhem.law.formula_law import REAL, criterion
+from duhem.law.domain import REAL
+from duhem.law.formula_law import criterion
 from duhem.law.shapes import Quadrants
 
 OFF_CENTRE = Quadrants("mu_a", "mu_a", "mu_b", "mu_b", centre_a="shift*abs(sigma_n)")

@@ -15,7 +15,8 @@ section 15 (polar gauges).
 
 from sympy import Abs, Expr
 
-from duhem.law.formula_law import Domain, criterion
+from duhem.law.domain import Domain
+from duhem.law.formula_law import criterion
 
 
 @criterion(parameters={"p": Domain.between(1, None)}, constraints=["p > 1"], source="Lamé (1818)")

@@ -13,7 +13,7 @@ import sympy as sp
 from duhem.expression.balls import certain_sign
 from duhem.expression.vocabulary import Where
 from duhem.law.curve_law import ParametricCriterion
-from duhem.law.formula_law import Domain
+from duhem.law.domain import Domain
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import Answer, Question, Sense
 from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity

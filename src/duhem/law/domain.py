@@ -1,0 +1,123 @@
+"""Where the parameters of a law may lie: an interval with rational ends for each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+from sympy.core.relational import Relational
+
+from duhem.errors import InputError
+from duhem.expression import symbol
+from duhem.expression.parse import exact_number
+
+__all__ = ["POSITIVE", "REAL", "Domain", "Domains"]
+
+
+@dataclass(frozen=True)
+class Domain:
+    """Where a parameter may lie: an interval with rational ends; ``None`` means no end.
+
+    ``positive`` makes the lower end 0 an open one; every other end is closed.  Equal ends fix the value.
+    """
+
+    low: sp.Rational | None = None
+    high: sp.Rational | None = None
+    positive: bool = False
+
+    def __post_init__(self) -> None:
+        if self.low is not None and self.high is not None and (self.low > self.high or (self.positive and self.high <= 0)):
+            raise InputError(f"the domain {self.describe()} is empty", remedy="give a least value below the greatest")
+
+    @classmethod
+    def between(cls, low: Any = None, high: Any = None) -> Domain:
+        """Closed interval; either end may be left out.  Numbers are read exactly, decimals as rationals."""
+        low, high = (None if end is None else exact_number(end) for end in (low, high))
+        return cls(low, high)
+
+    @classmethod
+    def fixed(cls, value: Any) -> Domain:
+        """One value."""
+        exact = exact_number(value)
+        return cls(exact, exact)
+
+    @property
+    def value(self) -> sp.Rational | None:
+        """The fixed value, if there is only one."""
+        return self.low if self.low is not None and self.low == self.high else None
+
+    def __contains__(self, value: object) -> bool:
+        number = exact_number(value)
+        above = self.low is None or (number > 0 if self.positive else number >= self.low)
+        return bool(above and (self.high is None or number <= self.high))
+
+    def symbol(self, name: str) -> sp.Symbol:
+        """The parameter as a symbol that knows its sign."""
+        if self.positive or (self.low is not None and self.low > 0):
+            return symbol(name, positive=True)
+        if self.low is not None and self.low >= 0:
+            return symbol(name, nonnegative=True)
+        return symbol(name)
+
+    def relations(self, x: sp.Expr) -> tuple[Relational, ...]:
+        """The domain as relations on ``x`` (those SymPy does not already see as true)."""
+        raw = []
+        if self.low is not None:
+            raw.append(sp.StrictGreaterThan(x, 0, evaluate=False) if self.positive else sp.GreaterThan(x, self.low, evaluate=False))
+        if self.high is not None:
+            raw.append(sp.LessThan(x, self.high, evaluate=False))
+        return tuple(raw)
+
+    def describe(self) -> str:
+        """The domain in words: ``positive``, ``real``, ``[0, 1/2]``, ``= 3/20``."""
+        if self.value is not None:
+            return f"= {self.value}"
+        if self.positive:
+            return "positive" if self.high is None else f"(0, {self.high}]"
+        if self.low is None:
+            return "real" if self.high is None else f"(-oo, {self.high}]"
+        return f"[{self.low}, oo)" if self.high is None else f"[{self.low}, {self.high}]"
+
+
+POSITIVE = Domain(low=sp.S.Zero, positive=True)
+REAL = Domain()
+
+
+class Domains(Mapping[str, Domain]):
+    """The domains of a law's parameters by name, in order; a mapping that cannot be changed, and has a hash."""
+
+    __slots__ = ("_by_name",)
+
+    def __init__(self, domains: Mapping[str, Domain] | None = None) -> None:
+        self._by_name = dict(domains or {})
+
+    def __getitem__(self, name: str) -> Domain:
+        return self._by_name[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._by_name)
+
+    def __len__(self) -> int:
+        return len(self._by_name)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._by_name.items()))
+
+    def __repr__(self) -> str:
+        return f"Domains({self._by_name!r})"
+
+    def fixed(self, values: Mapping[str, Any], law: str) -> Domains:
+        """The same with some parameters of ``law`` fixed; InputError for an unknown one or a value outside its domain."""
+        narrow = dict(self)
+        for name, value in values.items():
+            if name not in self:
+                raise InputError(f"unknown parameter {name!r}", where=law, remedy=f"its parameters are: {', '.join(self) or 'none'}")
+            number = exact_number(value)
+            if number not in self[name]:
+                raise InputError(
+                    f"{name} = {number} lies outside its domain {self[name].describe()}", where=law, remedy="choose a value inside"
+                )
+            narrow[name] = Domain.fixed(number)
+        return Domains(narrow)
