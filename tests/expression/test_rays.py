@@ -27,7 +27,7 @@ def ends(way: Array) -> Array:
 @pytest.mark.parametrize("at_once", [1, 2, 6, 7])
 def test_rays_end_between_neighbouring_numbers(at_once: int) -> None:
     rays = Rays(ellipse, np.zeros(2), WAYS)
-    last, first = rays.left(RADII, at_once)
+    last, first = rays.left(RADII, at_once=at_once)
     assert np.array_equal(first, np.nextafter(last, np.inf))
     assert (ellipse(rays.at(last)) <= 0.0).all() and (ellipse(rays.at(first)) > 0.0).all()
     assert last == pytest.approx(ends(WAYS), rel=1e-15)

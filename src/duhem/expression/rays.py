@@ -55,9 +55,9 @@ class Rays:
             inner, outer = ends[row, first], ends[row, first + 1]
         return inner, outer
 
-    def left(self, radii: Array, at_once: int = 1) -> tuple[Array, Array]:
+    def left(self, radii: Array, bits: int = _BITS, at_once: int = 1) -> tuple[Array, Array]:
         """The last t inside and the first outside (M,), by :func:`first_exit` and then to the last digit."""
-        return self.narrowed(*first_exit(self.inside(radii), radii), at_once=at_once)
+        return self.narrowed(*first_exit(self.inside(radii), radii), bits, at_once)
 
 
 def first_exit(inside: Flags, radii: Array) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from duhem.expression.numpy_ import compiled
+from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.search.suggestion import Exit, Point
@@ -16,6 +17,8 @@ from duhem.proof.search.suggestion import Exit, Point
 __all__ = ["BoundaryScout"]
 
 _DIRECTIONS = 720
+_BITS = 50  # finer than any fraction made of them; the ends of witnesses in print depend on them
+_RADII = 10.0 ** np.linspace(-5, 5, 61)
 
 
 class BoundaryScout:
@@ -33,8 +36,8 @@ class BoundaryScout:
         else:
             directions = rng.standard_normal((_DIRECTIONS, d))
         self.centre = self._centre(rng, d)
-        self.directions = np.round(directions, 6)
-        self.boundary, self.low, self.high = self._shoot()
+        self.directions, self.low = self._ends(np.round(directions, 6))
+        self.boundary = np.zeros((0, d)) if self.centre is None else self.centre + self.low[:, None] * self.directions
 
     def value(self, points: Any) -> Any:
         return self._g(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
@@ -47,20 +50,13 @@ class BoundaryScout:
         best = points[int(np.argmin(np.where(np.isfinite(heights), heights, np.inf)))]
         return np.round(best, 9) if self.value(np.round(best, 9)) <= 0 else None
 
-    def _shoot(self) -> tuple[Any, Any, Any]:
+    def _ends(self, directions: Any) -> tuple[Any, Any]:
+        """The rays that begin inside and end, and where they do."""
         if self.centre is None:
-            return np.zeros((0, len(self.forces))), np.zeros(0), np.zeros(0)
-        radii = 10.0 ** np.linspace(-5, 5, 61)
-        inside = self.value(self.centre + radii[None, :, None] * self.directions[:, None, :]) <= 0
-        keep = ~inside.all(axis=1) & inside[:, 0]
-        self.directions = self.directions[keep]
-        exits = np.argmin(inside[keep], axis=1)
-        low, high = radii[np.maximum(exits - 1, 0)], radii[exits]
-        for _ in range(50):
-            middle = (low + high) / 2
-            inner = self.value(self.centre + middle[:, None] * self.directions) <= 0
-            low, high = np.where(inner, middle, low), np.where(inner, high, middle)
-        return self.centre + low[:, None] * self.directions, low, high
+            return directions[:0], np.zeros(0)
+        last, first = Rays(self.value, self.centre, directions).left(_RADII, _BITS)
+        keep = (last >= _RADII[0]) & (last < first)
+        return directions[keep], last[keep]
 
     def unit_flow(self) -> Any:
         flow = self.subject.simple.flow

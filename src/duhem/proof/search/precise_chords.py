@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import mpmath_
+from duhem.expression.rays_mpmath import reach
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, fraction, rationals
 from duhem.proof.search.seam_crossings import Crossing, crossings
@@ -37,16 +38,11 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
     ray = [context.mpf(c.numerator) / c.denominator for c in map(fraction, direction)]
     size = context.hypot(*ray)
     ray = [c / size for c in ray]
-    low, high = context.mpf(0), context.mpf(1)
-    while value([high * c for c in ray]) <= 0:
-        low, high = high, 2 * high
-        if high > 1e12:
-            return
-    for _ in range(int(3.4 * dps)):
-        middle = (low + high) / 2
-        low, high = (middle, high) if value([middle * c for c in ray]) <= 0 else (low, middle)
-    x = [low * c for c in ray]
-    step = low * context.mpf(10) ** (-dps // 3)
+    end = reach(context, value, [0, 0], ray, int(3.4 * dps))
+    if end is None:
+        return
+    x = [end * c for c in ray]
+    step = end * context.mpf(10) ** (-dps // 3)
     slope = [
         (value([x[0] + step, x[1]]) - value([x[0] - step, x[1]])) / (2 * step),
         (value([x[0], x[1] + step]) - value([x[0], x[1] - step])) / (2 * step),
@@ -61,7 +57,7 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
         return [x[k] + along * tangent[k] + out * normal[k] for k in (0, 1)]
 
     for k in range(2, 60):
-        t = low * context.mpf(2) ** -k
+        t = end * context.mpf(2) ** -k
         bend = -(value(moved(t, 0)) + value(moved(-t, 0))) / (2 * length)
         if bend > 0:
             p, q = (_rounded(moved(s * t, bend / 2), bend / 1000) for s in (1, -1))

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import compiled
+from duhem.expression.rays import Rays, first_exit
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.search.suggestion import Chord
@@ -20,7 +21,8 @@ from duhem.proof.search.suggestion import Chord
 __all__ = ["sampled_chords"]
 
 Array = NDArray[np.float64]
-_ANGLES, _RADII, _SECTIONS = 720, 48, 24
+_ANGLES, _SECTIONS = 720, 24
+_RADII = 10.0 ** np.linspace(-6, 6, 144)
 
 
 def sampled_chords(subject: FormulaSubject, most: int = 40) -> Iterator[Chord]:
@@ -94,24 +96,18 @@ def _random_pairs(value: Any, d: int) -> Iterator[tuple[Array, Array, Array, Arr
 
 
 def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
-    radii = 10.0 ** np.linspace(-6, 6, 12 * _RADII // 4)
-    inside = value(centre + radii[None, :, None] * directions[:, None, :]) <= 0
-    exits = np.where(inside.all(axis=1), len(radii), np.argmin(inside, axis=1))
+    rays = Rays(value, centre, directions)
+    inside = rays.inside(_RADII)
+    last, first = rays.narrowed(*first_exit(inside, _RADII))
+    boundary = rays.at(last)
     # A ray that comes back into K after leaving it shows a gap by itself.
-    later = inside & (np.arange(len(radii))[None, :] > exits[:, None])
-    for ray in np.flatnonzero(later.any(axis=1))[:8]:
-        back = int(np.argmax(later[ray]))
-        leave = _bisect(value, centre, directions[ray], radii[max(int(exits[ray]) - 1, 0)] if exits[ray] else 0.0, radii[exits[ray]])
-        enter = _bisect(value, centre, directions[ray], radii[back], radii[back - 1])
-        yield centre + leave * directions[ray], centre + enter * directions[ray], centre, centre + radii[back] * directions[ray]
-    low = np.where(exits > 0, radii[np.maximum(exits - 1, 0)], 0.0)
-    high = radii[np.minimum(exits, len(radii) - 1)]
-    bounded = exits < len(radii)
-    for _ in range(60):
-        middle = (low + high) / 2
-        inner = value(centre + middle[:, None] * directions) <= 0
-        low, high = np.where(inner & bounded, middle, low), np.where(inner | ~bounded, high, middle)
-    boundary = centre + low[:, None] * directions
+    later = inside & (first[:, None] < _RADII)
+    who = np.flatnonzero(later.any(axis=1))[:8]
+    back = np.argmax(later[who], axis=1)
+    gap = Rays(value, centre, directions[who])
+    enter, _ = gap.narrowed(_RADII[back], _RADII[back - 1])
+    for leave, entry, farther in zip(boundary[who], gap.at(enter), gap.at(_RADII[back]), strict=True):
+        yield leave, entry, centre, farther
     n = len(directions)
     best: list[tuple[float, int, int]] = []
     for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300):
@@ -126,10 +122,3 @@ def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[
             best.append((float(score[top]), top, (top + step) % n))
     for _, i, j in sorted(best, reverse=True):
         yield boundary[i], boundary[j], centre, centre
-
-
-def _bisect(value: Any, centre: Array, direction: Array, inside: float, outside: float) -> float:
-    for _ in range(60):
-        middle = (inside + outside) / 2
-        inside, outside = (middle, outside) if value(centre + middle * direction) <= 0 else (inside, middle)
-    return inside
