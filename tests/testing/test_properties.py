@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 from hypothesis import settings
@@ -12,11 +14,14 @@ from hypothesis import settings
 import duhem
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.projection.methods import METHODS
 from duhem.proof.verdict import Verdict
 from duhem.testing import Report, check, checks_for, conformance, pressures, projection
 from tests.oracles.literature import KNOWN, THRESHOLDS
 
 EPS = float(np.finfo(np.float64).eps)
+# A method that is not named in these has the loosest row until it promises more.
+LOOSEST = "cvxpy"
 # What each method promises, relative; the rounding that ill-conditioned data cause comes on top (duhem.testing.question).
 ACCURACY = {
     "closed-form": 16 * EPS,
@@ -64,18 +69,22 @@ def without_reason(law: Criterion, method: str) -> str | None:
     return None
 
 
+def of(promises: Mapping[str, float], method: str) -> float:
+    return promises.get(method, promises[LOOSEST])
+
+
 def put(law: Criterion, method: str, **options: object) -> Report:
-    return conformance(law, projection(law, method), accuracy=ACCURACY[method], rows=ROWS[method], seconds=5.0, **options)
+    return conformance(law, projection(law, method), accuracy=of(ACCURACY, method), rows=int(of(ROWS, method)), seconds=5.0, **options)
 
 
 def accepted(report: Report, method: str) -> None:
     assert report.ok, str(report)
     assert report.points > 0
-    most = FLAGGED_MORE.get((report.law, method), MOST_FLAGGED[method])
+    most = FLAGGED_MORE.get((report.law, method), of(MOST_FLAGGED, method))
     assert report.flagged_share <= most, f"{report.flagged} of {report.points} flagged"
 
 
-@pytest.mark.parametrize("method", ["closed-form", "newton", "cvxpy"])
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("name", "values"), [*ALWAYS, *AT_VALUES], ids=shown)
 def test_increments_have_every_property(name: str, values: dict[str, str], method: str) -> None:
     law = duhem.load(name).fix(values)
@@ -83,14 +92,14 @@ def test_increments_have_every_property(name: str, values: dict[str, str], metho
         assert "does not apply" in reason or "curvature" in reason, reason
         pytest.skip(reason)
     asked = checks_for(law)
-    examples = (EXAMPLES[method] if not values else 1) * DEEP
+    examples = (int(of(EXAMPLES, method)) if not values else 1) * DEEP
     report = put(law, method, checks=asked, max_examples=examples)
     accepted(report, method)
     left_out = {"tangent", "slope"} | ({"homogeneity"} if "homogeneity" in report.left_out else set())
     assert set(report.passed) == {c.name for c in asked} - left_out
 
 
-@pytest.mark.parametrize("method", ["closed-form", "newton"])
+@pytest.mark.parametrize("method", [name for name, imported in METHODS.items() if imported().tangent is not None])
 @pytest.mark.parametrize(("name", "values"), [*ALWAYS, *AT_VALUES], ids=shown)
 def test_tangents_are_symmetric_between_0_and_k_and_the_slope(name: str, values: dict[str, str], method: str) -> None:
     law = duhem.load(name).fix(values)
@@ -104,7 +113,7 @@ def test_tangents_are_symmetric_between_0_and_k_and_the_slope(name: str, values:
         update,
         checks=checks,
         pressure=pressed,
-        accuracy=ACCURACY[method],
+        accuracy=of(ACCURACY, method),
         rows=40,
         max_examples=(2 if not values else 1) * DEEP,
         seconds=5.0,
