@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from duhem.path import exact, extrapolated, implicit
+from duhem.path.exact import Piece
 from duhem.path.ledger import Ledger
 from duhem.path.problem import Problem
 
@@ -15,16 +16,22 @@ __all__ = ["INTEGRATORS", "Integrator"]
 
 @dataclass(frozen=True)
 class Integrator:
-    """One way along a path: ``advance`` fills the ledger row by row and yields the number of rows done, ``why`` says by what."""
+    """One way along a path, as a value.
+
+    ``why(problem)`` says what the path is integrated by; ``advance(problem, ledger)`` fills the ledger row by row and yields
+    the number of rows done.  ``piece(problem)`` moves the stress within a step, for what lies between two knots; None where
+    the knots are all that is known.
+    """
 
     why: Callable[[Problem], str]
     advance: Callable[[Problem, Ledger], Iterator[int]]
+    piece: Callable[[Problem], Piece] | None = None
 
 
 INTEGRATORS: Mapping[str, Integrator] = MappingProxyType(
     {
         "implicit": Integrator(implicit.why, implicit.advance),
         "extrapolated": Integrator(extrapolated.why, extrapolated.advance),
-        "exact": Integrator(exact.why, exact.advance),
+        "exact": Integrator(exact.why, exact.advance, exact.piece),
     }
 )

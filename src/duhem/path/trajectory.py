@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
-from duhem.path.exact import Piece, Reached, piece
+from duhem.path.exact import Piece, Reached
 from duhem.path.history import History
+from duhem.path.integrators import INTEGRATORS
 from duhem.path.problem import Problem
 from duhem.path.straight import Move
 from duhem.projection.result import Array
@@ -67,8 +68,9 @@ def trajectory(history: History, samples: int | None = None) -> Trajectory:
 
 def _along(problem: Problem, method: str) -> Piece | None:
     """What moves the stress within a step; None where only the knots are known."""
-    if method == "exact":
-        return piece(problem)
+    if method in INTEGRATORS:
+        pieces = INTEGRATORS[method].piece
+        return None if pieces is None else pieces(problem)
     if problem.path.control == "stress":
         values, c = problem.path.values, problem.compliance
 
