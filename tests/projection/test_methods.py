@@ -171,3 +171,11 @@ def test_a_method_is_itself_after_a_journey(method: str) -> None:
 
 def test_a_projector_takes_a_method_as_it_is() -> None:
     assert Projector.of("antoni2007", 1.0, MU, NEWTON).method is NEWTON
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("copied", [lambda x: pickle.loads(pickle.dumps(x)), copy.deepcopy], ids=["pickle", "deepcopy"])
+def test_a_projector_gives_the_same_numbers_after_a_journey(method: str, copied: Callable[[Projector], Projector]) -> None:
+    prepared = Projector.of("antoni2007", [1.0, 3.0], MU, method)
+    before, after = prepared(TRIAL, -1.0), copied(prepared)(TRIAL, -1.0)
+    assert np.array_equal(before.stress, after.stress) and np.array_equal(before.residuals.worst(), after.residuals.worst())

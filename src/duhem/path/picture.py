@@ -13,7 +13,6 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.outline import outline
 from duhem.path.history import History
-from duhem.path.trajectory import Trajectory, trajectory
 from duhem.projection.result import Array
 from duhem.show import figure
 from duhem.show.notation import latex_name
@@ -21,6 +20,8 @@ from duhem.show.printing import draw
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from duhem.path.trajectory import Trajectory
 
 __all__ = ["energies", "hysteresis", "picture", "stress_path"]
 
@@ -46,6 +47,8 @@ def picture(
     """
     if ax is not None and axes is not None:
         raise InputError("both ax and axes are given", where="plot", remedy="give ax for the stress path alone, or axes for all three")
+    from duhem.path.trajectory import trajectory
+
     seen = trajectory(history)
     if law is None and history.problem is not None:
         law, parameters = history.problem.increment.law, dict(history.problem.increment.parameters)
