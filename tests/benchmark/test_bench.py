@@ -220,7 +220,10 @@ def test_a_method_that_raises_is_listed_as_failed(increments: WorkPrecision) -> 
 
 
 def test_nothing_but_failures_is_a_failure() -> None:
-    assert WorkPrecision("x", "", {}, 1, (Measurement("path", "m", "", failure="no"),), (), {}, (), False).failed
+    assert WorkPrecision(
+        law="x", subject="", machine={}, repeats=1, rows=(Measurement("path", "m", "", failure="no"),),
+        targets=(), reference={}, left_out=(), interrupted=False,
+    ).failed  # fmt: skip
 
 
 def test_json_has_every_row_with_its_spread(increments: WorkPrecision) -> None:

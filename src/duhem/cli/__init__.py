@@ -6,13 +6,16 @@ import click
 
 from duhem.cli.bench import bench
 from duhem.cli.derive import derive
+from duhem.cli.doctor import doctor
+from duhem.cli.explain import explain
 from duhem.cli.figures import figures
 from duhem.cli.identify import identify
+from duhem.cli.init import init
+from duhem.cli.list_laws import list_laws
 from duhem.cli.project import project
 from duhem.cli.simulate import simulate
 from duhem.cli.stress import stress
-from duhem.cli.surroundings import doctor, init, list_laws
-from duhem.cli.verify import explain, verify
+from duhem.cli.verify import verify
 from duhem.version import __version__
 
 __all__ = ["cli"]

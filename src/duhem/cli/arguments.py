@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import click
@@ -16,7 +17,17 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import Law
     from duhem.law.formula_law import Criterion
 
-__all__ = ["Vectors", "law_argument", "read_fixed_formula", "read_fixed_law", "read_law", "read_number", "read_numbers", "settings_option"]
+__all__ = [
+    "Vectors",
+    "law_argument",
+    "read_claims",
+    "read_fixed_formula",
+    "read_fixed_law",
+    "read_law",
+    "read_number",
+    "read_numbers",
+    "settings_option",
+]
 
 
 def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
@@ -24,9 +35,6 @@ def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> lis
 
     named = [CompletionItem(name) for name in catalogue.names() if name.startswith(incomplete)]
     return [*named, CompletionItem(incomplete, type="file")]
-
-
-law_argument = click.argument("law", shell_complete=_complete_law)
 
 
 law_argument = click.argument("law", shell_complete=_complete_law)
@@ -73,6 +81,20 @@ def read_fixed_law(text: str, settings: Sequence[str]) -> Law:
     fixed = law.fix(values)
     check_domain(fixed, where=" ".join(f"--set {setting}" for setting in settings))
     return fixed
+
+
+def read_claims(text: str) -> tuple[str, ...]:
+    """Names of claims, each once, from a list with commas."""
+    from duhem.proof.claims import CLAIMS
+
+    asked = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+    for name in asked:
+        if name not in CLAIMS:
+            near = get_close_matches(name, CLAIMS, n=1)
+            raise InputError(f"unknown claim {name!r}", remedy=f"did you mean {near[0]!r}?" if near else f"claims are: {', '.join(CLAIMS)}")
+    if not asked:
+        raise InputError("no claim is named", where="--claims", remedy=f"claims are: {', '.join(CLAIMS)}")
+    return asked
 
 
 def _is_number(text: str) -> bool:

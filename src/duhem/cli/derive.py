@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from duhem.cli.arguments import law_argument, read_law
-from duhem.cli.output import say
+from duhem.cli.output import endless_page, say
 
 __all__ = ["derive"]
 
@@ -19,6 +19,7 @@ def derive(law: str, form: str) -> None:
     """Print the symbolic derivation of LAW."""
     chosen = read_law(law)
     from duhem import derivation
+    from duhem.show.printing import text
 
     derived = derivation.derive(chosen)
-    say({"text": derived.text, "latex": derived.latex, "markdown": derived.markdown}[form]())
+    say(text(derived, endless_page()) if form == "text" else {"latex": derived.latex, "markdown": derived.markdown}[form]())

@@ -9,7 +9,7 @@ import click
 
 from duhem.cli.arguments import read_fixed_formula, settings_option
 from duhem.cli.exit_code import HELD
-from duhem.cli.output import Progress, say
+from duhem.cli.output import Progress, page, say
 
 __all__ = ["identify"]
 
@@ -35,6 +35,7 @@ def identify(
     either weight (proportional to 1/scatter^2) or scatter (standard deviation of each force).
     """
     from duhem import identification
+    from duhem.show.printing import text
 
     family = read_fixed_formula(law, settings)
     if plot is not None:
@@ -46,7 +47,7 @@ def identify(
         done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed)
     if out is not None:
         done.to_toml(out)
-    say(done.to_text() if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))
+    say(text(done, page()) if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))
     if plot is not None:
         done.plot(plot)
     return HELD

@@ -7,7 +7,10 @@ import sys
 
 import click
 
-__all__ = ["Progress", "say"]
+from duhem.show.page import Page
+from duhem.show.width import WIDTH, terminal_width
+
+__all__ = ["Progress", "endless_page", "page", "say"]
 
 
 def say(text: str) -> None:
@@ -16,6 +19,16 @@ def say(text: str) -> None:
         click.echo(text)
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def page() -> Page:
+    """As wide as the terminal, else 96 columns."""
+    return Page(terminal_width(sys.stdout) or WIDTH)
+
+
+def endless_page() -> Page:
+    """As wide as the terminal; where there is none a sentence is a line, which programs can read."""
+    return Page(terminal_width(sys.stdout))
 
 
 class Progress:

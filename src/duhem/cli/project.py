@@ -8,7 +8,7 @@ import click
 
 from duhem.cli.arguments import Vectors, law_argument, read_fixed_formula, read_number, read_numbers, settings_option
 from duhem.cli.exit_code import FAILED, HELD
-from duhem.cli.output import say
+from duhem.cli.output import page, say
 from duhem.projection.methods import METHODS
 
 __all__ = ["project"]
@@ -37,12 +37,12 @@ def project(
     target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")
     load = None if pressure is None else read_number(pressure, "--pressure")
 
-    from duhem.projection import report as increment
+    from duhem.projection import report
     from duhem.projection.projector import project as closest
     from duhem.projection.result import Status
 
     d = len(fixed.forces)
     k = [rows[i : i + d] for i in range(0, d * d, d)] if len(rows) == d * d and d > 1 else rows if len(rows) > 1 else rows[0]
     done = closest(fixed, target, load, k, method=method, tangent=tangent)
-    say({"text": increment.text, "json": increment.json}[form](fixed, target, load, done))
+    say(report.json(fixed, target, load, done) if form == "json" else report.text(fixed, target, load, done, page()))
     return HELD if done.status[0] in (Status.STICK, Status.SLIP) else FAILED

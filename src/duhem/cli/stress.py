@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import read_fixed_formula, read_numbers, settings_option
-from duhem.cli.bench import FLAGSHIP, settled, written
-from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
-from duhem.cli.output import Progress, say
-from duhem.version import __version__
+from duhem.cli.arguments import settings_option
+from duhem.cli.output import Progress
+from duhem.cli.study import carry_out, flagship_argument, json_option, read_subject, stiffness_option
+
+if TYPE_CHECKING:
+    from duhem.benchmark.extreme_cases import ExtremeCases
 
 __all__ = ["stress"]
 
 
 @click.command()
-@click.argument("law", default=FLAGSHIP)
+@flagship_argument
 @settings_option
 @click.option("--axis", "axes", metavar="NAME", multiple=True, help="Only this axis of difficulty, for example load. Repeatable.")
-@click.option("--stiffness", metavar="K ...", help="Diagonal stiffness, one number a force, in quotes; left out 1 2 ...")
-@click.option("--json", "json_file", metavar="FILE", help="Write everything as one JSON object.")
+@stiffness_option
+@json_option
 @click.option("--plot", metavar="FILE", help="Draw accurate digits over decades for each axis and method (.png, .pdf, .svg).")
 def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: str | None, json_file: str | None, plot: str | None) -> int:
     """Try every method that applies to LAW (left out: antoni2007) on stiff and extreme increments, decade by decade.
@@ -32,28 +34,17 @@ def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: st
     Exit codes: 0 measured, whatever was found; 2 usage or file error; 4 no method gave an answer; 130 interrupted, after
     printing what was done.
     """
-    fixed = read_fixed_formula(law, settled(law, settings))
-    diagonal = None if stiffness is None else read_numbers(stiffness, "--stiffness")
+    fixed, diagonal = read_subject(law, settings, stiffness)
 
-    import json
+    from duhem.benchmark import extreme_cases
+    from duhem.benchmark.extreme_cases import figure, text
 
-    from duhem.benchmark import extreme_cases as extremes
-    from duhem.benchmark.extreme_cases import figure
-    from duhem.benchmark.extreme_cases.text import text
-    from duhem.show import figure as canvas
-
-    if plot is not None:
-        canvas.check(plot)
-    with Progress("measuring") as progress:
-        done = extremes.stress(
+    def measure(progress: Progress) -> ExtremeCases:
+        return extreme_cases.stress(
             fixed,
-            axes=tuple(axes) or tuple(extremes.AXES),
+            axes=tuple(axes) or tuple(extreme_cases.AXES),
             stiffness=diagonal,
             on_row=lambda row: progress.show(f"{row.axis} {row.label}: {row.method}"),
         )
-    say(text(done))
-    if json_file is not None:
-        written(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False))
-    if plot is not None:
-        figure.save(done, plot)
-    return INTERRUPTED if done.interrupted else FAILED if done.failed else HELD
+
+    return carry_out(measure, text.text, figure.save, json_file, plot)

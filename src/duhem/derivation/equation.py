@@ -10,6 +10,7 @@ import sympy as sp
 from duhem.derivation.notation import Names
 from duhem.expression.verbatim import Verbatim
 from duhem.left_out import LeftOut
+from duhem.show.page import Page
 from duhem.show.printing import latex, markdown, text
 
 __all__ = ["Belongs", "Derivation", "Equation"]
@@ -75,8 +76,8 @@ class Derivation:
         return tuple(equation.name for equation in self.equations)
 
     def text(self) -> str:
-        """Plain text; formulas in the vocabulary of criterion files."""
-        return text(self)
+        """Plain text, a line a sentence; formulas in the vocabulary of criterion files."""
+        return text(self, Page(None))
 
     def markdown(self) -> str:
         """Markdown with LaTeX formulas between dollar signs."""

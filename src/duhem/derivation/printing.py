@@ -15,6 +15,7 @@ from sympy.printing.str import StrPrinter
 from duhem.derivation.equation import Derivation, Equation
 from duhem.derivation.notation import Names
 from duhem.derivation.support_function import compression
+from duhem.show.page import PAGE, Page
 from duhem.show.printing import latex, markdown, text
 
 __all__ = ["as_latex", "as_markdown", "as_text"]
@@ -42,6 +43,9 @@ def _by_name(conjunction: Any) -> list[Any]:
     """Conditions on symbols by the symbols' names; any others in SymPy's order."""
     parts = list(conjunction.args)
     return sorted(parts, key=lambda p: p.lhs.name) if all(isinstance(p, Relational) and p.lhs.is_Symbol for p in parts) else parts
+
+
+_INDENT = " " * 10  # of what stands under a numbered formula
 
 
 class _PositiveFirst:
@@ -133,17 +137,17 @@ def _formula(equation: Equation, names: Names) -> str:
 
 
 @text.register(Derivation)
-def as_text(derivation: Derivation) -> str:
-    """Plain text, one block per section."""
+def as_text(derivation: Derivation, page: Page = PAGE) -> str:
+    """Plain text, one block per section; formulas stay in one line, however long."""
     lines = [f"Derivation of {derivation.law}", ""]
     printer = _Text()
     for section, group in groupby(derivation.equations, key=lambda e: e.section):
         lines += [section, "-" * len(section)]
         for equation in group:
-            body = printer.doprint(_shown(equation.relation, derivation.names)).replace("\n", "\n" + 10 * " ")
-            lines += [f"{f'({equation.number})':9} {body}", f"{'':10}[{equation.name}] {equation.note}"]
+            body = printer.doprint(_shown(equation.relation, derivation.names)).replace("\n", f"\n{_INDENT}")
+            lines += [f"{f'({equation.number})':9} {body}", *page.hanging(f"[{equation.name}] {equation.note}", _INDENT, f"{_INDENT}  ")]
         lines.append("")
-    lines += ["Left out", "--------", *(f"{part}: {reason}" for part, reason in derivation.left_out)]
+    lines += ["Left out", "--------", *(line for part in derivation.left_out for line in page.hanging(str(part)))]
     return "\n".join(lines) + "\n"
 
 
@@ -156,7 +160,7 @@ def as_markdown(derivation: Derivation) -> str:
         for equation in group:
             formula = _formula(equation, derivation.names)
             lines += [f"**({equation.number})** `{equation.name}`: {equation.note}", "", f"$$\n{formula}\n$$", ""]
-    lines += ["## Left out", "", *(f"- {part}: {reason}" for part, reason in derivation.left_out)]
+    lines += ["## Left out", "", *(f"- {part}" for part in derivation.left_out)]
     return "\n".join(lines) + "\n"
 
 

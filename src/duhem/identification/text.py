@@ -2,39 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from textwrap import wrap
+from collections.abc import Iterator, Mapping
 
 from duhem.identification.result import Estimate, Identification
+from duhem.show.page import PAGE, Page
 from duhem.show.printing import text
 
 __all__ = ["as_text"]
 
-WIDTH = 96
 _FIELD = len("admissible")
 
 
 @text.register(Identification)
-def as_text(done: Identification) -> str:
+def as_text(done: Identification, page: Page = PAGE) -> str:
     """Coefficients with their uncertainty, what was minimised, outliers, and what is proved of the fitted law."""
     law = done.family
-    lines = [f"{law.name}: {law.summary}" if law.summary else law.name]
-    lines += _field("points", f"{len(done.points)} from {done.points.where}, {done.degrees_of_freedom} more than fitted parameters")
-    lines += _field("minimised", done.minimised)
-    lines += _field("scatter", _scatter(done))
+    fields = {
+        "points": f"{len(done.points)} from {done.points.where}, {done.degrees_of_freedom} more than fitted parameters",
+        "minimised": done.minimised,
+        "scatter": _scatter(done),
+    }
     if done.chi_squared is not None:
         chance = "" if done.p_value is None else f", p = {done.p_value:.3g}"
-        lines += _field("chi^2", f"{done.chi_squared:.4g} on {done.degrees_of_freedom} degrees of freedom{chance}")
+        fields["chi^2"] = f"{done.chi_squared:.4g} on {done.degrees_of_freedom} degrees of freedom{chance}"
     how = f"bootstrap, {len(done.draws)} draws, seed {done.seed}" if len(done.draws) else "from the covariance"
-    lines += _field("intervals", f"95 %, {how}")
-    lines += ["", *_table([("parameter", "value", "std. error", "least", "greatest", ""), *map(_row, done.estimates)]), ""]
-    for name in done.open:
-        lines += wrap(f"{name} is {done[name].remark}", WIDTH, initial_indent="  ", subsequent_indent="    ")
-    lines += [*_outliers(done), ""]
-    lines += _field("proved", ", ".join(f"{r.claim} {r.verdict.value}" for r in done.verification.results))
+    fields["intervals"] = f"95 %, {how}"
     standard = {True: "yes", False: "no", None: "undecided"}[done.verification.generalized_standard]
-    lines += _field("admissible", f"{standard} (the fitted law, exact parameters)")
-    return "\n".join(line.rstrip() for line in lines)
+    proved = {
+        "proved": ", ".join(f"{r.claim} {r.verdict.value}" for r in done.verification.results),
+        "admissible": f"{standard} (the fitted law, exact parameters)",
+    }
+    return page.report(
+        [
+            [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name), *_fields(fields, page)],
+            page.table([("parameter", "value", "std. error", "least", "greatest", ""), *map(_row, done.estimates)], "lr"),
+            [*(line for name in done.open for line in page.item(f"{name} is {done[name].remark}")), *_outliers(done, page)],
+            _fields(proved, page),
+        ]
+    )
+
+
+def _fields(values: Mapping[str, str], page: Page) -> list[str]:
+    return [line for title, value in values.items() for line in page.field(title, value, _FIELD)]
 
 
 def _scatter(done: Identification) -> str:
@@ -52,25 +61,17 @@ def _row(estimate: Estimate) -> tuple[str, ...]:
     return (estimate.name, *map(_number, (estimate.value, estimate.standard_error, low, high)), state)
 
 
-def _outliers(done: Identification) -> Iterator[str]:
+def _outliers(done: Identification, page: Page) -> Iterator[str]:
     if not done.outliers:
-        yield f"  no outliers (none with |standardised residual| > {done.bound:.3g})"
+        yield from page.item(f"no outliers (none with |standardised residual| > {done.bound:.3g})")
         return
-    yield f"  outliers: |standardised residual| > {done.bound:.3g}, which one of {len(done.points)} sound points exceeds with chance 1 %"
+    chance = f"which one of {len(done.points)} sound points exceeds with chance 1 %"
+    yield from page.item(f"outliers: |standardised residual| > {done.bound:.3g}, {chance}")
     rows = [(f"row {o.row}", f"line {o.line}", f"{o.standardised:+.4g}", f"{o.distance:+.4g}") for o in done.outliers]
-    yield from _table([("", "", "standardised", "distance"), *rows])
+    yield from page.table([("", "", "standardised", "distance"), *rows], "lr")
     if not done.robust:
-        yield "  they are in the fit; --robust bounds what they can do"
+        yield from page.item("they are in the fit; --robust bounds what they can do")
 
 
 def _number(x: float | None) -> str:
     return "-" if x is None else f"{x:.6g}"
-
-
-def _field(title: str, value: str) -> list[str]:
-    return wrap(value, WIDTH, initial_indent=f"  {title:<{_FIELD}}  ", subsequent_indent=" " * (_FIELD + 4), break_long_words=False)
-
-
-def _table(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  " + "  ".join([row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))]) for row in rows]

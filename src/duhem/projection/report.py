@@ -5,9 +5,9 @@ from __future__ import annotations
 import json as js
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
-from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
+from duhem.show.page import PAGE, Page
 from duhem.version import __version__
 
 if TYPE_CHECKING:
@@ -16,28 +16,30 @@ if TYPE_CHECKING:
 
 __all__ = ["json", "text"]
 
-WIDTH = 96
 _FIELD = len("dissipation")
 
 
-def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection) -> str:
+def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection, page: Page = PAGE) -> str:
     """Stress and slip by force, multiplier and dissipation, then the residuals."""
-    lines = [f"{law.name}: {law.summary}" if law.summary else law.name]
+    head = page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)
     if law.parameters:
-        lines += _field("parameters", ", ".join(f"{name} {domain.describe()}" for name, domain in law.parameters.items()))
+        head += page.field("parameters", ", ".join(f"{name} {domain.describe()}" for name, domain in law.parameters.items()), _FIELD)
     if law.pressure is not None and pressure is not None:
-        lines += _field(law.pressure, _number(pressure))
-    lines += _field("method", f"{done.method} ({done.why})")
-    lines += _field("status", _status(done))
-    lines += ["", *_table([("force", "trial", "stress", "slip"), *_rows(law, trial, done)]), ""]
-    lines += _field("multiplier", _number(done.multiplier[0]))
-    lines += _field("dissipation", _number(done.dissipation[0]))
+        head += page.field(law.pressure, _number(pressure), _FIELD)
+    head += page.field("method", f"{done.method} ({done.why})", _FIELD)
+    head += page.field("status", _status(done), _FIELD)
+    increment = page.table([("force", "trial", "stress", "slip"), *_rows(law, trial, done)], "lr")
+    sums = [
+        *page.field("multiplier", _number(done.multiplier[0]), _FIELD),
+        *page.field("dissipation", _number(done.dissipation[0]), _FIELD),
+    ]
+    slopes = []
     if done.tangent is not None:
-        lines += ["", "Tangent d stress/d displacement" + ("" if done.tangent_pressure is None else f", d stress/d {law.pressure}")]
-        lines += _table([(force, *map(_number, row)) for force, row in zip(law.forces, _slopes(done), strict=True)])
-    lines += ["", "Optimality, relative to the increment"]
-    lines += [f"  {name.replace('_', ' '):<16} {value:.1e}" for name, value in _residuals(done).items()]
-    return "\n".join(line.rstrip() for line in lines)
+        title = "Tangent d stress/d displacement" + ("" if done.tangent_pressure is None else f", d stress/d {law.pressure}")
+        rows = [(force, *map(_number, row)) for force, row in zip(law.forces, _slopes(done), strict=True)]
+        slopes = [title, *page.table(rows, "lr")]
+    residuals = [f"  {name.replace('_', ' '):<16} {value:.1e}" for name, value in _residuals(done).items()]
+    return page.report([head, increment, sums, slopes, ["Optimality, relative to the increment", *residuals]])
 
 
 def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection) -> str:
@@ -95,12 +97,3 @@ def _number(x: float) -> str:
 def _finite(x: float) -> float | None:
     number = float(x)
     return number if abs(number) < float("inf") else None
-
-
-def _field(title: str, value: str) -> list[str]:
-    return wrap(value, WIDTH, initial_indent=f"  {title:<{_FIELD}}  ", subsequent_indent=" " * (_FIELD + 4), break_long_words=False)
-
-
-def _table(rows: Sequence[tuple[str, ...]]) -> list[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  " + "  ".join([row[0].ljust(widths[0]), *(x.rjust(w) for x, w in zip(row[1:], widths[1:], strict=True))]) for row in rows]

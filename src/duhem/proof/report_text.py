@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Context
 from fractions import Fraction
-from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from duhem.expression.text import formula
 from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.verdict import Verdict, Witness
+from duhem.show.page import PAGE, Page, tied
 
 if TYPE_CHECKING:
     from duhem.law.curve_law import Law
@@ -18,96 +18,92 @@ if TYPE_CHECKING:
 
 __all__ = ["complete", "interrupted"]
 
-WIDTH = 96
-_TIED = "\N{NO-BREAK SPACE}"  # keeps what belongs together on one line
 _DIGITS = Context(prec=8)
 _FIELD = len("parameters")
 _STANDARD = ("origin", "convexity", "normality")
 
 
-def complete(verification: Verification) -> str:
+def complete(verification: Verification, page: Page = PAGE) -> str:
     """The report of a finished run."""
-    parts = [
-        [*_head(verification.criterion)],
-        [*_table(verification.results)],
-        [*_arguments(verification.results)],
-        [*_conclusion(verification)],
-        [*_items("Left out", [f"{x.part}: {x.reason}" for x in verification.left_out])],
-        [*_items("Remarks", verification.remarks)],
-    ]
-    return _join(parts)
+    return page.report(
+        [
+            [*_head(verification.criterion, page)],
+            _table(verification.results, page),
+            [*_arguments(verification.results, page)],
+            [*_conclusion(verification, page)],
+            page.items("Left out", verification.left_out),
+            page.items("Remarks", verification.remarks),
+        ]
+    )
 
 
-def interrupted(law: Law, results: Sequence[ClaimResult]) -> str:
+def interrupted(law: Law, results: Sequence[ClaimResult], page: Page = PAGE) -> str:
     """The report of a run that was stopped: the claims decided so far, and no conclusion."""
     note = f"Interrupted after {len(results)} claim{'s' * (len(results) != 1)}: nothing is concluded."
-    return _join([[*_head(law)], [*_table(results)], [*_arguments(results)], [note]])
+    return page.report([[*_head(law, page)], _table(results, page), [*_arguments(results, page)], [note]])
 
 
-def _join(parts: Sequence[Sequence[str]]) -> str:
-    return "\n\n".join("\n".join(line.rstrip() for line in part) for part in parts if part)
-
-
-def _head(law: Law) -> Iterator[str]:
-    yield from _hanging("", f"{law.name}: {law.summary}" if law.summary else law.name)
-    yield from _titled(*_stated(law))
+def _head(law: Law, page: Page) -> Iterator[str]:
+    yield from page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)
+    yield from page.field(*_stated(law), _FIELD)
     pressure = f"; pressure {law.pressure} <= 0 in compression, frozen" if law.pressure else "; no pressure"
-    yield from _titled("forces", _FIELD, ", ".join(law.forces) + pressure)
-    yield from _titled("parameters", _FIELD, ", ".join(_in_domain(n, d.describe()) for n, d in law.parameters.items()) or "none")
+    yield from page.field("forces", ", ".join(law.forces) + pressure, _FIELD)
+    yield from page.field("parameters", ", ".join(_in_domain(n, d.describe()) for n, d in law.parameters.items()) or "none", _FIELD)
     if law.constraints:
-        yield from _titled("with", _FIELD, ", ".join(formula(c) for c in law.constraints))
+        yield from page.field("with", ", ".join(formula(c) for c in law.constraints), _FIELD)
     direction = "normal to the boundary (associated)" if law.flow is None else f"({', '.join(formula(c) for c in law.flow)})"
-    yield from _titled("slip", _FIELD, direction)
+    yield from page.field("slip", direction, _FIELD)
     if law.source:
-        yield from _titled("source", _FIELD, law.source)
+        yield from page.field("source", law.source, _FIELD)
 
 
-def _stated(law: Law) -> tuple[str, int, str]:
+def _stated(law: Law) -> tuple[str, str]:
     """What bounds K: the formula, or the curve at |pressure| = 1."""
     if isinstance(law, ParametricCriterion):
-        return "boundary", _FIELD, f"|{law.pressure}| ({', '.join(formula(x) for x in law.boundary)}), {law.angle} from 0 to 2 pi"
-    return "criterion", _FIELD, f"{formula(law.g)} <= 0"
+        return "boundary", f"|{law.pressure}| ({', '.join(formula(x) for x in law.boundary)}), {law.angle} from 0 to 2 pi"
+    return "criterion", f"{formula(law.g)} <= 0"
 
 
 def _in_domain(name: str, domain: str) -> str:
     if domain.startswith("="):
-        return f"{name} {_number_in_words(domain[1:].strip())}".replace(" ", _TIED)
+        return tied(f"{name} {_number_in_words(domain[1:].strip())}")
     return f"{name} in {domain}" if domain[0] in "[(" else f"{name} {domain}"
 
 
-def _table(results: Sequence[ClaimResult]) -> Iterator[str]:
-    rows = [("claim", "verdict", "method", "scope", "time")]
-    rows += [(r.claim, _words(r.verdict), r.method, r.scope, f"{r.seconds:.2f} s") for r in results]
-    widths = [max(len(row[i]) for row in rows) for i in range(4)]
-    for i, row in enumerate(rows):
-        yield "  ".join([*(cell.ljust(width) for cell, width in zip(row[:4], widths, strict=True)), row[4].rjust(7)])
-        if i == 0:
-            yield "  ".join("-" * width for width in (*widths, 7))
+def _table(results: Sequence[ClaimResult], page: Page) -> list[str]:
+    rows = [("claim", "verdict", "method", "scope", "   time")]
+    rows += [(r.claim, _words(r.verdict), r.method, _scope(r.scope), f"{r.seconds:.2f} s") for r in results]
+    return page.table(rows, "llllr", "", rule=True)
 
 
-def _arguments(results: Sequence[ClaimResult]) -> Iterator[str]:
+def _scope(scope: str) -> str:
+    return ", ".join(tied(part) if " = " in part else part for part in scope.split(", "))
+
+
+def _arguments(results: Sequence[ClaimResult], page: Page) -> Iterator[str]:
     """Why each verdict holds, with the counterexample of what is refuted."""
     width = max((len(r.claim) for r in results), default=0)
     for result in results:
-        yield from _titled(result.claim, width, result.detail)
+        yield from page.field(result.claim, result.detail, width)
         if result.witness is not None:
-            yield from _witness(result.witness, " " * (width + 6))
+            for sentence in _witness(result.witness):
+                yield from page.item(sentence, " " * (width + 6))
 
 
-def _witness(witness: Witness, indent: str) -> Iterator[str]:
+def _witness(witness: Witness) -> Iterator[str]:
     if witness.parameters:
-        yield from _hanging(indent, f"counterexample at {_coordinates(witness.parameters)}")
+        yield f"counterexample at {_coordinates(witness.parameters)}"
     for role, point in witness.points.items():
-        yield from _hanging(indent, f"{role}: {_coordinates(point)}")
+        yield f"{role}: {_coordinates(point)}"
     for name, (low, high) in witness.values.items():
-        yield from _hanging(indent, f"{name} = {low}" if low == high else f"{name} in [{low}, {high}]")
+        yield f"{name} = {low}" if low == high else f"{name} in [{low}, {high}]"
     for name, measure in witness.measures.items():
-        yield from _hanging(indent, f"{name.replace('_', ' ')} {measure:.6g}")
-    yield from _hanging(indent, witness.statement)
+        yield f"{name.replace('_', ' ')} {measure:.6g}"
+    yield witness.statement
 
 
 def _coordinates(point: Mapping[str, str]) -> str:
-    return ", ".join(f"{name} {_number_in_words(value)}".replace(" ", _TIED) for name, value in point.items())
+    return ", ".join(tied(f"{name} {_number_in_words(value)}") for name, value in point.items())
 
 
 def _number_in_words(exact: str) -> str:
@@ -122,14 +118,14 @@ def _number_in_words(exact: str) -> str:
     return f"{'=' if Fraction(decimal) == fraction else '~'} {decimal} = {exact}"
 
 
-def _conclusion(verification: Verification) -> Iterator[str]:
+def _conclusion(verification: Verification, page: Page) -> Iterator[str]:
     verdicts = {r.claim: r.verdict for r in verification.results}
     yield "Conclusion"
-    yield from _answer("generalized standard", verification.generalized_standard, verdicts, _STANDARD)
-    yield from _answer("dissipative", verification.dissipative, verdicts, ("dissipation",))
+    yield from page.item(_answer("generalized standard", verification.generalized_standard, verdicts, _STANDARD))
+    yield from page.item(_answer("dissipative", verification.dissipative, verdicts, ("dissipation",)))
 
 
-def _answer(title: str, answer: bool | None, verdicts: Mapping[str, Verdict], claims: Sequence[str]) -> Iterator[str]:
+def _answer(title: str, answer: bool | None, verdicts: Mapping[str, Verdict], claims: Sequence[str]) -> str:
     if answer:
         reason = f"{_and(claims)} proved"
     elif answer is False:
@@ -139,14 +135,7 @@ def _answer(title: str, answer: bool | None, verdicts: Mapping[str, Verdict], cl
             f"{c} {_words(verdicts[c]) if c in verdicts else 'not asked for'}" for c in claims if verdicts.get(c) != Verdict.PROVED
         )
     word = {True: "yes", False: "no", None: "not decided"}[answer]
-    yield from _hanging("  ", f"{title}: {word} ({reason})")
-
-
-def _items(title: str, items: Sequence[str]) -> Iterator[str]:
-    if items:
-        yield title
-    for item in items:
-        yield from _hanging("  ", item)
+    return f"{title}: {word} ({reason})"
 
 
 def _words(verdict: Verdict) -> str:
@@ -155,16 +144,3 @@ def _words(verdict: Verdict) -> str:
 
 def _and(words: Sequence[str]) -> str:
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else "a claim"
-
-
-def _titled(title: str, width: int, text: str) -> Iterator[str]:
-    yield from _wrapped(text, f"  {title:<{width}}  ", " " * (width + 4))
-
-
-def _hanging(indent: str, text: str) -> Iterator[str]:
-    yield from _wrapped(text, indent, f"{indent}    ")
-
-
-def _wrapped(text: str, first: str, rest: str) -> Iterator[str]:
-    lines = wrap(text, WIDTH, initial_indent=first, subsequent_indent=rest, break_on_hyphens=False, break_long_words=False)
-    return (line.replace(_TIED, " ") for line in lines)

@@ -15,7 +15,7 @@ _TIE = "\N{NO-BREAK SPACE}"
 
 
 def tied(text: str) -> str:
-    """``text`` as one word: a page shows its spaces and breaks no line there."""
+    """``text`` as one word: a page shows its spaces and breaks no line there, unless it is longer than a line."""
     return text.replace(" ", _TIE)
 
 
@@ -29,9 +29,11 @@ class Page:
         """A sentence: ``first`` before its first line, ``rest`` before the others."""
         if self.width is None:
             return [f"{first}{text}".replace(_TIE, " ")] if text else []
+        room = min(self.width, READABLE)
+        words = (word if len(word) <= room - len(rest) else word.replace(_TIE, " ") for word in text.split(" "))
         lines = wrap(
-            text,
-            min(self.width, READABLE),
+            " ".join(words),
+            room,
             initial_indent=first,
             subsequent_indent=rest,
             break_on_hyphens=False,  # formulas have minus signs
@@ -57,7 +59,7 @@ class Page:
         return [line.replace(_TIE, " ") for line in table(rows, align, indent, width=self.width, rule=rule)]
 
     @staticmethod
-    def sheet(parts: Iterable[Sequence[str]]) -> str:
+    def report(parts: Iterable[Sequence[str]]) -> str:
         """The parts that have lines, a blank line between them."""
         return "\n\n".join("\n".join(line.rstrip() for line in part) for part in parts if part)
 

@@ -8,12 +8,14 @@ from __future__ import annotations
 from functools import singledispatch
 from typing import Any, NoReturn
 
+from duhem.show.page import PAGE, Page
+
 __all__ = ["draw", "latex", "markdown", "text"]
 
 
 @singledispatch
-def text(result: object) -> str:
-    """The result for people, in plain text."""
+def text(result: object, page: Page = PAGE, **options: Any) -> str:
+    """The result for people, in plain text as wide as ``page``; ``options`` as its own method takes them."""
     _unshown(result, "text")
 
 

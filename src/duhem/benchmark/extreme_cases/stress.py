@@ -16,6 +16,7 @@ from duhem.benchmark.extreme_cases.judge import Judgement, judged
 from duhem.benchmark.extreme_cases.refusals import Refusal, refusals
 from duhem.benchmark.machine import machine
 from duhem.benchmark.reference import Closest, NoReference, ReferenceIncrement
+from duhem.benchmark.study import Study
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
@@ -46,18 +47,13 @@ class Tally:
     failure: str | None = None
 
 
-@dataclass(frozen=True)
-class ExtremeCases:
+@dataclass(frozen=True, kw_only=True)
+class ExtremeCases(Study):
     """Rows in the order taken; ``refusals`` of input that cannot be used; ``reference`` the largest error of the reference."""
 
-    law: str
-    subject: str
-    machine: dict[str, Any]
     rows: tuple[Tally, ...]
     refusals: tuple[Refusal, ...]
     reference: float
-    left_out: tuple[LeftOut, ...]
-    interrupted: bool
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -74,21 +70,15 @@ class ExtremeCases:
 
     @property
     def failed(self) -> bool:
-        """Whether nothing at all gave an answer."""
         return bool(self.rows) and all(row.finite == 0 for row in self.rows)
 
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON."""
+    def measured(self) -> dict[str, Any]:
         return {
-            "law": self.law,
-            "subject": self.subject,
-            "machine": self.machine,
             "interrupted": self.interrupted,
             "reference": self.reference if math.isfinite(self.reference) else None,
             "rows": [asdict(row) for row in self.rows],
             "refusals": [asdict(refusal) for refusal in self.refusals],
             "silently_wrong": {m: {"stress": a, "slip": b} for m, (a, b) in self.silently_wrong.items()},
-            "left_out": [part.to_dict() for part in self.left_out],
         }
 
 
@@ -132,7 +122,16 @@ def stress(
         refused += [refusal for contender in chosen for refusal in refusals(subject, contender)]
     except KeyboardInterrupt:
         interrupted = True
-    return ExtremeCases(law.name, subject.describe(), machine(), tuple(rows), tuple(refused), worst, tuple(left_out), interrupted)
+    return ExtremeCases(
+        law=law.name,
+        subject=subject.describe(),
+        machine=machine(),
+        rows=tuple(rows),
+        refusals=tuple(refused),
+        reference=worst,
+        left_out=tuple(left_out),
+        interrupted=interrupted,
+    )
 
 
 def _absent(subject: Subject, axis: str) -> str:

@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from duhem.left_out import LeftOut
+from duhem.benchmark.study import Study
 
 __all__ = ["Measurement", "Spread", "Target", "WorkPrecision"]
 
@@ -65,37 +65,26 @@ class Target:
         return self.value <= self.bound if self.relation == "<=" else self.value >= self.bound
 
 
-@dataclass(frozen=True)
-class WorkPrecision:
+@dataclass(frozen=True, kw_only=True)
+class WorkPrecision(Study):
     """The rows in the order taken; ``reference`` the reference's own error by scene, or why there is none."""
 
-    law: str
-    subject: str
-    machine: dict[str, Any]
     repeats: int
     rows: tuple[Measurement, ...]
     targets: tuple[Target, ...]
     reference: dict[str, float | str]
-    left_out: tuple[LeftOut, ...]
-    interrupted: bool
 
     @property
     def failed(self) -> bool:
-        """Whether nothing at all gave an answer."""
         return bool(self.rows) and all(row.failure is not None for row in self.rows)
 
-    def to_dict(self) -> dict[str, Any]:
-        """For JSON; a number that is not finite is null."""
+    def measured(self) -> dict[str, Any]:
         plain = {
-            "law": self.law,
-            "subject": self.subject,
-            "machine": self.machine,
             "repeats": self.repeats,
             "interrupted": self.interrupted,
             "reference": self.reference,
             "rows": [asdict(row) for row in self.rows],
             "targets": [asdict(target) | {"holds": target.holds} for target in self.targets],
-            "left_out": [part.to_dict() for part in self.left_out],
         }
         return {key: _finite(value) for key, value in plain.items()}
 

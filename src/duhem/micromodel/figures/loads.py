@@ -36,7 +36,8 @@ def loads(
         return (sense, *map(float, sizes))
 
     remarks = (
-        f"The text prints {_MISPRINT} N along -t_a beside the coefficient 0.29, which is 290 N: a misprint (duhem.micromodel.errata).",
+        f"The text prints {_MISPRINT} N along -t_a beside the coefficient 0.29, which is 290 N: a misprint "
+        "(duhem.micromodel.experiment.errata).",
         f"At mu = {float(best):.4g} both are off by the same, {float(least):.2g}, and at no mu by less: "
         f"{float(fitted.plus):.4g} and {float(fitted.minus):.4g}.",
     )

@@ -19,6 +19,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
 from duhem.micromodel.facets import exact_coefficients
+from duhem.show.printing import text
 
 __all__ = ["STEEL_ON_ALUMINIUM", "Bracket", "Consistency", "Experiment", "Prediction", "Range"]
 
@@ -192,9 +193,7 @@ class Experiment:
 
     def to_text(self, scatter: Any = "0.01") -> str:
         """Predicted against measured as a table, the local friction that both readings allow, and the errata."""
-        from duhem.micromodel.experiment_text import text
-
-        return text(self, exact_number(scatter))
+        return text(self, scatter=exact_number(scatter))
 
 
 STEEL_ON_ALUMINIUM = Experiment(

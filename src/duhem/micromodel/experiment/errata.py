@@ -12,7 +12,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.law.catalogue import load_formula
-from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM, Experiment
+from duhem.micromodel.experiment.friction_test import STEEL_ON_ALUMINIUM, Experiment
 from duhem.micromodel.facets import F_0, HEIGHT, K_N, SLOPE, U, averages, height
 
 __all__ = ["Erratum", "errata"]

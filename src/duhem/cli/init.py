@@ -1,4 +1,4 @@
-"""``duhem list``, ``init`` and ``doctor``: what there is, how to start, what is installed."""
+"""``duhem init``: a criterion file to start from."""
 
 from __future__ import annotations
 
@@ -6,22 +6,10 @@ from pathlib import Path
 
 import click
 
-from duhem.cli.exit_code import FAILED, HELD
 from duhem.cli.output import say
 from duhem.errors import InputError
 
-__all__ = ["doctor", "init", "list_laws"]
-
-
-@click.command("list")
-def list_laws() -> None:
-    """List the laws that can be named."""
-    from duhem.law import catalogue
-
-    names = catalogue.names()
-    width = max(map(len, names))
-    for name in names:
-        say(f"{name:<{width}}  {catalogue.summary(name)}".rstrip())
+__all__ = ["init"]
 
 
 @click.command()
@@ -40,15 +28,3 @@ def init(name: str) -> None:
     except OSError as fault:
         raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{path}", remedy="write where you may") from None
     say(f"wrote {path}; verify it with: duhem verify {path}")
-
-
-@click.command()
-def doctor() -> int:
-    """List installed and missing parts.
-
-    Ends with facts about the machine that help with a bug report.
-    """
-    from duhem.cli import installation as parts
-
-    say(parts.report())
-    return FAILED if parts.missing() else HELD

@@ -1,0 +1,29 @@
+"""``duhem explain``: the theory of a claim."""
+
+from __future__ import annotations
+
+import click
+
+from duhem.cli.arguments import read_claims
+from duhem.cli.output import endless_page, say
+
+__all__ = ["explain"]
+
+
+@click.command()
+@click.argument("claim", required=False)
+def explain(claim: str | None) -> None:
+    """Explain the theory of CLAIM, or list the claims."""
+    from duhem.proof.claims import CLAIMS
+
+    page = endless_page()
+    if claim is None:
+        width = max(map(len, CLAIMS))
+        for name, entry in CLAIMS.items():
+            say("\n".join(page.hanging(entry.statement, f"{name:<{width}}  ", " " * (width + 2))))
+        return
+    (name,) = read_claims(claim)
+    theory = CLAIMS[name].theory.strip()
+    if page.width is not None:
+        theory = " ".join(theory.split())
+    say("\n".join([*page.hanging(f"{name}: {CLAIMS[name].statement}"), "", *page.hanging(theory, rest="")]))

@@ -1,0 +1,73 @@
+"""What ``bench`` and ``stress`` share: the law and the numbers they are taken at, and where their results go."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from duhem.cli.arguments import read_fixed_formula, read_numbers
+from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
+from duhem.cli.output import Progress, page, say
+from duhem.errors import InputError
+from duhem.version import __version__
+
+if TYPE_CHECKING:
+    from duhem.benchmark.study import Study
+    from duhem.law.formula_law import Criterion
+    from duhem.show.page import Page
+
+__all__ = ["carry_out", "flagship_argument", "json_option", "read_subject", "stiffness_option"]
+
+FLAGSHIP = "antoni2007"
+FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}  # Antoni et al. 2007
+
+flagship_argument = click.argument("law", default=FLAGSHIP)
+stiffness_option = click.option("--stiffness", metavar="K ...", help="Diagonal stiffness, one number a force, in quotes; left out 1 2 ...")
+json_option = click.option("--json", "json_file", metavar="FILE", help="Write everything as one JSON object.")
+
+AnyStudy = TypeVar("AnyStudy", bound="Study")
+
+
+def read_subject(law: str, settings: Sequence[str], stiffness: str | None) -> tuple[Criterion, list[float] | None]:
+    """The law, with those of Figure 5 for the parameters of the flagship that are left open, and the diagonal stiffness."""
+    if law == FLAGSHIP:
+        given = {setting.partition("=")[0].strip() for setting in settings}
+        settings = [*settings, *(f"{name}={value}" for name, value in FIGURE_5.items() if name not in given)]
+    return read_fixed_formula(law, settings), None if stiffness is None else read_numbers(stiffness, "--stiffness")
+
+
+def carry_out(
+    measure: Callable[[Progress], AnyStudy],
+    text: Callable[[AnyStudy, Page], str],
+    save: Callable[[AnyStudy, str], None],
+    json_file: str | None,
+    plot: str | None,
+) -> int:
+    """Measure, print, write what is asked for; the exit code."""
+    from duhem.show import figure
+
+    if plot is not None:
+        figure.check(plot)
+    with Progress("measuring") as progress:
+        done = measure(progress)
+    say(text(done, page()))
+    if json_file is not None:
+        _write(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False))
+    if plot is not None:
+        save(done, plot)
+    return INTERRUPTED if done.interrupted else FAILED if done.failed else HELD
+
+
+def _write(file: str, content: str) -> None:
+    """Write a result, whole or not at all."""
+    beside = f"{file}.writing"
+    try:
+        with open(beside, "w", encoding="utf-8") as stream:
+            stream.write(content + "\n")
+        os.replace(beside, file)
+    except OSError as fault:
+        raise InputError(f"the file cannot be written: {fault.strerror}", where=file, remedy="write where you may") from None

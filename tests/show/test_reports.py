@@ -1,0 +1,134 @@
+"""Every report keeps to the width it is given and says the same at each; a terminal gives its own."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+
+import pytest
+import sympy as sp
+
+import duhem
+from duhem.benchmark.extreme_cases import AXES, ExtremeCases, Tally
+from duhem.benchmark.extreme_cases.refusals import Refusal
+from duhem.benchmark.extreme_cases.text import text as extremes_text
+from duhem.benchmark.work_precision import WorkPrecision
+from duhem.benchmark.work_precision.result import Measurement, Spread, Target
+from duhem.benchmark.work_precision.text import text as precision_text
+from duhem.left_out import LeftOut
+from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM
+from duhem.projection import report as increment
+from duhem.proof import report_text
+from duhem.show.page import Page
+from duhem.show.printing import draw, latex, markdown, text
+
+WIDTHS = (60, 96, 200)
+METHODS = ("closed-form", "closed-form, numba", "newton", "cvxpy CLARABEL", "cvxpy SCS")
+COMMON = {
+    "law": "antoni2007",
+    "subject": "mu_a_plus = 0.2, mu_a_minus = 0.08, mu_b_plus = 0.12, mu_b_minus = 0.15; stiffness 1, 2",
+    "machine": {"processor": "Some Processor", "processors_usable": 2, "system": "Linux", "python": "3.11", "versions": {"numpy": "2.4.6"}},
+    "left_out": (LeftOut("cvxpy ECOS", "not installed, pip install ecos"), LeftOut("axis seam distance", "a law in 1 force has none " * 3)),
+    "interrupted": True,
+}
+
+
+def work_precision() -> WorkPrecision:
+    spread, errors = Spread(1.2e-5, 4.5e-4, 3.2e-3, 5), {"stress": 2e-16, "slip": 3.5e-4}
+    rows = [Measurement("increment", m, f"tolerance 1e-{i:02}", errors, spread, i) for i, m in enumerate(METHODS)]
+    rows += [Measurement("path", "exact", "4 steps a segment", {"stress": 1e-15}, spread)]
+    rows += [Measurement("increment", "cvxpy SCS", "", failure="SolverError: the solver gave up, as it often does, without a word " * 2)]
+    rows += [Measurement("throughput", "newton", "N = 1000", seconds=spread, note="2000 points: its cost a point does not fall with N")]
+    rows += [Measurement("throughput", "newton", "extra memory", {"megabytes": 0.25})]
+    targets = (
+        Target("closed form (numba) / memory bandwidth", 3.25, "<=", 5.0),
+        Target("CVXPY", None, ">=", 1e4, "numba is not installed"),
+    )
+    return WorkPrecision(**COMMON, repeats=5, rows=tuple(rows), targets=targets, reference={"increment": 1e-72, "path": "K has no end"})
+
+
+def extreme_cases() -> ExtremeCases:
+    rows = [
+        Tally(axis, f"1e{e}", e, m, 4, 4, 3, i % 2, 15.5 - i, 3.25, i, 1, "ArithmeticError: overflow" if e == 8 and i == 1 else None)
+        for axis in AXES
+        for e in (0, 8, 290)
+        for i, m in enumerate(METHODS)
+    ]
+    refused = (Refusal("trial nan", "newton", "trial[2, 1]", False, "answered [0.0, 0.0]"),)
+    return ExtremeCases(**COMMON, rows=tuple(rows), refusals=refused, reference=1e-60)
+
+
+def verified() -> Callable[[Page], str]:
+    done = duhem.verify("rotated-flow")
+    return lambda page: report_text.complete(done, page)
+
+
+def projected() -> Callable[[Page], str]:
+    law = duhem.load("antoni2007").fix({"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15})
+    done = duhem.project(law, [0.3, 0.2], -1.0, 1.0, tangent=True)
+    return lambda page: increment.text(law, [0.3, 0.2], -1.0, done, page)
+
+
+REPORTS: dict[str, Callable[[], Callable[[Page], str]]] = {
+    "verify": verified,
+    "project": projected,
+    "bench": lambda: lambda page: precision_text(work_precision(), page),
+    "stress": lambda: lambda page: extremes_text(extreme_cases(), page),
+    "experiment": lambda: lambda page: text(STEEL_ON_ALUMINIUM, page, scatter=sp.Rational(1, 100)),
+}
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_a_report_keeps_to_its_width_and_loses_nothing(name: str) -> None:
+    shown = REPORTS[name]()
+    said = {width: shown(Page(width)) for width in (None, *WIDTHS)}
+    for width in WIDTHS:
+        for line in said[width].splitlines():
+            assert len(line) <= width or len(line.split()) <= 2, f"{line!r} is wider than {width}"
+        lost = [word for word in set(said[None].split()) if said[width].split().count(word) < said[None].split().count(word)]
+        assert [word for word in lost if not set(word) <= {"-"}] == []  # a rule is as long as its table is wide
+
+
+def piped(*arguments: str) -> str:
+    return subprocess.run([sys.executable, "-m", "duhem", *arguments], capture_output=True, text=True, timeout=120).stdout
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals")
+@pytest.mark.parametrize("arguments", [["list"], ["explain", "convexity"], ["verify", "coulomb", "--claims", "origin"]], ids=" ".join)
+def test_a_terminal_is_as_wide_as_it_says(arguments: list[str]) -> None:
+    ours, theirs = os.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "duhem", *arguments], stdout=theirs, stderr=subprocess.DEVNULL, env=os.environ | {"COLUMNS": "60"}
+    )
+    os.close(theirs)
+    shown = b""
+    while chunk := _read(ours):
+        shown += chunk
+    os.close(ours)
+    assert process.wait(120) == 0
+    lines = shown.decode().replace("\r\n", "\n").splitlines()
+    assert max(map(len, lines)) <= 60
+    wide = piped(*arguments)
+    assert max(map(len, wide.splitlines())) > 60
+
+    def words(text: str) -> list[str]:  # without rules and times
+        return [word for word in sorted(text.split()) if not set(word) <= set("-0123456789.")]
+
+    assert words(" ".join(lines)) == words(wide)
+
+
+def _read(terminal: int) -> bytes:
+    try:
+        return os.read(terminal, 65536)
+    except OSError:  # Linux says so when the other side is closed
+        return b""
+
+
+def test_what_programs_read_has_a_line_a_law() -> None:
+    assert len(piped("list").splitlines()) == len({line.split()[0] for line in piped("list").splitlines()}) > 20
+
+
+def test_a_value_that_nothing_shows_says_so() -> None:
+    for show in (text, latex, markdown, draw):
+        with pytest.raises(TypeError, match="int is not shown as"):
+            show(3)
