@@ -12,8 +12,9 @@ or one test a check: ``@pytest.mark.parametrize("check", checks_for("coulomb"))`
 """
 
 from duhem.testing.case import Case
-from duhem.testing.conformance import ACCURACY, Failure, Report, assert_conforms, check, checks_for, conformance, violation
+from duhem.testing.conformance import ACCURACY, assert_conforms, check, checks_for, conformance, violation
 from duhem.testing.registry import Check
+from duhem.testing.report import Failure, Report
 from duhem.testing.routine import Step, Update, from_displacements, pointwise, projection
 from duhem.testing.strategies import cases, decades, loadings, parameters, pressures, stiffnesses, trials, ways
 

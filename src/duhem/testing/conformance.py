@@ -1,10 +1,9 @@
-"""The conformance suite: every check on one stream of cases, each case's answers shared, and what fails shrunk."""
+"""The conformance suite: every check on one stream of cases, each case's replies shared, and what fails shrunk."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 from time import monotonic
@@ -20,13 +19,14 @@ from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.testing import law_checks, routine_checks  # noqa: F401 (they register their checks)
 from duhem.testing.case import Case
-from duhem.testing.question import LeftOut, NoAnswer, Question
+from duhem.testing.query import NoReply, NothingToCheck, Query
 from duhem.testing.region import Region
 from duhem.testing.registry import Check, registered
+from duhem.testing.report import Failure, Report
 from duhem.testing.routine import Update
 from duhem.testing.strategies import Strategy, cases
 
-__all__ = ["ACCURACY", "Failure", "Report", "assert_conforms", "check", "checks_for", "conformance", "violation"]
+__all__ = ["ACCURACY", "assert_conforms", "check", "checks_for", "conformance", "violation"]
 
 ACCURACY = 1e-9  # relative error in stress a routine is held to, unless it promises another
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
@@ -46,91 +46,6 @@ def check(name: str) -> Check:
     return known[name]
 
 
-@dataclass(frozen=True)
-class Failure:
-    """A check that failed: ``case`` is one increment, shrunk; ``measured`` exceeds ``allowed`` there (or is nan)."""
-
-    check: Check
-    law: Criterion
-    message: str
-    case: Case
-    measured: float
-    allowed: float
-    accuracy: float
-    routine: str
-    open_parameters: tuple[str, ...]
-
-    @property
-    def title(self) -> str:
-        """The check and its statement."""
-        return str(self.check)
-
-    def reproducer(self) -> str:
-        """A few lines of Python that show the failure again; ``update`` is the routine."""
-        module, _, name = self.routine.rpartition(".")
-        there = f"from {module} import {name} as update" if module and "<" not in self.routine else f"update = ...  # {self.routine}"
-        free = "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
-        lines = [
-            "from duhem.testing import Case, violation",
-            there,
-            f"case = {self.case!r}",
-            f"print(violation({self.check.name!r}, {self.law.name!r}, update, case, accuracy={self.accuracy!r}{free}))",
-        ]
-        return "\n".join(lines)
-
-    def __str__(self) -> str:
-        return "\n".join(
-            [
-                f"{self.check.name}: {self.message}",
-                f"  {self.check.statement}: {self.check.formula}",
-                f"  {self.check.source}",
-                f"  allowed: {self.check.tolerance}",
-                *(f"  {line}" for line in self._values()),
-                "  to see it again:",
-                *(f"    {line}" for line in self.reproducer().splitlines()),
-            ]
-        )
-
-    def _values(self) -> Iterable[str]:
-        yield ", ".join(f"{name} = {value!r}" for name, value in self.case.parameters.items())
-        pressure = "" if self.case.pressure is None else f", pressure {float(self.case.pressure[0])!r}"
-        yield f"trial {self.case.trial[0].tolist()}{pressure}, stiffness {self.case.stiffness.tolist()}"
-
-
-@dataclass(frozen=True)
-class Report:
-    """What a routine was found to be: names of checks ``passed``, ``failures``, and ``left_out`` with the reason.
-
-    ``points`` increments were asked of the routine, of which it flagged ``flagged`` as not solved: they are not judged.
-    """
-
-    law: str
-    passed: tuple[str, ...]
-    failures: tuple[Failure, ...]
-    left_out: Mapping[str, str]
-    points: int
-    flagged: int
-
-    @property
-    def ok(self) -> bool:
-        return not self.failures
-
-    @property
-    def failed(self) -> frozenset[str]:
-        """The names of the checks that failed."""
-        return frozenset(f.check.name for f in self.failures)
-
-    @property
-    def flagged_share(self) -> float:
-        return self.flagged / self.points if self.points else 0.0
-
-    def __str__(self) -> str:
-        head = (
-            f"{self.law}: {len(self.passed)} checks passed, {len(self.failures)} failed; {self.points} increments, {self.flagged} flagged"
-        )
-        return "\n".join([head, *map(str, self.failures), *(f"left out {name}: {why}" for name, why in self.left_out.items())])
-
-
 def violation(
     name: str | Check,
     law: Criterion | str | Path,
@@ -144,18 +59,18 @@ def violation(
     known = load(law)
     asked = check(name) if isinstance(name, str) else name
     passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
-    found = _judged(asked, Question(Region(known, case.parameters), case, update, passed, accuracy))
+    found = _judged(asked, Query(Region(known, case.parameters), case, update, passed, accuracy))
     return None if found is None else found[1]
 
 
-def _judged(asked: Check, question: Question) -> tuple[int, str, float, float] | None:
+def _judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
     """The worst row, a message, what was measured and what is allowed."""
     try:
         with np.errstate(all="ignore"):
-            finding = asked.measure(question)
-    except NoAnswer as fault:
+            finding = asked.measure(query)
+    except NoReply as fault:
         return (0, str(fault), float("nan"), 0.0) if asked.name == "answers" else None
-    bad = finding.violated & (question.sound | asked.law_only)
+    bad = finding.violated & (query.sound | asked.law_only)
     if not bad.any():
         return None
     with np.errstate(all="ignore"):
@@ -208,12 +123,12 @@ class _Run:
 
     def failures(self, case: Case, checks: Sequence[Check]) -> Iterator[Failure]:
         """The failures of some checks on the case, as they are found."""
-        question = Question(Region(self.law, case.parameters), case, self.update, self.passed, self.accuracy)
+        query = Query(Region(self.law, case.parameters), case, self.update, self.passed, self.accuracy)
         try:
             for asked in checks:
                 try:
-                    found = _judged(asked, question)
-                except LeftOut as reason:
+                    found = _judged(asked, query)
+                except NothingToCheck as reason:
                     self.left_out[asked.name] = str(reason)
                     continue
                 self.judged.add(asked.name)
@@ -223,8 +138,8 @@ class _Run:
                         asked, self.law, message, case.row(row), measured, allowed, self.accuracy, _name(self.update), self.passed
                     )
         finally:
-            self.points += question.points
-            self.flagged += question.flagged
+            self.points += query.points
+            self.flagged += query.flagged
 
 
 def _name(update: Update) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from duhem.expression.jets import Choices
 from duhem.projection.result import Array
-from duhem.testing.question import LeftOut, Question
+from duhem.testing.query import NothingToCheck, Query
 from duhem.testing.registry import Finding, register
 
 __all__: list[str] = []
@@ -23,7 +23,7 @@ _BISECTIONS = 1100  # down to neighbouring numbers, denormal ones included
     tolerance="none: 60 digits",
     law_only=True,
 )
-def origin(q: Question) -> Finding:
+def origin(q: Query) -> Finding:
     zero = np.zeros_like(q.case.trial)
     out = q.certainly(np.ones(len(zero), dtype=np.bool_), zero, outside=True)
     return Finding(out.astype(np.float64), np.zeros(len(zero)))
@@ -37,7 +37,7 @@ def origin(q: Question) -> Finding:
     tolerance="none: p, q and their middle are judged in 60 digits (the middle of two doubles, rounded once, within 4 eps of |p| + |q|)",
     law_only=True,
 )
-def convexity(q: Question) -> Finding:
+def convexity(q: Query) -> Finding:
     p, other = q.case.inside, q.case.beside
     shrink = 1.0 - 4.0 * _EPS
     middle = 0.5 * (p + other) * shrink  # in K with p, q and 0, and farther inside than its rounding
@@ -56,9 +56,9 @@ def convexity(q: Question) -> Finding:
     law_only=True,
     demanded=False,
 )
-def smoothness(q: Question) -> Finding:
+def smoothness(q: Query) -> Finding:
     if q.case.trial.shape[1] < 2:
-        raise LeftOut("in one dimension the boundary is two points")
+        raise NothingToCheck("in one dimension the boundary is two points")
     first, last = _directed(q.case.inside), _directed(q.case.beside)
     low, high = np.zeros(len(first)), np.ones(len(first))
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.question import Question
+from duhem.testing.query import Query
 
 __all__ = ["Check", "Finding", "register", "registered"]
 
@@ -31,7 +31,7 @@ class Check:
     """A fact every slip increment of a generalized standard law has.
 
     ``tolerance`` says what it is compared with and why; |s| = (s . k^-1 s)^1/2, and u is the error in stress
-    the routine is held to (:mod:`duhem.testing.question`).  ``law_only``: it looks at the law and never asks the routine.
+    the routine is held to (:mod:`duhem.testing.query`).  ``law_only``: it looks at the law and never asks the routine.
     ``demanded``: the theory asks it of every law; the others are run where asked for by name.
     """
 
@@ -40,7 +40,7 @@ class Check:
     formula: str
     source: str
     tolerance: str
-    measure: Callable[[Question], Finding]
+    measure: Callable[[Query], Finding]
     law_only: bool = False
     demanded: bool = True
 
@@ -57,10 +57,10 @@ _checks: dict[str, Check] = {}
 
 def register(
     name: str, *, statement: str, formula: str, source: str, tolerance: str, law_only: bool = False, demanded: bool = True
-) -> Callable[[Callable[[Question], Finding]], Callable[[Question], Finding]]:
+) -> Callable[[Callable[[Query], Finding]], Callable[[Query], Finding]]:
     """Add a check."""
 
-    def add(measure: Callable[[Question], Finding]) -> Callable[[Question], Finding]:
+    def add(measure: Callable[[Query], Finding]) -> Callable[[Query], Finding]:
         _checks[name] = Check(name, statement, formula, source, tolerance, measure, law_only, demanded)
         return measure
 

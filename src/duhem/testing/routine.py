@@ -86,6 +86,6 @@ def _named(update: Update, step: Callable[..., Any]) -> Update:
     return update
 
 
-def given_to(update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> ArrayLike | Step:
+def called(update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> ArrayLike | Step:
     """Call a routine on copies, so that what it does to its arguments stays its own affair."""
     return update(trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy(), **values)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.question import Answer, LeftOut, Question
+from duhem.testing.query import NothingToCheck, Query, Reply
 from duhem.testing.region import homogeneous
 from duhem.testing.registry import Finding, register
 
@@ -22,9 +22,9 @@ _MOREAU = "Moreau (1965), Bull. Soc. Math. France 93, 273-299"
 _LAW = "Antoni et al. (2007), Eq. 36"
 
 
-def _slip(q: Question, answer: Answer) -> Array:
+def _slip(q: Query, reply: Reply) -> Array:
     """sigma_tr - sigma = k slip, a stress (N, d)."""
-    return answer.trial - answer.stress
+    return reply.trial - reply.stress
 
 
 @register(
@@ -34,7 +34,7 @@ def _slip(q: Question, answer: Answer) -> Array:
     source="a nan that is passed on silently ruins what comes after",
     tolerance="none",
 )
-def answers(q: Question) -> Finding:
+def answers(q: Query) -> Finding:
     bad = np.zeros(len(q.case), dtype=np.bool_)
     for found in q.first:
         bad |= ~np.isfinite(found.stress).all(axis=1)
@@ -48,7 +48,7 @@ def answers(q: Question) -> Finding:
     source=_LAW,
     tolerance="g <= u |grad g|: sigma lies within u of K (exact for convex g, first order otherwise); beyond it, judged in 60 digits",
 )
-def feasibility(q: Question) -> Finding:
+def feasibility(q: Query) -> Finding:
     found = q.first[0]
     gradient, _ = q.region.slope(found.stress, q.pressure)
     with np.errstate(all="ignore"):
@@ -65,7 +65,7 @@ def feasibility(q: Question) -> Finding:
     source=_MOREAU,
     tolerance="u + u': sigma lies within u of K, and its own answer within u' of its closest point",
 )
-def idempotence(q: Question) -> Finding:
+def idempotence(q: Query) -> Finding:
     here, again = q.first[0], q.second[0]
     return Finding(q.length(again.stress - here.stress), q.unit(here) + q.unit(again))
 
@@ -77,7 +77,7 @@ def idempotence(q: Question) -> Finding:
     source=_MOREAU,
     tolerance="u + u' + 8 eps |x - y|",
 )
-def non_expansiveness(q: Question) -> Finding:
+def non_expansiveness(q: Query) -> Finding:
     a, b, _ = q.first
     apart = q.length(a.trial - b.trial)
     return Finding(q.length(a.stress - b.stress), (1.0 + 8.0 * _EPS) * apart + q.unit(a) + q.unit(b))
@@ -90,7 +90,7 @@ def non_expansiveness(q: Question) -> Finding:
     source=_MOREAU,
     tolerance="(u + u')(2 |P(x) - P(y)| + |x - y| + u + u') + 8 eps |P(x) - P(y)| |x - y|",
 )
-def firmness(q: Question) -> Finding:
+def firmness(q: Query) -> Finding:
     a, b, _ = q.first
     moved, asked = a.stress - b.stress, a.trial - b.trial
     error, m, s = q.unit(a) + q.unit(b), q.length(moved), q.length(asked)
@@ -104,7 +104,7 @@ def firmness(q: Question) -> Finding:
     source="Rockafellar (1970), Convex Analysis, Theorem 24.8; P = grad(|x|^2 - dist^2)/2",
     tolerance="sum of (u_i + 8 eps |P(x_i)|) |x_i+1 - x_i|",
 )
-def potential(q: Question) -> Finding:
+def potential(q: Query) -> Finding:
     total, allowed = np.zeros(len(q.case)), np.zeros(len(q.case))
     for here, there in zip(q.first, [*q.first[1:], q.first[0]], strict=True):
         step = there.trial - here.trial
@@ -120,7 +120,7 @@ def potential(q: Question) -> Finding:
     source=f"{_LAW}; Moreau (1977), J. Differ. Equ. 26, 347-374",
     tolerance="u (|sigma_tr - sigma| + |tau - sigma| + u) + 8 eps |sigma_tr - sigma| (|tau| + |sigma|); tau is in K in 60 digits",
 )
-def variational_inequality(q: Question) -> Finding:
+def variational_inequality(q: Query) -> Finding:
     found = q.first[0]
     slip, u = _slip(q, found), q.unit(found)
     worst, bound = np.full(len(slip), -np.inf), np.zeros(len(slip))
@@ -142,7 +142,7 @@ def variational_inequality(q: Question) -> Finding:
     source=_LAW,
     tolerance="sigma may stand back from the boundary by 2 u on the way to the trial, beyond which the variational inequality fails",
 )
-def complementarity(q: Question) -> Finding:
+def complementarity(q: Query) -> Finding:
     found = q.first[0]
     slip, u = _slip(q, found), q.unit(found)
     size = q.length(slip)
@@ -161,10 +161,10 @@ def complementarity(q: Question) -> Finding:
     source=_LAW,
     tolerance="sign: none; zero: lambda |grad g| <= 2 u, the slip that rounding of the boundary explains",
 )
-def multiplier(q: Question) -> Finding:
+def multiplier(q: Query) -> Finding:
     found = q.first[0]
     if found.multiplier is None:
-        raise LeftOut("the routine returns no multiplier")
+        raise NothingToCheck("the routine returns no multiplier")
     amount = np.where(found.multiplier >= 0.0, found.multiplier, np.inf)
     gradient, _ = q.region.slope(found.stress, q.pressure)
     with np.errstate(all="ignore"):
@@ -183,13 +183,13 @@ def multiplier(q: Question) -> Finding:
     source="Antoni et al. (2007), Eqs. 22, 36: Clausius-Duhem",
     tolerance="u (|sigma| + |sigma_tr - sigma| + u) + 8 eps |sigma| |sigma_tr - sigma|",
 )
-def dissipation(q: Question) -> Finding:
+def dissipation(q: Query) -> Finding:
     found = q.first[0]
     loss, allowed = _loss(q, found)
     return Finding(loss, allowed)
 
 
-def _loss(q: Question, found: Answer) -> tuple[Array, Array]:
+def _loss(q: Query, found: Reply) -> tuple[Array, Array]:
     """-sigma . slip and what it may be."""
     slip, u = _slip(q, found), q.unit(found)
     size, reach = q.length(slip), q.length(found.stress)
@@ -203,14 +203,14 @@ def _loss(q: Question, found: Answer) -> tuple[Array, Array]:
     source="Antoni et al. (2007), Eqs. 25, 31",
     tolerance="2 u",
 )
-def slip(q: Question) -> Finding:
+def slip(q: Query) -> Finding:
     found = q.first[0]
     return Finding(q.length(_returned(found) @ q.case.stiffness - _slip(q, found)), 2.0 * q.unit(found))
 
 
-def _returned(found: Answer) -> Array:
+def _returned(found: Reply) -> Array:
     if found.slip is None:
-        raise LeftOut("the routine returns no slip: k^-1 (sigma_tr - sigma) satisfies this by definition")
+        raise NothingToCheck("the routine returns no slip: k^-1 (sigma_tr - sigma) satisfies this by definition")
     return found.slip
 
 
@@ -221,7 +221,7 @@ def _returned(found: Answer) -> Array:
     source="Antoni et al. (2007), Eqs. 22-31, discrete",
     tolerance="2 u (2 |sigma| + |d sigma| + 2 u) + 32 eps (|sigma| + |start| + |sigma_tr|)^2, the start a stress of K",
 )
-def energy(q: Question) -> Finding:
+def energy(q: Query) -> Finding:
     found, start = q.first[0], q.case.inside
     moved = _returned(found) @ q.case.stiffness  # k times the slip
     asked = found.trial - start
@@ -240,7 +240,7 @@ def energy(q: Question) -> Finding:
     source=_MOREAU,
     tolerance="u (1 + |1 - t|) + u'",
 )
-def ray(q: Question) -> Finding:
+def ray(q: Query) -> Finding:
     here, there = q.first[0], q.second[1]
     allowed = q.unit(here) * (1.0 + np.abs(1.0 - q.case.stretch)) + q.unit(there)
     return Finding(q.length(there.stress - here.stress), allowed)
@@ -253,7 +253,7 @@ def ray(q: Question) -> Finding:
     source="the minimum of (sigma_tr - sigma) . (c k)^-1 (sigma_tr - sigma)/2 is where that of k is",
     tolerance="2 u (c is a power of two)",
 )
-def stiffness_scale(q: Question) -> Finding:
+def stiffness_scale(q: Query) -> Finding:
     here = q.first[0]
     there = q.ask(q.case.trial, stiffness=q.case.stiffness * q.case.factor)[0]
     return Finding(q.length(there.stress - here.stress), 2.0 * q.unit(here))
@@ -266,9 +266,9 @@ def stiffness_scale(q: Question) -> Finding:
     source="Antoni et al. (2007), Eq. 35: the gauge is positively homogeneous",
     tolerance="2 u (c is a power of two)",
 )
-def homogeneity(q: Question) -> Finding:
+def homogeneity(q: Query) -> Finding:
     if not homogeneous(q.region.law):
-        raise LeftOut(f"K of {q.region.law.name} has a size of its own")
+        raise NothingToCheck(f"K of {q.region.law.name} has a size of its own")
     here, c = q.first[0], q.case.factor
     there = q.ask(q.case.trial * c, pressure=q.pressure * c)[0]
     return Finding(q.length(there.stress / c - here.stress), 2.0 * q.unit(here))
@@ -281,7 +281,7 @@ def homogeneity(q: Question) -> Finding:
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
     tolerance="d^2 (accuracy + 8 eps), in the metric of k",
 )
-def tangent(q: Question) -> Finding:
+def tangent(q: Query) -> Finding:
     d = q.case.trial.shape[1]
     c, finite = _tangent(q)
     eigen = np.linalg.eigvalsh(0.5 * (c + np.swapaxes(c, 1, 2)))
@@ -297,7 +297,7 @@ def tangent(q: Question) -> Finding:
     tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
     "|sigma_tr| + |sigma|",
 )
-def slope(q: Question) -> Finding:
+def slope(q: Query) -> Finding:
     here, (c, finite) = q.first[0], _tangent(q)
     u = q.unit(here)
     h = np.sqrt(u * (q.length(here.trial) + q.length(here.stress)))[:, None]
@@ -314,11 +314,11 @@ def slope(q: Question) -> Finding:
     return Finding(worst, np.ones(len(worst)))
 
 
-def _tangent(q: Question) -> tuple[Array, NDArray[np.bool_]]:
+def _tangent(q: Query) -> tuple[Array, NDArray[np.bool_]]:
     """The routine's tangents in the metric of k, and which are finite (the others as 0)."""
     given = q.first[0].tangent
     if given is None:
-        raise LeftOut("the routine returns no tangent")
+        raise NothingToCheck("the routine returns no tangent")
     c = q.whitened(given)
     finite = np.asarray(np.isfinite(c).all(axis=(1, 2)))
     return np.where(finite[:, None, None], c, 0.0), finite
@@ -331,7 +331,7 @@ def _tangent(q: Question) -> tuple[Array, NDArray[np.bool_]]:
     source="Antoni et al. (2007), Eqs. 22, 23",
     tolerance="the sum of what each step is allowed",
 )
-def path(q: Question) -> Finding:
+def path(q: Query) -> Finding:
     case = q.case
     stress, total, allowed = np.zeros_like(case.trial), np.zeros(len(case)), np.zeros(len(case))
     worst, bound = np.full(len(case), -np.inf), np.zeros(len(case))

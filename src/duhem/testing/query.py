@@ -1,4 +1,4 @@
-"""One case put to one routine: each answer is asked for once, measured in the energy of the stiffness.
+"""One case put to one routine: each reply is asked for once, measured in the energy of the stiffness.
 
 |s| = (s . k^-1 s)^1/2 is the length of a stress.  A routine is held to an error in its stress of
 
@@ -23,22 +23,22 @@ from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
 from duhem.testing.case import Case
 from duhem.testing.region import Region
-from duhem.testing.routine import Step, Update, given_to
+from duhem.testing.routine import Step, Update, called
 
-__all__ = ["Answer", "LeftOut", "NoAnswer", "Question"]
-
-
-class NoAnswer(Exception):
-    """The routine raised, or answered something that is no stress."""
+__all__ = ["NoReply", "NothingToCheck", "Query", "Reply"]
 
 
-class LeftOut(Exception):
+class NoReply(Exception):
+    """The routine raised, or returned something that is no stress."""
+
+
+class NothingToCheck(Exception):
     """A check has nothing to look at, and why."""
 
 
 @dataclass(frozen=True)
-class Answer:
-    """What the routine answered to ``trial`` (N, d), as arrays; ``solved`` (N,) as it says itself."""
+class Reply:
+    """What the routine returned for ``trial`` (N, d), as arrays; ``solved`` (N,) as it says itself."""
 
     trial: Array
     stress: Array
@@ -47,14 +47,14 @@ class Answer:
     tangent: Array | None
     solved: NDArray[np.bool_]
 
-    def part(self, rows: slice) -> Answer:
+    def part(self, rows: slice) -> Reply:
         """Some of the rows."""
-        return Answer(*(None if x is None else x[rows] for x in (getattr(self, name) for name in self.__dataclass_fields__)))  # type: ignore[arg-type]
+        return Reply(*(None if x is None else x[rows] for x in (getattr(self, name) for name in self.__dataclass_fields__)))  # type: ignore[arg-type]
 
 
 @dataclass
-class Question:
-    """``sound`` (N,): the rows whose every answer so far the routine stands by; ``points`` and ``flagged`` count answers."""
+class Query:
+    """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies."""
 
     region: Region
     case: Case
@@ -64,7 +64,7 @@ class Question:
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
-    _units: dict[int, tuple[Answer, Array]] = field(init=False, default_factory=dict)
+    _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.sound = np.ones(len(self.case), dtype=np.bool_)
@@ -97,16 +97,16 @@ class Question:
         """L^-1 a, whose plain length is |a|."""
         return a @ self._inverse.T
 
-    def unit(self, answer: Answer) -> Array:
+    def unit(self, reply: Reply) -> Array:
         """The error u in stress the routine is held to (N,)."""
-        if id(answer) not in self._units:
-            size = self.length(answer.trial) + self.length(answer.stress)
-            gradient, _ = self.region.slope(answer.stress, self.pressure)
+        if id(reply) not in self._units:
+            size = self.length(reply.trial) + self.length(reply.stress)
+            gradient, _ = self.region.slope(reply.stress, self.pressure)
             steep = self.dual_length(gradient)
-            blur = self.region.rounding(answer.stress, self.pressure) / np.where(steep > 0.0, steep, np.inf)
+            blur = self.region.rounding(reply.stress, self.pressure) / np.where(steep > 0.0, steep, np.inf)
             unit = self.accuracy * size + self._rounding * (size + self._extent) + 2.0 * blur
-            self._units[id(answer)] = answer, unit  # the answer is kept, so that no other can have its identity
-        return self._units[id(answer)][1]
+            self._units[id(reply)] = reply, unit  # the reply is kept, so that no other can have its identity
+        return self._units[id(reply)][1]
 
     @cached_property
     def _rounding(self) -> float:
@@ -134,10 +134,10 @@ class Question:
         found[at] = self.region.outside(stress[at], self.pressure[at]) == outside
         return found
 
-    # -- answers -------------------------------------------------------------------------------------------------------
+    # -- replies -------------------------------------------------------------------------------------------------------
 
-    def ask(self, *trials: Array, pressure: Array | None = None, stiffness: Array | None = None) -> list[Answer]:
-        """The routine's answers to several trial stresses (N, d) a row, asked in one call."""
+    def ask(self, *trials: Array, pressure: Array | None = None, stiffness: Array | None = None) -> list[Reply]:
+        """The routine's replies to several trial stresses (N, d) a row, asked in one call."""
         count, n = len(trials), len(self.case)
         stacked = np.concatenate(trials)
         loads = None
@@ -145,33 +145,33 @@ class Question:
             given = self.case.pressure if pressure is None else pressure
             loads = given if len(given) == len(stacked) else np.tile(given, count)
         k = self.case.stiffness if stiffness is None else stiffness
-        whole = self._answer(stacked, loads, k)
+        whole = self._reply(stacked, loads, k)
         self.points += len(stacked)
         self.flagged += int((~whole.solved).sum())
         self.sound = self.sound & whole.solved.reshape(count, n).all(axis=0)
         return [whole.part(slice(i * n, (i + 1) * n)) for i in range(count)]
 
-    def _answer(self, trial: Array, pressure: Array | None, stiffness: Array) -> Answer:
+    def _reply(self, trial: Array, pressure: Array | None, stiffness: Array) -> Reply:
         values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
         try:
-            given = given_to(self.update, values, trial, pressure, stiffness)
+            given = called(self.update, values, trial, pressure, stiffness)
         except Exception as fault:
-            raise NoAnswer(f"the routine raised {type(fault).__name__}: {fault}") from fault
+            raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
         step = given if isinstance(given, Step) else Step(given)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
         parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}
         solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.asarray(step.solved, dtype=np.bool_).reshape(n)
-        return Answer(trial, **parts, solved=solved)  # type: ignore[arg-type]
+        return Reply(trial, **parts, solved=solved)  # type: ignore[arg-type]
 
     @cached_property
-    def first(self) -> list[Answer]:
-        """The answers to ``trial``, ``other`` and ``third``."""
+    def first(self) -> list[Reply]:
+        """The replies to ``trial``, ``other`` and ``third``."""
         return self.ask(self.case.trial, self.case.other, self.case.third)
 
     @cached_property
-    def second(self) -> list[Answer]:
-        """The answers to the stress found, and to a point on its way to the trial."""
+    def second(self) -> list[Reply]:
+        """The replies to the stress found, and to a point on its way to the trial."""
         here = self.first[0]
         return self.ask(here.stress, here.stress + self.case.stretch[:, None] * (here.trial - here.stress))
 
@@ -182,7 +182,7 @@ def _array(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
     try:
         array = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
-        raise NoAnswer(f"the {name} is not made of numbers: {given!r}") from None
+        raise NoReply(f"the {name} is not made of numbers: {given!r}") from None
     if array.shape != shape:
-        raise NoAnswer(f"the {name} has the shape {array.shape}, not {shape}")
+        raise NoReply(f"the {name} has the shape {array.shape}, not {shape}")
     return array
