@@ -275,6 +275,15 @@ def test_smoothness_is_told_apart() -> None:
     assert "(0, 0), where g = -|sigma_n|" in derived("antoni2007")["normal"].note
 
 
+@pytest.mark.parametrize(
+    "g", ["abs(sigma_a) + max(sigma_b, -2*sigma_b) + log(mu - sigma_b) - mu", "abs(sigma_a) + pos(sigma_b)*sqrt(mu - sigma_b) - mu"]
+)
+def test_a_law_undefined_far_from_its_set_is_derived(g: str) -> None:
+    law = Criterion("odd", g, pressure=None, parameters={"mu": POSITIVE})
+    (said,) = (line for line in derive(law).text().splitlines() if "[normal]" in line)
+    assert "jumps where" in said and "sigma_b = 0" in said
+
+
 def test_tip_is_where_the_set_shrinks_to_a_point() -> None:
     assert list(derived("antoni2007")["tip"].rhs) == [0, 0]
     assert "tip" not in derived("cohesive") and "tip" not in derived("tresca")

@@ -260,6 +260,21 @@ def test_without_a_maximiser_a_potential_too_small_is_still_caught() -> None:
     assert defects(law, replace(found, maximiser=None, potential=found.potential * sp.Rational(9, 10)))
 
 
+def test_a_claim_that_is_undefined_or_infinite_is_no_claim() -> None:
+    law = load("coulomb")
+    found = support_function(law)
+    assert found is not None and found.maximiser is not None
+    d = found.rates[0]
+    for wrong in (sp.log(-1 - d**2), 1 / (Pos(d) * Neg(d))):  # nan, and 1/0
+        for claim in (
+            {"potential": found.potential + wrong},
+            {"maximiser": (wrong, *found.maximiser[1:])},
+            {"potential": wrong, "maximiser": None},
+        ):
+            (said,) = defects(law, replace(found, **claim))
+            assert "cannot be evaluated" in said
+
+
 @pytest.mark.parametrize(
     ("owner", "attribute", "wrong", "name"),
     [

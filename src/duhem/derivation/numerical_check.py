@@ -19,7 +19,7 @@ from duhem.expression import mpmath_
 from duhem.expression.rays_mpmath import reach
 from duhem.law.formula_law import Criterion
 
-__all__ = ["BITS", "compiled", "defects", "gauges_agree", "sample_values"]
+__all__ = ["BITS", "compiled", "defects", "finite", "gauges_agree", "sample_values"]
 
 DIGITS = 40
 BITS = 39  # of a boundary point: 12 digits, so that in 15 no rounding of g takes it out of K
@@ -27,16 +27,15 @@ SMALL = mpmath.mpf(10) ** -25
 
 
 def compiled(exprs: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> Callable[..., list[Any]]:
-    """The expressions as one function of the symbols' values, in mpmath's working precision; ArithmeticError where one is not finite."""
-    run = mpmath_.compiled(exprs, symbols, mpmath.mp)
+    """The expressions as one function of the symbols' values, in mpmath's working precision; nan where one is undefined."""
+    return mpmath_.compiled(exprs, symbols, mpmath.mp)
 
-    def evaluate(*values: Any) -> list[Any]:
-        found = run(*values)
-        if not all(map(mpmath.isfinite, found)):
-            raise ArithmeticError("a value is not real and finite")
-        return found
 
-    return evaluate
+def finite(values: list[Any]) -> list[Any]:
+    """The values as they are; ArithmeticError if one is undefined or infinite, which no comparison would tell."""
+    if not all(map(mpmath.isfinite, values)):
+        raise ArithmeticError("a value is not real and finite")
+    return values
 
 
 def sample_values(law: Criterion, requires: Sequence[sp.Expr], random: Random, count: int) -> Iterator[dict[sp.Symbol, sp.Rational]]:
@@ -85,7 +84,7 @@ def _defects(law: Criterion, support: SupportFunction, parameters: int, directio
             rest = [values[s] for s in others]
             tried += 1
             rates = [_direction(support, values, random) for _ in range(directions)]
-            claims = [claim(*d, *rest) for d in rates]
+            claims = [finite(claim(*d, *rest)) for d in rates]
             n = len(forces)
             centre = claims[0][-n:]
             with mpmath.workdps(15):
@@ -96,7 +95,7 @@ def _defects(law: Criterion, support: SupportFunction, parameters: int, directio
                 size = mpmath.sqrt(mpmath.fsum(mpmath.mpf(x.p) ** 2 / mpmath.mpf(x.q) ** 2 for x in d))
                 if support.maximiser is not None:
                     point = found[:n]
-                    if g(*point, *rest)[0] > SMALL * scale:
+                    if finite(g(*point, *rest))[0] > SMALL * scale:
                         yield f"the maximiser lies outside K at {values}, d = {d}"
                     if abs(_dot(point, d) - potential) > SMALL * scale:
                         yield f"the maximiser does not attain the potential at {values}, d = {d}"
@@ -115,9 +114,10 @@ def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, point
         for values in sample_values(law, support.requires, random, 4):
             for _ in range(points):
                 x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
-                first, second, g = both(*x, *(values[s] for s in others))
+                *gauges, g = both(*x, *(values[s] for s in others))
+                first, second = finite(gauges)
                 apart = abs(first - second) > mpmath.mpf(10) ** -30 * (1 + abs(second))
-                if apart or (g > SMALL and first < 1) or (g < -SMALL and first > 1):
+                if apart or (not g <= SMALL and first < 1) or (g < -SMALL and first > 1):
                     return False
     return True
 

@@ -16,7 +16,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 
-from duhem.derivation.numerical_check import BITS, compiled, sample_values
+from duhem.derivation.numerical_check import BITS, compiled, finite, sample_values
 from duhem.expression.branches import Branch, TooManyBranchesError, branches
 from duhem.expression.rays_mpmath import reach
 from duhem.expression.vocabulary import Norm
@@ -182,7 +182,7 @@ def _jumps(
         for branch in (i, j):
             side = found.switches[branch][switch] * distance
             try:
-                row = gradients[branch](*(a + side * c for a, c in zip(x, across, strict=True)), *rest)
+                row = finite(gradients[branch](*(a + side * c for a, c in zip(x, across, strict=True)), *rest))
                 size = mpmath.sqrt(mpmath.fsum(v * v for v in row))
                 units.append([v / size for v in row])
             except (ArithmeticError, TypeError, ValueError):
