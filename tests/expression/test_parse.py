@@ -4,6 +4,7 @@ import math
 from decimal import Decimal
 from fractions import Fraction
 
+import flint
 import numpy as np
 import pytest
 import sympy as sp
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from duhem.errors import InputError
 from duhem.expression import WORDS, Neg, Norm, Pos, Where, symbol
 from duhem.expression.build import call, power, product, total, unacceptable
-from duhem.expression.number import exact_number, ratio
+from duhem.expression.number import exact_number, fraction, ratio, rational
 from duhem.expression.parse import parse_expression, parse_relation
 from duhem.expression.text import formula
 
@@ -299,3 +300,11 @@ def test_what_is_printed_reads_back(expr: sp.Expr) -> None:
     assume(unacceptable(expr, set(KNOWN.values())) is None)
     read = parse(formula(expr))
     assert read == expr or abs((read - expr).subs(POINT).evalf(30)) < 1e-20
+
+
+def test_fractions_and_rationals_are_one_number() -> None:
+    for value in (Fraction(-22, 7), Fraction(5), Fraction(0), Fraction(1, 10**30)):
+        assert rational(value) == sp.Rational(value.numerator, value.denominator)
+        assert fraction(rational(value)) == value == fraction(value)
+        assert fraction(flint.fmpq(value.numerator, value.denominator)) == value
+    assert fraction(sp.Integer(3)) == 3 and fraction(0.1) == Fraction(0.1)

@@ -92,7 +92,7 @@ def _defects(law: Criterion, support: SupportFunction, parameters: int, directio
             cloud = [[c + t * r for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
             scale = max([abs(c[0]) for c in claims] + [mpmath.mpf(10) ** -6])
             for d, (potential, *found) in zip(rates, claims, strict=True):
-                size = mpmath.sqrt(mpmath.fsum(mpmath.mpf(x.p) ** 2 / mpmath.mpf(x.q) ** 2 for x in d))
+                size = mpmath.sqrt(mpmath.fsum(mpmath_.number(mpmath.mp, x) ** 2 for x in d))
                 if support.maximiser is not None:
                     point = found[:n]
                     if finite(g(*point, *rest))[0] > SMALL * scale:

@@ -47,8 +47,8 @@ def rational(x: numbers.Rational) -> sp.Rational:
 
 
 def fraction(x: Any) -> Fraction:
-    """A rational of SymPy or FLINT, which have ``p`` and ``q``, as a fraction."""
-    return Fraction(int(x.p), int(x.q))
+    """An exact number as a fraction: a rational of SymPy or FLINT, which have ``p`` and ``q``, or what Python reads as one."""
+    return Fraction(int(x.p), int(x.q)) if hasattr(x, "p") else Fraction(x)
 
 
 def ratio(x: sp.Rational) -> str:
