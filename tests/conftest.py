@@ -1,13 +1,40 @@
-"""Hypothesis profiles: `ci` (the default) repeats itself exactly; HYPOTHESIS_PROFILE or --hypothesis-profile chooses another.
+"""What every test may use: the Hypothesis profiles, the command run in this process, one worker a file.
 
+Profiles: `ci` (the default) repeats itself exactly; HYPOTHESIS_PROFILE or --hypothesis-profile chooses another.
 `dev` draws anew each time, `deep` does so a hundred times longer.
 """
 
 import os
+import sys
+from collections.abc import Callable
+from typing import Any
 
+import pytest
 from hypothesis import settings
+
+from duhem.__main__ import main
 
 settings.register_profile("ci", derandomize=True, deadline=None, database=None)
 settings.register_profile("dev", deadline=None)
 settings.register_profile("deep", deadline=None, max_examples=10_000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """All tests of a file go to one worker: what a file computes once and keeps is not computed again by another worker."""
+    from xdist.scheduler import LoadFileScheduling
+
+    return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[int, str, str]]:
+    """Exit code, standard output and standard error of `duhem ARGUMENTS`."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["duhem", *arguments])
+        code = main()
+        return code, *capsys.readouterr()
+
+    return call

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -18,7 +17,6 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem.__main__ import main
 from duhem.benchmark.contenders import Contender, Subject, applicable
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
 from duhem.benchmark.work_precision import bench
@@ -35,18 +33,6 @@ from tests.oracles.projection import closest
 FIGURE_5 = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 MU = tuple(FIGURE_5.values())
 Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Exit code, standard output and standard error of `duhem ARGUMENTS`."""
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["duhem", *arguments])
-        code = main()
-        return code, *capsys.readouterr()
-
-    return call
 
 
 def exactly(name: str, values: dict[str, float]) -> tuple[Any, Any, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -17,7 +16,6 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem.__main__ import main
 from duhem.benchmark.contenders import Contender, Subject
 from duhem.benchmark.extreme_cases import AXES, cases, stress
 from duhem.benchmark.extreme_cases.cases import aspect
@@ -32,18 +30,6 @@ from duhem.projection.result import Projection, Status
 
 FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}
 Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Exit code, standard output and standard error of `duhem ARGUMENTS`."""
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["duhem", *arguments])
-        code = main()
-        return code, *capsys.readouterr()
-
-    return call
 
 
 def formula(name: str, **values: str) -> Criterion:

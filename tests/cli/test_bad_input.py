@@ -1,9 +1,11 @@
-"""Bad input through the real command: exit code 2, one line with place and remedy, no traceback, quickly, nothing executed."""
+"""Bad input to the command: exit code 2, one line with place and remedy, no traceback, quickly, nothing executed."""
 
 import os
 import re
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -64,41 +66,77 @@ ARGUMENTS: dict[str, tuple[list[str], str]] = {
 }
 
 
-def complaint(folder: Path, *arguments: str) -> str:
-    """The one line on standard error of a command that must be refused, within two seconds of processor time."""
-    before = children_seconds()
-    command, environment = [sys.executable, "-m", "duhem", *arguments], os.environ | {"PYTHONPATH": str(SOURCE)}
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=60)
-    assert children_seconds() - before < 2
-    assert (done.returncode, done.stdout) == (2, "")
-    message = done.stderr
+Run = Callable[..., tuple[int, str, str]]
+Refused = Callable[..., str]
+PROCESSES = ("import that acts", "binary file", "unknown law")  # these through a process of their own too: its start, its streams
+
+
+def checked(code: int, out: str, message: str) -> str:
+    """The one line on standard error of a command that must be refused."""
+    assert (code, out) == (2, "")
     assert re.fullmatch(r"duhem: [^\n]+\n", message), message
     assert message[:-1].isprintable()
     assert "; " in message, "no remedy"
     return message
 
 
+@pytest.fixture
+def complaint(run: Run, monkeypatch: pytest.MonkeyPatch) -> Refused:
+    """What the command says, run in a folder, within two seconds of processor time."""
+
+    def call(folder: Path, *arguments: str) -> str:
+        monkeypatch.chdir(folder)
+        start = time.process_time()  # unlike wall time it does not depend on what else runs
+        done = run(*arguments)
+        assert time.process_time() - start < 2
+        return checked(*done)
+
+    return call
+
+
+def complaint_of_a_process(folder: Path, *arguments: str) -> str:
+    """The same of a process of its own, start included."""
+    before = children_seconds()
+    command, environment = [sys.executable, "-m", "duhem", *arguments], os.environ | {"PYTHONPATH": str(SOURCE)}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=60)
+    assert children_seconds() - before < 2
+    return checked(done.returncode, done.stdout, done.stderr)
+
+
 def children_seconds() -> float:
-    """Processor time of the processes that have ended; unlike wall time it does not depend on what else runs."""
+    """Processor time of the processes that have ended."""
     times = os.times()
     return times.children_user + times.children_system
 
 
-@pytest.mark.parametrize("case", FILES)
-def test_file(case: str, tmp_path: Path) -> None:
+def refused_file(case: str, folder: Path, complaint: Refused) -> None:
     content, place, words = FILES[case]
-    (tmp_path / "law.toml").write_bytes(content if isinstance(content, bytes) else content.encode())
-    message = complaint(tmp_path, "verify", "law.toml")
+    (folder / "law.toml").write_bytes(content if isinstance(content, bytes) else content.encode())
+    message = complaint(folder, "verify", "law.toml")
     assert message.startswith(f"duhem: law.toml:{place}: " if place else "duhem: law.toml: ")
     assert words in message
-    assert os.listdir(tmp_path) == ["law.toml"], "something was executed"
+    assert os.listdir(folder) == ["law.toml"], "something was executed"
+
+
+def refused_arguments(case: str, folder: Path, complaint: Refused) -> None:
+    arguments, words = ARGUMENTS[case]
+    assert words in complaint(folder, *arguments)
+    assert os.listdir(folder) == [], "something was executed"
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_file(case: str, tmp_path: Path, complaint: Refused) -> None:
+    refused_file(case, tmp_path, complaint)
 
 
 @pytest.mark.parametrize("case", ARGUMENTS)
-def test_arguments(case: str, tmp_path: Path) -> None:
-    arguments, words = ARGUMENTS[case]
-    assert words in complaint(tmp_path, *arguments)
-    assert os.listdir(tmp_path) == [], "something was executed"
+def test_arguments(case: str, tmp_path: Path, complaint: Refused) -> None:
+    refused_arguments(case, tmp_path, complaint)
+
+
+@pytest.mark.parametrize("case", PROCESSES)
+def test_in_a_process_of_its_own(case: str, tmp_path: Path) -> None:
+    (refused_file if case in FILES else refused_arguments)(case, tmp_path, complaint_of_a_process)
 
 
 def test_the_sentinel_would_show_an_execution(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,6 @@ from typing import Any
 import pytest
 
 import duhem
-from duhem.__main__ import main
 from duhem.cli import installation as doctor
 from duhem.errors import MissingExtraError
 from duhem.law import catalogue
@@ -30,18 +29,6 @@ from duhem.proof.verification import ClaimResult, Verification
 
 SOURCE = Path(duhem.__path__[0]).parent
 Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Exit code, standard output and standard error of `duhem ARGUMENTS`."""
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["duhem", *arguments])
-        code = main()
-        return code, *capsys.readouterr()
-
-    return call
 
 
 def result(claim: str, verdict: Verdict) -> ClaimResult:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
 import duhem
-from duhem.__main__ import main
 from duhem.projection import closed_form
 from duhem.projection.increment import Increment
 from duhem.projection.method import Options
@@ -21,15 +20,9 @@ Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+def run(run: Run) -> Run:
     """Exit code, standard output and standard error of `duhem project ARGUMENTS`."""
-
-    def call(*arguments: str) -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["duhem", "project", *arguments])
-        code = main()
-        return code, *capsys.readouterr()
-
-    return call
+    return partial(run, "project")
 
 
 SET = [x for name, value in MU.items() for x in ("--set", f"{name}={value}")]

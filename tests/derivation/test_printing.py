@@ -5,27 +5,11 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from duhem.derivation import Derivation, derive
-from duhem.law.catalogue import load
-
-LAWS = (
-    "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "drucker1949", "hosford", "limacon", "lobes", "matchstick",
-    "orthotropic", "polygon", "quartic", "radial-flow", "regularised", "rotated-flow", "shifted-ellipse", "superellipse", "tresca",
-    "von-mises",
-)  # fmt: skip
-
-
-@cache
-def derived(name: str, stiffness: str = "orthotropic") -> Derivation:
-    return derive(load(name), stiffness=stiffness)
-
-
-# The derivation as a value, and in print
+from tests.derivation.derived import LAWS, derived
 
 
 @pytest.mark.parametrize("name", LAWS)
