@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import keyword
-import re
-import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from difflib import get_close_matches
 from os import PathLike
 from typing import Any
 
@@ -21,6 +18,7 @@ from duhem.expression.parse import parse_expression, parse_relation
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion
 from duhem.law.parameter_domain import check_domain
+from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
 
 __all__ = ["read", "reads"]
 
@@ -31,54 +29,30 @@ _PARAMETER = ("positive", "min", "max", "value")
 
 def read(path: str | PathLike[str]) -> Criterion:
     """The criterion of a TOML file; InputError names file, line and column of whatever is wrong in it."""
-    try:
-        with open(path, "rb") as stream:
-            data = stream.read(MOST_BYTES + 1)
-    except FileNotFoundError:
-        raise InputError("there is no such file", where=f"{path}", remedy="check the path, or make one with: duhem init NAME") from None
-    except IsADirectoryError:
-        raise InputError("this is a directory", where=f"{path}", remedy="name a criterion file in it") from None
-    except (OSError, ValueError) as fault:
-        reason = getattr(fault, "strerror", None) or str(fault)
-        raise InputError(f"the file cannot be read: {reason}", where=f"{path}", remedy="check its name and permissions") from None
-    if len(data) > MOST_BYTES:
-        raise InputError(f"the file is larger than {MOST_BYTES} bytes", where=f"{path}", remedy="is it a criterion file?")
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as fault:
-        line = data.count(b"\n", 0, fault.start) + 1
-        raise InputError("this is not text in UTF-8", where=f"{path}:{line}", remedy="is it a criterion file?") from None
-    return reads(text, where=f"{path}")
+    absent = "check the path, or make one with: duhem init NAME"
+    return reads(text_of(path, "criterion file", MOST_BYTES, absent=absent), where=f"{path}")
 
 
 def reads(text: str, where: str = "criterion") -> Criterion:
     """The criterion written in ``text``; ``where`` names it in messages."""
-    return _File(where, text, _toml(text, where)).criterion()
-
-
-def _toml(text: str, where: str) -> dict[str, Any]:
     if not text.strip():
         raise InputError("the file is empty", where=where, remedy="start from the template: duhem init NAME")
-    try:
-        return tomllib.loads(text, parse_float=Decimal)
-    except tomllib.TOMLDecodeError as fault:
-        what, _, place = str(fault).partition(" (at ")
-        if numbers := re.fullmatch(r"line (\d+), column (\d+)\)", place):
-            at = f"{where}:{numbers[1]}:{numbers[2]}"
-        else:
-            at = f"{where}:{text.count(chr(10), 0, len(text.rstrip())) + 1}" if place else where
-        raise InputError(what[:1].lower() + what[1:], where=at, remedy="correct the TOML syntax") from None
-    except (RecursionError, ValueError, ArithmeticError):
-        raise InputError("the file nests too deeply or holds a number that is too large", where=where, remedy="simplify it") from None
+    return _CriterionReader(parsed(text, where, number=Decimal)).criterion()
 
 
 @dataclass(frozen=True)
-class _File:
-    """A parsed document next to its text, from which the places of keys are read."""
+class _CriterionReader:
+    """From the document of a criterion file to the law; stops at the first fault."""
 
-    where: str
-    text: str
-    document: Mapping[str, Any]
+    toml: PlacedToml
+
+    @property
+    def where(self) -> str:
+        return self.toml.where
+
+    @property
+    def document(self) -> Mapping[str, Any]:
+        return self.toml.document
 
     def criterion(self) -> Criterion:
         self.keys("", self.document, ("criterion", "parameters", "flow"))
@@ -167,7 +141,7 @@ class _File:
             raise self.error(
                 "constraints is not a list of comparisons", "criterion", "constraints", remedy='write constraints = ["e < mu_b"]'
             )
-        placed = self.formulas("criterion", "constraints", given)
+        placed = [self.formula("criterion", "constraints", i, value=value) for i, value in enumerate(given)]
         return tuple(parse_relation(t, parameters, where=self.where, line=line, column=column) for t, line, column in placed)
 
     def flow(self, forces: Sequence[str], known: Mapping[str, sp.Symbol]) -> tuple[sp.Expr, ...] | None:
@@ -185,12 +159,11 @@ class _File:
             raise self.error(
                 f"the flow direction has {counts}", "flow", "direction", remedy=f"give one expression for each of {', '.join(forces)}"
             )
-        placed = self.formulas("flow", "direction", given)
+        placed = [self.formula("flow", "direction", i, value=value) for i, value in enumerate(given)]
         return tuple(parse_expression(t, known, where=self.where, line=line, column=column) for t, line, column in placed)
 
     def expression(self, section: str, key: str, known: Mapping[str, sp.Symbol]) -> sp.Expr:
-        given = self.string(section, key)
-        ((text, line, column),) = self.formulas(section, key, [given])
+        text, line, column = self.formula(section, key, value=self.string(section, key))
         return parse_expression(text, known, where=self.where, line=line, column=column)
 
     # -- tables and values -------------------------------------------------------------------------------------
@@ -206,12 +179,8 @@ class _File:
     def keys(self, section: str, given: Mapping[str, Any], allowed: Sequence[str], inside: str = "") -> None:
         for key in given:
             if key not in allowed:
-                near = get_close_matches(key, allowed, n=1)
-                remedy = f"did you mean {near[0]!r}?" if near else f"known are: {', '.join(allowed)}"
-                what = "section" if not section else "key"
-                raise self.error(
-                    f"unknown {what} {key[:40]!r}" + (f" of {inside}" if inside else ""), section, inside or key, remedy=remedy
-                )
+                what = f"unknown {'key' if section else 'section'} {key[:40]!r}" + (f" of {inside}" if inside else "")
+                raise self.error(what, section, inside or key, remedy=meant(key, allowed))
 
     def string(self, section: str, key: str, *, required: bool = True) -> str:
         given = self.document[section].get(key, None if required else "")
@@ -235,87 +204,12 @@ class _File:
 
     def place(self, section: str, key: str) -> str:
         """file:line:column of a key, or the file where the key is not found."""
-        at = _find(self.text, section, key)
-        if at is None:
-            return self.where
-        column = at[0] - (self.text.rfind("\n", 0, at[0]) + 1)
-        return f"{self.where}:{self.text.count(chr(10), 0, at[0]) + 1}:{column + 1}"
+        return self.toml.place(*filter(None, (section, key)))
 
-    def formulas(self, section: str, key: str, given: Sequence[str]) -> Iterator[tuple[str, int, int]]:
-        """Each formula with the line (from 1) and column (from 0) at which it begins.
+    def formula(self, *path: Key, value: str) -> tuple[str, int, int]:
+        """A formula with the line (from 1) and column (from 0) at which it begins.
 
         The text is taken as written in the file, so that the columns are the file's; a formula has no use for escapes.
         """
-        at = _find(self.text, section, key)
-        spans = list(_strings(self.text, at[1])) if at is not None else []
-        for i, value in enumerate(given):
-            start, end = spans[i] if len(spans) == len(given) else (self.text.find(value), -1)
-            written = re.sub(r"\\([ \t]*\r?\n)", r" \1", self.text[start:end])
-            start = max(start, 0)
-            line = self.text.count("\n", 0, start) + 1
-            yield (value if end < 0 or "\\" in written else written), line, start - (self.text.rfind("\n", 0, start) + 1)
-
-
-_LITERAL = re.compile(
-    r'"""\n?(?P<a>(?:[^\\]|\\.)*?"{0,2})"""(?!")'  # multi-line basic
-    r"|'''\n?(?P<b>.*?'{0,2})'''(?!')"  # multi-line literal
-    r'|"(?P<c>(?:[^"\\\n]|\\.)*)"'  # basic
-    r"|'(?P<d>[^'\n]*)'",  # literal
-    re.DOTALL,
-)
-_LINE = re.compile(r"[ \t]*(?:\[\s*(?P<section>[^\]\n]*?)\s*\]|(?P<key>[^=\n#\[]+?)[ \t]*=[ \t]*)")
-
-
-def _find(text: str, section: str, key: str) -> tuple[int, int] | None:
-    """Offsets of a key and of its value; a section stands for the key of the document it opens."""
-    here, at = "", 0
-    while at < len(text):
-        match = _LINE.match(text, at)
-        if match and match["section"] is not None:
-            here = match["section"].strip("[] \t\"'")
-            if (not section and here == key) or here == f"{section}.{key}":
-                return match.start(), match.end()
-        elif match and match["key"] is not None:
-            name = match["key"].strip("\"'")
-            if (here == section and (name == key or name.startswith(f"{key}."))) or (not here and name == f"{section}.{key}"):
-                return match.start("key"), match.end()
-        at = _next_line(text, match.end() if match else at)
-    return None
-
-
-def _next_line(text: str, at: int) -> int:
-    """The start of the line after the value at ``at``; strings and comments may hold anything."""
-    depth = 0
-    while at < len(text):
-        if literal := _LITERAL.match(text, at):
-            at = literal.end()
-            continue
-        mark = text[at]
-        if mark == "#":
-            end = text.find("\n", at)
-            at = len(text) if end < 0 else end
-            continue
-        depth += (mark == "[") - (mark == "]")
-        at += 1
-        if mark == "\n" and depth <= 0:
-            return at
-    return at
-
-
-def _strings(text: str, at: int) -> Iterator[tuple[int, int]]:
-    """Start and end of the content of the string, or of each string of the array, that begins at ``at``."""
-    array = text[at : at + 1] == "["
-    at += array
-    while at < len(text):
-        if literal := _LITERAL.match(text, at):
-            yield literal.span(literal.lastgroup or 0)
-            at = literal.end()
-            if not array:
-                return
-        elif text[at] == "#":
-            end = text.find("\n", at)
-            at = len(text) if end < 0 else end
-        elif array and text[at] == "]":
-            return
-        else:
-            at += 1
+        written, line, column = self.toml.written(*path) or (value, 1, 0)
+        return (value if "\\" in written else written), line, column

@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import os
 import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path as File
@@ -35,6 +34,7 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
+from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import CONTROLS, Path
 from duhem.path.scene import Scene
@@ -69,37 +69,24 @@ class SceneFaults(InputError):
 
 def read(file: str | os.PathLike[str]) -> Scene:
     """The scene of a TOML file; SceneFaults (an InputError) lists everything wrong in it, each with file, line and column."""
-    try:
-        with open(file, "rb") as stream:
-            text = stream.read(MOST_BYTES + 1)
-        if len(text) > MOST_BYTES:
-            raise InputError(f"the file is larger than {MOST_BYTES} bytes", where=f"{file}", remedy="put the points into a table")
-        return reads(text.decode("utf-8-sig"), where=f"{file}", folder=File(file).parent)
-    except UnicodeDecodeError:
-        raise InputError("this is not text in UTF-8", where=f"{file}", remedy="is it a scene?") from None
-    except OSError as fault:
-        raise InputError(f"the file cannot be read: {fault.strerror}", where=f"{file}", remedy="check its name and permissions") from None
+    text = text_of(file, "scene", MOST_BYTES, large="put the points into a table")
+    return reads(text, where=f"{file}", folder=File(file).parent)
 
 
 def reads(text: str, where: str = "scene", folder: str | os.PathLike[str] = ".") -> Scene:
     """The scene written in ``text``; files it names are looked for in ``folder``."""
     try:
-        document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as fault:
-        what, _, place = str(fault).partition(" (at ")
-        numbers = re.fullmatch(r"line (\d+), column (\d+)\)", place)
-        at = f"{where}:{numbers[1]}:{numbers[2]}" if numbers else where
-        raise SceneFaults([InputError(what[:1].lower() + what[1:], where=at, remedy="correct the TOML syntax")]) from None
-    except (RecursionError, ValueError):
-        raise SceneFaults([InputError("the file nests too deeply or holds a number that is too large", where=where)]) from None
-    return _Reader(where, text, document, File(folder)).scene()
+        toml = parsed(text, where)
+    except InputError as fault:
+        raise SceneFaults([fault]) from None
+    return _SceneReader(toml, File(folder)).scene()
 
 
-class _Reader:
-    """A parsed document beside its text; gathers faults instead of stopping at the first."""
+class _SceneReader:
+    """From the document of a scene to its value; gathers faults instead of stopping at the first."""
 
-    def __init__(self, where: str, text: str, document: Mapping[str, Any], folder: File) -> None:
-        self.where, self.lines, self.document, self.folder = where, text.splitlines(), document, folder
+    def __init__(self, toml: PlacedToml, folder: File) -> None:
+        self.toml, self.document, self.folder = toml, toml.document, folder
         self.faults: list[InputError] = []
 
     def scene(self) -> Scene:
@@ -260,23 +247,11 @@ class _Reader:
                 self.unknown("key", key, allowed, section)
 
     def unknown(self, what: str, name: str, allowed: Sequence[str], section: str) -> None:
-        near = get_close_matches(name, allowed, n=1)
-        remedy = f"did you mean {near[0]!r}?" if near else f"known are: {', '.join(allowed) or 'none'}"
-        self.fault(f"unknown {what} {name[:40]!r}", section, name, remedy)
+        self.fault(f"unknown {what} {name[:40]!r}", section, name, meant(name, allowed))
 
     def fault(self, what: str, section: str, key: str, remedy: str) -> None:
         self.faults.append(InputError(what, where=self.place(section, key), remedy=remedy))
 
     def place(self, section: str, key: str) -> str:
         """file:line:column of a key (or of the section it names), or the file where it is not written."""
-        here = ""
-        for number, line in enumerate(self.lines, 1):
-            if header := re.match(r"\s*\[\s*([^\[\]]+?)\s*\]\s*(#.*)?$", line):
-                here = header[1].strip("\"'")
-                if not section and here == key:
-                    return f"{self.where}:{number}:{line.index('[') + 1}"
-            elif entry := re.match(r"\s*([\"']?)([^=\"'#\[\]]+?)\1\s*=", line):
-                name = entry[2].strip()
-                if (here == section and name == key) or (not here and section and name == f"{section}.{key}"):
-                    return f"{self.where}:{number}:{entry.start(2) + 1}"
-        return self.where
+        return self.toml.place(*filter(None, (section, key)))
