@@ -17,8 +17,9 @@ import pytest
 import sympy as sp
 
 import duhem
-from duhem.benchmark.contenders import Contender, Subject, applicable
+from duhem.benchmark.contenders import Contender, applicable
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
+from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision import bench
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
 from duhem.benchmark.work_precision.text import duration, text
@@ -136,8 +137,8 @@ def test_distance_is_relative_and_knows_what_is_no_number() -> None:
 def question(name: str, values: dict[str, Any]) -> Increment:
     law = duhem.load(name)
     assert isinstance(law, Criterion)
-    subject = Subject.of(law.fix(values))
-    return subject.question(np.zeros((1, len(law.forces))), subject.pressure)
+    specimen = Specimen.of(law.fix(values))
+    return specimen.question(np.zeros((1, len(law.forces))), specimen.pressure)
 
 
 def test_what_does_not_apply_is_named_what_is_left_out_and_why() -> None:
@@ -155,11 +156,11 @@ def test_what_does_not_apply_is_named_what_is_left_out_and_why() -> None:
 
 
 def test_subject_measures_the_law_at_the_doubles_that_methods_read() -> None:
-    subject = Subject.of(coulomb().fix({}))
-    assert subject.radius(np.array([3.0, 4.0]), -2.0) == pytest.approx(0.5 / 5.0, rel=1e-15)
+    specimen = Specimen.of(coulomb().fix({}))
+    assert specimen.radius(np.array([3.0, 4.0]), -2.0) == pytest.approx(0.5 / 5.0, rel=1e-15)
     law = duhem.load("antoni2007")
     assert isinstance(law, Criterion)
-    exact = Subject.of(law.fix(FIGURE_5)).law.parameters["mu_a_plus"].value
+    exact = Specimen.of(law.fix(FIGURE_5)).law.parameters["mu_a_plus"].value
     assert Fraction(int(exact.p), int(exact.q)) == Fraction(0.2)  # type: ignore[union-attr]
 
 

@@ -16,13 +16,14 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem.benchmark.contenders import Contender, Subject
+from duhem.benchmark.contenders import Contender
 from duhem.benchmark.extreme_cases import AXES, cases, stress
 from duhem.benchmark.extreme_cases.cases import aspect
 from duhem.benchmark.extreme_cases.judge import digits
 from duhem.benchmark.extreme_cases.refusals import refusals
 from duhem.benchmark.extreme_cases.stress import ExtremeCases, Tally
 from duhem.benchmark.extreme_cases.text import text
+from duhem.benchmark.specimen import Specimen
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
@@ -84,14 +85,14 @@ def doctored() -> ExtremeCases:
 
 
 def test_the_axes_span_what_they_say() -> None:
-    found = list(cases(Subject.of(flagship())))
+    found = list(cases(Specimen.of(flagship())))
     by_axis = {axis: [case for case in found if case.axis == axis] for axis in AXES}
     assert all(by_axis.values())
     loads = [abs(case.pressure) for case in by_axis["load"] if case.pressure is not None]
     assert (min(loads), max(loads)) == (1e-290, 1e290)
-    ratios = [case.subject.stiffness[1, 1] / case.subject.stiffness[0, 0] for case in by_axis["stiffness ratio"]]
+    ratios = [case.specimen.stiffness[1, 1] / case.specimen.stiffness[0, 0] for case in by_axis["stiffness ratio"]]
     assert (min(ratios), max(ratios)) == (1.0, pytest.approx(1e12))
-    thin = by_axis["aspect of K"][-1].subject
+    thin = by_axis["aspect of K"][-1].specimen
     up, down = thin.radius(np.array([0.0, 1.0]), -1.0), thin.radius(np.array([0.0, -1.0]), -1.0)
     assert (up, down) == (pytest.approx(0.12e-8), pytest.approx(0.15e-8))
     assert thin.radius(np.array([1.0, 0.0]), -1.0) == pytest.approx(0.2)
@@ -101,7 +102,7 @@ def test_the_axes_span_what_they_say() -> None:
 
 def test_one_ulp_outside_is_just_that() -> None:
     """By exact arithmetic on the criterion: the next number outwards lies outside, the last inside does not."""
-    named = {case.label: case for case in cases(Subject.of(flagship()), ("boundary distance",))}
+    named = {case.label: case for case in cases(Specimen.of(flagship()), ("boundary distance",))}
     mu = [Fraction(float(v)) for v in FIGURE_5.values()]
 
     def outside(point: list[float]) -> bool:
@@ -114,9 +115,9 @@ def test_one_ulp_outside_is_just_that() -> None:
 
 
 def test_parameters_that_thin_the_set_are_found_by_trying() -> None:
-    assert aspect(Subject.of(flagship())) == ("mu_b_plus", "mu_b_minus")
-    assert aspect(Subject.of(formula("orthotropic", mu_a="0.2", mu_b="0.1"))) == ("mu_b",)
-    assert aspect(Subject.of(formula("coulomb", mu="0.25"))) == ()
+    assert aspect(Specimen.of(flagship())) == ("mu_b_plus", "mu_b_minus")
+    assert aspect(Specimen.of(formula("orthotropic", mu_a="0.2", mu_b="0.1"))) == ("mu_b",)
+    assert aspect(Specimen.of(formula("coulomb", mu="0.25"))) == ()
 
 
 # -- the judgement ---------------------------------------------------------------------------------------------------
@@ -166,17 +167,17 @@ def test_closed_form_and_newton_stay_right_or_say_so() -> None:
 
 
 def test_refusals_name_argument_and_index() -> None:
-    subject = Subject.of(flagship())
-    found = list(refusals(subject, Contender.of("closed-form", "closed-form")))
+    specimen = Specimen.of(flagship())
+    found = list(refusals(specimen, Contender.of("closed-form", "closed-form")))
     assert len(found) == 10
     assert [r for r in found if not r.held] == []
 
     class Careless(Contender):
-        def project(self, subject: Subject, trial: Any, pressure: Any, stiffness: Any = None) -> Projection:
-            return super().project(subject, np.ones((3, 2)), -1.0)
+        def project(self, specimen: Specimen, trial: Any, pressure: Any, stiffness: Any = None) -> Projection:
+            return super().project(specimen, np.ones((3, 2)), -1.0)
 
     careless = Careless("careless", CLOSED_FORM, ClosedFormOptions())
-    found = list(refusals(subject, careless))
+    found = list(refusals(specimen, careless))
     assert not any(r.held for r in found) and all(r.answer.startswith("answered") for r in found)
 
 

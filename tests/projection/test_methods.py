@@ -15,7 +15,8 @@ import pytest
 
 import duhem
 from duhem.benchmark import contenders
-from duhem.benchmark.contenders import Contender, Subject, applicable
+from duhem.benchmark.contenders import Contender, applicable
+from duhem.benchmark.specimen import Specimen
 from duhem.errors import InputError
 from duhem.projection import projector
 from duhem.projection.increment import Increment
@@ -118,9 +119,9 @@ def test_one_row_makes_it_known_everywhere(monkeypatch: pytest.MonkeyPatch) -> N
     assert duhem.project("antoni2007", TRIAL, -1.0, parameters=MU, method="mine", factor=1.0).method == "mine"
     with pytest.raises(InputError, match="choose auto, closed-form, newton, cvxpy, mine"):
         duhem.project("antoni2007", TRIAL, -1.0, parameters=MU, method="yours")
-    found, left_out = applicable(Subject.of(duhem.load("coulomb").fix({"mu": "1/4"})).question(TRIAL, -1.0))
+    found, left_out = applicable(Specimen.of(duhem.load("coulomb").fix({"mu": "1/4"})).question(TRIAL, -1.0))
     assert [c for c in found if c.method is MINE] == [Contender("mine", MINE, Scaled())]
-    metal = Subject.of(duhem.load("von-mises").fix({"yield_stress": 1}))
+    metal = Specimen.of(duhem.load("von-mises").fix({"yield_stress": 1}))
     _, left_out = applicable(metal.question(np.zeros((1, 3)), None))
     assert ("mine", "it needs a pressure") in [(part.part, part.reason) for part in left_out]
 

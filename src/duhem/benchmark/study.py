@@ -13,7 +13,7 @@ __all__ = ["Study"]
 
 @dataclass(frozen=True, kw_only=True)
 class Study(ABC):
-    """``subject``: parameters and stiffness in words; ``machine`` as :func:`duhem.benchmark.contenders.machine` has it."""
+    """``subject``: parameters and stiffness in words; ``machine`` as :func:`duhem.benchmark.machine.machine` has it."""
 
     law: str
     subject: str

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from duhem.benchmark.contenders import Subject
+from duhem.benchmark.specimen import Specimen
 from duhem.expression.number import fraction
 from duhem.law.domain import Domain
 from duhem.projection.result import Array
@@ -35,12 +35,12 @@ class ExtremeCase:
     axis: str
     label: str
     decade: float
-    subject: Subject
+    specimen: Specimen
     trial: Array
     pressure: float | None
 
 
-def cases(subject: Subject, axes: tuple[str, ...] = tuple(AXES)) -> Iterator[ExtremeCase]:
+def cases(specimen: Specimen, axes: tuple[str, ...] = tuple(AXES)) -> Iterator[ExtremeCase]:
     """Every case of ``axes``, the harmless end first; axes that the law does not have yield nothing."""
     makers = {
         "load": _loads,
@@ -52,7 +52,7 @@ def cases(subject: Subject, axes: tuple[str, ...] = tuple(AXES)) -> Iterator[Ext
         "special values": _specials,
     }
     for axis in axes:
-        yield from makers[axis](subject, axis)
+        yield from makers[axis](specimen, axis)
 
 
 def _ways(d: int) -> Array:
@@ -62,47 +62,47 @@ def _ways(d: int) -> Array:
     return np.array([first * np.where(np.arange(d) % 2, -1.0, 1.0), second])
 
 
-def _reached(subject: Subject, ways: Array, pressure: float | None) -> Array:
+def _reached(specimen: Specimen, ways: Array, pressure: float | None) -> Array:
     """The last points of K along the directions, those in which it ends (M, d)."""
-    reach = [subject.radius(way, pressure) for way in ways]
+    reach = [specimen.radius(way, pressure) for way in ways]
     return np.array([r * way for r, way in zip(reach, ways, strict=True) if 0.0 < r < 1e305]).reshape(-1, ways.shape[1])
 
 
-def _loads(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
-    d = len(subject.law.forces)
+def _loads(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
+    d = len(specimen.law.forces)
     for e in LOADS:
-        if subject.pressure is None:
+        if specimen.pressure is None:
             trial = 10.0**e * _ways(d)
-            yield ExtremeCase(axis, f"1e{e}", e, subject, trial, None)
+            yield ExtremeCase(axis, f"1e{e}", e, specimen, trial, None)
         else:
             pressure = -(10.0**e)
-            edge = _reached(subject, _ways(d), pressure)
+            edge = _reached(specimen, _ways(d), pressure)
             if len(edge):
-                yield ExtremeCase(axis, f"1e{e}", e, subject, 3.0 * edge, pressure)
+                yield ExtremeCase(axis, f"1e{e}", e, specimen, 3.0 * edge, pressure)
 
 
-def _stiffnesses(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
-    d = len(subject.law.forces)
+def _stiffnesses(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
+    d = len(specimen.law.forces)
     if d < 2:
         return
-    edge = _reached(subject, _ways(d), subject.pressure)
+    edge = _reached(specimen, _ways(d), specimen.pressure)
     for e in range(0, 13, 2):
         k = np.diag(10.0 ** (e * np.arange(d) / (d - 1)))
-        yield ExtremeCase(axis, f"1e{e}", e, replace(subject, stiffness=k), 3.0 * edge, subject.pressure)
+        yield ExtremeCase(axis, f"1e{e}", e, replace(specimen, stiffness=k), 3.0 * edge, specimen.pressure)
 
 
-def aspect(subject: Subject) -> tuple[str, ...]:
+def aspect(specimen: Specimen) -> tuple[str, ...]:
     """The parameters that scale the reach of K along the last axis alone, found by trying."""
-    d, axes = len(subject.law.forces), np.eye(len(subject.law.forces))
+    d, axes = len(specimen.law.forces), np.eye(len(specimen.law.forces))
     if d < 2:
         return ()
-    before = np.array([[subject.radius(s * a, subject.pressure) for s in (1.0, -1.0)] for a in axes])
+    before = np.array([[specimen.radius(s * a, specimen.pressure) for s in (1.0, -1.0)] for a in axes])
     if not (np.isfinite(before).all() and (before > 0.0).all()):
         return ()
     found = []
-    for name in subject.law.parameters:
-        other = _scaled(subject, (name,), Fraction(1, 2))
-        after = np.array([[other.radius(s * a, subject.pressure) for s in (1.0, -1.0)] for a in axes])
+    for name in specimen.law.parameters:
+        other = _scaled(specimen, (name,), Fraction(1, 2))
+        after = np.array([[other.radius(s * a, specimen.pressure) for s in (1.0, -1.0)] for a in axes])
         share = after / before
         if (
             np.allclose(share[:-1], 1.0, rtol=1e-9)
@@ -113,7 +113,7 @@ def aspect(subject: Subject) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _scaled(subject: Subject, names: tuple[str, ...], factor: Fraction) -> Subject:
+def _scaled(specimen: Specimen, names: tuple[str, ...], factor: Fraction) -> Specimen:
     """The law with some parameters times ``factor``, at doubles taken exactly."""
 
     def moved(name: str, domain: Domain) -> Domain:
@@ -121,58 +121,61 @@ def _scaled(subject: Subject, names: tuple[str, ...], factor: Fraction) -> Subje
         assert value is not None
         return Domain.fixed(Fraction(float(fraction(value) * factor))) if name in names else domain
 
-    law = replace(subject.law, parameters={name: moved(name, domain) for name, domain in subject.law.parameters.items()})
-    return Subject(law, law, subject.stiffness)
+    law = replace(specimen.law, parameters={name: moved(name, domain) for name, domain in specimen.law.parameters.items()})
+    return Specimen(law, law, specimen.stiffness)
 
 
-def _aspects(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
-    names = aspect(subject)
+def _aspects(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
+    names = aspect(specimen)
     if not names:
         return
     for e in range(0, 9):
-        thin = _scaled(subject, names, Fraction(1, 10**e))
-        edge = _reached(subject, np.eye(len(subject.law.forces)), subject.pressure)
+        thin = _scaled(specimen, names, Fraction(1, 10**e))
+        edge = _reached(specimen, np.eye(len(specimen.law.forces)), specimen.pressure)
         size = np.abs(edge).max(axis=0)
-        yield ExtremeCase(axis, f"1e{e}", e, thin, _ways(len(size)) * size * 3.0, subject.pressure)
+        yield ExtremeCase(axis, f"1e{e}", e, thin, _ways(len(size)) * size * 3.0, specimen.pressure)
 
 
-def _sizes(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
-    edge = _reached(subject, _ways(len(subject.law.forces)), subject.pressure)
+def _sizes(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
+    edge = _reached(specimen, _ways(len(specimen.law.forces)), specimen.pressure)
     for e in range(0, 17, 2):
-        yield ExtremeCase(axis, f"1e{e}", e, subject, 1.5 * 10.0**e * edge, subject.pressure)
+        yield ExtremeCase(axis, f"1e{e}", e, specimen, 1.5 * 10.0**e * edge, specimen.pressure)
 
 
-def _seams(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
-    d = len(subject.law.forces)
+def _seams(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
+    d = len(specimen.law.forces)
     if d < 2:
         return
-    edge = _reached(subject, np.eye(d)[:1], subject.pressure)
+    edge = _reached(specimen, np.eye(d)[:1], specimen.pressure)
     if not len(edge):
         return
     size = float(edge[0, 0])
     for label, e, off in [*((f"1e{-j}", -j, size * 10.0**-j) for j in range(0, 21, 2)), ("1e-300", -300, size * 1e-300), ("0", -330, 0.0)]:
         trial = np.zeros((2, d))
         trial[:, 0], trial[:, 1] = 2.0 * size, (off, -off)
-        yield ExtremeCase(axis, label, e, subject, trial, subject.pressure)
+        yield ExtremeCase(axis, label, e, specimen, trial, specimen.pressure)
 
 
-def _distances(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
-    edge = _reached(subject, _ways(len(subject.law.forces)), subject.pressure)
+def _distances(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
+    edge = _reached(specimen, _ways(len(specimen.law.forces)), specimen.pressure)
     for j in range(0, 16):
-        yield ExtremeCase(axis, f"1e{-j}", -j, subject, edge * (1.0 + 10.0**-j), subject.pressure)
+        yield ExtremeCase(axis, f"1e{-j}", -j, specimen, edge * (1.0 + 10.0**-j), specimen.pressure)
     out = np.where(edge == 0.0, 0.0, np.nextafter(edge, np.copysign(np.inf, edge)))
-    yield ExtremeCase(axis, "1 ulp", -16, subject, out, subject.pressure)
-    yield ExtremeCase(axis, "0 by doubles", -17, subject, edge, subject.pressure)
+    yield ExtremeCase(axis, "1 ulp", -16, specimen, out, specimen.pressure)
+    yield ExtremeCase(axis, "0 by doubles", -17, specimen, edge, specimen.pressure)
 
 
-def _specials(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
-    d = len(subject.law.forces)
+def _specials(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
+    d = len(specimen.law.forces)
     signs = np.where(np.arange(d) % 2, -1.0, 1.0)
     denormal = np.array([_TINY * signs, -_TINY * signs, 1e-310 * signs])
     zeros = np.array([np.zeros(d), -np.zeros(d), np.copysign(0.0, signs)])
     plain = _ways(d)
-    named: list[tuple[str, Array, float | None]] = [("trial +-0", zeros, subject.pressure), ("trial denormal", denormal, subject.pressure)]
-    if subject.pressure is not None:
+    named: list[tuple[str, Array, float | None]] = [
+        ("trial +-0", zeros, specimen.pressure),
+        ("trial denormal", denormal, specimen.pressure),
+    ]
+    if specimen.pressure is not None:
         named += [
             ("sigma_n = 0", plain, 0.0),
             ("sigma_n = -0", plain, -0.0),
@@ -183,4 +186,4 @@ def _specials(subject: Subject, axis: str) -> Iterator[ExtremeCase]:
             ("trial 1e300", 1e300 * plain, -1.0),
         ]
     for i, (label, trial, pressure) in enumerate(named):
-        yield ExtremeCase(axis, label, float(i), subject, trial, pressure)
+        yield ExtremeCase(axis, label, float(i), specimen, trial, pressure)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, Subject
+from duhem.benchmark.contenders import Contender
+from duhem.benchmark.specimen import Specimen
 from duhem.errors import InputError
 
 __all__ = ["Refusal", "refusals"]
@@ -24,27 +25,27 @@ class Refusal:
     answer: str
 
 
-def refusals(subject: Subject, contender: Contender) -> Iterator[Refusal]:
+def refusals(specimen: Specimen, contender: Contender) -> Iterator[Refusal]:
     """The bad inputs in turn, each the last of three increments."""
-    d = len(subject.law.forces)
+    d = len(specimen.law.forces)
     good = np.full((3, d), 0.5)
     for value in (np.nan, np.inf, -np.inf):
         trial = good.copy()
         trial[2, d - 1] = value
-        yield _asked(subject, contender, f"trial {value}", f"trial[2, {d - 1}]", trial, subject.pressure)
-    if subject.pressure is not None:
+        yield _asked(specimen, contender, f"trial {value}", f"trial[2, {d - 1}]", trial, specimen.pressure)
+    if specimen.pressure is not None:
         for value in (np.nan, -np.inf, 1.0):
             pressure = np.array([-1.0, -1.0, value])
-            yield _asked(subject, contender, f"pressure {value}", "pressure[2]", good, pressure)
+            yield _asked(specimen, contender, f"pressure {value}", "pressure[2]", good, pressure)
     for value in (np.nan, np.inf, 0.0, -1.0):
         k = np.ones(d)
         k[d - 1] = value
-        yield _asked(subject, contender, f"stiffness {value}", f"stiffness[{d - 1}]", good, subject.pressure, k)
+        yield _asked(specimen, contender, f"stiffness {value}", f"stiffness[{d - 1}]", good, specimen.pressure, k)
 
 
-def _asked(subject: Subject, contender: Contender, what: str, place: str, trial: object, pressure: object, k: object = None) -> Refusal:
+def _asked(specimen: Specimen, contender: Contender, what: str, place: str, trial: object, pressure: object, k: object = None) -> Refusal:
     try:
-        done = contender.project(subject, trial, pressure, k)  # type: ignore[arg-type]
+        done = contender.project(specimen, trial, pressure, k)  # type: ignore[arg-type]
     except InputError as fault:
         return Refusal(what, contender.name, place, place in str(fault), str(fault))
     except Exception as fault:  # an error of another kind says less than it should

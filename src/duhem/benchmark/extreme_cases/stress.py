@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, Subject, applicable
+from duhem.benchmark.contenders import Contender, applicable
 from duhem.benchmark.extreme_cases.cases import AXES, ExtremeCase, cases
 from duhem.benchmark.extreme_cases.judge import Judgement, judged
 from duhem.benchmark.extreme_cases.refusals import Refusal, refusals
 from duhem.benchmark.machine import machine
 from duhem.benchmark.reference import Closest, NoReference, ReferenceIncrement
+from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.study import Study
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
@@ -97,17 +98,17 @@ def stress(
     """
     if strange := [axis for axis in axes if axis not in AXES]:
         raise InputError(f"unknown axis {strange[0]!r}", where="axes", remedy=f"choose {', '.join(AXES)}")
-    subject = Subject.of(law, stiffness)
-    found, left_out = applicable(subject.question(np.zeros((1, len(law.forces))), subject.pressure))
+    specimen = Specimen.of(law, stiffness)
+    found, left_out = applicable(specimen.question(np.zeros((1, len(law.forces))), specimen.pressure))
     chosen = list(found if contenders is None else contenders)
     rows: list[Tally] = []
     refused: list[Refusal] = []
     worst, interrupted, seen = 0.0, False, set[str]()
     try:
-        for case in cases(subject, tuple(axes)):
+        for case in cases(specimen, tuple(axes)):
             seen.add(case.axis)
             try:
-                closest = case.subject.reference()
+                closest = case.specimen.reference()
                 answers = [closest(x.tolist(), case.pressure) for x in case.trial]
             except NoReference as fault:
                 left_out.append(LeftOut(f"{case.axis} {case.label}", f"no reference: {fault}"))
@@ -118,13 +119,13 @@ def stress(
                 rows.append(row)
                 if on_row is not None:
                     on_row(row)
-        left_out += [LeftOut(f"axis {axis}", _absent(subject, axis)) for axis in axes if axis not in seen]
-        refused += [refusal for contender in chosen for refusal in refusals(subject, contender)]
+        left_out += [LeftOut(f"axis {axis}", _absent(specimen, axis)) for axis in axes if axis not in seen]
+        refused += [refusal for contender in chosen for refusal in refusals(specimen, contender)]
     except KeyboardInterrupt:
         interrupted = True
     return ExtremeCases(
         law=law.name,
-        subject=subject.describe(),
+        subject=specimen.describe(),
         machine=machine(),
         rows=tuple(rows),
         refusals=tuple(refused),
@@ -134,10 +135,10 @@ def stress(
     )
 
 
-def _absent(subject: Subject, axis: str) -> str:
-    if axis == "aspect of K" and len(subject.law.forces) > 1:
+def _absent(specimen: Specimen, axis: str) -> str:
+    if axis == "aspect of K" and len(specimen.law.forces) > 1:
         return "no parameter of the law scales one axis of K alone"
-    return f"a law in {len(subject.law.forces)} force has none"
+    return f"a law in {len(specimen.law.forces)} force has none"
 
 
 def _row(case: ExtremeCase, contender: Contender, closest: Closest, answers: Sequence[ReferenceIncrement]) -> Tally:
@@ -161,7 +162,7 @@ def _row(case: ExtremeCase, contender: Contender, closest: Closest, answers: Seq
 def _judged(case: ExtremeCase, contender: Contender, closest: Closest, answers: Sequence[ReferenceIncrement]) -> Iterator[Judgement]:
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # an overflow on the way is no flag: what comes back is judged
-        done = contender.project(case.subject, case.trial, case.pressure)
+        done = contender.project(case.specimen, case.trial, case.pressure)
     for i, answer in enumerate(answers):
         flagged = done.status[i] in (Status.INACCURATE, Status.FAILED)
         yield judged(closest, case.trial[i].tolist(), case.pressure, answer, done.stress[i], done.slip[i], bool(flagged))

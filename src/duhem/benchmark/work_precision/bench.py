@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, Subject, applicable
+from duhem.benchmark.contenders import Contender, applicable
 from duhem.benchmark.machine import machine
 from duhem.benchmark.reference import NoReference
+from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
 from duhem.benchmark.work_precision import throughput
@@ -46,25 +47,25 @@ def bench(
     for name, count in (("repeats", repeats), ("points", points)):
         if count < 1:
             raise InputError(f"{name} is {count}", where=name, remedy="give a whole number >= 1")
-    subject = Subject.of(law, stiffness)
-    question = subject.question(np.zeros((1, len(law.forces))), subject.pressure)
+    specimen = Specimen.of(law, stiffness)
+    question = specimen.question(np.zeros((1, len(law.forces))), specimen.pressure)
     found, left_out = applicable(question, increment.TOLERANCES)
     chosen = list(found if contenders is None else contenders)
     rows: list[Measurement] = []
     reference: dict[str, float | str] = {}
 
     def increments() -> Iterator[Measurement]:
-        work = increment.exercise(subject)
+        work = increment.exercise(specimen)
         reference[increment.SCENE] = work.residual
         yield from increment.rows(work, chosen, repeats)
 
     def paths() -> Iterator[Measurement]:
-        work = path.route(subject)
+        work = path.route(specimen)
         reference[path.SCENE] = work.driven.error
         yield from path.rows(work, repeats, left_out, tuple(steps))
 
     def loads() -> Iterator[Measurement]:
-        load = throughput.Load.of(subject, points)
+        load = throughput.Load.of(specimen, points)
         yield from throughput.rows(load, chosen, repeats)
 
     runs = {increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
@@ -83,7 +84,7 @@ def bench(
         interrupted = True
     return WorkPrecision(
         law=law.name,
-        subject=subject.describe(),
+        subject=specimen.describe(),
         machine=machine(),
         repeats=repeats,
         rows=tuple(rows),

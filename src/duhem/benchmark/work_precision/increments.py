@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from duhem.benchmark.contenders import Contender, Subject
+from duhem.benchmark.contenders import Contender
 from duhem.benchmark.reference import ReferenceIncrement, distance
+from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision.result import Measurement
 from duhem.benchmark.work_precision.timing import timed
 from duhem.projection.cvxpy_method import CvxpyOptions
@@ -28,7 +29,7 @@ _FACTORS = (1.05, 2.0, 30.0, 1e3)  # trial stresses in units of the reach of K
 class Exercise:
     """Trial stresses (N, d), N checked questions of one point each, and their answers in many digits."""
 
-    subject: Subject
+    specimen: Specimen
     trial: Array
     questions: tuple[Increment, ...]
     answers: tuple[ReferenceIncrement, ...]
@@ -39,17 +40,17 @@ class Exercise:
         return max((answer.residual for answer in self.answers), default=0.0)
 
 
-def exercise(subject: Subject) -> Exercise:
+def exercise(specimen: Specimen) -> Exercise:
     """Four trial stresses outside K, in unlike directions and at unlike distances; NoReference where K has no reference."""
-    d = len(subject.law.forces)
+    d = len(specimen.law.forces)
     draw = np.random.default_rng(2007)
     ways = draw.uniform(0.3, 1.0, (len(_FACTORS), d)) * np.where((np.arange(len(_FACTORS))[:, None] >> np.arange(d)) & 1, -1.0, 1.0)
-    reach = [subject.radius(way, subject.pressure) for way in ways]
+    reach = [specimen.radius(way, specimen.pressure) for way in ways]
     usable = [way * r * f for way, r, f in zip(ways, reach, _FACTORS, strict=True) if 0.0 < r < 1e300]
     trial = np.array(usable).reshape(-1, d)
-    closest = subject.reference()
-    answers = tuple(closest(x.tolist(), subject.pressure) for x in trial)
-    return Exercise(subject, trial, tuple(subject.question(x[None], subject.pressure) for x in trial), answers)
+    closest = specimen.reference()
+    answers = tuple(closest(x.tolist(), specimen.pressure) for x in trial)
+    return Exercise(specimen, trial, tuple(specimen.question(x[None], specimen.pressure) for x in trial), answers)
 
 
 def rows(work: Exercise, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
@@ -63,7 +64,7 @@ def rows(work: Exercise, contenders: Sequence[Contender], repeats: int) -> Itera
 
     def all_of_it() -> None:
         for x in work.trial:
-            first.project(work.subject, x, work.subject.pressure)
+            first.project(work.specimen, x, work.specimen.pressure)
 
     note = f"{first.name} through duhem.project: checks and residuals included"
     found = [first.solve(question) for question in work.questions]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from duhem.benchmark.contenders import Subject
 from duhem.benchmark.reference import Drive, Driven, distance
+from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision.result import Measurement
 from duhem.benchmark.work_precision.timing import timed
 from duhem.errors import DuhemError
@@ -31,25 +31,26 @@ _LENGTHS = np.array([0.0, 1.8, 1.5, 2.2, 2.5])  # of the reach of K, as a displa
 class Route:
     """Knots (m, d) in m, joined by straight steps under constant pressure, and the stresses there in many digits."""
 
-    subject: Subject
+    specimen: Specimen
     points: Array
     driven: Driven
 
 
-def route(subject: Subject) -> Route:
+def route(specimen: Specimen) -> Route:
     """Four straight steps that slip, turn and unload; NoReference where the path has no reference."""
-    d = len(subject.law.forces)
+    d = len(specimen.law.forces)
     angles = np.pi * _TURNS[1:]
     ways = np.zeros((len(angles), d))
     ways[:, 0] = np.cos(angles) if d > 1 else np.cos(np.pi * np.arange(len(angles)))
     if d > 1:
         ways[:, 1] = np.sin(angles)
-    reach = min(r for r in (subject.radius(sign * axis, subject.pressure) for axis in np.eye(d)[: min(d, 2)] for sign in (1, -1)) if r > 0)
-    points = np.vstack([np.zeros(d), np.cumsum(_LENGTHS[1:, None] * reach * ways, axis=0)]) / float(np.diagonal(subject.stiffness).mean())
-    question = subject.question(np.zeros((1, d)), subject.pressure)
-    symbol = None if subject.law.pressure is None else subject.law.symbols()[subject.law.pressure]
-    drive = Drive(question.g, subject.law.force_symbols(), symbol, question.stiffness.tolist(), subject.pressure)
-    return Route(subject, points, drive(points.tolist()))
+    axes = np.eye(d)[: min(d, 2)]
+    reach = min(r for r in (specimen.radius(sign * axis, specimen.pressure) for axis in axes for sign in (1, -1)) if r > 0)
+    points = np.vstack([np.zeros(d), np.cumsum(_LENGTHS[1:, None] * reach * ways, axis=0)]) / float(np.diagonal(specimen.stiffness).mean())
+    question = specimen.question(np.zeros((1, d)), specimen.pressure)
+    symbol = None if specimen.law.pressure is None else specimen.law.symbols()[specimen.law.pressure]
+    drive = Drive(question.g, specimen.law.force_symbols(), symbol, question.stiffness.tolist(), specimen.pressure)
+    return Route(specimen, points, drive(points.tolist()))
 
 
 def rows(work: Route, repeats: int, left_out: list[LeftOut], steps: tuple[int, ...] = STEPS) -> Iterator[Measurement]:
@@ -66,13 +67,13 @@ def rows(work: Route, repeats: int, left_out: list[LeftOut], steps: tuple[int, .
 
 
 def _row(work: Route, method: str, count: int, repeats: int) -> Measurement:
-    subject, path = work.subject, Path.linear(work.points, pressure=work.subject.pressure)
+    specimen, path = work.specimen, Path.linear(work.points, pressure=work.specimen.pressure)
     setting = f"{count} step{'s' if count > 1 else ''} a segment"
     history = None
 
     def run() -> None:
         nonlocal history
-        history = simulate(subject.declared, path, stiffness=subject.stiffness, method=method, substeps=count)
+        history = simulate(specimen.declared, path, stiffness=specimen.stiffness, method=method, substeps=count)
 
     try:
         seconds = timed(run, repeats)

@@ -19,7 +19,8 @@ from time import process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.benchmark.contenders import Contender, Subject
+from duhem.benchmark.contenders import Contender
+from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target
 from duhem.benchmark.work_precision.timing import timed
 from duhem.left_out import LeftOut
@@ -40,23 +41,23 @@ _LIMIT = 6.0
 class Load:
     """N random increments, somewhat more than half of them slipping."""
 
-    subject: Subject
+    specimen: Specimen
     question: Increment
 
     @classmethod
-    def of(cls, subject: Subject, points: int) -> Load:
-        d = len(subject.law.forces)
+    def of(cls, specimen: Specimen, points: int) -> Load:
+        d = len(specimen.law.forces)
         draw = np.random.default_rng(1)
-        reach = [subject.radius(s * axis, subject.pressure) for axis in np.eye(d) for s in (1.0, -1.0)]
+        reach = [specimen.radius(s * axis, specimen.pressure) for axis in np.eye(d) for s in (1.0, -1.0)]
         size = float(np.median([r for r in reach if 0.0 < r < 1e300] or [1.0]))
         trial = draw.normal(size=(points, d)) * (0.9 * size)
-        pressure = None if subject.pressure is None else -draw.uniform(0.5, 1.5, points)
-        return cls(subject, subject.question(trial, pressure))
+        pressure = None if specimen.pressure is None else -draw.uniform(0.5, 1.5, points)
+        return cls(specimen, specimen.question(trial, pressure))
 
     def first(self, n: int) -> Increment:
         """The question of the first n points."""
-        pressure = None if self.subject.pressure is None else self.question.pressure[:n]
-        return self.subject.question(self.question.trial[:n], pressure)
+        pressure = None if self.specimen.pressure is None else self.question.pressure[:n]
+        return self.specimen.question(self.question.trial[:n], pressure)
 
 
 def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
@@ -80,10 +81,10 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
         yield from _cvxpy(load, min(n, _FEWER), repeats)
     first = contenders[0]
     if first.method.name == "closed-form":
-        pressure = None if load.subject.pressure is None else load.question.pressure
+        pressure = None if load.specimen.pressure is None else load.question.pressure
 
         def whole() -> object:
-            return first.project(load.subject, load.question.trial, pressure)
+            return first.project(load.specimen, load.question.trial, pressure)
 
         yield _measured(WHOLE, n, whole, min(repeats, 3), "checks, residuals and statuses included")
         yield _memory(WHOLE, whole)
@@ -93,8 +94,8 @@ def _cvxpy(load: Load, count: int, repeats: int) -> Iterator[Measurement]:
     """Both ways to solve point by point: one compiled problem whose parameters change, and a new problem each time."""
     solve = Contender.of("cvxpy", "cvxpy", solver="CLARABEL", batch=1).solve
     part = load.first(count)
-    pressure = None if load.subject.pressure is None else part.pressure
-    alone = [load.subject.question(x[None], None if pressure is None else pressure[i : i + 1]) for i, x in enumerate(part.trial)]
+    pressure = None if load.specimen.pressure is None else part.pressure
+    alone = [load.specimen.question(x[None], None if pressure is None else pressure[i : i + 1]) for i, x in enumerate(part.trial)]
 
     def each() -> None:
         for question in alone:
