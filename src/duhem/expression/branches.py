@@ -17,7 +17,7 @@ import sympy as sp
 from duhem.expression.fold import fold
 from duhem.expression.vocabulary import Neg, Pos, Where
 
-__all__ = ["Branch", "TooManyBranchesError", "branches", "oriented", "seams", "thick"]
+__all__ = ["Branch", "Seam", "TooManyBranchesError", "branches", "oriented", "seam", "seams", "thick"]
 
 
 class TooManyBranchesError(Exception):
@@ -175,10 +175,33 @@ def _split(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Br
         yield _with(signs, [(gap, -1)], otherwise, thin=not closed)
 
 
-def seams(pieces: Sequence[Branch]) -> Iterator[tuple[Branch, Branch, list[sp.Expr], list[sp.Basic]]]:
-    """Pairs of branches that may meet: the switches whose sign differs between them, and the conditions both share."""
+@dataclass(frozen=True)
+class Seam:
+    """Where two branches may meet: the switches ``crossed``, whose sign differs, are 0; those ``kept`` have their sign there."""
+
+    before: Branch
+    after: Branch
+    crossed: tuple[sp.Expr, ...]
+    kept: Mapping[sp.Expr, int]
+
+    def on(self) -> tuple[sp.Basic, ...]:
+        """That the switches crossed are 0."""
+        return tuple(sp.Eq(s, 0) for s in self.crossed)
+
+    def within(self) -> tuple[sp.Basic, ...]:
+        """That the others have the signs both branches give them."""
+        return tuple(sp.GreaterThan(sign * s, 0) for s, sign in self.kept.items())
+
+
+def seam(before: Branch, after: Branch) -> Seam | None:
+    """The seam between two branches; None where no switch has opposite signs in them."""
+    crossed = tuple(s for s, sign in after.signs.items() if before.signs.get(s) == -sign)
+    kept = {s: sign for s, sign in {**before.signs, **after.signs}.items() if s not in crossed}
+    return Seam(before, after, crossed, kept) if crossed else None
+
+
+def seams(pieces: Sequence[Branch]) -> Iterator[Seam]:
+    """The seams between branches whose expressions differ, each pair once."""
     for before, after in combinations(pieces, 2):
-        crossed = [s for s, sign in after.signs.items() if before.signs.get(s) == -sign]
-        if crossed and before.expr != after.expr:
-            rest = {s: sign for s, sign in {**before.signs, **after.signs}.items() if s not in crossed}
-            yield before, after, crossed, [sp.GreaterThan(sign * s, 0) for s, sign in rest.items()]
+        if before.expr != after.expr and (found := seam(before, after)) is not None:
+            yield found

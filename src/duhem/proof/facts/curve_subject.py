@@ -11,6 +11,7 @@ from random import Random
 import sympy as sp
 
 from duhem.expression.balls import certain_sign
+from duhem.expression.number import fraction
 from duhem.expression.vocabulary import Where
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import Domain
@@ -18,7 +19,7 @@ from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import Answer, Question, Sense
 from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
 from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, normals
-from duhem.proof.facts.parameter_choices import Values, fraction, rationals
+from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.subject import Subject
 
 __all__ = ["CurveSubject"]

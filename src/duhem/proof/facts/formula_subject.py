@@ -12,10 +12,11 @@ import sympy as sp
 
 from duhem.expression import Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
+from duhem.expression.number import fraction
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Answer, Question, Sense
-from duhem.proof.facts.parameter_choices import Values, fraction, plain_choices, rationals
+from duhem.proof.facts.parameter_choices import Values, plain_choices, rationals
 from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.problem import Problem, state
 from duhem.proof.statement.star import Star, star_form

@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import product
 from math import prod
-from typing import Any
 
 import sympy as sp
 
-__all__ = ["Values", "fraction", "plain_choices", "rationals"]
+from duhem.expression.number import fraction, rational
+
+__all__ = ["Values", "plain_choices", "rationals"]
 
 _SCALES = (Fraction(1), Fraction(1, 2), Fraction(2), Fraction(1, 10), Fraction(10), Fraction(1, 100), Fraction(100))
 _SHARES = (Fraction(0), Fraction(1), *(Fraction(k, 100) for k in (50, 1, 99, 25, 75, 90)))
@@ -20,15 +21,9 @@ _MOST_TOGETHER, _DRAWN = 4096, 400
 Values = Mapping[sp.Symbol, Fraction]
 
 
-def fraction(value: Any) -> Fraction:
-    """An exact number as a Fraction."""
-    exact = sp.Rational(value)
-    return Fraction(int(exact.p), int(exact.q))
-
-
 def rationals(values: Values) -> dict[sp.Symbol, sp.Rational]:
     """The values as SymPy has them."""
-    return {x: sp.Rational(v.numerator, v.denominator) for x, v in values.items()}
+    return {x: rational(v) for x, v in values.items()}
 
 
 def plain_choices(free: Sequence[sp.Symbol], given: Sequence[sp.Basic]) -> Iterator[dict[sp.Symbol, Fraction]]:

@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, permutations
 from math import lcm
 
 import sympy as sp
 
 from duhem.expression import Norm, Where
-from duhem.expression.branches import Branch, TooManyBranchesError, branches
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, seam
 from duhem.expression.switches import plain_switches
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -72,21 +72,11 @@ class PolarForm:
 
     def seams(self) -> Iterator[tuple[PolarArc, PolarArc, tuple[sp.Basic, ...]]]:
         """Ordered pairs of arcs (before, after) with the relations that say theta passes from one to the other."""
-        for before in self.arcs:
-            for after in self.arcs:
-                crossed = [s for s, sign in after.signs.items() if before.signs.get(s) == -sign]
-                if not crossed or _same(before, after):
-                    continue
-                rest = {s: v for s, v in {**before.signs, **after.signs}.items() if s not in crossed}
-                yield (
-                    before,
-                    after,
-                    (
-                        *(sp.Eq(s, 0) for s in crossed),
-                        *(sp.StrictGreaterThan(after.signs[s] * self.turn(s), 0) for s in crossed),
-                        *(sp.GreaterThan(v * s, 0) for s, v in rest.items()),
-                    ),
-                )
+        for before, after in permutations(self.arcs, 2):
+            found = seam(before, after)
+            if found is not None and not _same(before, after):
+                forward = (sp.StrictGreaterThan(after.signs[s] * self.turn(s), 0) for s in found.crossed)
+                yield before, after, (*found.on(), *forward, *found.within())
 
     def transversal(self) -> bool:
         """Whether every switch changes sign where it vanishes, so that each seam is seen by :meth:`seams`."""

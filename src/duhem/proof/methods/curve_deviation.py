@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from fractions import Fraction
 from math import factorial
 
 import flint
 
-from duhem.expression.balls import certain_sign, precision
+from duhem.expression.balls import certain_sign
 from duhem.proof.facts.curve_quantities import LEAD, LEAN
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.numeric_curve import Ball, CurveJet, Greatest, NumericCurve, Span, cross, dot
 from duhem.proof.facts.parameter_choices import Values
-from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.curve_points import at_angle, coordinates, parameters
-from duhem.proof.witness.rational_points import decimal_pair
+from duhem.proof.verdict import Evidence, Verdict
+from duhem.proof.witness.curve_violations import leaning_flow
 
 __all__ = ["normality"]
 
 _WIDTH = 1e-9  # radians, that is 6e-8 degrees
-_BITS = 256
-_STATEMENT = "the flow at sigma points towards tau, a point of K: it is not in the normal cone; the deviation is the greatest of all angles"
 
 
 def normality(subject: CurveSubject) -> Evidence | None:
     """A flow that leans from the boundary point of greatest deviation towards another boundary point."""
     if subject.law.flow is None:
         return None
+    from duhem.proof.search.curve_angles import half_tangent, targets  # numpy, only when something is looked for
+
     for values in subject.choices(12):
         if subject.exhausted:
             return None
@@ -39,7 +37,8 @@ def normality(subject: CurveSubject) -> Evidence | None:
         if worst is None:
             continue
         angle = _place(curve, worst)
-        if (witness := _witness(subject, values, curve, worst, angle)) is not None:
+        t, leans = half_tangent(angle), targets(subject, values, angle)
+        if (witness := next(filter(None, (leaning_flow(subject, values, t, u, worst.value) for u in leans)), None)) is not None:
             least, most = (math.degrees(float(x)) for x in (worst.value.lower(), worst.value.upper()))
             bound = "nowhere by more" if most - least < 1e-6 else f"nowhere by more than {most:.6g}"
             detail = f"the flow leaves the normal by {least:.6g} degrees at angle {math.degrees(angle):.6g}, and {bound}"
@@ -94,40 +93,3 @@ def _cluster(arcs: tuple[Span, ...]) -> Span:
         else:
             joined.append((low, high))
     return next((span for span in joined if span[0] + span[1] >= 0), joined[-1])
-
-
-def _witness(subject: CurveSubject, values: Values, curve: NumericCurve, worst: Greatest, angle: float) -> Witness | None:
-    from duhem.proof.search.curve_angles import half_tangent
-
-    with precision(_BITS):
-        t = half_tangent(angle)
-        jet = curve.at(t, 2)
-        sigma, flow = jet.boundary[0], jet.flow[0]
-        for u in _targets(subject, values, jet, angle):
-            tau = curve.point(u)
-            lean = dot(flow, (tau[0] - sigma[0], tau[1] - sigma[1]))
-            if certain_sign(lean) == 1:
-                degrees = worst.value * 180 / flint.arb.pi()
-                shown = {
-                    **coordinates(subject, "sigma", sigma),
-                    **coordinates(subject, "tau", tau),
-                    "flow . (tau - sigma)": decimal_pair(lean),
-                    "greatest deviation in degrees": decimal_pair(degrees),
-                }
-                points = {"sigma": at_angle(subject, t), "tau": at_angle(subject, u)}
-                slip = math.degrees(math.atan2(float(flow[1]), float(flow[0])))
-                measures = {"deviation_degrees": float(degrees.lower()), "slip_angle_degrees": slip}
-                return Witness(parameters(subject, values), points, shown, _STATEMENT, measures)
-    return None
-
-
-def _targets(subject: CurveSubject, values: Values, jet: CurveJet, angle: float) -> Iterator[Fraction]:
-    """Where the flow may lean to: far along the boundary first, then close by at the scale of the deviation itself."""
-    from duhem.proof.search.curve_angles import CurveScouts, half_tangent
-
-    point, slip = ([float(x) for x in v] for v in (jet.boundary[0], jet.flow[0]))
-    for other in CurveScouts(subject).at(values).targets(slip, point):
-        yield half_tangent(other)
-    turn = math.atan2(float(LEAN.of(jet)), float(LEAD.of(jet)))
-    for digits in range(8):
-        yield half_tangent(angle + turn / 10**digits, 15)

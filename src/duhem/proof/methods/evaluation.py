@@ -1,16 +1,14 @@
-"""What direct evaluation decides: g at the origin, and rational points where an inequality fails."""
+"""What direct evaluation decides: the sign of g at the origin."""
 
 from __future__ import annotations
-
-from fractions import Fraction
 
 import sympy as sp
 
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.rational_points import decimal_pair, describe, sign_at
+from duhem.proof.verdict import Evidence, Verdict
+from duhem.proof.witness.rational_points import origin_outside
 
 __all__ = ["origin", "origin_refuted"]
 
@@ -28,17 +26,8 @@ def origin(subject: FormulaSubject) -> Evidence | None:
 
 def origin_refuted(subject: FormulaSubject) -> Evidence | None:
     """Parameters at which g(0) > 0."""
-    zero = [Fraction(0)] * len(subject.simple.forces)
     hint = None if subject.at_origin is None else subject.ask(-subject.at_origin, Sense.NONNEGATIVE).point
     for parameters in subject.choices(40, [hint] if hint else []):
-        values = subject.values_at(parameters, zero)
-        sign, enclosure = sign_at(subject.problem.g, values)
-        if sign == 1:
-            witness = Witness(
-                describe(subject, values, forces=False),
-                {"origin": describe(subject, values)},
-                {"g(0)": decimal_pair(enclosure)},
-                "g > 0 at zero force: 0 is not in K",
-            )
+        if (witness := origin_outside(subject, parameters)) is not None:
             return Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
     return None

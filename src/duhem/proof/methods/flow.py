@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import sympy as sp
 
+from duhem.expression.number import rational
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
@@ -69,7 +70,7 @@ def normality_refuted_by_chord(subject: FormulaSubject, chord: Witness) -> Evide
             normal = enclosed_normal(subject, point)
             if normal is None:
                 return None
-            return sp.Add(*(n * (sp.Rational(str(t)) - x) for n, t, x in zip(normal, target, subject.simple.forces, strict=True)))
+            return sp.Add(*(n * (rational(t) - x) for n, t, x in zip(normal, target, subject.simple.forces, strict=True)))
 
         witness = violation(subject, parameters, start, middle, turned_away, "grad g . (tau - sigma)", statement, wanted=1, target=target)
         if witness is not None:
@@ -117,7 +118,7 @@ def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witnes
 
     def leaning(point: EnclosedPoint) -> sp.Expr:
         assert problem.flow is not None
-        return sp.Add(*(d * (sp.Rational(str(t)) - x) for d, t, x in zip(problem.flow, target, problem.forces, strict=True)))
+        return sp.Add(*(d * (rational(t) - x) for d, t, x in zip(problem.flow, target, problem.forces, strict=True)))
 
     name = "flow . (tau - sigma)"
     return violation(

@@ -12,7 +12,7 @@ from itertools import combinations, permutations
 
 import sympy as sp
 
-from duhem.expression.branches import Branch, seams
+from duhem.expression.branches import Branch, seam, seams
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
@@ -62,16 +62,14 @@ def _outward_kink(subject: FormulaSubject, before: Branch, after: Branch) -> boo
     The tangent (-g_y, g_x) of either branch then points into `after`, which is assumed, and T/E = gamma'/gamma with
     E = sigma . grad g > 0 and T = x g_y - y g_x does not fall.
     """
-    crossed = [s for s, sign in after.signs.items() if before.signs.get(s) == -sign]
     if before.expr == after.expr:
         return True
-    if not crossed:
+    if (found := seam(before, after)) is None:
         return False
     x, y = subject.simple.forces
     (bx, by), (ax, ay) = ([sp.diff(b.expr, v) for v in (x, y)] for b in (before, after))
-    rest = {s: sign for s, sign in {**before.signs, **after.signs}.items() if s not in crossed}
-    on_seam = [sp.Eq(before.expr, 0), *(sp.Eq(s, 0) for s in crossed), *(sp.GreaterThan(sign * s, 0) for s, sign in rest.items())]
-    for s in crossed:
+    on_seam = [sp.Eq(before.expr, 0), *found.on(), *found.within()]
+    for s in found.crossed:
         sx, sy = (after.signs[s] * sp.diff(s, v) for v in (x, y))
         on_seam += [sp.GreaterThan(sy * ax - sx * ay, 0), sp.GreaterThan(sy * bx - sx * by, 0)]
     turn = (x * ay - y * ax) * (x * bx + y * by) - (x * by - y * bx) * (x * ax + y * ay)
@@ -92,13 +90,13 @@ def hessian(subject: FormulaSubject) -> Evidence | None:
         if answer.holds is not True:
             return None
         used.add(answer.method)
-    for before, after, crossed, shared in seams(pieces):
-        where = (*shared, *(sp.Eq(s, 0) for s in crossed))
-        rise = [sp.diff(after.expr - before.expr, x) for x in forces]
-        for switch in crossed:
+    for between in seams(pieces):
+        where = (*between.within(), *between.on())
+        rise = [sp.diff(between.after.expr - between.before.expr, x) for x in forces]
+        for switch in between.crossed:
             if not _regular(subject, switch, where):
                 return None
-            jump = after.signs[switch] * sp.Add(*(r * sp.diff(switch, x) for r, x in zip(rise, forces, strict=True)))
+            jump = between.after.signs[switch] * sp.Add(*(r * sp.diff(switch, x) for r, x in zip(rise, forces, strict=True)))
             if subject.ask(jump, Sense.NONNEGATIVE, *where).holds is not True:
                 return None
     return Evidence(
@@ -120,9 +118,10 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
         if answer.holds is not True:
             return None
         used.add(answer.method)
-    for before, after, crossed, where in seams(pieces):
+    for between in seams(pieces):
+        before, after = between.before, between.after
         one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
-        on_seam = (*where, *(sp.Eq(s, 0) for s in crossed), sp.Eq(before.expr, 0))
+        on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
         minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
         if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
             return None

@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.expression.balls import precision
 from duhem.expression.numpy_ import compiled
+from duhem.proof.facts.curve_quantities import LEAD, LEAN
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.parameter_choices import Values
 
-__all__ = ["CurveScout", "CurveScouts", "half_tangent"]
+__all__ = ["Dent", "dents", "half_tangent", "least_powers", "targets"]
 
 _ANGLES = 720
+_STEPS = (40, 20, 10, 5, 2, 1)  # half the width of a dent, in samples
+_BITS = 256
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Dent:
+    """Where a curve seems to turn inward: a point before, the place itself and a point after it."""
+
+    parameters: Values
+    rim: tuple[Fraction, Fraction, Fraction]
 
 
 def half_tangent(angle: float, digits: int = 9) -> Fraction:
@@ -23,24 +37,59 @@ def half_tangent(angle: float, digits: int = 9) -> Fraction:
     return Fraction(round(float(np.tan(angle / 2)) * 10**digits), 10**digits)
 
 
-class CurveScouts:
-    """Scouts of one law; its formulas are compiled once."""
+def dents(subject: CurveSubject, most: int) -> Iterator[Dent]:
+    """Where the curve turns right most sharply, at each choice of parameters at which it does, the widest rim first."""
+    for values, samples in _sampled(subject, most):
+        if (k := samples.dent()) is not None:
+            for step in _STEPS:
+                p, m, q = (half_tangent(samples.angle(k + shift)) for shift in (-step, 0, step))
+                yield Dent(values, (p, m, q))
+
+
+def least_powers(subject: CurveSubject, most: int) -> Iterator[tuple[Values, Fraction]]:
+    """Where boundary . flow is least, at each choice of parameters."""
+    for values, samples in _sampled(subject, most):
+        yield values, half_tangent(samples.angle(samples.least_power()))
+
+
+def targets(subject: CurveSubject, values: Values, angle: float) -> Iterator[Fraction]:
+    """Where the flow at an angle may lean to: far along the boundary first, then close by at the scale of the deviation itself."""
+    with precision(_BITS):
+        jet = subject.at(values).at(half_tangent(angle), 2)
+        point, slip = ([float(x) for x in v] for v in (jet.boundary[0], jet.flow[0]))
+        turn = math.atan2(float(LEAN.of(jet)), float(LEAD.of(jet)))
+    for other in _Formulas(subject).at(values).ahead(slip, point):
+        yield half_tangent(other)
+    for digits in range(8):
+        yield half_tangent(angle + turn / 10**digits, 15)
+
+
+def _sampled(subject: CurveSubject, most: int) -> Iterator[tuple[Values, _Samples]]:
+    formulas = _Formulas(subject)
+    for values in subject.choices(most):
+        if subject.exhausted:
+            return
+        yield values, formulas.at(values)
+
+
+class _Formulas:
+    """Boundary and flow of one law, compiled once."""
 
     def __init__(self, subject: CurveSubject) -> None:
         self._free = subject.free
         names = (subject.cosine, subject.sine, *subject.free)
         self._programs = [compiled(x, names) for x in (*subject.boundary, *(subject.flow or ()))]
 
-    def at(self, values: Values) -> CurveScout:
-        """The scout at one choice of parameters."""
+    def at(self, values: Values) -> _Samples:
+        """The samples at one choice of parameters."""
         angles = 2 * np.pi * (np.arange(_ANGLES) + 0.5) / _ANGLES - np.pi
         names: list[Array] = [np.cos(angles), np.sin(angles), *(np.asarray(float(values[x])) for x in self._free)]
         with np.errstate(all="ignore"):
             columns = [np.broadcast_to(program(*names), _ANGLES) for program in self._programs]
-        return CurveScout(angles, np.stack(columns[:2], axis=1), np.stack(columns[2:], axis=1) if len(columns) > 2 else None)
+        return _Samples(angles, np.stack(columns[:2], axis=1), np.stack(columns[2:], axis=1) if len(columns) > 2 else None)
 
 
-class CurveScout:
+class _Samples:
     """Boundary and flow at angles all around, in floats; the flow of an associated law is normal to the chords."""
 
     def __init__(self, angles: Array, points: Array, slips: Array | None) -> None:
@@ -64,7 +113,7 @@ class CurveScout:
         power = np.sum(self.points * self.slips, axis=1) / (np.linalg.norm(self.points, axis=1) * np.linalg.norm(self.slips, axis=1))
         return int(np.argmin(power))
 
-    def targets(self, slip: Sequence[float], point: Sequence[float]) -> Iterator[float]:
+    def ahead(self, slip: list[float], point: list[float]) -> Iterator[float]:
         """Angles of boundary points towards which a flow at a boundary point leans, the farthest in that direction first."""
         reach = (self.points - np.asarray(point)) @ np.asarray(slip)
         for k in np.argsort(-reach)[:3]:

@@ -14,9 +14,10 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import mpmath_
+from duhem.expression.number import fraction
 from duhem.expression.rays_mpmath import reach
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values, fraction, rationals
+from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.search.seam_crossings import Crossing, crossings
 from duhem.proof.search.suggestion import Chord, Point
 
@@ -86,8 +87,9 @@ def _across(subject: FormulaSubject, parameters: Values, crossing: Crossing, dps
     def gradient(expr: sp.Expr) -> list[Any]:
         return _unit([mpmath_.evaluate(expr.diff(v).subs(exact), dict(zip(forces, x, strict=True)), dps) for v in forces], context)
 
-    side = crossing.after.signs[crossing.seam]
-    seam, one, two = (gradient(e) for e in (crossing.seam, crossing.before.expr, crossing.after.expr))
+    (switch,) = crossing.seam.crossed
+    side = crossing.seam.after.signs[switch]
+    seam, one, two = (gradient(e) for e in (switch, crossing.seam.before.expr, crossing.seam.after.expr))
     tangents = []
     for normal, sense in ((one, -side), (two, side)):
         along = [-normal[1], normal[0]]

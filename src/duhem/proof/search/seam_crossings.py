@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,9 +11,10 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import fold, mpmath_
-from duhem.expression.branches import Branch
+from duhem.expression.branches import Seam, seams
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.search.suggestion import Point
 
 __all__ = ["Crossing", "crossings"]
 
@@ -23,20 +23,20 @@ _MOST = 16  # crossings of one seam
 
 @dataclass(frozen=True)
 class Crossing:
-    """``point`` (decimals of high precision) on the boundary, where ``seam`` separates the branch ``before`` from ``after``."""
+    """``point`` (decimals of high precision) on the boundary, on a seam with one switch."""
 
-    before: Branch
-    after: Branch
-    seam: sp.Expr
-    point: tuple[Fraction, ...]
+    seam: Seam
+    point: Point
 
 
 def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
     """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain."""
     exact, forces = rationals(parameters), subject.simple.forces
     grid = _Grid(forces, subject.formula_at(parameters))
-    for before, after, seam in _neighbours(subject.pieces or ()):
-        system = sp.Matrix([after.expr, seam]).subs(exact)
+    for seam in seams(subject.pieces or ()):
+        if len(seam.crossed) != 1:
+            continue
+        system = sp.Matrix([seam.after.expr, *seam.crossed]).subs(exact)
         if not (starts := grid.starts(*system)):
             continue
         jacobian = system.jacobian(list(forces))
@@ -46,15 +46,7 @@ def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> 
                 continue  # a cell beside one that led here
             if (point := _newton(system, jacobian, forces, start, digits)) is not None:
                 known.append(point)
-                yield Crossing(before, after, seam, point)
-
-
-def _neighbours(pieces: Sequence[Branch]) -> Iterator[tuple[Branch, Branch, sp.Expr]]:
-    """Pairs of branches that differ in the sign of exactly one switch: the seam between them."""
-    for before, after in itertools.combinations(pieces, 2):
-        crossed = [s for s, sign in after.signs.items() if before.signs.get(s) == -sign]
-        if len(crossed) == 1 and before.expr != after.expr:
-            yield before, after, crossed[0]
+                yield Crossing(seam, point)
 
 
 class _Grid:

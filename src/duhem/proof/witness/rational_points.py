@@ -18,7 +18,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
 
-__all__ = ["chord", "decimal_pair", "describe", "sign_at"]
+__all__ = ["chord", "decimal_pair", "describe", "origin_outside", "sign_at"]
 
 _PRECISIONS = (64, 128, 256, 512, 1024, 2048)
 
@@ -55,6 +55,20 @@ def chord(subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q:
         points={role: describe(subject, values) for role, values in points.items()},
         values=shown,
         statement="g(p) <= 0 and g(q) <= 0, yet g > 0 at the midpoint of p and q: {g <= 0} is not convex",
+    )
+
+
+def origin_outside(subject: FormulaSubject, parameters: Values) -> Witness | None:
+    """g(0) > 0 at admitted parameters, or None if that is not certain."""
+    values = subject.values_at(parameters, [Fraction(0)] * len(subject.simple.forces))
+    sign, enclosure = sign_at(subject.problem.g, values)
+    if sign != 1:
+        return None
+    return Witness(
+        parameters=describe(subject, values, forces=False),
+        points={"origin": describe(subject, values)},
+        values={"g(0)": decimal_pair(enclosure)},
+        statement="g > 0 at zero force: 0 is not in K",
     )
 
 
