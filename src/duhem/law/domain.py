@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import exact_number
+from duhem.frozen_mapping import FrozenMapping
 
 __all__ = ["POSITIVE", "REAL", "Domain", "Domains"]
 
@@ -85,28 +86,10 @@ POSITIVE = Domain(low=sp.S.Zero, positive=True)
 REAL = Domain()
 
 
-class Domains(Mapping[str, Domain]):
-    """The domains of a law's parameters by name, in order; a mapping that cannot be changed, and has a hash."""
+class Domains(FrozenMapping[str, Domain]):
+    """The domains of a law's parameters by name, in order."""
 
-    __slots__ = ("_by_name",)
-
-    def __init__(self, domains: Mapping[str, Domain] | None = None) -> None:
-        self._by_name = dict(domains or {})
-
-    def __getitem__(self, name: str) -> Domain:
-        return self._by_name[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._by_name)
-
-    def __len__(self) -> int:
-        return len(self._by_name)
-
-    def __hash__(self) -> int:
-        return hash(frozenset(self._by_name.items()))
-
-    def __repr__(self) -> str:
-        return f"Domains({self._by_name!r})"
+    __slots__ = ()
 
     def fixed(self, values: Mapping[str, Any], law: str) -> Domains:
         """The same with some parameters of ``law`` fixed; InputError for an unknown one or a value outside its domain."""

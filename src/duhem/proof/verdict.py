@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from duhem.frozen_mapping import FrozenMapping
+
 __all__ = ["Evidence", "Verdict", "Witness"]
 
 
@@ -39,7 +41,13 @@ class Witness:
     points: Mapping[str, Mapping[str, str]]
     values: Mapping[str, tuple[str, str]]
     statement: str
-    measures: Mapping[str, float] = field(default_factory=dict)
+    measures: Mapping[str, float] = field(default_factory=FrozenMapping)
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "points", FrozenMapping({role: FrozenMapping(point) for role, point in self.points.items()}))
+        for name in ("parameters", "values", "measures"):
+            put(self, name, FrozenMapping(getattr(self, name)))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dictionaries and lists, ready for JSON; the measures stand at the top level."""

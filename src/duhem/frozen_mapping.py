@@ -1,0 +1,35 @@
+"""A mapping that a frozen value can hold."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TypeVar
+
+__all__ = ["FrozenMapping"]
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+class FrozenMapping(Mapping[K, V]):
+    """Like the dictionary it is made of, but never changed: it has a hash if its values have one, and can be pickled and copied."""
+
+    __slots__ = ("_content",)
+
+    def __init__(self, content: Mapping[K, V] | None = None) -> None:
+        self._content = dict(content or {})
+
+    def __getitem__(self, key: K) -> V:
+        return self._content[key]
+
+    def __iter__(self) -> Iterator[K]:
+        return iter(self._content)
+
+    def __len__(self) -> int:
+        return len(self._content)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._content.items()))
+
+    def __repr__(self) -> str:
+        return repr(self._content)

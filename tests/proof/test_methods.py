@@ -1,0 +1,85 @@
+"""How a claim asks its methods, and what only the exact room may do."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+from typing import get_type_hints
+
+import pytest
+
+import duhem.proof
+from duhem import load
+from duhem.law.curve_law import ParametricCriterion
+from duhem.proof.claims import CLAIMS
+from duhem.proof.claims.claim import Claim, ProofMethod
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.subject import Subject, fact
+from duhem.proof.verdict import Evidence, Verdict
+
+ROOM = Path(duhem.proof.__file__).parent
+DISK = ParametricCriterion("disk", ("cos(phi)", "sin(phi)"))  # type: ignore[arg-type]
+PROVED = Evidence(Verdict.PROVED, "made up", "made up")
+
+
+@pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
+def test_each_method_takes_the_kind_of_law_it_is_written_for(claim: Claim) -> None:
+    for method in claim.methods:
+        kinds = [kind for name, kind in get_type_hints(method.run).items() if name != "return"]
+        assert kinds[0] is method.takes, method.run
+
+
+@pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
+@pytest.mark.parametrize("kind", [FormulaSubject, CurveSubject])
+def test_each_claim_has_a_method_for_each_kind_of_law(claim: Claim, kind: type[Subject]) -> None:
+    assert any(issubclass(kind, method.takes) for method in claim.methods)
+
+
+def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
+    asked: list[str] = []
+
+    def curve(subject: CurveSubject) -> Evidence | None:
+        asked.append("curve")
+        return PROVED
+
+    def any_law(subject: Subject) -> Evidence | None:
+        asked.append("any law")
+        return None
+
+    def formula(subject: FormulaSubject) -> Evidence | None:
+        asked.append("formula")
+        return PROVED
+
+    claim = Claim(
+        "made up", "", "", (ProofMethod(CurveSubject, curve), ProofMethod(Subject, any_law), ProofMethod(FormulaSubject, formula))
+    )
+    assert claim.examine(FormulaSubject(load("coulomb")), {}) is PROVED and asked == ["any law", "formula"]
+    assert claim.examine(CurveSubject(DISK), {}) is PROVED and asked[2:] == ["curve"]
+    assert Claim("none", "", "", ()).examine(FormulaSubject(load("coulomb")), {}).verdict is Verdict.UNDECIDED
+
+
+def test_a_fact_is_made_once_for_each_law_and_looked_for_again_where_it_was_not_found() -> None:
+    made: list[object] = []
+
+    @fact
+    def length(subject: Subject) -> int | None:
+        made.append(subject)
+        return len(subject.law.name) if len(made) > 1 else None
+
+    one, two = FormulaSubject(load("box")), FormulaSubject(load("coulomb"))
+    assert [length(one), length(one), length(one), length(two)] == [None, 3, 3, 7]
+    assert made == [one, one, two]
+
+
+def _written(source: str) -> Iterator[str]:
+    """Names of the classes that a module makes values of."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Call):
+            yield node.func.id if isinstance(node.func, ast.Name) else node.func.attr if isinstance(node.func, ast.Attribute) else ""
+
+
+def test_only_the_exact_room_makes_a_witness() -> None:
+    makers = {path.parent.name for path in ROOM.parent.rglob("*.py") if "Witness" in _written(path.read_text("utf-8"))}
+    assert makers == {"witness"}
