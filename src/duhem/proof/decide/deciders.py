@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import sympy as sp
 
 from duhem.expression import Neg, Pos, Where
@@ -9,10 +11,12 @@ from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.proof.decide.exact import by_exact
 from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
 from duhem.proof.decide.question import Answer, Question, Sense
+from duhem.proof.decide.smt import by_smt
 
-__all__ = ["decide"]
+__all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 
-
+# Asked in turn, each for the time given, about polynomials with all obligations met; an answer that is not open is the last.
+POLYNOMIAL_DECIDERS: tuple[Callable[[System, float], Answer], ...] = (by_exact, by_smt)
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 
 
@@ -107,12 +111,15 @@ def _decide_system(system: System, seconds: float) -> Answer:
         met = _decide_system(obligation, seconds / 2)
         if met.holds is not True:
             return Answer(None, met.method, reason=f"it is open whether {obligation.goal.poly} {obligation.goal.op} 0")
-    from duhem.proof.decide.smt import by_smt
 
     def answered(goal: Relation, given: tuple[Relation, ...]) -> Answer:
         part = System(goal, given, (), system.variables, system.circle)
-        exact = by_exact(part, seconds)
-        return exact if exact.holds is not None else by_smt(part, seconds)
+        answer = Answer(None)
+        for decider in POLYNOMIAL_DECIDERS:
+            answer = decider(part, seconds)
+            if answer.holds is not None:
+                break
+        return answer
 
     used = ""
     for goal, away in _factors(system):

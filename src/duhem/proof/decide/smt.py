@@ -1,4 +1,4 @@
-"""z3 as a portfolio: the negation of the goal together with the hypotheses must be unsatisfiable.
+"""z3, several of its solvers in turn: the negation of the goal together with the hypotheses must be unsatisfiable.
 
 Encodings as measured: polynomials only, quotients cleared, roots as non-negative variables with their defining equation.
 ``unknown`` and time-outs decide nothing; a model is only a hint for the witness search.
@@ -16,7 +16,7 @@ from duhem.proof.decide.question import Answer
 __all__ = ["by_smt"]
 
 # Shares of the budget: nlsat is complete for these questions but may be slow, the others are quick or hang.
-_PORTFOLIO = (("nlsat", 0.3), ("default", 0.2), ("smt", 0.1), ("nlsat", 1.0))
+_SOLVERS = (("nlsat", 0.3), ("default", 0.2), ("smt", 0.1), ("nlsat", 1.0))
 
 
 def by_smt(system: System, seconds: float) -> Answer:
@@ -28,7 +28,7 @@ def by_smt(system: System, seconds: float) -> Answer:
     negated = z3.Not(reals.relation(system.goal.poly, system.goal.op))
     deadline = time.monotonic() + seconds
     reason = "time ran out"
-    for tactic, share in _PORTFOLIO:
+    for tactic, share in _SOLVERS:
         left = deadline - time.monotonic()
         if left <= 0:
             break
