@@ -37,7 +37,7 @@ def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: st
     fixed, diagonal = read_subject(law, settings, stiffness)
 
     from duhem.benchmark import extreme_cases
-    from duhem.benchmark.extreme_cases import figure, text
+    from duhem.benchmark.extreme_cases import text
 
     def measure(progress: Progress) -> ExtremeCases:
         return extreme_cases.stress(
@@ -47,4 +47,4 @@ def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: st
             on_row=lambda row: progress.show(f"{row.axis} {row.label}: {row.method}"),
         )
 
-    return carry_out(measure, text.text, figure.save, json_file, plot)
+    return carry_out(measure, text.text, json_file, plot)

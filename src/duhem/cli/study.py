@@ -43,12 +43,12 @@ def read_subject(law: str, settings: Sequence[str], stiffness: str | None) -> tu
 def carry_out(
     measure: Callable[[Progress], AnyStudy],
     text: Callable[[AnyStudy, Page], str],
-    save: Callable[[AnyStudy, str], None],
     json_file: str | None,
     plot: str | None,
 ) -> int:
     """Measure, print, write what is asked for; the exit code."""
     from duhem.show import figure
+    from duhem.show.printing import draw
 
     if plot is not None:
         figure.check(plot)
@@ -58,7 +58,7 @@ def carry_out(
     if json_file is not None:
         _write(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False))
     if plot is not None:
-        save(done, plot)
+        draw(done, plot)
     return INTERRUPTED if done.interrupted else FAILED if done.failed else HELD
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-__all__ = ["GREY", "check", "drawn", "legend", "measure", "palette", "pen", "save", "shortened", "style", "wrapped"]
+__all__ = ["GREY", "check", "drawn", "legend", "legend_below", "measure", "palette", "pen", "save", "shortened", "style", "wrapped"]
 
 # Okabe and Ito (2008): told apart with any colour vision; dashes and marks tell the same without colour.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -170,6 +170,25 @@ def legend(axes: Axes, where: Literal["above", "best", "lower right"] = "above")
         made = axes.legend(handles, labels, ncols=columns, loc="lower center", bbox_to_anchor=(0.5, 1.0), borderaxespad=0.2)
         if made.get_window_extent().width <= axes.get_window_extent().width:
             return
+
+
+def legend_below(places: tuple[Axes, ...]) -> None:
+    """One legend for several axes, below them all; on the first of them where the sheet does not make room for it."""
+    named: dict[str, Any] = {}
+    for axes in places:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            named.setdefault(shortened(label), handle)
+    if not named:
+        return
+    sheet = _sheet_of(places)
+    if sheet.get_layout_engine() is None:
+        places[0].legend(list(named.values()), list(named), loc="best")
+        return
+    for columns in range(len(named), 0, -1):
+        made = sheet.legend(list(named.values()), list(named), ncols=columns, loc="outside lower center")
+        if made.get_window_extent().width <= sheet.bbox.width or columns == 1:
+            return
+        made.remove()
 
 
 def _uncrowd(places: tuple[Axes, ...], rounds: int = 6) -> None:
