@@ -56,7 +56,7 @@ def _paint(axes: Axes, done: Identification) -> None:
     if wrong:
         axes.plot(*places[wrong].T, "X", markersize=9, color=figure.palette(1), label="outliers: their rows beside them", zorder=3)
     for o in done.outliers:
-        axes.annotate(f"{o.row}", places[o.row - 1], xytext=(6, 4), textcoords="offset points", fontsize="small")
+        figure.note(axes, f"{o.row}", places[o.row - 1])
     axes.axhline(0.0, color="0.8", linewidth=0.6, zorder=0)
     axes.axvline(0.0, color="0.8", linewidth=0.6, zorder=0)
     axes.set_aspect("equal", adjustable="datalim")

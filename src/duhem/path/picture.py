@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,7 @@ __all__ = ["energies", "hysteresis", "picture", "stress_path"]
 
 _MARKED = 200  # knots, beyond which marks would hide the lines
 _NAMED = 4  # forces, beyond which an axis does not name each
+_START: dict[str, Any] = {"marker": "o", "linestyle": "none", "color": "white", "markeredgecolor": "black", "markersize": 8.0}
 _SUMS = {"work": "work", "psi": r"free energy $\psi$", "dissipation": "dissipation", "numerical": "lost by implicit steps"}
 
 
@@ -70,19 +71,22 @@ def stress_path(axes: Axes, seen: Trajectory, law: Criterion | None = None, para
     One force alone is drawn over the time.  Stresses in Pa.
     """
     states, forces = seen.states, [f"${latex_name(name)}$" for name in seen.states.forces]
-    size = float(np.abs(states.stress[:, :2]).max())
+    size, edges = float(np.abs(states.stress[:, :2]).max()), []
+    if law is not None and len(law.forces) == 2:
+        edges = _boundaries(states, law, parameters or {})
+        size = max([size, *(float(np.abs(line).max()) for line in edges)])
+    stress, unit = states.stress / figure.outsize(size), figure.outsize(size)
+    x, y = (states.time, stress[:, 0]) if len(forces) == 1 else (stress[:, 0], stress[:, 1])
+    for i, line in enumerate(edges):
+        axes.plot(*(line / unit).T, color=figure.GREY, linewidth=1.0, label="_" if i else "boundary of $K$")
+    _line(axes, seen, x, y, 0)
+    axes.plot(x[0], y[0], **_START)
     if len(forces) == 1:
-        _line(axes, seen, states.time, states.stress[:, 0], 0)
         figure.measure(axes.xaxis, "time $t$", "s")
     else:
-        if law is not None and len(law.forces) == 2:
-            size = max(size, _boundaries(axes, states, law, parameters or {}))
-        _line(axes, seen, states.stress[:, 0], states.stress[:, 1], 0)
         axes.set_aspect("equal", adjustable="datalim")
         figure.measure(axes.xaxis, forces[0], "Pa", size)
     figure.measure(axes.yaxis, forces[min(1, len(forces) - 1)], "Pa", size)
-    first = states.time[0] if len(forces) == 1 else states.stress[0, 0]
-    axes.plot(first, states.stress[0, min(1, len(forces) - 1)], "o", color="white", markeredgecolor="black", markersize=8, zorder=3)
     _key(axes, seen)
     figure.legend(axes)
 
@@ -91,10 +95,12 @@ def hysteresis(axes: Axes, seen: Trajectory) -> None:
     """Each force in Pa over its own displacement in m."""
     states = seen.states
     forces, shifts = states.forces, [f"u_{name.removeprefix('sigma_')}" for name in states.forces]
+    size, reach = float(np.abs(states.stress).max()), float(np.abs(states.displacement).max())
+    stress, displacement = states.stress / figure.outsize(size), states.displacement / figure.outsize(reach)
     for i, (force, shift) in enumerate(zip(forces, shifts, strict=True)):
-        _line(axes, seen, states.displacement[:, i], states.stress[:, i], i, f"${latex_name(force)}$ over ${latex_name(shift)}$")
-    figure.measure(axes.xaxis, _symbols("displacement", shifts), "m", float(np.abs(states.displacement).max()))
-    figure.measure(axes.yaxis, _symbols("stress", forces), "Pa", float(np.abs(states.stress).max()))
+        _line(axes, seen, displacement[:, i], stress[:, i], i, f"${latex_name(force)}$ over ${latex_name(shift)}$")
+    figure.measure(axes.xaxis, _symbols("displacement", shifts), "m", reach)
+    figure.measure(axes.yaxis, _symbols("stress", forces), "Pa", size)
     figure.legend(axes)
 
 
@@ -102,10 +108,11 @@ def energies(axes: Axes, seen: Trajectory) -> None:
     """Work, free energy and dissipation over time, each over the area of contact: 1 Pa m = 1 J/m²."""
     states = seen.states
     shown = [name for name in _SUMS if name != "numerical" or states.numerical.any()]
+    size = max(float(np.abs(getattr(states, name)).max()) for name in shown)
     for i, name in enumerate(shown):
-        _line(axes, seen, states.time, getattr(states, name), i, _SUMS[name])
+        _line(axes, seen, states.time, getattr(states, name) / figure.outsize(size), i, _SUMS[name])
     figure.measure(axes.xaxis, "time $t$", "s")
-    figure.measure(axes.yaxis, "energy over area", "J/m²", max(float(np.abs(getattr(states, name)).max()) for name in shown))
+    figure.measure(axes.yaxis, "energy over area", "J/m²", size)
     figure.legend(axes)
 
 
@@ -115,10 +122,10 @@ def _symbols(word: str, names: Iterable[str]) -> str:
 
 
 def _line(axes: Axes, seen: Trajectory, x: Array, y: Array, hue: int, label: str = "") -> None:
-    """Dashed where the law sticks, solid and thick where it slips, marked at the knots."""
+    """Dashed where the law sticks, solid where it slips, and thick where its curve is known between the knots; marked at them."""
     colour, mark = figure.palette(hue), figure.pen(hue)["marker"]
-    for slips, look in ((False, {"linestyle": (0, (3, 1.5)), "linewidth": 1.1}), (True, {"linewidth": 2.2})):
-        axes.plot(*_stretches(x, y, seen.slips[1:] == slips), color=colour, **look)
+    for slips in (False, True):
+        axes.plot(*_stretches(x, y, seen.slips[1:] == slips), color=colour, **_look(seen, slips))
     knots = seen.knots if len(seen.knots) <= _MARKED else seen.knots[:0]
     axes.plot(x[knots], y[knots], mark, color=colour)
     if label:
@@ -133,23 +140,29 @@ def _stretches(x: Array, y: Array, chosen: Array) -> tuple[Array, Array]:
     return np.where(gap < 0, np.nan, x[gap]), np.where(gap < 0, np.nan, y[gap])
 
 
+def _look(seen: Trajectory, slips: bool) -> dict[str, Any]:
+    if not slips:
+        return {"linestyle": (0, (3, 1.5)), "linewidth": 1.1}
+    return {"linewidth": 2.2 if _known(seen) else 1.1}
+
+
+def _known(seen: Trajectory) -> bool:
+    """Whether there is a curve between the knots; else they are joined straight, and what is in between is not known."""
+    return len(seen.states) > len(seen.knots)
+
+
 def _key(axes: Axes, seen: Trajectory) -> None:
     """What the looks of a line mean."""
-    if not seen.slips[1:].all():
-        axes.plot([], [], color="black", linestyle=(0, (3, 1.5)), linewidth=1.1, label="sticks")
-    if seen.slips.any():
-        axes.plot([], [], color="black", linewidth=2.2, label="slips")
-    axes.plot([], [], "o", color="white", markeredgecolor="black", markersize=8, label="start")
+    for slips, word in ((False, "sticks"), (True, "slips" if _known(seen) else "slips, knots joined")):
+        if (seen.slips[1:] == slips).any():
+            axes.plot([], [], color="black", label=word, **_look(seen, slips))
+    axes.plot([], [], label="start", **_START)
     if len(seen.knots) <= _MARKED:
         axes.plot([], [], "o", color=figure.palette(0), label="knot")
 
 
-def _boundaries(axes: Axes, states: History, law: Criterion, parameters: Mapping[str, float]) -> float:
-    """The boundary of K at the extreme pressures; the largest stress on it or on the path."""
-    extremes = sorted({float(states.pressure.min()), float(states.pressure.max())}) if law.pressure else [0.0]
-    largest = float(np.abs(states.stress).max())
-    start = largest or float(np.abs(states.pressure).max()) or 1.0
-    lines = [line for pressure in extremes for line in outline(law, parameters, pressure, start)]
-    for i, line in enumerate(lines):
-        axes.plot(*line.T, color=figure.GREY, linewidth=1.0, label="_" if i else "boundary of $K$")
-    return max([largest, *(float(np.abs(line).max()) for line in lines)])
+def _boundaries(states: History, law: Criterion, parameters: Mapping[str, float]) -> list[Array]:
+    """The boundary of K at the extreme pressures."""
+    extremes = sorted({float(states.pressure.min()), float(states.pressure.max())}) if law.pressure else [None]
+    size = float(np.abs(states.stress).max()) or float(np.abs(states.pressure).max()) or 1.0
+    return [line for pressure in extremes for line in outline(law, parameters, pressure, size)]

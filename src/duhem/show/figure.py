@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import pairwise
+from math import floor, log10
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -15,8 +16,24 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.transforms import Bbox
 
-__all__ = ["GREY", "check", "drawn", "legend", "legend_below", "measure", "palette", "pen", "save", "shortened", "style", "wrapped"]
+__all__ = [
+    "GREY",
+    "check",
+    "drawn",
+    "legend",
+    "legend_below",
+    "measure",
+    "note",
+    "outsize",
+    "palette",
+    "pen",
+    "save",
+    "shortened",
+    "style",
+    "wrapped",
+]
 
 # Okabe and Ito (2008): told apart with any colour vision; dashes and marks tell the same without colour.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -43,6 +60,12 @@ _STYLE = {
 }
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_LEAST, _MOST = 1e-200, 1e200
+_NOTE = "note"
+_SIDES: tuple[dict[str, Any], ...] = tuple(
+    {"xytext": (5 * x, 5 * y), "ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
+    for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1))
+)
 _CHARACTER = 0.0075  # inches, of a letter of one point
 
 
@@ -93,7 +116,7 @@ def drawn(
         else:
             places = _sheet(panels, min(columns, panels), size, title)
             paint(*places)
-            _uncrowd(places)
+            _settle(places)
     if file is not None:
         save(_sheet_of(places), file)
     return places
@@ -108,7 +131,10 @@ def _sheet(panels: int, columns: int, size: tuple[float, float], title: str) -> 
     sheet = Figure(figsize=(width, size[1] * rows), layout="constrained")
     FigureCanvasAgg(sheet)
     if title:
-        sheet.suptitle(wrapped(title, width))
+        for share in (1.0, 0.75, 0.5):
+            said = sheet.suptitle(wrapped(title, share * width).replace("$", r"\$"))
+            if said.get_window_extent().width <= sheet.bbox.width:
+                break
     every = sheet.subplots(rows, columns, squeeze=False).ravel()
     for spare in every[panels:]:
         spare.remove()
@@ -131,18 +157,19 @@ def shortened(text: str, most: int = 36) -> str:
     return text if len(text) <= most else f"{text[: most // 2]}…{text[-(most - 1) // 2 :]}"
 
 
-def measure(axis: Axis, symbol: str, unit: str = "", size: float | None = None) -> None:
+def measure(axis: Axis, symbol: str, unit: str = "", size: float = 0.0) -> None:
     """Write ``symbol [unit]`` at an axis, ``[–]`` where it is dimensionless.
 
     With the ``size`` of the greatest number on it, the numbers at its ticks count the unit with the prefix that suits
-    them (kPa, µm), or a power of ten where there is none; what is drawn stays in the unit itself.
+    them (kPa, µm), or a power of ten where there is none; what is drawn stays in the unit itself, over :func:`outsize`.
     """
     from matplotlib.ticker import ScalarFormatter
 
-    power = _power(size) if size else 0
+    power = _power(size)
     if power:
         numbers = ScalarFormatter(useOffset=False)
-        numbers.set_powerlimits((power, power))
+        if outsize(size) == 1.0:
+            numbers.set_powerlimits((power, power))
         axis.set_major_formatter(numbers)
         axis.offsetText.set_visible(False)  # the unit says it
     prefix = _PREFIXES.get(power)
@@ -150,11 +177,14 @@ def measure(axis: Axis, symbol: str, unit: str = "", size: float | None = None) 
     axis.set_label_text(f"{symbol} [{counted or '–'}]")
 
 
-def _power(size: float) -> int:
-    """The greatest multiple of three whose power of ten is not above ``size``."""
-    from math import floor, log10
+def outsize(size: float) -> float:
+    """What numbers up to ``size`` are divided by before they are drawn: 1 but where a canvas's own arithmetic would end."""
+    return 1.0 if size == 0.0 or _LEAST < size < _MOST else 10.0 ** _power(size)
 
-    return 3 * floor(log10(abs(size)) / 3.0 + 1e-12)
+
+def _power(size: float) -> int:
+    """The greatest multiple of three whose power of ten is not above ``size``; 0 for 0."""
+    return 3 * floor(log10(size) / 3.0 + 1e-12) if size else 0
 
 
 def legend(axes: Axes, where: Literal["above", "best", "lower right"] = "above") -> None:
@@ -191,29 +221,56 @@ def legend_below(places: tuple[Axes, ...]) -> None:
         made.remove()
 
 
+def note(axes: Axes, words: str, at: tuple[float, float]) -> None:
+    """Words beside a point, on the side where there is room; on a sheet of its own they are left out where there is none."""
+    side = _SIDES[0]
+    axes.annotate(words, at, **side, textcoords="offset points", fontsize="small", gid=_NOTE)
+
+
+def _settle(places: tuple[Axes, ...]) -> None:
+    """Fewer numbers on axes on which they touch, and notes where they hide nothing."""
+    from matplotlib.text import Annotation
+
+    _uncrowd(places)
+    for axes in places:
+        taken: list[Bbox] = []
+        for text in axes.texts:
+            if not isinstance(text, Annotation) or text.get_gid() != _NOTE:
+                continue
+            for side in _SIDES:
+                text.set(position=side["xytext"], ha=side["ha"], va=side["va"])
+                box = text.get_window_extent()
+                if axes.bbox.containsx(box.x1) and axes.bbox.containsy(box.y1) and not box.count_overlaps(taken):
+                    taken.append(box)
+                    break
+            else:
+                text.set_visible(False)
+
+
 def _uncrowd(places: tuple[Axes, ...], rounds: int = 6) -> None:
-    """Fewer numbers on every axis on which they touch."""
     from matplotlib.ticker import LogLocator, MaxNLocator
 
     sheet = _sheet_of(places)
+    numbered = [
+        axis for axes in places for axis in (axes.xaxis, axes.yaxis) if isinstance(axis.get_major_locator(), LogLocator | MaxNLocator)
+    ]
     for _ in range(rounds):
         sheet.draw_without_rendering()
-        crowded = [axis for axes in places for axis in (axes.xaxis, axes.yaxis) if _touching(axis)]
+        crowded = [axis for axis in numbered if _touching(axis)]
         if not crowded:
             return
         for axis in crowded:
-            fewer = max(1, len(axis.get_majorticklocs()) - 3)
-            if isinstance(axis.get_major_locator(), LogLocator):
-                axis.set_major_locator(LogLocator(numticks=max(2, fewer)))
-            elif isinstance(axis.get_major_locator(), MaxNLocator):
-                axis.set_major_locator(MaxNLocator(fewer, steps=[1, 2, 2.5, 5, 10]))
+            fewer = max(2, len(axis.get_majorticklocs()) - 3)
+            logarithmic = isinstance(axis.get_major_locator(), LogLocator)
+            axis.set_major_locator(LogLocator(numticks=fewer) if logarithmic else MaxNLocator(fewer - 1, steps=[1, 2, 2.5, 5, 10]))
 
 
 def _touching(axis: Axis) -> bool:
     """Whether two numbers of an axis overlap, with a letter's gap between them."""
     from matplotlib.axis import XAxis
 
-    boxes = [label.get_window_extent() for label in axis.get_ticklabels() if label.get_visible() and label.get_text()]
+    low, high = sorted(axis.get_view_interval())
+    boxes = [tick.label1.get_window_extent() for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high and tick.label1.get_text()]
     along = "x" if isinstance(axis, XAxis) else "y"
     spans = sorted((getattr(box, f"{along}0"), getattr(box, f"{along}1")) for box in boxes)
     gap = 4.0 if along == "x" else 0.0

@@ -69,7 +69,7 @@ def _panel(axes: Axes, result: WorkPrecision, scene: str, methods: Sequence[str]
     figure.measure(axes.xaxis, "largest relative error of the stress")
     figure.measure(axes.yaxis, "time", "s")
     axes.grid(True, which="major", linewidth=0.3)
-    axes.set_title(figure.wrapped(_heading(result, scene, rows), _WIDTH))
+    axes.set_title(figure.wrapped(_heading(result, scene, rows), _WIDTH - 1.4))
 
 
 def _heading(result: WorkPrecision, scene: str, rows: Sequence[Measurement]) -> str:
