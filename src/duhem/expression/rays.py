@@ -2,8 +2,8 @@
 
 The set is known by its level alone; a point at which that is undefined lies outside.  There are two ways to close in on
 the boundary.  :class:`Rays` halves between a point inside and one outside and asks for signs only, so that kinks, jumps
-and overflow don't matter and equal signs give equal numbers.  :func:`crossing` reads the values too and takes a tenth of
-the evaluations.
+and overflow don't matter and equal signs give equal numbers.  :func:`crossing` reads the values too and takes far fewer
+evaluations.
 """
 
 from __future__ import annotations

@@ -220,7 +220,8 @@ class _Suspect:
 def _tips(g: Program, d: int, pressure: float | None) -> Array:
     """Points of K at one pressure (2 d + 1, d), or close guesses: the origin, and how far K goes along the axes both ways.
 
-    From within, by bisection; the origin again where K does not contain it.
+    From within, by a bisection of the judge's own that shares nothing with the methods, and whose geometric means see parts of
+    K far out; the origin again where K does not contain it.
     """
     ways = np.vstack([np.eye(d), -np.eye(d)])
     rest = () if pressure is None else (np.full(2 * d, pressure),)
