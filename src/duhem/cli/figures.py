@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import indent
 from typing import TYPE_CHECKING
 
 import click
 
 from duhem.cli.arguments import read_number
 from duhem.cli.exit_code import HELD
-from duhem.cli.output import say
+from duhem.cli.output import endless_page, say
 from duhem.errors import InputError
+from duhem.show.page import tied
 
 if TYPE_CHECKING:
     from duhem.micromodel.figures import Recipe
@@ -38,10 +40,12 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
         if name not in FIGURES:
             raise unknown("figure", name, FIGURES)
     chosen = [FIGURES[name] for name in dict.fromkeys(names or FIGURES)]
+    page = endless_page()
     if listing:
+        below = " " * 9
         for recipe in chosen:
-            say(f"{recipe.name:<8} {recipe.title}")
-            say(" " * 9 + ", ".join(f"{name} = {default:g}" for name, default in recipe.parameters.items()))
+            parameters = ", ".join(tied(f"{name} = {default:g}") for name, default in recipe.parameters.items())
+            say("\n".join([*page.hanging(recipe.title, f"{recipe.name:<8} ", below), *page.hanging(parameters, below, below)]))
         return HELD
     values = _read(settings, chosen)
     target = Path(folder)
@@ -63,11 +67,11 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
             save(figure, file)
         else:
             _write(file, figure.to_csv())
-        say(f"{file}  {figure.title}")
+        say("\n".join(page.hanging(f"{file}  {figure.title}")))
         if isinstance(figure, Table):
-            say("  " + figure.to_text().replace("\n", "\n  "))
+            say(indent(figure.to_text(page.width and page.width - 2), "  "))
         for fact in figure.facts:
-            say(f"  {fact}")
+            say("\n".join(page.item(str(fact))))
     return HELD
 
 

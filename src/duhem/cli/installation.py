@@ -8,6 +8,8 @@ import sys
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 
+from duhem.show.page import PAGE
+
 __all__ = ["CORE", "EXTRAS", "missing", "report"]
 
 # As in pyproject.toml, by the names of the distributions; a test compares the two.
@@ -22,6 +24,7 @@ EXTRAS = {
 }
 # Distributions that bring the same module under another name.
 _ALSO = {"cvxpy-base": "cvxpy"}
+_FIELD = 15
 
 
 def report() -> str:
@@ -41,7 +44,7 @@ def missing() -> tuple[str, ...]:
 
 def _rows(packages: tuple[str, ...], requirement: str) -> Iterator[str]:
     for name in packages:
-        yield f"  {name:<16} {_version(name) or 'not installed'}"
+        yield from PAGE.field(name, _version(name) or "not installed", _FIELD)
     if any(_version(name) is None for name in packages):
         yield f'  install with: pip install "{requirement}"'
 
@@ -63,4 +66,4 @@ def _machine() -> Iterator[str]:
         "encoding": f"{sys.stdout.encoding or 'unknown'}, file system {sys.getfilesystemencoding()}",
     }
     for name, fact in facts.items():
-        yield f"  {name:<16} {fact}"
+        yield from PAGE.field(name, fact, _FIELD)

@@ -38,8 +38,10 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
         title = "Tangent d stress/d displacement" + ("" if done.tangent_pressure is None else f", d stress/d {law.pressure}")
         rows = [(force, *map(_number, row)) for force, row in zip(law.forces, _slopes(done), strict=True)]
         slopes = [title, *page.table(rows, "lr")]
-    residuals = [f"  {name.replace('_', ' '):<16} {value:.1e}" for name, value in _residuals(done).items()]
-    return page.report([head, increment, sums, slopes, ["Optimality, relative to the increment", *residuals]])
+    residuals = ["Optimality, relative to the increment"]
+    for name, value in _residuals(done).items():
+        residuals += page.field(name.replace("_", " "), f"{value:.1e}", len("complementarity"))
+    return page.report([head, increment, sums, slopes, residuals])
 
 
 def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection) -> str:

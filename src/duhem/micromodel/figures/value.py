@@ -12,6 +12,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.show.page import Page
+
 __all__ = ["Array", "Arrows", "Axis", "Band", "Curve", "Fact", "Figure", "Layer", "Marks", "Note", "Panel", "Rule", "Table"]
 
 Array = NDArray[np.float64]
@@ -206,13 +208,12 @@ class Table(_Facts):
         """The table; every number is read back to the last bit."""
         return _csv(self.columns, (tuple(map(_cell, row)) for row in self.rows))
 
-    def to_text(self) -> str:
-        """The table in columns for reading, numbers to four digits, with its remarks."""
+    def to_text(self, width: int | None = None) -> str:
+        """The table in columns for reading, numbers to four digits, with its remarks; lines of any length or folded at ``width``."""
         cells = [self.columns, *(tuple(f"{c:.4g}" if isinstance(c, float) else c for c in row) for row in self.rows)]
-        widths = [max(len(row[i]) for row in cells) for i in range(len(self.columns))]
-        left = [isinstance(c, str) for c in self.rows[0]]
-        lines = ("  ".join(c.ljust(w) if flush else c.rjust(w) for c, w, flush in zip(row, widths, left, strict=True)) for row in cells)
-        return "\n".join([*(line.rstrip() for line in lines), *self.remarks])
+        align = "".join("l" if isinstance(c, str) else "r" for c in self.rows[0])
+        page = Page(width)
+        return "\n".join([*page.table(cells, align, ""), *(line for remark in self.remarks for line in page.hanging(remark))])
 
 
 def _cell(value: str | float) -> str:
