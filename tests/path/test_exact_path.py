@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from duhem import Path, simulate
-from duhem.path.arc import on_disk
-from duhem.path.straight import on_ellipse
+from duhem.path.arc_step import on_disk
+from duhem.path.straight_step import on_ellipse
 from tests.oracles.path import drive
 
 NAMES = ("mu_a_plus", "mu_a_minus", "mu_b_plus", "mu_b_minus")

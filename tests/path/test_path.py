@@ -240,7 +240,7 @@ def test_a_line_needs_no_solver_and_a_general_projection_finds_the_same():
         "h = simulate('antoni2007-1d', Path.cycle(1.0, pressure=-1.0), stiffness=1.0,"
         " parameters={'mu_plus': .3, 'mu_minus': .2}, substeps=9);"
         "print(*sorted(m for m in ('cvxpy', 'clarabel', 'scipy', 'matplotlib', 'z3', 'pyarrow', 'duhem.projection.newton',"
-        " 'duhem.path.smooth', 'duhem.derivation', 'duhem.proof.methods', 'duhem.proof.claims') if m in sys.modules));"
+        " 'duhem.path.slip_equation', 'duhem.derivation', 'duhem.proof.methods', 'duhem.proof.claims') if m in sys.modules));"
         "print(h.dissipation[-1])"
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

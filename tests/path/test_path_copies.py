@@ -59,7 +59,7 @@ def histories():
 def test_histories_and_their_trajectories_are_the_same_after_copying(copied):
     for history in histories():
         back = copied(history)
-        assert same(history, back) and back.problem.increment.g == history.problem.increment.g
+        assert same(history, back) and back.plan.increment.g == history.plan.increment.g
         assert back.to_text() == history.to_text()
         assert same(trajectory(back, 4), trajectory(history, 4))
         assert same(copied(trajectory(history, 4)), trajectory(history, 4))

@@ -224,7 +224,7 @@ def test_explain_says_what_is_left_out_and_why(folder):
         assert words in general
 
 
-SOLVERS = ("duhem.projection.newton", "duhem.projection.cvxpy_method", "duhem.path.smooth")
+SOLVERS = ("duhem.projection.newton", "duhem.projection.cvxpy_method", "duhem.path.slip_equation")
 HEAVY = ("cvxpy", "clarabel", "scipy", "matplotlib", "pyarrow", "z3", *SOLVERS)
 
 

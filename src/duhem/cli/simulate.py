@@ -23,6 +23,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
 
     A run that is interrupted keeps what is done in FILE.partial, and --resume goes on from there.
     """
+    from duhem.left_out import LeftOut
     from duhem.path import scene_file, scene_run
 
     try:
@@ -35,7 +36,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     scene_run.check_outputs(table, figure, resume)
     if explain:
         for part in chosen.parts(table, figure):
-            say(f"{'needed' if part.needed else 'left out'}: {part.part} ({part.reason})")
+            say(f"{'left out' if isinstance(part, LeftOut) else 'needed'}: {part.part} ({part.reason})")
         return HELD
     with Progress("simulating") as progress:
         began = last = monotonic()

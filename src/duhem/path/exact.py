@@ -12,10 +12,10 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.law.shapes import Disk, Interval
-from duhem.path.closest import Numbers, numbers
 from duhem.path.ledger import Ledger
-from duhem.path.problem import Problem
-from duhem.path.straight import Move, on_ellipse, on_interval
+from duhem.path.plan import Plan
+from duhem.path.prepared_projection import Numbers, numbers
+from duhem.path.straight_step import Move, on_ellipse, on_interval
 from duhem.projection.result import Array
 
 __all__ = ["Piece", "advance", "elementary", "piece", "why"]
@@ -24,21 +24,21 @@ Reached = tuple[Array, Move]  # the stress, and what was done since the start of
 Piece = Callable[[Array, int, Sequence[float]], list[Reached]]  # stress at the start, row to reach, increasing parts of the step
 
 
-def elementary(problem: Problem) -> str | None:
+def elementary(plan: Plan) -> str | None:
     """None where elementary functions do for the whole path, else the reason why not."""
-    shape = numbers(problem.increment)
+    shape = numbers(plan.increment)
     if shape is None:
-        return f"{problem.increment.law.name} declares no closed form"
+        return f"{plan.increment.law.name} declares no closed form"
     if min(shape.coefficients) <= 0.0 or not shape.load.all():
         return "K has no interior"
-    if isinstance(problem.increment.law.closed_form, Interval):
-        pressure = problem.increment.pressure
-        return None if problem.path.constant_pressure or _affine(shape.load, pressure) else "the load is not linear in the pressure"
-    if not problem.increment.diagonal:
+    if isinstance(plan.increment.law.closed_form, Interval):
+        pressure = plan.increment.pressure
+        return None if plan.path.constant_pressure or _affine(shape.load, pressure) else "the load is not linear in the pressure"
+    if not plan.increment.diagonal:
         return "the stiffness couples the forces"
-    if not problem.path.constant_pressure:
+    if not plan.path.constant_pressure:
         return "the pressure changes along the path"
-    if problem.path.arc is not None and not _round(problem, shape):
+    if plan.path.arc is not None and not _round(plan, shape):
         return "the path is an arc, and the disk or the stiffness is not isotropic"
     return None
 
@@ -50,43 +50,43 @@ def _affine(load: Array, pressure: Array) -> bool:
     return bool((np.abs(load - line) <= 1e-14 * np.abs(load).max()).all())
 
 
-def _round(problem: Problem, shape: Numbers) -> bool:
-    k = np.diagonal(problem.stiffness)
-    return isinstance(problem.increment.law.closed_form, Disk) and bool(k[0] == k[1])
+def _round(plan: Plan, shape: Numbers) -> bool:
+    k = np.diagonal(plan.stiffness)
+    return isinstance(plan.increment.law.closed_form, Disk) and bool(k[0] == k[1])
 
 
-def why(problem: Problem) -> str:
+def why(plan: Plan) -> str:
     """What the pieces are integrated by."""
-    reason = elementary(problem)
+    reason = elementary(plan)
     if reason is None:
-        return "Adler's equation on each arc" if problem.path.arc is not None else "elementary functions on each straight piece"
+        return "Adler's equation on each arc" if plan.path.arc is not None else "elementary functions on each straight piece"
     return f"Dormand-Prince of order 8 with events: {reason}"
 
 
-def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
+def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """Fill the ledger row by row; yields the number of rows done."""
-    along = piece(problem)
-    path, c = problem.path, problem.compliance
+    along = piece(plan)
+    path, c = plan.path, plan.compliance
     while ledger.done < len(path.values):
         i = ledger.done
         before = ledger.stress[i - 1]
         [(stress, moved)] = along(before, i, (1.0,))
         du = path.values[i] - path.values[i - 1]
         slip = np.zeros_like(du) if moved.free >= 1.0 else du - c @ (stress - before)
-        ledger.step(problem, stress, slip, (moved.multiplier, moved.dissipation, moved.work, 0.0))
+        ledger.step(plan, stress, slip, (moved.multiplier, moved.dissipation, moved.work, 0.0))
         yield ledger.done
 
 
-def piece(problem: Problem) -> Piece:
+def piece(plan: Plan) -> Piece:
     """What moves the stress over the steps of the path."""
-    return _by_shape(problem) if elementary(problem) is None else _by_equation(problem)
+    return _by_shape(plan) if elementary(plan) is None else _by_equation(plan)
 
 
-def _by_shape(problem: Problem) -> Piece:
-    shape, path = numbers(problem.increment), problem.path
+def _by_shape(plan: Plan) -> Piece:
+    shape, path = numbers(plan.increment), plan.path
     assert shape is not None
     values, arc, mu = path.values, path.arc, shape.coefficients
-    k = np.diagonal(problem.stiffness).tolist()
+    k = np.diagonal(plan.stiffness).tolist()
 
     def interval(stress: Array, i: int, part: float) -> Reached:
         loads = (float(shape.load[i - 1]), float(shape.load[i] - (1.0 - part) * (shape.load[i] - shape.load[i - 1])))
@@ -107,15 +107,15 @@ def _by_shape(problem: Problem) -> Piece:
         moved = on_ellipse((first[0], first[1]), (du[0], du[1]), float(shape.load[i]), mu, (k[0], k[1]))
         end = np.array(moved.stress) + centre
         if moved.free >= 1.0:
-            end = stress + problem.stiffness @ du
-        at_rest = problem.compliance @ (end - stress)
+            end = stress + plan.stiffness @ du
+        at_rest = plan.compliance @ (end - stress)
         return end, _shared(moved, part, float(shape.share[i]), float(centre @ (du - at_rest)), float(centre @ du))
 
-    if isinstance(problem.increment.law.closed_form, Interval):
+    if isinstance(plan.increment.law.closed_form, Interval):
         return _each(interval)
     if arc is None:
         return _each(ellipse)
-    from duhem.path.arc import on_disk
+    from duhem.path.arc_step import on_disk
 
     return _each(round_arc)
 
@@ -130,10 +130,10 @@ def _shared(moved: Move, part: float, share: float, dissipation: float, work: fl
     return Move(moved.stress, moved.multiplier * share, moved.dissipation + dissipation, moved.work + work, part * moved.free)
 
 
-def _by_equation(problem: Problem) -> Piece:
-    from duhem.path.smooth import boundary, moves
+def _by_equation(plan: Plan) -> Piece:
+    from duhem.path.slip_equation import boundary, moves
 
-    path, increment = problem.path, problem.increment
+    path, increment = plan.path, plan.increment
     if increment.law.pressure is not None and not increment.pressure.all():
         row = int(np.flatnonzero(increment.pressure == 0.0)[0])
         raise InputError(

@@ -10,32 +10,32 @@ from dataclasses import replace
 
 import numpy as np
 
-from duhem.path.closest import closest
 from duhem.path.implicit import energies, single
 from duhem.path.ledger import Ledger
-from duhem.path.problem import Problem, times
+from duhem.path.plan import Plan, times
+from duhem.path.prepared_projection import closest
 
 __all__ = ["advance", "why"]
 
 _MOST_AHEAD = 4096
 
 
-def why(problem: Problem) -> str:
+def why(plan: Plan) -> str:
     """How the closest point is found."""
-    return f"{closest(problem.increment, problem.projection)[1]}, extrapolated from whole and half steps"
+    return f"{closest(plan.increment, plan.projection)[1]}, extrapolated from whole and half steps"
 
 
-def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
+def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """Fill the ledger row by row; yields the number of rows done.
 
     Multiplier, dissipation and work are extrapolated alike, but never below zero: where the two estimates of a
     dissipation are so far apart that this would happen, that of the half steps stands.  The balance of energy holds to
     the order of the method.
     """
-    fine = problem.path.refined(2)
-    u, k, c, m = fine.values, problem.stiffness, problem.compliance, len(problem.path.values)
+    fine = plan.path.refined(2)
+    u, k, c, m = fine.values, plan.stiffness, plan.compliance, len(plan.path.values)
     pressure = np.zeros(len(u)) if fine.pressure is None else fine.pressure
-    at, _ = closest(replace(problem.increment, trial=times(u, k), pressure=pressure), problem.projection)
+    at, _ = closest(replace(plan.increment, trial=times(u, k), pressure=pressure), plan.projection)
     ahead, anchor = 1, ledger.anchor
     while ledger.done < m:
         first, last = ledger.done, min(ledger.done + ahead, m)
@@ -45,7 +45,7 @@ def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
         slips = np.flatnonzero((slip != 0.0).any(axis=1) | (multiplier > 0.0))
         free = int(slips[0]) // 2 if slips.size else last - first
         if free:
-            ledger.sticks(problem, first, first + free, trial[1 : 2 * free : 2])
+            ledger.sticks(plan, first, first + free, trial[1 : 2 * free : 2])
         if slips.size:
             row = 2 * ledger.done
             before = ledger.stress[ledger.done - 1]
@@ -61,7 +61,7 @@ def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
             sums = np.where(2.0 * two >= one, 2.0 * two - one, two)
             sums[2] = 2.0 * two[2] - one[2]  # work has either sign
             gains = (float(sums[0]), float(sums[1]), float(sums[2]), float(sums[3]))
-            ledger.step(problem, stress, du - times(stress - before, c), gains)
+            ledger.step(plan, stress, du - times(stress - before, c), gains)
             anchor = ledger.done - 1
         ahead = 1 if slips.size else min(2 * ahead, _MOST_AHEAD)
         yield ledger.done

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from duhem.errors import InputError, MissingExtraError
-from duhem.path.problem import Problem
+from duhem.path.plan import Plan
 from duhem.projection.result import Array
 from duhem.show.printing import draw
 
@@ -25,7 +25,7 @@ class History:
     ``dissipation`` the integral of sigma . du_in, ``work`` that of sigma . du, ``numerical`` the sum of du_e . k du_e / 2,
     the energy an implicit step loses, all accumulated from knot 0; ``balance`` the residual of each step,
     d work - d psi - d dissipation - d numerical (Antoni et al. 2007, Eqs. 22-31, isothermal).
-    ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated; ``problem`` is
+    ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated; ``plan`` is
     the question that was answered, from which :func:`duhem.path.trajectory.trajectory` finds what lies between the knots.
     """
 
@@ -45,7 +45,7 @@ class History:
     balance: Array
     method: str
     why: str
-    problem: Problem | None = field(default=None, repr=False)
+    plan: Plan | None = field(default=None, repr=False)
 
     def __len__(self) -> int:
         return len(self.time)

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from duhem.path.closest import Closest, closest
 from duhem.path.ledger import Ledger
-from duhem.path.problem import Problem, times
+from duhem.path.plan import Plan, times
+from duhem.path.prepared_projection import Closest, closest
 from duhem.projection.result import Array
 
 __all__ = ["advance", "why"]
@@ -20,19 +20,19 @@ __all__ = ["advance", "why"]
 _MOST_AHEAD = 4096
 
 
-def why(problem: Problem) -> str:
+def why(plan: Plan) -> str:
     """How the closest point is found."""
-    return closest(problem.increment, problem.projection)[1]
+    return closest(plan.increment, plan.projection)[1]
 
 
-def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
+def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
     """Fill the ledger row by row; yields the number of rows done.
 
     Stretches without slip are taken in blocks: each trial is taken from the row that last slipped,
     as long as no row before it slips.
     """
-    at, _ = closest(problem.increment, problem.projection)
-    values, k, m = problem.path.values, problem.stiffness, len(problem.path.values)
+    at, _ = closest(plan.increment, plan.projection)
+    values, k, m = plan.path.values, plan.stiffness, len(plan.path.values)
     ahead, anchor = 1, ledger.anchor
     while ledger.done < m:
         first, last = ledger.done, min(ledger.done + ahead, m)
@@ -42,12 +42,12 @@ def advance(problem: Problem, ledger: Ledger) -> Iterator[int]:
         slips = np.flatnonzero((slip != 0.0).any(axis=1) | (multiplier > 0.0))
         free = int(slips[0]) if slips.size else last - first
         if free:
-            ledger.sticks(problem, first, first + free, trial[:free])
+            ledger.sticks(plan, first, first + free, trial[:free])
         if slips.size:
             i = first + free
             du = values[i] - values[i - 1]
             gains = (float(multiplier[free]), *energies(k, stress[free], slip[free], du))
-            ledger.step(problem, stress[free], slip[free], gains)
+            ledger.step(plan, stress[free], slip[free], gains)
             anchor = i
         ahead = 1 if slips.size else min(2 * ahead, _MOST_AHEAD)
         yield ledger.done

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from duhem.path import exact, extrapolated, implicit
 from duhem.path.exact import Piece
 from duhem.path.ledger import Ledger
-from duhem.path.problem import Problem
+from duhem.path.plan import Plan
 
 __all__ = ["INTEGRATORS", "Integrator"]
 
@@ -18,14 +18,14 @@ __all__ = ["INTEGRATORS", "Integrator"]
 class Integrator:
     """One way along a path, as a value.
 
-    ``why(problem)`` says what the path is integrated by; ``advance(problem, ledger)`` fills the ledger row by row and yields
-    the number of rows done.  ``piece(problem)`` moves the stress within a step, for what lies between two knots; None where
+    ``why(plan)`` says what the path is integrated by; ``advance(plan, ledger)`` fills the ledger row by row and yields
+    the number of rows done.  ``piece(plan)`` moves the stress within a step, for what lies between two knots; None where
     the knots are all that is known.
     """
 
-    why: Callable[[Problem], str]
-    advance: Callable[[Problem, Ledger], Iterator[int]]
-    piece: Callable[[Problem], Piece] | None = None
+    why: Callable[[Plan], str]
+    advance: Callable[[Plan, Ledger], Iterator[int]]
+    piece: Callable[[Plan], Piece] | None = None
 
 
 INTEGRATORS: Mapping[str, Integrator] = MappingProxyType(

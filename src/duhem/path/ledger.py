@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from duhem.path.history import History
-from duhem.path.problem import Problem, times
+from duhem.path.plan import Plan, times
 from duhem.projection.result import Array
 
 __all__ = ["Ledger"]
@@ -28,13 +28,13 @@ class Ledger:
     done: int = 1
 
     @classmethod
-    def begun(cls, problem: Problem, stress: Array) -> Ledger:
+    def begun(cls, plan: Plan, stress: Array) -> Ledger:
         """Room for the whole path, at its start under ``stress``."""
-        m, d = problem.path.values.shape
+        m, d = plan.path.values.shape
         sums = [np.zeros(m) for _ in range(6)]
         blank = cls(np.empty((m, d)), np.empty((m, d)), sums[0], sums[1], sums[2], sums[3], sums[4], sums[5])
-        blank.stress[0], blank.psi[0] = stress, problem.psi(stress)
-        blank.slip[0] = 0.0 if problem.path.control == "stress" else problem.path.values[0] - times(stress, problem.compliance)
+        blank.stress[0], blank.psi[0] = stress, plan.psi(stress)
+        blank.slip[0] = 0.0 if plan.path.control == "stress" else plan.path.values[0] - times(stress, plan.compliance)
         return blank
 
     @property
@@ -45,40 +45,40 @@ class Ledger:
             i -= 1
         return i
 
-    def sticks(self, problem: Problem, first: int, last: int, stress: Array) -> None:
+    def sticks(self, plan: Plan, first: int, last: int, stress: Array) -> None:
         """Rows ``first`` to ``last`` - 1 without slip, at ``stress`` (n, d)."""
         block, i = slice(first, last), first - 1
         before = np.vstack([self.stress[i], stress[:-1]])
-        self.stress[block], self.slip[block], self.psi[block] = stress, self.slip[i], problem.psi(stress)
-        gained = (0.5 * (before + stress) * times(stress - before, problem.compliance)).sum(axis=1)
+        self.stress[block], self.slip[block], self.psi[block] = stress, self.slip[i], plan.psi(stress)
+        gained = (0.5 * (before + stress) * times(stress - before, plan.compliance)).sum(axis=1)
         self.work[block] = np.cumsum(np.concatenate([self.work[i : i + 1], gained]))[1:]
         self.balance[block] = gained - np.diff(self.psi[i:last])
         for sums in (self.multiplier, self.dissipation, self.numerical):
             sums[block] = sums[i]
         self.done = last
 
-    def step(self, problem: Problem, stress: Array, slip: Array, gains: tuple[float, float, float, float]) -> None:
+    def step(self, plan: Plan, stress: Array, slip: Array, gains: tuple[float, float, float, float]) -> None:
         """One more row, from what its step adds: slip, and multiplier, dissipation, work and numerical loss."""
         i = self.done
-        self.stress[i], self.slip[i], self.psi[i] = stress, self.slip[i - 1] + slip, problem.psi(stress)
+        self.stress[i], self.slip[i], self.psi[i] = stress, self.slip[i - 1] + slip, plan.psi(stress)
         for sums, gain in zip((self.multiplier, self.dissipation, self.work, self.numerical), gains, strict=True):
             sums[i] = sums[i - 1] + gain
         self.balance[i] = gains[2] - (self.psi[i] - self.psi[i - 1]) - gains[1] - gains[3]
         self.done = i + 1
 
-    def history(self, problem: Problem, method: str, why: str) -> History:
+    def history(self, plan: Plan, method: str, why: str) -> History:
         """The rows done."""
-        law, path, n = problem.increment.law, problem.path, self.done
+        law, path, n = plan.increment.law, plan.path, self.done
         stress, slip = self.stress[:n], self.slip[:n]
         return History(
             law=law.name,
             forces=law.forces,
             pressure_name=law.pressure,
             time=path.time[:n],
-            displacement=path.values[:n] if path.control == "displacement" else slip + times(stress, problem.compliance),
+            displacement=path.values[:n] if path.control == "displacement" else slip + times(stress, plan.compliance),
             slip=slip,
             stress=stress,
-            pressure=problem.increment.pressure[:n],
+            pressure=plan.increment.pressure[:n],
             multiplier=self.multiplier[:n],
             psi=self.psi[:n],
             dissipation=self.dissipation[:n],
@@ -87,7 +87,7 @@ class Ledger:
             balance=self.balance[:n],
             method=method,
             why=why,
-            problem=problem,
+            plan=plan,
         )
 
     def resume(self, start: History) -> None:

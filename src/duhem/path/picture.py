@@ -51,8 +51,8 @@ def picture(
     from duhem.path.trajectory import trajectory
 
     seen = trajectory(history)
-    if law is None and history.problem is not None:
-        law, parameters = history.problem.increment.law, dict(history.problem.increment.parameters)
+    if law is None and history.plan is not None:
+        law, parameters = history.plan.increment.law, dict(history.plan.increment.parameters)
     if ax is not None:
         return figure.drawn(lambda place: stress_path(place, seen, law, parameters), file, [ax])[0]
 

@@ -9,20 +9,20 @@ from typing import Any
 
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
+from duhem.left_out import LeftOut
 from duhem.path.history import History
 from duhem.path.loading import Path
-from duhem.path.problem import Problem
-from duhem.path.simulate import plan, simulate
+from duhem.path.plan import Plan
+from duhem.path.simulate import simulate
 
-__all__ = ["Part", "Scene"]
+__all__ = ["Needed", "Scene"]
 
 
 @dataclass(frozen=True)
-class Part:
-    """A part of the program, whether the scene needs it, and why."""
+class Needed:
+    """A part of the program that the scene needs, and why."""
 
     part: str
-    needed: bool
     reason: str
 
 
@@ -56,14 +56,13 @@ class Scene:
             on_step=on_step,
         )
 
-    def problem(self) -> Problem:
+    def plan(self) -> Plan:
         """The checked question of the run."""
-        return plan(
+        return Plan.of(
             self.law,
             self.path,
             stiffness=self.stiffness,
             parameters=self.parameters,
-            method=self.method,
             projection=self.projection,
             substeps=self.substeps,
         )
@@ -79,43 +78,43 @@ class Scene:
             digest.update(array.tobytes())
         return digest.hexdigest()[:32]
 
-    def parts(self, table: str | None = None, plot: str | None = None) -> tuple[Part, ...]:
+    def parts(self, table: str | None = None, plot: str | None = None) -> tuple[Needed | LeftOut, ...]:
         """What a run of the scene needs and what it leaves out, with the reason."""
-        problem = self.problem()
+        plan = self.plan()
         return (
-            _integration(self, problem),
-            _solver(self, problem),
-            Part("thermal block", False, "isothermal: no temperature in the law"),
-            Part("flow check", False, "associated: slip is normal to K by construction"),
-            Part("K at every step", False, "constant pressure: K is assembled once")
+            _integration(self, plan),
+            _solver(self, plan),
+            LeftOut("thermal block", "isothermal: no temperature in the law"),
+            LeftOut("flow check", "associated: slip is normal to K by construction"),
+            LeftOut("K at every step", "constant pressure: K is assembled once")
             if self.path.constant_pressure
-            else Part("K at every step", True, "the pressure changes along the path"),
-            Part("matplotlib", True, f"plot {plot}") if plot else Part("matplotlib", False, "nothing is plotted"),
-            Part("pyarrow", True, f"table {table}")
+            else Needed("K at every step", "the pressure changes along the path"),
+            Needed("matplotlib", f"plot {plot}") if plot else LeftOut("matplotlib", "nothing is plotted"),
+            Needed("pyarrow", f"table {table}")
             if table and table.endswith(".parquet")
-            else Part("pyarrow", False, "no Parquet file is written"),
+            else LeftOut("pyarrow", "no Parquet file is written"),
         )
 
 
-def _integration(scene: Scene, problem: Problem) -> Part:
+def _integration(scene: Scene, plan: Plan) -> Needed | LeftOut:
     name = "ordinary differential equation"
     if scene.path.control == "stress":
-        return Part(name, False, "stress path: the displacement follows from it")
+        return LeftOut(name, "stress path: the displacement follows from it")
     if scene.method != "exact":
-        return Part(name, False, f"{scene.method} steps: closest points only")
+        return LeftOut(name, f"{scene.method} steps: closest points only")
     from duhem.path.exact import elementary, why
 
-    reason = elementary(problem)
-    return Part(name, False, why(problem)) if reason is None else Part(name, True, reason)
+    reason = elementary(plan)
+    return LeftOut(name, why(plan)) if reason is None else Needed(name, reason)
 
 
-def _solver(scene: Scene, problem: Problem) -> Part:
+def _solver(scene: Scene, plan: Plan) -> Needed | LeftOut:
     from duhem.projection import closed_form
 
-    name, reason = "solver (CVXPY or Newton)", closed_form.applies(problem.increment)
+    name, reason = "solver (CVXPY or Newton)", closed_form.applies(plan.increment)
     if scene.projection not in ("auto", "closed-form"):
-        return Part(name, True, f"projection {scene.projection} is asked for")
+        return Needed(name, f"projection {scene.projection} is asked for")
     if reason is None:
         one = isinstance(scene.law.closed_form, Interval)
-        return Part(name, False, "one-dimensional: closed form" if one else "the closest point has a closed form")
-    return Part(name, True, f"{reason.partition(':')[0]}")
+        return LeftOut(name, "one-dimensional: closed form" if one else "the closest point has a closed form")
+    return Needed(name, f"{reason.partition(':')[0]}")

@@ -37,8 +37,8 @@ from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import CONTROLS, Path
+from duhem.path.plan import Plan
 from duhem.path.scene import Scene
-from duhem.path.simulate import plan
 from duhem.projection.methods import METHODS
 
 __all__ = ["SceneFaults", "read", "reads"]
@@ -111,7 +111,7 @@ class _SceneReader:
             self.fault("there is no stiffness", "", "stiffness", "write for example stiffness = 1e9, in Pa/m, above the first [section]")
         stress = self.document.get("stress")
         if law is not None and path is not None and parameters is not None and "stiffness" in self.document:
-            self.fits(law, path, parameters, integrator, substeps)
+            self.fits(law, path, parameters, substeps)
         if self.faults or law is None or path is None:
             raise SceneFaults(self.faults)
         return Scene(
@@ -127,10 +127,10 @@ class _SceneReader:
             plot=plot,
         )
 
-    def fits(self, law: Criterion, path: Path, parameters: Mapping[str, Any], method: str, substeps: int) -> None:
+    def fits(self, law: Criterion, path: Path, parameters: Mapping[str, Any], substeps: int) -> None:
         """Whether law, numbers and path fit each other, by the check that the run itself makes."""
         try:
-            plan(law, path, stiffness=self.document["stiffness"], parameters=parameters, method=method, substeps=substeps)
+            Plan.of(law, path, stiffness=self.document["stiffness"], parameters=parameters, substeps=substeps)
         except InputError as fault:
             key = next((k for k in ("stiffness", "pressure", "parameters", "path") if k in f"{fault.where} {fault.what}"), "path")
             section = "path" if key == "pressure" else ""

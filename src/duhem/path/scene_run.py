@@ -35,9 +35,9 @@ def check_outputs(table: str | None, plot: str | None, resume: bool) -> None:
 
 def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[int, int], None] | None = None) -> History:
     """Run the scene and write ``table``; Stopped with the part kept beside it if interrupted, from which ``resume`` goes on."""
-    from duhem.path import partial
+    from duhem.path import kept_part
 
-    start = partial.recall(table, scene.problem(), scene.fingerprint) if table is not None and resume else None
+    start = kept_part.recall(table, scene.plan(), scene.fingerprint) if table is not None and resume else None
     try:
         history = scene.run(start, on_step)
     except Interrupted as stop:
@@ -45,9 +45,9 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
         done = f"interrupted after {len(stop.history) - 1} of {steps} steps"
         if table is None:
             raise Stopped(f"{done}; name a table with --out to keep what is done") from None
-        kept = partial.keep(stop.history, table, scene.fingerprint)
+        kept = kept_part.keep(stop.history, table, scene.fingerprint)
         raise Stopped(f"{done}, kept in {kept}; go on with --resume") from None
     if table is not None:
         (history.to_parquet if table.endswith(".parquet") else history.to_csv)(table)
-        partial.beside(table).unlink(missing_ok=True)
+        kept_part.beside(table).unlink(missing_ok=True)
     return history

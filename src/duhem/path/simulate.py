@@ -10,18 +10,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
-from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.path.history import History
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path
-from duhem.path.problem import Problem
+from duhem.path.plan import Plan
 from duhem.projection.projector import project
 from duhem.projection.result import Array
-from duhem.projection.validation import increment as checked
 
-__all__ = ["Interrupted", "plan", "simulate"]
+__all__ = ["Interrupted", "simulate"]
 
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
 
@@ -59,93 +57,69 @@ def simulate(
     ``start`` is a part of the same run, to go on from; ``on_step(done, all)`` hears of progress.  Raises InputError for what
     cannot be used, and :class:`Interrupted`, a KeyboardInterrupt, with the part that is done.
     """
-    problem = plan(law, path, stiffness=stiffness, parameters=parameters, method=method, projection=projection, substeps=substeps)
-    if problem.path.control == "stress":
-        return _prescribed(problem)
+    if method not in INTEGRATORS:
+        raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
+    plan = Plan.of(law, path, stiffness=stiffness, parameters=parameters, projection=projection, substeps=substeps)
+    if plan.path.control == "stress":
+        return _prescribed(plan)
     integrator = INTEGRATORS[method]
-    why = integrator.why(problem)
-    ledger = Ledger.begun(problem, _first(problem, stress))
+    why = integrator.why(plan)
+    ledger = Ledger.begun(plan, _first(plan, stress))
     if start is not None:
-        _go_on(ledger, problem, start)
-    steps = len(problem.path.time) - 1
+        _go_on(ledger, plan, start)
+    steps = len(plan.path.time) - 1
     try:
-        for done in integrator.advance(problem, ledger):
+        for done in integrator.advance(plan, ledger):
             if on_step is not None:
                 on_step(done - 1, steps)
     except KeyboardInterrupt:
-        raise Interrupted(ledger.history(problem, method, why)) from None
-    return ledger.history(problem, method, why)
+        raise Interrupted(ledger.history(plan, method, why)) from None
+    return ledger.history(plan, method, why)
 
 
-def plan(
-    law: Criterion | str | pathlib.Path,
-    path: Path,
-    *,
-    stiffness: ArrayLike,
-    parameters: Mapping[str, Any] | None = None,
-    method: str = "implicit",
-    projection: str = "auto",
-    substeps: int = 1,
-) -> Problem:
-    """The checked question of :func:`simulate`, without an answer."""
-    if method not in INTEGRATORS:
-        raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
-    known = load_formula(law)
-    fine = path.refined(substeps)
-    d = len(known.forces)
-    if fine.values.shape[1] != d:
-        raise InputError(
-            f"the path has {fine.values.shape[1]} columns and {known.name} the {d} forces {', '.join(known.forces)}",
-            where="path",
-            remedy="give one column for each force",
-        )
-    question = checked(known, fine.values, fine.pressure, stiffness, parameters)
-    return Problem(question, fine, projection, np.asarray(np.linalg.inv(question.stiffness)))
-
-
-def _inside(problem: Problem, stress: Array, rows: slice) -> int | None:
+def _inside(plan: Plan, stress: Array, rows: slice) -> int | None:
     """The first of ``stress`` (n, d) that lies outside K under the pressures of ``rows``."""
-    question = problem.increment
+    question = plan.increment
     pressure = None if question.law.pressure is None else question.pressure[rows]
-    found = project(question.law, stress, pressure, problem.stiffness, question.parameters, method=problem.projection)
+    found = project(question.law, stress, pressure, plan.stiffness, question.parameters, method=plan.projection)
     size = np.maximum(np.abs(stress).max(axis=1), np.abs(found.stress).max(axis=1))
     outside = np.flatnonzero(~(np.abs(found.stress - stress).max(axis=1) <= _TOLERANCE * size))
     return int(outside[0]) if outside.size else None
 
 
-def _first(problem: Problem, given: ArrayLike | None) -> Array:
-    d = len(problem.increment.law.forces)
+def _first(plan: Plan, given: ArrayLike | None) -> Array:
+    d = len(plan.increment.law.forces)
     try:
         stress = np.zeros(d) if given is None else np.array(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError("the stress at the start is not made of numbers", where="stress", remedy=f"give {d} numbers") from None
     if stress.shape != (d,) or not np.isfinite(stress).all():
         raise InputError("the stress at the start does not fit the law or is not finite", where="stress", remedy=f"give {d} numbers")
-    if _inside(problem, stress[None], slice(0, 1)) is not None:
+    if _inside(plan, stress[None], slice(0, 1)) is not None:
         remedy = "give one inside K" if given is not None else "zero stress is not admissible: give stress= inside K"
         raise InputError(f"the stress at the start {stress.tolist()} lies outside K", where="stress", remedy=remedy)
     return stress
 
 
-def _prescribed(problem: Problem) -> History:
+def _prescribed(plan: Plan) -> History:
     """A stress path inside K: the displacement follows, and nothing slips."""
-    stress = problem.path.values
-    if (i := _inside(problem, stress, slice(None))) is not None:
+    stress = plan.path.values
+    if (i := _inside(plan, stress, slice(None))) is not None:
         raise InputError(
-            f"the stress {stress[i].tolist()} at time {problem.path.time[i]:g} lies outside K, where no equilibrium exists",
+            f"the stress {stress[i].tolist()} at time {plan.path.time[i]:g} lies outside K, where no equilibrium exists",
             where=f"path, step {i}",
             remedy='stay inside K, or prescribe the displacement (control="displacement")',
         )
-    ledger = Ledger.begun(problem, stress[0])
-    ledger.sticks(problem, 1, len(stress), stress[1:])
-    return ledger.history(problem, "prescribed stress", "inside K the slip stays what it was")
+    ledger = Ledger.begun(plan, stress[0])
+    ledger.sticks(plan, 1, len(stress), stress[1:])
+    return ledger.history(plan, "prescribed stress", "inside K the slip stays what it was")
 
 
-def _go_on(ledger: Ledger, problem: Problem, start: History) -> None:
+def _go_on(ledger: Ledger, plan: Plan, start: History) -> None:
     """Copy the rows of an earlier part of the run into the ledger."""
-    n, path = len(start), problem.path
-    pairs = ((start.time, path.time), (start.pressure, problem.increment.pressure), (start.displacement, path.values))
+    n, path = len(start), plan.path
+    pairs = ((start.time, path.time), (start.pressure, plan.increment.pressure), (start.displacement, path.values))
     same = 1 <= n <= len(path.time) and all(np.array_equal(old, new[:n]) for old, new in pairs)
-    if not same or start.law != problem.increment.law.name:
+    if not same or start.law != plan.increment.law.name:
         raise InputError("the history to go on from belongs to another run", where="start", remedy="start afresh")
     ledger.resume(start)

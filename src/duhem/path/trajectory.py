@@ -13,8 +13,8 @@ from duhem.errors import InputError
 from duhem.path.exact import Piece, Reached
 from duhem.path.history import History
 from duhem.path.integrators import INTEGRATORS
-from duhem.path.problem import Problem
-from duhem.path.straight import Move
+from duhem.path.plan import Plan
+from duhem.path.straight_step import Move
 from duhem.projection.result import Array
 
 __all__ = ["Trajectory", "trajectory"]
@@ -49,14 +49,14 @@ def trajectory(history: History, samples: int | None = None) -> Trajectory:
         raise InputError(f"samples = {samples!r}", where="trajectory", remedy="give a whole number from 1 on")
     steps = len(history) - 1
     each = samples if samples is not None else min(max(_POINTS // max(steps, 1), 1), _MOST_A_STEP)
-    along = None if history.problem is None else _along(history.problem, history.method)
-    if history.problem is None or along is None or each == 1:
+    along = None if history.plan is None else _along(history.plan, history.method)
+    if history.plan is None or along is None or each == 1:
         return Trajectory(history, np.arange(len(history)), np.diff(history.multiplier, prepend=history.multiplier[0]) > 0.0)
     even = [j / each for j in range(1, each)]
     rows, knots, slips = [_row(history, 0)], [0], [False]
     for i in range(1, len(history)):
         parts, found = _sampled(along, history.stress[i - 1], i, even)
-        inner = [_between(history, history.problem, i, part, reached) for part, reached in zip(parts, found[:-1], strict=False)]
+        inner = [_between(history, history.plan, i, part, reached) for part, reached in zip(parts, found[:-1], strict=False)]
         rows += [*inner, _row(history, i)]
         knots.append(len(rows) - 1)
         free = np.diff([0.0, *(moved.free for _, moved in found)])
@@ -66,13 +66,13 @@ def trajectory(history: History, samples: int | None = None) -> Trajectory:
     return Trajectory(states, np.array(knots), np.array(slips))
 
 
-def _along(problem: Problem, method: str) -> Piece | None:
+def _along(plan: Plan, method: str) -> Piece | None:
     """What moves the stress within a step; None where only the knots are known."""
     if method in INTEGRATORS:
         pieces = INTEGRATORS[method].piece
-        return None if pieces is None else pieces(problem)
-    if problem.path.control == "stress":
-        values, c = problem.path.values, problem.compliance
+        return None if pieces is None else pieces(plan)
+    if plan.path.control == "stress":
+        values, c = plan.path.values, plan.compliance
 
         def elastic(stress: Array, i: int, parts: Sequence[float]) -> list[Reached]:
             grown = [part * (values[i] - values[i - 1]) for part in parts]
@@ -109,18 +109,18 @@ def _row(history: History, i: int) -> tuple[Array | float, ...]:
     return tuple(getattr(history, name)[i] for name in _COLUMNS)
 
 
-def _between(history: History, problem: Problem, i: int, part: float, reached: Reached) -> tuple[Array | float, ...]:
+def _between(history: History, plan: Plan, i: int, part: float, reached: Reached) -> tuple[Array | float, ...]:
     """The row at a part of step i."""
     stress, moved = reached
-    path, before = problem.path, i - 1
+    path, before = plan.path, i - 1
     time, values, pressure = path.between(i, part)
-    strained = problem.compliance @ (stress - history.stress[before])
+    strained = plan.compliance @ (stress - history.stress[before])
     if path.control == "stress":
         displacement, slip = history.displacement[before] + strained, history.slip[before]
     else:
         displacement = values
         slip = history.slip[before] + (0.0 if moved.free >= part else values - path.values[before] - strained)
-    psi = float(problem.psi(stress))
+    psi = float(plan.psi(stress))
     return (
         time,
         displacement,

@@ -20,7 +20,7 @@ from duhem.errors import DuhemError, InputError
 from duhem.expression import Neg, Norm, Pos
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.path.straight import Move
+from duhem.path.straight_step import Move
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.path.history import History
-from duhem.path.problem import Problem
+from duhem.path.plan import Plan
 
 __all__ = ["beside", "keep", "recall"]
 
@@ -28,7 +28,7 @@ def keep(history: History, file: str | os.PathLike[str], fingerprint: str) -> Pa
     return place
 
 
-def recall(file: str | os.PathLike[str], problem: Problem, fingerprint: str) -> History | None:
+def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> History | None:
     """The part kept of the run ``fingerprint``, or None if there is none.  InputError if it is of another run or damaged."""
     place = beside(file)
     try:
@@ -44,13 +44,13 @@ def recall(file: str | os.PathLike[str], problem: Problem, fingerprint: str) -> 
     try:
         rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
         column = dict(zip(header.split(","), rows.T, strict=True))
-        return _history(problem, column)
+        return _history(plan, column)
     except (ValueError, KeyError, IndexError):
         raise InputError("the part of a run is damaged", where=f"{place}", remedy="delete it and start afresh") from None
 
 
-def _history(problem: Problem, column: dict[str, np.ndarray]) -> History:
-    law, n = problem.increment.law, len(column["time"])
+def _history(plan: Plan, column: dict[str, np.ndarray]) -> History:
+    law, n = plan.increment.law, len(column["time"])
     tails = [force.removeprefix("sigma_") for force in law.forces]
     return History(
         law=law.name,
@@ -65,5 +65,5 @@ def _history(problem: Problem, column: dict[str, np.ndarray]) -> History:
         **{name: column[name] for name in ("psi", "dissipation", "work", "numerical", "balance")},
         method="",
         why="",
-        problem=problem,
+        plan=plan,
     )

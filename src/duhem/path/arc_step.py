@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from math import acos, atan2, cos, exp, hypot, inf, log, log1p, pi, sin, sqrt, tanh
 
-from duhem.path.straight import Move, Pair
+from duhem.path.straight_step import Move, Pair
 
 __all__ = ["on_disk"]
 

@@ -1,0 +1,72 @@
+"""The checked question of a run."""
+
+from __future__ import annotations
+
+import pathlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from duhem.errors import InputError
+from duhem.law.catalogue import load_formula
+from duhem.law.formula_law import Criterion
+from duhem.path.loading import Path
+from duhem.projection.increment import Increment
+from duhem.projection.result import Array
+from duhem.projection.validation import increment as checked
+
+__all__ = ["Plan", "times"]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """A law with numbers in place, and the path.
+
+    ``increment`` is the checked question, its trial stresses being those without slip; ``projection`` the method of the
+    closest point.  Displacements in m, stresses in Pa, stiffness in Pa/m.
+    """
+
+    increment: Increment
+    path: Path
+    projection: str
+    compliance: Array
+
+    @classmethod
+    def of(
+        cls,
+        law: Criterion | str | pathlib.Path,
+        path: Path,
+        *,
+        stiffness: ArrayLike,
+        parameters: Mapping[str, Any] | None = None,
+        projection: str = "auto",
+        substeps: int = 1,
+    ) -> Plan:
+        """What :func:`duhem.simulate` is given, checked; InputError for what does not fit."""
+        known = load_formula(law)
+        fine = path.refined(substeps)
+        d = len(known.forces)
+        if fine.values.shape[1] != d:
+            raise InputError(
+                f"the path has {fine.values.shape[1]} columns and {known.name} the {d} forces {', '.join(known.forces)}",
+                where="path",
+                remedy="give one column for each force",
+            )
+        increment = checked(known, fine.values, fine.pressure, stiffness, parameters)
+        return cls(increment, fine, projection, np.asarray(np.linalg.inv(increment.stiffness)))
+
+    @property
+    def stiffness(self) -> Array:
+        return self.increment.stiffness
+
+    def psi(self, stress: Array) -> Array:
+        """sigma . k^-1 sigma / 2 of each row, in Pa m."""
+        return np.asarray(0.5 * (stress * times(stress, self.compliance)).sum(axis=-1))
+
+
+def times(rows: Array, matrix: Array) -> Array:
+    """rows @ matrix, each row by itself: no row's rounding depends on how many there are."""
+    return np.asarray(sum(rows[..., j, None] * matrix[j] for j in range(len(matrix))))
