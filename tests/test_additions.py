@@ -1,0 +1,237 @@
+"""What the layout promises: a law, a word, a decider and a method of projection are each one new file or one row a table.
+
+Each is added to a copy of the checkout in which nothing else is edited, and must be taken up everywhere.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.copied_tree import Tree
+
+# -- a law: one file ---------------------------------------------------------------------------------------------------
+
+LAW = '''\
+"""Friction with tilted axes: g = |(sigma_a + tilt sigma_b, sigma_b)|/mu - |sigma_n|.
+
+Forces: two tangential stresses; pressure sigma_n <= 0 in compression.  Verdicts: every claim holds.  Source: made up.
+"""
+
+from duhem.law import Domain, criterion
+from duhem.expression import Norm
+
+
+@criterion(parameters={"tilt": Domain.between(0, "1/2")}, source="made up")
+def tilted_ellipse(sigma_a, sigma_b, sigma_n, mu, tilt):
+    """Friction with tilted axes."""
+    return Norm(sigma_a + tilt * sigma_b, sigma_b) / mu - abs(sigma_n)
+'''
+
+
+@pytest.fixture(scope="module")
+def with_law(tmp_path_factory: pytest.TempPathFactory) -> Tree:
+    tree = Tree.copied(tmp_path_factory.mktemp("law"))
+    tree.write("src/duhem/law/builtin/tilted_ellipse.py", LAW)
+    return tree
+
+
+def test_a_law_is_one_file_of_at_most_fifteen_lines() -> None:
+    assert len(LAW.splitlines()) <= 15
+
+
+def test_a_law_is_listed_and_derived(with_law: Tree) -> None:
+    assert "tilted-ellipse" in with_law.run("-m", "duhem", "list")
+    assert "tilt" in with_law.run("-m", "duhem", "derive", "tilted-ellipse")
+
+
+def test_a_law_is_verified(with_law: Tree) -> None:
+    report = json.loads(with_law.run("-m", "duhem", "verify", "tilted-ellipse", "--format", "json"))
+    assert report["generalized_standard"] is True
+    assert report["dissipative"] is True
+
+
+def test_the_tests_over_all_laws_take_it_up_and_pass(with_law: Tree) -> None:
+    said = with_law.run("-m", "pytest", "-p", "no:cacheprovider", "-q", "-k", "tilted-ellipse or tilted_ellipse", "tests/law/test_laws.py")
+    passed = re.search(r"(\d+) passed", said)
+    assert passed and int(passed[1]) >= 2, said
+
+
+# -- a word: one row a table -------------------------------------------------------------------------------------------
+
+EXPRESSION = "src/duhem/expression"
+ROWS = {  # file: (the row it comes after, the row)
+    f"{EXPRESSION}/vocabulary.py": [
+        ('"tanh": Word(', '"cosh": Word(sp.cosh, 1, 1, "hyperbolic cosine"),'),
+        ("sp.Min, sp.Max, Pos, Neg, Norm, Where,", "sp.cosh,"),
+    ],
+    f"{EXPRESSION}/numpy_.py": [("sp.tanh:", "sp.cosh: lambda _, x: np.cosh(x),")],
+    f"{EXPRESSION}/mpmath_.py": [("sp.tanh:", "sp.cosh: lambda _, x: context.cosh(x),")],
+    f"{EXPRESSION}/floats.py": [("sp.tanh:", "sp.cosh: lambda _, a: math.cosh(a),")],
+    f"{EXPRESSION}/balls.py": [("sp.atan:", "sp.cosh: lambda _, x: (x.exp() + (-x).exp()) / 2,")],  # for series in balls too
+    f"{EXPRESSION}/cvxpy_.py": [("sp.exp: lambda", "sp.cosh: lambda _, x: (_cp().exp(x) + _cp().exp(-x)) / 2,")],
+    f"{EXPRESSION}/jets.py": [
+        ("sp.tanh:", "sp.cosh: lambda _, x: _chain(x, np.cosh(x.value), np.sinh(x.value), lambda: np.cosh(x.value)),")
+    ],
+    f"{EXPRESSION}/weights.py": [('Where: "chosen"', 'sp.cosh: "pure",')],
+    f"{EXPRESSION}/smt.py": [('Norm: "a root', 'sp.cosh: "not algebraic",')],
+    "tests/expression/by_hand.py": [("sp.tanh:", "sp.cosh: (sp.cosh(x), 10.067661995777765),")],
+}
+LAW_WITH_WORD = """\
+[criterion]
+name = "disc"
+g = "norm(sigma_a, sigma_b) - mu*cosh(e)*abs(sigma_n)"
+
+[parameters]
+mu = { positive = true }
+e = { min = 0, max = 1 }
+"""
+
+
+@pytest.fixture(scope="module")
+def with_word(tmp_path_factory: pytest.TempPathFactory) -> Tree:
+    tree = Tree.copied(tmp_path_factory.mktemp("word"))
+    for file, rows in ROWS.items():
+        for after, row in rows:
+            tree.insert(file, after, row)
+    tree.write("disc.toml", LAW_WITH_WORD)
+    return tree
+
+
+def test_a_word_is_given_its_meaning_by_every_interpreter(with_word: Tree) -> None:
+    """The tests over all tables find it: a row in each, the value by hand, derivatives against differences."""
+    said = with_word.run("-m", "pytest", "-p", "no:cacheprovider", "-q", "tests/expression/test_tables.py", "-k", "cosh or table or word")
+    passed = re.search(r"(\d+) passed", said)
+    assert passed and int(passed[1]) >= 30, said
+
+
+def test_a_word_is_read_verified_and_projected(with_word: Tree) -> None:
+    report = json.loads(with_word.run("-m", "duhem", "verify", "disc.toml", "--format", "json", "--claims", "origin,convexity"))
+    assert {claim["verdict"] for claim in report["claims"]} == {"proved"}
+    asked = ("--set", "mu=0.1", "--set", "e=0.5", "--trial", "1", "0", "--pressure", "-1", "--method", "newton", "--format", "json")
+    found = json.loads(with_word.run("-m", "duhem", "project", "disc.toml", *asked))
+    assert found["stress"] == pytest.approx([0.1 * math.cosh(0.5), 0.0], abs=1e-12)
+
+
+# -- a decider: one file and one row -----------------------------------------------------------------------------------
+
+DECIDER = '''\
+"""A form a x^2 + b x y + c y^2 is not negative if a >= 0, c >= 0 and b^2 <= 4 a c."""
+
+import sympy as sp
+
+from duhem.proof.decide.polynomials import System
+from duhem.proof.decide.question import Answer
+
+__all__ = ["by_discriminant"]
+
+
+def by_discriminant(system: System, seconds: float) -> Answer:
+    """Prove that a quadratic form in two variables is not negative."""
+    names = sorted(system.goal.poly.free_symbols, key=str)
+    form = sp.Poly(system.goal.poly, *names)
+    if system.goal.op == ">=" and len(names) == 2 and all(sum(powers) == 2 for powers in form.monoms()):
+        a, b, c = (form.coeff_monomial(m) for m in (names[0] ** 2, names[0] * names[1], names[1] ** 2))
+        if a >= 0 and c >= 0 and b**2 <= 4 * a * c:
+            return Answer(True, "discriminant")
+    return Answer(None, "discriminant")
+'''
+ASKED = """\
+import sympy as sp
+from duhem.proof.decide import Question, Sense, decide
+x, y = sp.symbols("x y", real=True)
+for expr in (x**2 - 2*x*y + 2*y**2, x**4 - 2*x**2*y + 2*y**2 - x*y + 1):
+    answer = decide(Question(expr, Sense.NONNEGATIVE))
+    print(answer.holds, answer.method)
+"""
+
+
+def test_a_decider_is_asked_and_the_next_one_where_it_passes(tmp_path: Path) -> None:
+    tree = Tree.copied(tmp_path)
+    before = tree.run("-c", ASKED).split()
+    tree.write("src/duhem/proof/decide/discriminant.py", DECIDER)
+    tree.insert(
+        "src/duhem/proof/decide/deciders.py",
+        "from duhem.proof.decide.question import",
+        "from duhem.proof.decide.discriminant import by_discriminant",
+    )
+    tree.enter("src/duhem/proof/decide/deciders.py", "POLYNOMIAL_DECIDERS", "by_discriminant")
+    after = tree.run("-c", ASKED).split()
+    assert before[::2] == after[::2] == ["True", "True"]
+    assert "discriminant" not in before
+    assert after[1] == "discriminant" and after[3] == before[3]
+
+
+# -- a method of projection: one file and one row ----------------------------------------------------------------------
+
+METHOD = '''\
+"""The closest point of a law with one force: where the way from 0 to the trial stress leaves K, by halving."""
+
+import numpy as np
+
+from duhem.expression.jets import formula
+from duhem.projection.increment import Increment
+from duhem.projection.method import Method, Options
+from duhem.projection.result import Solution
+
+__all__ = ["HALVING"]
+
+
+def applies(question: Increment) -> str | None:
+    return None if question.trial.shape[1] == 1 else "it takes laws with one force"
+
+
+def solve(question: Increment, options: Options) -> Solution:
+    law = question.law
+    g = formula(question.g, law.force_symbols(), [law.symbols()[law.pressure]] if law.pressure else [])
+    given = [question.pressure] if law.pressure else []
+    low, high = np.zeros_like(question.trial), np.array(question.trial)
+    for _ in range(1100):
+        middle = 0.5 * (low + high)
+        within = g(middle, given)[0].value[:, None] <= 0
+        low, high = np.where(within, middle, low), np.where(within, high, middle)
+    stick = g(question.trial, given)[0].value[:, None] <= 0
+    stress = np.where(stick, question.trial, low)
+    slip = (question.trial - stress) / question.stiffness[0, 0]
+    multiplier = (slip / g(stress, given)[0].gradient)[:, 0]
+    return Solution(stress, slip, multiplier, np.zeros(len(slip), dtype=bool))
+
+
+HALVING = Method("halving", applies, solve, Options)
+'''
+LOADER = """
+
+def _halving() -> Method[Any]:
+    from duhem.projection.halving import HALVING
+
+    return HALVING
+"""
+LINE = ("--set", "mu_plus=0.2", "--set", "mu_minus=0.1")
+
+
+@pytest.fixture(scope="module")
+def with_method(tmp_path_factory: pytest.TempPathFactory) -> Tree:
+    tree = Tree.copied(tmp_path_factory.mktemp("method"))
+    tree.write("src/duhem/projection/halving.py", METHOD)
+    tree.insert("src/duhem/projection/methods.py", "from duhem.projection.method import Method", LOADER)
+    tree.insert("src/duhem/projection/methods.py", '"newton": _newton,', '"halving": _halving,')
+    return tree
+
+
+def test_a_method_of_projection_projects(with_method: Tree) -> None:
+    asked = ("antoni2007-1d", *LINE, "--trial", "0.7", "--pressure", "-2", "--method", "halving", "--format", "json")
+    found = json.loads(with_method.run("-m", "duhem", "project", *asked))
+    assert (found["method"], found["status"]) == ("halving", "slip")
+    assert found["stress"] == pytest.approx([0.4], rel=1e-15)
+
+
+def test_a_method_of_projection_is_measured(with_method: Tree) -> None:
+    with_method.run("-m", "duhem", "bench", "antoni2007-1d", *LINE, "--scene", "increment", "--repeats", "1", "--json", "bench.json")
+    rows = json.loads((with_method.path / "bench.json").read_text("utf-8"))["rows"]
+    assert {row["method"] for row in rows} >= {"closed-form", "halving", "newton"}
+    (mine,) = (row for row in rows if row["method"] == "halving")
+    assert mine["failure"] is None and mine["error"]["stress"] < 1e-15
