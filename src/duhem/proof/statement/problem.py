@@ -36,7 +36,6 @@ class Problem:
     given: tuple[sp.Basic, ...]
     flow: tuple[sp.Expr, ...] | None
     slice: Mapping[sp.Symbol, sp.Rational]
-    notes: tuple[str, ...] = ()
 
     def __hash__(self) -> int:
         return hash((self.g, self.forces, self.given, self.flow))
@@ -48,14 +47,6 @@ class Problem:
         own = [*(table[name] for name in self.law.parameters), *([] if self.magnitude is None else [self.magnitude])]
         return tuple(s for s in own if s not in self.slice)
 
-    def gradient(self) -> tuple[sp.Expr, ...]:
-        """Partial derivatives of g by the forces; valid on smooth branches only."""
-        return tuple(sp.diff(self.g, x) for x in self.forces)
-
-    def at(self, values: Mapping[sp.Symbol, Any]) -> Problem:
-        """The problem with some symbols replaced by numbers."""
-        return _replaced(self, values, ())
-
     def simplest(self) -> Problem:
         """An equivalent slice: outer monotone maps dropped, invariant forces and scaling parameters fixed."""
         plain = replace(self, g=without_outer_map(self.g))
@@ -63,28 +54,20 @@ class Problem:
 
     def quotient(self) -> Problem:
         """Forces set to 0 along directions in which g does not change (hydrostatic pressure for J2-J3 laws)."""
-        fixed: dict[sp.Symbol, Any] = {}
-        current, notes = self, []
+        current = self
         while len(current.forces) > 1 and (directions := invariant_directions(current.g, current.forces)):
-            direction = directions[0]
-            pivot = next(x for x, v in zip(reversed(current.forces), reversed(direction), strict=True) if v != 0)
-            text = ", ".join(str(v) for v in direction)
-            notes.append(f"g does not change along ({text}): {pivot} = 0")
-            fixed[pivot] = sp.S.Zero
-            current = _replaced(current, {pivot: sp.S.Zero}, ())
-        return replace(current, notes=self.notes + tuple(notes))
+            pivot = next(x for x, v in zip(reversed(current.forces), reversed(directions[0]), strict=True) if v != 0)
+            current = _replaced(current, {pivot: sp.S.Zero})
+        return current
 
     def dimensionless(self) -> Problem:
         """Positive parameters set to 1 where a change of units absorbs them (Buckingham's pi theorem)."""
         candidates = [s for s in reversed(self.parameters) if s in self.g.free_symbols]
         ones = removable((self.g,), self.given, [s for s in dict.fromkeys(candidates) if s.is_positive])
-        if not ones:
-            return self
-        note = f"{', '.join('|' + str(self.law.pressure) + '|' if s == self.magnitude else str(s) for s in ones)} = 1 by change of units"
-        return _replaced(self, dict.fromkeys(ones, sp.S.One), (note,))
+        return _replaced(self, dict.fromkeys(ones, sp.S.One)) if ones else self
 
 
-def _replaced(problem: Problem, values: Mapping[sp.Symbol, Any], notes: tuple[str, ...]) -> Problem:
+def _replaced(problem: Problem, values: Mapping[sp.Symbol, Any]) -> Problem:
     given = tuple(r for r in (c.subs(values) for c in problem.given) if r is not sp.true)
     return replace(
         problem,
@@ -93,7 +76,6 @@ def _replaced(problem: Problem, values: Mapping[sp.Symbol, Any], notes: tuple[st
         given=given,
         flow=None if problem.flow is None else tuple(c.subs(values) for c in problem.flow),
         slice={**problem.slice, **values},
-        notes=problem.notes + notes,
     )
 
 
