@@ -88,6 +88,14 @@ def test_numbers_end_where_their_heading_ends() -> None:
     assert {len(line) for line in (head, *rows)} == {len("law  value")}
 
 
+def test_headings_over_numbers_are_folded_before_text_is() -> None:
+    assert table([("law", "largest error", "what it says"), ("oval", "2.5e-16", "an ellipse beside the origin")], "lrl", width=43) == [
+        "law   largest  what it says",
+        "        error",
+        "oval  2.5e-16  an ellipse beside the origin",
+    ]
+
+
 def test_text_is_folded_in_its_own_column() -> None:
     assert table([("law", "what it says", "n"), ("oval", "an ellipse whose centre is off the origin", "2")], "llr", width=30) == [
         "law   what it says           n",

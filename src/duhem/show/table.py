@@ -15,20 +15,21 @@ _NARROW = 12  # a column of text is folded no narrower than this, nor than its l
 def table(rows: Sequence[Sequence[str]], align: str, indent: str = "", *, width: int | None = None, rule: bool = False) -> list[str]:
     """Lines of at most ``width`` characters, as far as words allow; None: of any length.
 
-    ``align``: a letter a column, ``l`` for text, which may be folded at its spaces, ``r`` for numbers, which are not; the last
-    letter stands for all columns beyond.  The first row is the head, and ``rule`` draws a line below it.  A row may end
-    early: its last cell then runs on over the columns that it lacks.  Where folding is not enough, the columns that find no
-    room follow below, beside the first column again.
+    ``align``: a letter a column, ``l`` for text, which may be folded at its spaces, ``r`` for numbers, of which only the heading
+    may be; the last letter stands for all columns beyond.  The first row is the head, and ``rule`` draws a line below it.  A
+    row may end early: its last cell then runs on over the columns that it lacks.  Where folding is not enough, the columns
+    that find no room follow below, beside the first column again.
     """
     count = max(map(len, rows))
     letters = align.ljust(count, align[-1])
-    natural = [max((len(row[i]) for row in rows if i < len(row) - (len(row) < count)), default=0) for i in range(count)]
+    columns = [[row[i] for row in rows if i < len(row) - (len(row) < count)] for i in range(count)]
+    natural = [max(map(len, column), default=0) for column in columns]
     endless = sum(len(_GAP) + size for size in natural) + max(len(row[-1]) for row in rows)
     room = endless if width is None else width - len(indent)
-    least = [_least(rows, i, size) if letters[i] == "l" else size for i, size in enumerate(natural)]
+    least = [min(size, _least(column, letter)) for column, letter, size in zip(columns, letters, natural, strict=True)]
     lines: list[str] = []
     for block in _blocks(least, room):
-        widths = _folded([natural[i] for i in block], [least[i] for i in block], room)
+        widths = _folded([natural[i] for i in block], [least[i] for i in block], [letters[i] for i in block], room)
         lines += [""] if lines else []
         for n, row in enumerate(rows):
             runs_on = len(row) < count and len(row) - 1 in block
@@ -38,10 +39,10 @@ def table(rows: Sequence[Sequence[str]], align: str, indent: str = "", *, width:
     return [f"{indent}{line}" if line else line for line in lines]
 
 
-def _least(rows: Sequence[Sequence[str]], column: int, natural: int) -> int:
-    """How narrow a column of text can be folded."""
-    words = [len(word) for row in rows if column < len(row) for word in row[column].split(" ")]
-    return min(natural, max([_NARROW, *words]))
+def _least(column: Sequence[str], letter: str) -> int:
+    """How narrow a column can be folded."""
+    words = [len(word) for cell in (column[:1] if letter == "r" else column) for word in cell.split(" ")]
+    return max([*words, *(map(len, column[1:]) if letter == "r" else [_NARROW])], default=0)
 
 
 def _blocks(least: Sequence[int], room: int) -> Iterator[list[int]]:
@@ -55,14 +56,14 @@ def _blocks(least: Sequence[int], room: int) -> Iterator[list[int]]:
     yield block
 
 
-def _folded(natural: Sequence[int], least: Sequence[int], room: int) -> list[int]:
-    """Widths that fit: the widest column gives way first."""
+def _folded(natural: Sequence[int], least: Sequence[int], letters: Sequence[str], room: int) -> list[int]:
+    """Widths that fit: headings over numbers give way first, then the widest text."""
     widths = list(natural)
     while sum(widths) + len(_GAP) * (len(widths) - 1) > room:
         foldable = [i for i, size in enumerate(widths) if size > least[i]]
         if not foldable:
             break
-        widths[max(foldable, key=widths.__getitem__)] -= 1
+        widths[max(foldable, key=lambda i: (letters[i] == "r", widths[i]))] -= 1
     return widths
 
 
@@ -71,7 +72,7 @@ def _row(row: Sequence[str], widths: Sequence[int], letters: Sequence[str], room
     sizes, kinds = list(widths[: len(row)]), list(letters[: len(row)])
     if room is not None:
         sizes[-1], kinds[-1] = room - sum(sizes[:-1]) - len(_GAP) * (len(row) - 1), "l"
-    cells = [_lines(cell, size) if kind == "l" else [cell] for cell, size, kind in zip(row, sizes, kinds, strict=True)]
+    cells = [_lines(cell, size) for cell, size in zip(row, sizes, strict=True)]
     for line in zip_longest(*cells, fillvalue=""):
         padded = (cell.rjust(size) if kind == "r" else cell.ljust(size) for cell, size, kind in zip(line, sizes, kinds, strict=True))
         yield _GAP.join(padded).rstrip()

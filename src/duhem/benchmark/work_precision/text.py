@@ -45,25 +45,25 @@ def _own_error(result: WorkPrecision, scene: str, page: Page) -> list[str]:
 def _table(rows: Sequence[Measurement], scene: str, page: Page) -> list[str]:
     names = {increment.SCENE: ("stress", "slip"), path.SCENE: ("stress",), throughput.SCENE: ()}[scene]
     judged = ["flagged"] if scene == increment.SCENE else []
-    head = ("method", "setting", *(f"error in {n}" for n in names), *judged, "time", "least to most")
+    head = ("method", "setting", *(f"error in {n}" for n in names), *judged, "time", "least", "most", "runs")
     body: list[tuple[str, ...]] = [head]
     for row in rows:
         if row.failure is not None:
             body.append((row.method, row.setting, f"failed: {row.failure}"))
             continue
         if "megabytes" in row.error:
-            body.append((row.method, row.setting, f"{row.error['megabytes']:.1f} MB", ""))
+            body.append((row.method, row.setting, f"{row.error['megabytes']:.1f} MB", "", "", ""))
             continue
         errors = [f"{row.error[n]:.1e}" if n in row.error else "" for n in names]
-        time = (duration(row.seconds.median), _range(row.seconds)) if row.seconds else ("", "")
+        time = _time(row.seconds) if row.seconds else ("",) * 4
         body.append((row.method, row.setting, *errors, *([str(row.flagged)] if judged else []), *time))
     noted = [row for row in rows if row.note and row.failure is None and scene != path.SCENE]
     notes = [line for row in noted for line in page.item(f"note: {row.method}: {row.note}")]
-    return [*page.table(body, "ll" + "r" * (len(head) - 3) + "l"), *notes]
+    return [*page.table(body, "llr"), *notes]
 
 
-def _range(spread: Spread) -> str:
-    return f"{tied(duration(spread.least))} to {tied(duration(spread.most))}, {spread.repeats} run{'s' if spread.repeats > 1 else ''}"
+def _time(spread: Spread) -> tuple[str, ...]:
+    return (*map(duration, (spread.median, spread.least, spread.most)), str(spread.repeats))
 
 
 def duration(seconds: float) -> str:
