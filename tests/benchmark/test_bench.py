@@ -155,7 +155,7 @@ def test_what_does_not_apply_is_named_what_is_left_out_and_why() -> None:
     assert "no closed form" in reasons["closed-form"] and reasons["cvxpy"]
 
 
-def test_subject_measures_the_law_at_the_doubles_that_methods_read() -> None:
+def test_a_specimen_measures_the_law_at_the_doubles_that_methods_read() -> None:
     specimen = Specimen.of(coulomb().fix({}))
     assert specimen.radius(np.array([3.0, 4.0]), -2.0) == pytest.approx(0.5 / 5.0, rel=1e-15)
     law = duhem.load("antoni2007")
