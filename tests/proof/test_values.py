@@ -10,7 +10,7 @@ from dataclasses import FrozenInstanceError
 import pytest
 
 from duhem import Verdict, Verification, verify
-from duhem.frozen_mapping import FrozenMapping
+from duhem.law.frozen_mapping import FrozenMapping
 from duhem.proof.verdict import Evidence, Witness
 
 WITNESS = Witness({"mu": "3/10"}, {"p": {"sigma_a": "1"}}, {"g(p)": ("-1", "0")}, "made up", {"degrees": 1.5})

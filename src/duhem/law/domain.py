@@ -12,7 +12,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import exact_number
-from duhem.frozen_mapping import FrozenMapping
+from duhem.law.frozen_mapping import FrozenMapping
 
 __all__ = ["POSITIVE", "REAL", "Domain", "Domains"]
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from duhem.frozen_mapping import FrozenMapping
+from duhem.law.frozen_mapping import FrozenMapping
 
 __all__ = ["Evidence", "Verdict", "Witness"]
 
