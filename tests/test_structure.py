@@ -13,13 +13,58 @@ PACKAGE = Package()
 
 def test_few_rooms_and_few_rows() -> None:
     assert len(PACKAGE.rooms()) <= 15
-    assert set(PACKAGE.single_modules()) == {"__main__", "errors", "left_out", "version"}
     assert len(PACKAGE.contract()) <= 8
     assert {room for row in PACKAGE.contract() for room in row} == {*PACKAGE.rooms(), *PACKAGE.single_modules()}
+    assert set(PACKAGE.single_modules()) <= {"__main__", *PACKAGE.contract()[-1]}  # without a room only what stands below all
 
 
 def test_no_module_is_long() -> None:
     assert {name: size for name, size in PACKAGE.sizes().items() if size > 300} == {}
+
+
+def test_no_circles() -> None:
+    assert circles(PACKAGE.imports()) == []
+
+
+@pytest.mark.parametrize("private", [False, True], ids=["public", "private"])
+def test_a_class_has_a_name_of_its_own(private: bool) -> None:
+    assert PACKAGE.homonyms(private) == {}
+
+
+def test_tables_are_printed_and_figures_saved_in_one_place() -> None:
+    assert PACKAGE.calling("savefig") == ["show.figure"]
+    assert PACKAGE.line_widths() == ["show.width"]
+    titles = {"cli.explain", "cli.list_laws"}  # a title as wide as the widest, beside a sentence that the page folds
+    assert set(PACKAGE.table_printers()) == {"show.page", "show.table", *titles}
+
+
+def test_formulas_and_files_are_read_in_one_place() -> None:
+    assert [name for name in PACKAGE.importing("tomllib") if PACKAGE.modules[name].calls("load", "loads")] == ["law.placed_toml"]
+    assert PACKAGE.calling("RealVal") == ["expression.smt"]
+    assert PACKAGE.recorders() == ["expression.recording"]
+    assert PACKAGE.composed_imports() == [""]  # the front door imports a public name when it is asked for
+
+
+HALVED = {
+    "expression.rays._closed": "where rays leave a set, in doubles",
+    "expression.rays_mpmath.reach": "where a ray leaves a set, in many digits",
+    "benchmark.reference.ray.root": "the same for the reference, which shares nothing with what it measures",
+    "projection.residuals._tips": "the same for the judge, which shares nothing with the methods",
+    "proof.witness.enclosed_point.enclosed": "the boundary between two rational points, signs enclosed",
+    "benchmark.reference.search.run": "the angle at which the boundary faces the target",
+    "proof.facts.numeric_curve.greatest": "arcs of a boundary curve",
+    "proof.methods.curve_deviation._place": "the angle of the greatest deviation",
+    "testing.law_checks.smoothness": "the direction of a seam, between two that lie on either side",
+    "path.straight_step._exit": "no halving: a point between two seams",
+    "path.straight_step._solved": "a scalar equation in time",
+    "proof.search.sampled_chords._along_rays": "no halving: midpoints of chords",
+    "proof.search.sampled_chords._random_pairs": "no halving: midpoints of chords",
+}
+
+
+def test_a_way_along_a_ray_is_written_once_an_arithmetic() -> None:
+    """Every loop that takes the middle of two ends is known, and what it looks for."""
+    assert {f"{module}.{function}" for module, function, _ in PACKAGE.halvings()} == set(HALVED)
 
 
 # -- the counts themselves, on a house that is crooked in every way ----------------------------------------------------
