@@ -11,10 +11,11 @@ import pytest
 import duhem
 from duhem import InputError, MissingExtraError, Path, simulate
 from duhem.path import Interrupted
+from duhem.path.integrators import INTEGRATORS
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 K = [1.0, 2.0]
-METHODS = ("implicit", "extrapolated", "exact")
+METHODS = tuple(INTEGRATORS)
 
 
 def walk(seed=3, points=12, pressure=-1.0, **options):
