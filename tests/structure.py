@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-__all__ = ["Module", "Package", "circles"]
+__all__ = ["ROOT", "Module", "Package", "circles"]
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "duhem"

@@ -14,6 +14,8 @@ import pytest
 
 from tests.copied_tree import Tree
 
+pytestmark = pytest.mark.slow
+
 # -- a law: one file ---------------------------------------------------------------------------------------------------
 
 LAW = '''\

@@ -55,12 +55,14 @@ def test_a_path_runs_alike_in_another_process(pool):
         assert np.array_equal(there.to_array(), here.to_array()) and there.why == here.why and here.dissipation[-1] > 0.0
 
 
+@pytest.mark.slow
 def test_a_derivation_is_alike_in_another_process(pool):
     for law in ("coulomb", known_here_only):
         there, here = pool.submit(duhem.derive, law).result(), duhem.derive(law)
         assert there == here and there.latex() == here.latex()
 
 
+@pytest.mark.slow
 def test_a_projection_is_alike_in_another_process(pool):
     asked = {"law": "coulomb", "trial": [[0.3, -0.4], [0.01, 0.0]], "sigma_n": -1.0, "stiffness": 1.0, "parameters": {"mu": 0.2}}
     there = pool.submit(duhem.project, *asked.values()).result()

@@ -39,6 +39,7 @@ def test_there_are_blocks_to_check() -> None:
     assert blocks("console") and blocks("toml") and blocks("python")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", blocks("console"), ids=lambda block: block.splitlines()[0].removeprefix("$ "))
 @pytest.mark.usefixtures("folder")
 def test_output_is_what_the_program_prints(block: str) -> None:
@@ -51,6 +52,7 @@ def test_output_is_what_the_program_prints(block: str) -> None:
     assert re.fullmatch("(?:.*\n)*".join(map(re.escape, shown)), masked(done.stdout) + "\n"), done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("snippet", blocks("python"), ids=lambda snippet: snippet.splitlines()[0])
 @pytest.mark.usefixtures("folder")
 def test_python_snippet_runs(snippet: str) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+import re
 from pathlib import Path
 
 import pytest
 
-from tests.structure import Package, circles
+from tests.structure import ROOT, Package, circles
 
 PACKAGE = Package()
 
@@ -65,6 +67,21 @@ HALVED = {
 def test_a_way_along_a_ray_is_written_once_an_arithmetic() -> None:
     """Every loop that takes the middle of two ends is known, and what it looks for."""
     assert {f"{module}.{function}" for module, function, _ in PACKAGE.halvings()} == set(HALVED)
+
+
+# -- tests mirror the rooms ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("room", PACKAGE.rooms())
+def test_every_room_has_tests_and_quick_ones_among_them(room: str) -> None:
+    found = [
+        ast.unparse(node)
+        for path in (ROOT / "tests" / room).glob("test_*.py")
+        if not re.search(r"^pytestmark = .*slow", text := path.read_text("utf-8"), flags=re.M)
+        for node in ast.parse(text).body
+        if isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+    ]
+    assert len([test for test in found if "pytest.mark.slow" not in test]) >= 3
 
 
 # -- the counts themselves, on a house that is crooked in every way ----------------------------------------------------

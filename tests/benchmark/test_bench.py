@@ -254,6 +254,7 @@ def test_a_law_without_reference_is_left_out_with_the_reason() -> None:
     assert "two bounded directions" in text(result)
 
 
+@pytest.mark.slow
 def test_throughput_compares_with_memory_in_the_same_run() -> None:
     result = bench(coulomb(), scenes=("throughput",), repeats=1, points=3000)
     targets = {target.what: target for target in result.targets}
@@ -308,6 +309,7 @@ def test_input_that_cannot_be_used() -> None:
 # -- command line ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_command(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "bench.json"
     code, out, err = run(
@@ -319,6 +321,7 @@ def test_command(run: Run, tmp_path: Path) -> None:
     assert found["duhem"] == duhem.__version__ and found["rows"][0]["method"] == "newton"
 
 
+@pytest.mark.slow
 def test_command_draws(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "bench.svg"
     arguments = ("bench", "antoni2007-1d", "--set", "mu_plus=0.2", "--set", "mu_minus=0.1", "--scene", "path", "--repeats", "1", "--plot")

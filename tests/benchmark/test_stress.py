@@ -157,6 +157,7 @@ def test_numbers_that_are_not_finite_and_errors(doctored: ExtremeCases) -> None:
     assert not doctored.failed
 
 
+@pytest.mark.slow
 def test_closed_form_and_newton_stay_right_or_say_so() -> None:
     contenders = [Contender.of("closed-form", "closed-form"), Contender.of("newton", "newton")]
     result = stress(flagship(), axes=("stiffness ratio", "special values"), contenders=contenders)
@@ -213,6 +214,7 @@ def test_input_that_cannot_be_used() -> None:
 # -- command line ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_command(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "stress.json"
     code, out, err = run("stress", "limacon", "--set", "mu=0.25", "--set", "e=0.3", "--axis", "trial size", "--json", str(file))
@@ -228,6 +230,7 @@ def test_command(run: Run, tmp_path: Path) -> None:
     assert row["points"] == row["finite"] == 2 and 0 <= row["slip_digits"] <= 16
 
 
+@pytest.mark.slow
 def test_command_draws(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "stress.svg"
     code, out, err = run("stress", "--set", "mu_a_plus=0.3", "--axis", "seam distance", "--plot", str(file))

@@ -95,6 +95,7 @@ def slope(expr: sp.Expr, point: dict[sp.Symbol, Any], along: sp.Symbol) -> Any:
 # State laws
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["orthotropic", "isotropic", "full"])
 @pytest.mark.parametrize("name", ["antoni2007-1d", "antoni2007", "tresca"])
 def test_state_laws_are_slopes_of_the_free_energy(name: str, kind: str) -> None:
@@ -149,6 +150,7 @@ def test_antoni_has_the_four_branches_of_the_paper_in_its_order() -> None:
         assert not holds(condition, {s["sigma_a"]: R(a), s["sigma_b"]: R(-b)})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_branches_equal_the_formula(name: str) -> None:
     law, d, random = load(name), derived(name), Random(5)
@@ -162,6 +164,7 @@ def test_branches_equal_the_formula(name: str) -> None:
             assert abs(at(d["criterion_branches"].rhs, point) - at(law.g, point)) < 1e-25 * (1 + abs(at(law.g, point)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["antoni2007", "box", "limacon", "tresca"])
 def test_indicator_and_set_are_the_formula(name: str) -> None:
     law, d, random = load(name), derived(name), Random(6)
@@ -182,6 +185,7 @@ def test_indicator_and_set_are_the_formula(name: str) -> None:
 # Normality and dissipation
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [n for n in LAWS if n not in OWN_FLOW])
 def test_normal_is_the_slope_of_g(name: str) -> None:
     law, d, random = load(name), derived(name), Random(7)
@@ -194,6 +198,7 @@ def test_normal_is_the_slope_of_g(name: str) -> None:
                 assert abs(at(normal, point) - expected) < 1e-8 * (1 + abs(expected))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_dissipation_is_the_power_of_the_flow_on_the_boundary(name: str) -> None:
     law, d, random = load(name), derived(name), Random(8)
@@ -211,10 +216,12 @@ def test_dissipation_of_a_gauge_needs_no_stress(name: str) -> None:
     assert not derived(name)["dissipation"].rhs.has(*load(name).force_symbols())
 
 
+@pytest.mark.slow
 def test_which_laws_have_a_dissipation_potential() -> None:
     assert tuple(name for name in LAWS if "dissipation_potential" in derived(name)) == WITH_POTENTIAL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_POTENTIAL)
 def test_potential_at_the_normal_is_the_dissipation(name: str) -> None:
     law, d, random = load(name), derived(name), Random(9)
@@ -238,6 +245,7 @@ def test_own_flow_is_stated_instead_of_normality() -> None:
         assert any("flow of its own" in reason for _, reason in d.left_out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "count"), [("box", 4), ("tresca", 6), ("polygon", 12), ("antoni2007", 0), ("superellipse", 0), ("hosford", 0)]
 )
@@ -245,6 +253,7 @@ def test_corners_are_counted_right(name: str, count: int) -> None:
     assert sum(key.startswith("corner") for key in derived(name).titles) == count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["box", "tresca", "polygon"])
 def test_cones_at_corners_are_normal_to_the_set(name: str) -> None:
     """At every corner, the extreme elements of the cone are normals of K: no point of the boundary lies beyond."""
@@ -352,6 +361,7 @@ def test_equation_1_is_elastic_then_perfectly_plastic() -> None:
         assert abs(at(d["one_dimensional_a"].rhs, values | {d.names.total[0]: u}) - mpmath_.evaluate(sp.sympify(expected), {}, DPS)) < 1e-30
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_intervals_are_where_g_vanishes_on_the_line(name: str) -> None:
     law, d = load(name), derived(name)
@@ -370,6 +380,7 @@ def test_an_interval_that_holds_for_some_parameters_only_is_left_out() -> None:
     assert any("reduction to x alone" in part for part, _ in d.left_out)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_text_states_the_criterion_in_the_language_of_criterion_files(name: str) -> None:
     law, d = load(name), derived(name)

@@ -12,6 +12,7 @@ import pytest
 from tests.derivation.derived import LAWS, derived
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_numbers_and_names_are_unique_and_what_is_missing_has_a_reason(name: str) -> None:
     d = derived(name)
@@ -26,6 +27,7 @@ def test_the_numbers_of_the_paper_are_there() -> None:
     assert wanted <= {e.number for e in derived("antoni2007")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_latex_is_balanced(name: str) -> None:
     source = derived(name).latex()

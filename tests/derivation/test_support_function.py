@@ -96,6 +96,7 @@ def directions(found: SupportFunction, seed: int) -> np.ndarray:
     return d - d.mean(axis=1, keepdims=True) if len(found.rates) == 3 else d
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*CLOSED, *MADE])
 def test_potential_is_the_greatest_product_over_the_boundary(name: str) -> None:
     law, found = closed(name)
@@ -139,6 +140,7 @@ def by_hand() -> dict[str, sp.Expr]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", by_hand())
 def test_potential_is_the_published_formula(name: str) -> None:
     expected = by_hand()[name]
@@ -154,6 +156,7 @@ def test_potential_is_the_published_formula(name: str) -> None:
             assert abs(gap) < 1e-30
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*CLOSED, *MADE])
 def test_maximiser_lies_on_the_boundary_and_attains(name: str) -> None:
     law, found = closed(name)
@@ -229,6 +232,7 @@ def test_rates_are_named_after_forces_and_never_clash() -> None:
 # Mutants: the internal check is what stands between a wrong rule and a wrong answer.
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", ["1 + 10**-9", "1 - 10**-9"])
 @pytest.mark.parametrize("name", ["antoni2007", "box", "superellipse", "tresca", "shifted-ellipse"])
 def test_a_potential_slightly_off_is_caught(name: str, factor: str) -> None:
@@ -289,6 +293,7 @@ def test_a_wrong_polar_rule_gives_no_answer(owner: type, attribute: str, wrong: 
     assert support_function(load(name)) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*CLOSED, *MADE])
 def test_polar_of_the_polar_is_the_gauge(name: str) -> None:
     law, found = closed(name)

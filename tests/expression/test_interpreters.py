@@ -49,6 +49,7 @@ def test_what_has_no_curvature_is_refused_on_variables(kind: type) -> None:
         cvxpy_.expression(ROWS[kind][0], {x: cp.Variable(), y: cp.Variable()})
 
 
+@pytest.mark.slow
 @given(decades(), decades())
 @settings(max_examples=150, deadline=None)
 def test_numpy_agrees_with_mpmath_in_every_decade(a: float, b: float) -> None:

@@ -64,6 +64,7 @@ def values(done):
     return np.array([done.coefficients[n] for n in NAMES])
 
 
+@pytest.mark.slow
 def test_exact_points_give_back_their_law_in_every_quadrant():
     draw = np.random.default_rng(20)
     for _ in range(200):
@@ -75,6 +76,7 @@ def test_exact_points_give_back_their_law_in_every_quadrant():
         assert not done.outliers and done.verification.generalized_standard
 
 
+@pytest.mark.slow
 def test_estimates_have_the_covariance_of_cramer_and_rao():
     """R whitened errors of an efficient unbiased fit: their squares add up to a chi^2 on 4 R degrees of freedom."""
     repeats, m, scatter = 80, 32, 400.0  # 0.2 to 0.5 % of the half-axes
@@ -235,6 +237,7 @@ def rays(law, parameters, m, seed):
     return np.column_stack([u * low[:, None], *pressure])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, parameters",
     [

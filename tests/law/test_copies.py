@@ -57,6 +57,7 @@ def test_a_law_from_a_file_equals_its_copies(tmp_path):
         assert back == law and hash(back) == hash(law) and expressions(back) == expressions(law)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["antoni2007", "box", "rotated-flow", "limacon", "wedge"])
 def test_a_derivation_equals_its_copies_and_reads_the_same(name):
     derivation = duhem.derive(name)

@@ -171,6 +171,7 @@ def states(draw: st.DrawFn, law: Criterion) -> dict[str, sp.Rational]:
     return values | {name: unit * R(draw(st.integers(-1000, 1000)), 100) for name in law.forces}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 @given(data=st.data())
 @settings(max_examples=25, deadline=None)
@@ -180,6 +181,7 @@ def test_the_origin_is_admissible(name: str, data: st.DataObject) -> None:
     assert mpmath_.evaluate(law.g, {law.symbols()[n]: v for n, v in values.items()}, 40) <= 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 @given(data=st.data())
 @settings(max_examples=25, deadline=None)

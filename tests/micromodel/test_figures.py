@@ -289,6 +289,7 @@ def test_the_fitted_law_slips_along_its_own_normal() -> None:
 # ---- all of them
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
 def test_every_number_is_finite_and_every_parameter_matters(name: str) -> None:
     recipe = FIGURES[name]
@@ -348,6 +349,7 @@ def test_drawing_without_matplotlib_names_the_extra(run: Run, no_matplotlib: Non
         save(default("9"), "figure.png")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("form", "magic"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")])
 def test_formats(run: Run, form: str, magic: bytes) -> None:
     pytest.importorskip("matplotlib")
@@ -356,6 +358,7 @@ def test_formats(run: Run, form: str, magic: bytes) -> None:
     assert Path(f"figures/figure-9.{form}").read_bytes().startswith(magic)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_every_figure_is_drawn_and_the_same_each_time(name: str, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")

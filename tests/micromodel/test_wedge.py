@@ -135,6 +135,7 @@ EXTREME = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", EXTREME)
 def test_extreme_profiles(values: dict[str, str]) -> None:
     done = verify("wedge", values)
@@ -143,6 +144,7 @@ def test_extreme_profiles(values: dict[str, str]) -> None:
     assert all(holds(load("wedge"), r.claim, r.witness) for r in done.results if r.witness is not None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("free", ["tan_alpha", "mu_beta"])
 def test_some_parameters_free(free: str) -> None:
     """What holds for all values holds with one parameter free and the others fixed."""
@@ -246,6 +248,7 @@ TRUTH: dict[str, tuple[Verdict, ...]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TRUTH)
 def test_mutants_get_their_verdict(name: str) -> None:
     assert dict(zip(CLAIMS, TRUTH[name], strict=True)) == {c: v for c, v in verdicts(found(name)).items() if c in CLAIMS}
@@ -256,6 +259,7 @@ def test_a_curve_that_jumps_with_a_parameter_is_not_proved_from_one_choice() -> 
     assert verify(CURVES["jump"], claims=["origin"])["origin"].verdict is not PROVED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*TRUTH, "specimen", "wedge"])
 def test_witnesses_hold_in_another_arithmetic(name: str) -> None:
     law = CURVES.get(name) or load("wedge")

@@ -27,6 +27,7 @@ def exact(mu, k, path, **options):
 # -- straight steps -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 10, 33, 35, 36])
 def test_one_step_a_segment_agrees_with_thirty_digits(seed):
     mu, k, path = polygon(seed)
@@ -71,6 +72,7 @@ def test_extreme_shapes_and_steps_stay_on_the_boundary(ratio, length):
         assert size <= 1 + 1e-14 and moved.multiplier >= 0.0 and 0.0 <= moved.free <= 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("along", [0, 1])
 @pytest.mark.parametrize("side", [1.0, -1.0])
 @pytest.mark.parametrize("turn", [1.0, -1.0])
@@ -104,6 +106,7 @@ def test_krieg_and_krieg_on_the_disk():
 # -- arcs ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kappa", [0.3, 0.9, 0.999, 1.0, 1.001, 1.5, 3.0, 40.0])
 @pytest.mark.parametrize("turns", [1.7, -1.7])
 def test_adlers_equation_against_many_chords(kappa, turns):
@@ -182,6 +185,7 @@ def test_constants_of_the_errors_at_the_end_of_three_quarters_of_a_turn():
 # -- other shapes -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "parameters", "k", "pressure"),
     [

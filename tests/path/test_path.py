@@ -31,6 +31,7 @@ def gauge(history):
 # -- what holds at every step -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("pressure", [-1.0, (-2.0, -0.5)])
 def test_states_stay_in_k_and_no_step_gives_energy_back(method, pressure):
@@ -90,6 +91,7 @@ def errors(method, steps):
     return np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "order"), [("implicit", 1), ("extrapolated", 2)])
 def test_order_of_convergence(method, order):
     found = errors(method, (256, 512, 1024))
@@ -114,6 +116,7 @@ def test_area_of_a_hysteresis_loop(method, plus, minus):
         assert area == pytest.approx(4 * plus * load * (amplitude - plus * load / k), rel=1e-13)
 
 
+@pytest.mark.slow
 def test_changing_pressure_along_a_line_is_exact_in_one_step():
     path = Path.random(seed=8, points=30, dimension=1, scale=2.0, pressure=(-3.0, -0.2))
     arguments = {"stiffness": 1.3, "parameters": {"mu_plus": 0.4, "mu_minus": 0.2}}

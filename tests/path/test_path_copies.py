@@ -55,6 +55,7 @@ def histories():
     yield simulate("antoni2007", Path.linear([[0, 0], [0.1, 0.05]], pressure=-1.0, control="stress"), stiffness=1.0, parameters=MU)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("copied", [pickled, copy.deepcopy], ids=["pickle", "deepcopy"])
 def test_histories_and_their_trajectories_are_the_same_after_copying(copied):
     for history in histories():

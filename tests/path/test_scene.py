@@ -242,6 +242,7 @@ def imported(folder, *arguments):
     return set(ran.stderr.split())
 
 
+@pytest.mark.slow
 def test_what_is_left_out_is_not_imported_and_changes_no_number(folder):
     assert imported(folder, "line.toml", "--out", "a.csv") == set()
     assert imported(folder, "plane.toml", "--out", "b.csv") == set()

@@ -48,6 +48,7 @@ def gauge(history):
     return np.linalg.norm(about / (np.where(about < 0.0, mu[:, 1], mu[:, 0]) * load), axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RUNS)
 def test_the_curve_keeps_the_knots_slips_on_the_boundary_and_rests_inside(name):
     history = run(name)
@@ -69,6 +70,7 @@ def test_the_curve_keeps_the_knots_slips_on_the_boundary_and_rests_inside(name):
     assert (np.diff(states.multiplier)[onto - 1] > 0.0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RUNS)
 def test_stress_slip_and_energies_between_the_knots_fit_each_other(name):
     history = run(name)
@@ -85,6 +87,7 @@ def test_stress_slip_and_energies_between_the_knots_fit_each_other(name):
     assert np.abs(np.cumsum((middle * dslip).sum(axis=1)) - states.dissipation[1:]).max() < 2e-5 * states.work[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [10, 36])
 @pytest.mark.parametrize("coupling", [0.0, 1e-15])
 def test_states_between_the_knots_agree_with_thirty_digits(seed, coupling):
@@ -104,6 +107,7 @@ def test_states_between_the_knots_agree_with_thirty_digits(seed, coupling):
             assert abs(getattr(states, name)[i] - float(value)) <= tolerance * max(1.0, float(value)), (name, i)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RUNS)
 def test_between_the_knots_the_curve_is_what_smaller_steps_find(name):
     history, fine = run(name), run(name, substeps=8)

@@ -28,6 +28,7 @@ def test_laws_that_declare_a_shape() -> None:
     assert set(WITH_SHAPE) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_SHAPE)
 def test_declared_boundary_is_where_g_vanishes_and_declared_slope_is_its(name: str) -> None:
     """g = 0 at gauge 1, and g grows by slope times the gauge's own size, at random boundary points and pressures."""

@@ -110,6 +110,7 @@ def test_every_law_against_brute_force(law: Law) -> None:
     np.testing.assert_allclose(answer.multiplier, work / euler, rtol=0, atol=1e-5 * np.max(work / euler))
 
 
+@pytest.mark.slow
 @EACH_LAW
 def test_the_unit_does_not_matter(law: Law) -> None:
     reference = solve(question(law).asked)

@@ -173,6 +173,7 @@ PERTURBED: list[tuple[str, dict[str, Any], float | None]] = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "parameters", "pressure"), PERTURBED, ids=lambda x: x if isinstance(x, str) else "")
 @pytest.mark.parametrize("condition", [1.0, 1e6])
 def test_no_stress_that_is_off_by_more_than_a_millionth_passes(
@@ -221,6 +222,7 @@ POINTS: list[tuple[str | Criterion, dict[str, Any], tuple[float, float]]] = [
 DRAWN = ("polygon", "quartic", "limacon", "matchstick", "superellipse", "cone", "bowl", "pyramid")  # declare no closed form
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "parameters", "point"), POINTS, ids=lambda x: x if isinstance(x, str) else getattr(x, "name", ""))
 @pytest.mark.parametrize("method", METHODS)
 def test_where_k_is_one_point_every_slip_goes(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import tracemalloc
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -22,6 +23,7 @@ from tests.oracles.projection import Exact, closest
 from tests.projection.declared_shapes import EPS, FIGURE_5, MU, WITH_SHAPE, off, values
 
 pytestmark = pytest.mark.usefixtures("many_digits")
+KERNELS = pytest.mark.parametrize("fast", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["numpy", "numba"])
 
 # -- against many digits ---------------------------------------------------------------------------------------------
 
@@ -46,7 +48,7 @@ def test_reference_values(trial: tuple[float, float], k: tuple[float, float], st
 Kernel = Callable[[Any, Any, Any, Any], tuple[np.ndarray, np.ndarray, np.ndarray]]
 
 
-@pytest.fixture(params=["numpy", "numba"])
+@pytest.fixture(params=["numpy", pytest.param("numba", marks=pytest.mark.slow)])  # what is slow is compiling
 def solved(request: pytest.FixtureRequest) -> Kernel:
     """Stress, slip and multiplier of a kernel, plain or compiled."""
     if request.param == "numba":
@@ -85,6 +87,7 @@ def exact(trial: np.ndarray, load: np.ndarray, mu: Any, k: Any) -> list[Exact]:
     return [closest(t, e, mu, k) for t, e in zip(trial.tolist(), load.tolist(), strict=True)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
 def test_diagonal_stiffness_componentwise(seed: int, solved: Kernel) -> None:
     """mu ratio up to 1e8, k ratio up to 1e12, |sigma_n| from 1e-290 to 1e290."""
@@ -128,6 +131,7 @@ def test_at_the_evolute_cusp(power: int, ratio: float, solved: Kernel) -> None:
             assert off(multiplier[n], answer.multiplier) <= 16
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(30))
 def test_full_stiffness_normwise(seed: int, solved: Kernel) -> None:
     """Condition up to 1e12; the result may lie in another quadrant than its trial."""
@@ -217,11 +221,12 @@ def test_memory_beyond_the_results_is_that_of_a_block() -> None:
 
 def test_compiled_kernel_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)
-    compiled.kernel.cache_clear()
+    monkeypatch.setattr(compiled, "kernel", cache(compiled.kernel.__wrapped__))  # nothing compiled yet, and what is stays
     with pytest.raises(MissingExtraError, match=r'pip install "duhem\[fast\]"'):
         duhem.project("antoni2007", [0.3, 0.2], -1.0, parameters=FIGURE_5, compiled=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_SHAPE)
 def test_compiled_kernel_agrees(name: str) -> None:
     pytest.importorskip("numba")
@@ -239,7 +244,7 @@ def test_compiled_kernel_agrees(name: str) -> None:
         assert (fast.status == plain.status).all()
 
 
-@pytest.mark.parametrize("fast", [False, True], ids=["numpy", "numba"])
+@KERNELS
 def test_a_number_out_of_range_fails_its_point_alone(fast: bool) -> None:
     if fast:
         pytest.importorskip("numba")
@@ -256,7 +261,7 @@ def test_the_multiplier_is_nan_where_a_slip_is_out_of_range(coupled: float, solv
     assert multiplier[1] == 0.0
 
 
-@pytest.mark.parametrize("fast", [False, True], ids=["numpy", "numba"])
+@KERNELS
 def test_the_arrays_of_an_earlier_solution_are_used_again(fast: bool) -> None:
     if fast:
         pytest.importorskip("numba")

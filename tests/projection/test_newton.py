@@ -18,6 +18,7 @@ from tests.campaigns.yield_surfaces import YIELD, campaign
 from tests.oracles.optimality import ANTONI, CONVEX, R, increment, radii, shortfall, stiffnesses
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "values"), CONVEX, ids=lambda x: x if isinstance(x, str) else "-".join(str(v) for v in x.values()))
 @pytest.mark.parametrize("kind", ["unit", "diagonal", "full"])
 def test_every_convex_law_from_near_and_far(law, values, kind):
@@ -121,6 +122,7 @@ def on_hosford(trial, limit, m):
     return [x + mean for x in at(by_bisection(-mp.pi / 2, mp.pi / 2, turns))[0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", ["1.001", "1.01", "1.1", "4", "100"])
 def test_exponents_next_to_one_and_high_in_high_precision(exponent):
     """Bends sharper than the digits of a stress: right to rounding, and known to be right."""
@@ -324,6 +326,7 @@ def test_endless_directions():
     assert found(increment(ball, [[1.0, 0.0]])).shape == (2, 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "values"), YIELD, ids=lambda x: x if isinstance(x, str) else str(x.get("m", "")))
 @pytest.mark.parametrize("size", [5e-3, 5e-2])
 def test_yield_surfaces_without_a_failure(law, values, size):

@@ -13,6 +13,7 @@ from tests.oracles.optimality import CONVEX, R, increment
 SMOOTH = [*(CONVEX[i] for i in (0, 6, 9, 10, 11, 16, 17, 24)), ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(4)})]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "values"), SMOOTH, ids=lambda x: x if isinstance(x, str) else "")
 def test_tangent_against_differences(law, values):
     rng = np.random.default_rng(8)

@@ -107,6 +107,7 @@ ROWS = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_never_a_wrong_verdict(row: Row) -> None:
     law = row.law()

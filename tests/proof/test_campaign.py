@@ -29,22 +29,26 @@ def outcome(place: int) -> Outcome:
     return judge(drawn()[place])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", range(COUNT), ids=lambda k: f"{[*FAMILIES][k % len(FAMILIES)].replace(' ', '-')}-{k // len(FAMILIES)}")
 def test_no_verdict_is_wrong(place: int) -> None:
     assert outcome(place).wrong == {}
 
 
+@pytest.mark.slow
 def test_few_claims_stay_open() -> None:
     marks = [text for place in range(COUNT) for text in outcome(place).claims.values()]
     assert marks.count("open") <= len(marks) // 50
 
 
+@pytest.mark.slow
 def test_the_campaign_repeats_itself() -> None:
     first = drawn()[:9]
     assert [t.law for t in trials(9, seed=2)] == [t.law for t in first]
     assert all(t.law.g != other.law.g for t, other in zip(first, trials(9, seed=3), strict=True))
 
 
+@pytest.mark.slow
 def test_every_family_has_true_and_false_laws() -> None:
     seen: dict[str, set[bool]] = {family: set() for family in FAMILIES}
     for trial in drawn():

@@ -170,6 +170,7 @@ INADMISSIBLE = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mutant", [*EQUIVALENT, *INADMISSIBLE], ids=lambda m: m.name)
 def test_mutants_of_the_law(mutant: Mutant) -> None:
     law = mutant.law()
@@ -257,6 +258,7 @@ def _faults() -> Iterator[str]:
         yield "two disks apart: convexity proved"
 
 
+@pytest.mark.slow
 def test_the_table_is_right() -> None:
     assert list(_faults()) == []
 
@@ -369,6 +371,7 @@ MUTATIONS: dict[str, Patch] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MUTATIONS)
 def test_mutants_of_duhem_are_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     MUTATIONS[name](monkeypatch)

@@ -68,6 +68,7 @@ def test_the_summary_follows_from_the_claims() -> None:
 # -- at and beside thresholds -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "at", "claim", "verdict"), THRESHOLDS, ids=lambda v: v if isinstance(v, str) else None)
 def test_thresholds(name: str, at: dict[str, str], claim: str, verdict: Verdict) -> None:
     here = verify(name, at, claims=[claim])
@@ -75,6 +76,7 @@ def test_thresholds(name: str, at: dict[str, str], claim: str, verdict: Verdict)
     assert _holds_elsewhere(here)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "e", "verdict"), LOBES)
 def test_lobes(n: int, e: str, verdict: Verdict) -> None:
     here = verify(lobe_law(n), {"e": e}, claims=["convexity"])
@@ -125,6 +127,7 @@ def _ids(row: tuple[str, dict[str, str], list[ProofMethod]]) -> str:
     return "-".join([row[0], *row[1].values()])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", [*CONVEX, *SMOOTH, *DISSIPATIVE], ids=_ids)
 def test_independent_methods_prove_the_same(row: tuple[str, dict[str, str], list[ProofMethod]]) -> None:
     """Each on a case of its own, so that none profits from what another asked."""
@@ -159,6 +162,7 @@ FALSE = [asked for asked in STATED if KNOWN[asked[0]][asked[2]] is REFUTED] + li
 TRUE = [asked for asked in STATED if KNOWN[asked[0]][asked[2]] is PROVED and asked[2] in PROVERS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "at", "claim"), FALSE, ids=lambda v: v if isinstance(v, str) else None)
 def test_no_method_proves_what_is_false(name: str, at: dict[str, str], claim: str) -> None:
     """Asked directly, also those that the order of the claim never reaches."""
@@ -168,6 +172,7 @@ def test_no_method_proves_what_is_false(name: str, at: dict[str, str], claim: st
     ] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "at", "claim"), TRUE, ids=lambda v: v if isinstance(v, str) else None)
 def test_no_method_refutes_what_is_true(name: str, at: dict[str, str], claim: str) -> None:
     assert [method.__module__ for method in REFUTERS[claim] if method(_subject(name, at)) is not None] == []

@@ -264,6 +264,7 @@ PIECES = {  # without a gauge to read off; the truth by hand, each side of each 
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "truth"), PIECES.items())
 def test_seams_between_curved_pieces(g: str, truth: tuple[bool, bool]) -> None:
     found = verify(_law(g, pressure=None), claims=["convexity", "smoothness"])
@@ -296,6 +297,7 @@ _R = "norm(sigma_a, sigma_b)"
 _WAVE = "(sigma_a**4 - 6*sigma_a**2*sigma_b**2 + sigma_b**4)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("e", "convex"), [("0.0668", False), ("0.06666667", False), ("1/15", True), ("0.0666", True), ("-1/15", True), ("-0.0668", False)]
 )

@@ -152,12 +152,14 @@ POINTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RUNS)
 def test_runs_are_legible(name: str) -> None:
     places = RUNS[name]().plot()
     assert len(places) == 3 and faults(places[0].figure) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BENCHES)
 def test_benchmarks_are_legible(name: str) -> None:
     assert faults(draw(BENCHES[name]())[0].figure) == []
@@ -178,6 +180,7 @@ SETTINGS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "settings"), SETTINGS, ids=[f"{n} {s}" for n, s in SETTINGS])
 def test_the_figures_of_the_paper_are_legible(name: str, settings: dict[str, float]) -> None:
     from duhem.micromodel.figures.drawing import draw as drawn
@@ -204,6 +207,7 @@ def spoiled() -> Iterator[tuple[str, Callable[[Sheet], object]]]:
     yield "legend covers", lambda s: first(s).legend(loc="center", framealpha=1.0, labelspacing=8.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("said", "spoil"), [*spoiled()])
 def test_a_spoiled_picture_is_caught(said: str, spoil: Callable[[Sheet], object]) -> None:
     sheet = scene().plot()[0].figure
@@ -270,6 +274,7 @@ def test_axes_of_ones_own_are_drawn_on_and_returned(tmp_path) -> None:
     stress_path(own[2], trajectory(history))
 
 
+@pytest.mark.slow
 def test_nothing_of_the_readers_settings_changes_and_none_of_them_matters(tmp_path) -> None:
     import matplotlib
 

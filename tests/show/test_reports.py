@@ -78,6 +78,7 @@ REPORTS: dict[str, Callable[[], Callable[[Page], str]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REPORTS)
 def test_a_report_keeps_to_its_width_and_loses_nothing(name: str) -> None:
     shown = REPORTS[name]()
@@ -93,6 +94,7 @@ def piped(*arguments: str) -> str:
     return subprocess.run([sys.executable, "-m", "duhem", *arguments], capture_output=True, text=True, timeout=120).stdout
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals")
 @pytest.mark.parametrize("arguments", [["list"], ["explain", "convexity"], ["verify", "coulomb", "--claims", "origin"]], ids=" ".join)
 def test_a_terminal_is_as_wide_as_it_says(arguments: list[str]) -> None:

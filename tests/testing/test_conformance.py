@@ -110,6 +110,7 @@ def test_a_failure_says_what_where_and_how_to_see_it_again() -> None:
         assert part in text
 
 
+@pytest.mark.slow
 def test_a_failure_is_shrunk() -> None:
     (failure,) = conformance("coulomb", nothing, DISK, checks=["feasibility"], max_examples=20, seconds=4.0).failures
     case = failure.case

@@ -84,6 +84,7 @@ def accepted(report: Report, method: str) -> None:
     assert report.flagged_share <= most, f"{report.flagged} of {report.points} flagged"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("name", "values"), [*ALWAYS, *AT_VALUES], ids=shown)
 def test_increments_have_every_property(name: str, values: dict[str, str], method: str) -> None:
@@ -99,6 +100,7 @@ def test_increments_have_every_property(name: str, values: dict[str, str], metho
     assert set(report.passed) == {c.name for c in asked} - left_out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [name for name, imported in METHODS.items() if imported().tangent is not None])
 @pytest.mark.parametrize(("name", "values"), [*ALWAYS, *AT_VALUES], ids=shown)
 def test_tangents_are_symmetric_between_0_and_k_and_the_slope(name: str, values: dict[str, str], method: str) -> None:
@@ -126,6 +128,7 @@ def cone(trial: np.ndarray, *_: object, **__: object) -> np.ndarray:
     return trial  # the checks of the law never ask
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SMOOTH)
 def test_one_normal_at_every_seam(name: str) -> None:
     report = conformance(name, cone, checks=[check("smoothness")], rows=3, max_examples=10 * DEEP)
@@ -133,6 +136,7 @@ def test_one_normal_at_every_seam(name: str) -> None:
     assert report.passed == ("smoothness",) or len(duhem.load(name).forces) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CORNERS)
 def test_two_normals_at_a_corner(name: str) -> None:
     report = conformance(name, cone, checks=[check("smoothness")], rows=10, max_examples=30, seconds=1.0)

@@ -63,6 +63,7 @@ def test_parameters_lie_in_the_domain(law: str) -> None:
         assert all(bool(c.subs({table[n]: v for n, v in values.items()})) for c in known.constraints)
 
 
+@pytest.mark.slow
 def test_trials_lie_on_next_to_and_far_from_the_boundary() -> None:
     found = np.array(drawn(trials("coulomb", DISK, -1.0), 800))
     gap = np.hypot(*found.T) / 0.3 - 1.0

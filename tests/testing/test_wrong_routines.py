@@ -134,6 +134,7 @@ MUTANTS: dict[str, tuple[Callable[..., object], str, dict[str, float], set[str],
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MUTANTS)
 def test_a_wrong_routine_is_refused_by_the_right_checks(name: str) -> None:
     update, law, values, must, cannot = MUTANTS[name]
@@ -147,6 +148,7 @@ def test_a_wrong_routine_is_refused_by_the_right_checks(name: str) -> None:
         assert violation(failure.check, law, update, failure.case, open_parameters=())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "values"),
     [
@@ -177,6 +179,7 @@ def test_a_set_that_is_not_convex_is_refused(law: str, values: dict[str, str]) -
     assert max(level[:2]) <= 1e-12 * abs(level[2]) and level[2] > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["radial-flow", "rotated-flow"])
 def test_a_flow_that_is_not_normal_is_refused(law: str) -> None:
     """The implicit step of each flow rule for k = 1, by hand: both stay in K and dissipate, and neither is a closest point."""
