@@ -279,6 +279,7 @@ def test_a_claim_that_is_undefined_or_infinite_is_no_claim() -> None:
             assert "cannot be evaluated" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("owner", "attribute", "wrong", "name"),
     [

@@ -23,6 +23,7 @@ def test_a_held_number_is_one_object_with_the_value_of_its_rational() -> None:
     assert abs(mpmath_.evaluate(power, {}, 40) - mpmath_.evaluate(sp.exp(value * sp.log(sp.Rational(3, 10))), {}, 40)) < 1e-39
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("p", [P, "2.99", "1.0700001"])
 def test_a_law_with_such_an_exponent_is_verified(p: str) -> None:
     done = verify("superellipse", LAW | {"p": p})

@@ -182,6 +182,7 @@ def test_huber_stays_put_however_far_an_outlier_goes():
     assert np.allclose(seen[0], seen[1], rtol=2e-4) and np.allclose(seen[0], seen[2], rtol=2e-4)
 
 
+@pytest.mark.slow
 def test_bootstrap_is_seeded_and_has_the_size_of_the_covariance():
     given = table(PAPER, m=24, seed=2, noise=400.0)
     columns = {n: given[:, i] for i, n in enumerate(("sigma_a", "sigma_b", "sigma_n"))} | {"scatter": np.full(24, 400.0)}

@@ -245,6 +245,7 @@ CURVED = [
 FAMILY = [(lobe_law(n), {"e": e}, verdict) for n, e, verdict in LOBES]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "values", "verdict"), CURVED + FAMILY, ids=lambda x: x.name if isinstance(x, Criterion) else None)
 def test_thresholds_agree_with_the_curvature_of_the_boundary(law: Criterion, values: dict[str, str], verdict: Verdict) -> None:
     least = _curvatures(law, values).min()

@@ -56,6 +56,7 @@ def test_brackets_hold_the_roots():
     assert PAPER.local_friction(plus="1/3").low <= sp.Rational(1, 4) <= PAPER.local_friction(plus="1/3").high
 
 
+@pytest.mark.slow
 def test_consistent_local_friction():
     found = PAPER.consistent("0.01")
     assert found.both is not None and sp.Rational(242, 1000) in found.both
@@ -100,6 +101,7 @@ def test_errata_follow_the_experiment():
     assert rounded.numbers["mu_a_plus at 0.25"] == other.predicted("0.25").plus != sp.Rational(1, 3)
 
 
+@pytest.mark.slow
 def test_table_as_text():
     text = PAPER.to_text()
     assert "0.33333     0.30667" in text and "errata of the print" in text and "-2*F_0" in text

@@ -170,6 +170,7 @@ def test_the_apparent_coefficient_is_the_papers() -> None:
     assert sp.cancel(facets.apparent(x, y, +1) - (x + y) / (1 - x * y)) == 0
 
 
+@pytest.mark.slow
 def test_wrong_statements_are_not_proved(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     request.addfinalizer(facets.averages.cache_clear)
     right = proofs._bracket()

@@ -166,6 +166,7 @@ def deviation(values: Mapping[str, str], phi: float) -> float:
         return float(mpmath.degrees(abs(mpmath.atan2(d[0] * slope[0] + d[1] * slope[1], d[0] * slope[1] - d[1] * slope[0]))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", [SPECIMEN, DENTED, {"tan_alpha": "2", "tan_beta": "1/2", "mu_alpha": "2/5", "mu_beta": "1/10"}])
 def test_greatest_deviation_by_optimisation(values: dict[str, str]) -> None:
     witness = verify("wedge", values, claims=["normality"])["normality"].witness

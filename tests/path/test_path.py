@@ -43,6 +43,7 @@ def test_states_stay_in_k_and_no_step_gives_energy_back(method, pressure):
     assert np.allclose(history.psi, 0.5 * (history.stress**2 / K).sum(axis=1), rtol=1e-15, atol=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "pressure"), [("implicit", -1.0), ("implicit", (-2.0, -0.5)), ("exact", -1.0), ("exact", (-2.0, -0.5))])
 def test_the_energy_of_each_step_balances_to_rounding(method, pressure):
     history = walk(pressure=pressure, method=method, substeps=3)

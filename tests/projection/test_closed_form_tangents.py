@@ -16,6 +16,7 @@ from tests.projection.declared_shapes import FIGURE_5, MU, WITH_SHAPE, values
 pytestmark = pytest.mark.usefixtures("many_digits")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [np.eye(2), np.diag([1.0, 7.0]), np.array([[2.0, 1.0], [1.0, 3.0]])], ids=["isotropic", "diagonal", "full"])
 def test_tangents_are_derivatives_of_the_exact_step(k: np.ndarray) -> None:
     rng = np.random.default_rng(11)

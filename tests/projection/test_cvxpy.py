@@ -94,6 +94,7 @@ def test_line() -> None:
     np.testing.assert_allclose(answer.multiplier, [0.3 / 4 * 0.2, 0.4 / 4 * 0.1, 0.0, 0.05 / 4 * 0.1], atol=1e-10)
 
 
+@pytest.mark.slow
 @EACH_LAW
 def test_every_law_against_brute_force(law: Law) -> None:
     asked = question(law)
@@ -158,6 +159,7 @@ def test_trial_inside_is_kept_to_the_last_bit() -> None:
     assert not answer.slip.any() and not answer.multiplier.any() and not answer.failed.any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [LAWS[2], LAWS[5], LAWS[10]], ids=Law.label)
 def test_a_batch_is_its_points(law: Law) -> None:
     trial = np.random.default_rng(4).normal(size=(11, 2))

@@ -283,6 +283,7 @@ def test_zero_margins_are_proved(law: str, at: dict[str, str]) -> None:
     assert verify(law, at, claims=["convexity"])["convexity"].verdict is PROVED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "at"), [("limacon", {"e": "0.50000001"}), ("quartic", {"c": "6.00000001"}), ("lobes", {"e": "-0.10000001"})]
 )
@@ -308,6 +309,7 @@ def test_a_dent_that_random_chords_miss(e: str, convex: bool) -> None:
         assert found["convexity"].verdict is PROVED if convex else _refuted(found, "convexity")
 
 
+@pytest.mark.slow
 def test_a_fine_texture_is_not_missed() -> None:
     """Twelve lobes of depth 1/145 + 1e-6: the dents are narrow and shallow."""
     law = lobe_law(12)

@@ -165,6 +165,7 @@ def test_benchmarks_are_legible(name: str) -> None:
     assert faults(draw(BENCHES[name]())[0].figure) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", POINTS)
 def test_identifications_are_legible(name: str) -> None:
     assert faults(POINTS[name]().plot().figure) == []

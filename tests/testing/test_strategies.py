@@ -51,6 +51,7 @@ def test_stiffnesses_are_positive_definite_in_three_forms(d: int) -> None:
     assert (full > 20) == (d > 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["shifted-ellipse", "superellipse", "limacon", "lobes", "drucker1949"])
 def test_parameters_lie_in_the_domain(law: str) -> None:
     known = duhem.load(law)
