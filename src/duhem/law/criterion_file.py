@@ -81,6 +81,7 @@ class _CriterionReader:
                 flow=flow,
                 summary=self.line("criterion", "summary", required=False),
                 source=self.line("criterion", "source", required=False),
+                written=self.string("criterion", "g"),
             )
         except InputError as fault:
             raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None

@@ -36,7 +36,8 @@ class Criterion(Verbatim):
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over
     :meth:`symbols`; text is parsed safely, nothing in it is executed.  ``flow`` is the slip direction field, one
     expression per force; None means associated (normality rule, Antoni et al. 2007, Eq. 36).  ``closed_form`` states the
-    shape of K where the slip increment onto it has one.
+    shape of K where the slip increment onto it has one.  ``written`` is g as it was given, where that was text: an expression
+    is simplified as it is built, and who checks a proof wants the formula that was stated.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Criterion(Verbatim):
     summary: str = ""
     source: str = ""
     closed_form: Shape | None = None
+    written: str = field(default="", repr=False, compare=False)
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -58,6 +60,8 @@ class Criterion(Verbatim):
         self._check_names()
         put(self, "_symbols", self._declared())
         known = self.symbols()
+        if isinstance(self.g, str):
+            put(self, "written", self.g)
         put(self, "g", _expression(self.g, known, f"g of {self.name}"))
         put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}") for c in self.constraints))
         if self.flow is not None:
