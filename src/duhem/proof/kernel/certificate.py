@@ -1,0 +1,66 @@
+"""A certificate read and checked: the statement rebuilt from the law's text, every proof confirmed by a rule or not at all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from fractions import Fraction
+from hashlib import sha256
+from typing import Any, NamedTuple
+
+from duhem.proof.kernel.claims import confirmed
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.term import NotWritten
+
+__all__ = ["CLAIMS", "SCHEMA", "Rechecked", "digest", "recheck"]
+
+SCHEMA = "duhem certificate 1"
+CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
+
+
+class Rechecked(NamedTuple):
+    """One claim of a certificate: what it says and whether the kernel ``confirmed`` it; ``reason`` where it did not."""
+
+    claim: str
+    verdict: str
+    trust: str
+    confirmed: bool
+    reason: str
+
+
+def digest(document: Mapping[str, Any]) -> str:
+    """The hash of a certificate's content: what is in it but the hash, as JSON with sorted keys and no blanks."""
+    content = {key: value for key, value in document.items() if key != "sha256"}
+    return sha256(json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()).hexdigest()
+
+
+def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
+    """Every claim of a certificate.  Raises NotWritten where it is none: another schema, hash or law, or an empty domain."""
+    try:
+        if document["schema"] != SCHEMA or document["sha256"] != digest(document):
+            raise NotWritten("the schema or the hash is another")
+        law = StatedLaw.read(document["law"])
+        if not law.inhabited({name: Fraction(value) for name, value in document["inhabited"].items()}):
+            raise NotWritten("no point of the parameters' domain is given")
+        stated = [(c["claim"], c["verdict"], c["trust"], c["rule"], c["evidence"]) for c in document["claims"]]
+    except (KeyError, TypeError, ValueError, AttributeError, ZeroDivisionError, RecursionError) as fault:
+        raise NotWritten(f"it is no certificate ({type(fault).__name__})") from None
+    if len({claim for claim, *_ in stated}) < len(stated) or not {claim for claim, *_ in stated} <= set(CLAIMS):
+        raise NotWritten("a claim is stated twice or is none")
+    settled, rows = set[str](), list[Rechecked]()
+    for claim, verdict, trust, rule, evidence in sorted(stated, key=lambda c: CLAIMS.index(c[0])):
+        holds, reason = False, "only proofs are checked"
+        if verdict == "proved":
+            holds, reason = _confirmed(claim, rule, frozenset(settled), law, evidence)
+        if holds:
+            settled.add(claim)
+        rows.append(Rechecked(claim, verdict, trust, holds, "" if holds else reason))
+    return tuple(rows)
+
+
+def _confirmed(claim: str, rule: str, settled: frozenset[str], law: StatedLaw, evidence: Mapping[str, Any]) -> tuple[bool, str]:
+    try:
+        holds = rule is not None and confirmed(claim, rule, settled, law, evidence)
+        return holds, "no rule for this argument" if rule is None else f"the rule {rule!r} does not show it"
+    except (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as fault:
+        return False, f"its evidence cannot be read ({type(fault).__name__})"

@@ -1,0 +1,119 @@
+"""The claims as statements about a law's text, and the rules that prove them.  What no rule reaches is not confirmed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+from duhem.proof.kernel.curvature import Facts, facts, over
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
+from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.support import is_support_function
+from duhem.proof.kernel.term import Term, minus, number, parse
+
+__all__ = ["RULES", "confirmed", "rules_of"]
+
+Evidence = Mapping[str, Any]
+Rule = Callable[[StatedLaw, Evidence], bool]
+
+
+def confirmed(claim: str, rule: str, settled: frozenset[str], law: StatedLaw, evidence: Evidence) -> bool:
+    """Whether ``rule`` proves ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already."""
+    needed, check = RULES.get((claim, rule), (frozenset(), lambda *_: False))
+    return needed <= settled and check(law, evidence)
+
+
+def rules_of(claim: str) -> tuple[str, ...]:
+    """The rules that may prove a claim, in order."""
+    return tuple(rule for name, rule in RULES if name == claim)
+
+
+def _shape(law: StatedLaw) -> Facts:
+    return facts(law.g, over(law))
+
+
+def _at_zero(law: StatedLaw) -> Facts:
+    """g at zero force."""
+    return facts(law.g.put({Term("name", name=f): number(0) for f in law.forces}), over(law))
+
+
+def _inside(law: StatedLaw) -> bool:
+    """Whether g(0) < 0."""
+    here = _at_zero(law)
+    return here.defined and here.sign == NEGATIVE
+
+
+def origin(law: StatedLaw, _: Evidence) -> bool:
+    """g(0) is defined and <= 0."""
+    here = _at_zero(law)
+    return here.defined and not here.sign & POSITIVE
+
+
+def convexity(law: StatedLaw, _: Evidence) -> bool:
+    """g is defined everywhere and quasiconvex, so that every {g <= 0} is convex."""
+    shape = _shape(law)
+    return shape.defined and shape.quasiconvex
+
+
+def smoothness(law: StatedLaw, _: Evidence) -> bool:
+    """g is C^1 where g = 0, and has no minimum there: it is convex and negative at the origin."""
+    shape = _shape(law)
+    return shape.defined and shape.convex and _inside(law) and smooth_near_the_boundary(law.g, over(law))
+
+
+def one_force(law: StatedLaw, _: Evidence) -> bool:
+    """A convex set on a line that has an inside is bounded by at most two points, each with one normal."""
+    return len(law.forces) == 1 and _shape(law).defined and _inside(law)
+
+
+def associated(law: StatedLaw, _: Evidence) -> bool:
+    """The flow of a law without one of its own is the normal cone of K, K being convex."""
+    return law.flow is None
+
+
+def fenchel(law: StatedLaw, _: Evidence) -> bool:
+    """d in the normal cone at sigma and 0 in K: d . (0 - sigma) <= 0."""
+    return True
+
+
+def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
+    """The ``potential`` of the evidence, in the slips that its ``slips`` names for the forces, is the support function of K."""
+    return "potential" in evidence and is_support_function(parse(evidence["potential"]), dict(evidence["slips"]), over(law))
+
+
+def quadratic_energy(law: StatedLaw, _: Evidence) -> bool:
+    """psi = (u - w) . k (u - w)/2, k = L L^T: dpsi/du = k (u - w) = -dpsi/dw, and psi is the sum of (L^T (u - w))_j^2/2."""
+    d, domain, half = len(law.forces), over(law), number(Fraction(1, 2))
+    u, w = ([Term("name", name=f"{x} {i}") for i in range(d)] for x in "uw")
+    factor = [[Term("name", name=f"l {i} {j}") if i >= j else number(0) for j in range(d)] for i in range(d)]
+    lift = [_sum(a, minus(b)) for a, b in zip(u, w, strict=True)]
+    stress = [_sum(*(_product(factor[i][k], factor[j][k], lift[j]) for j in range(d) for k in range(d))) for i in range(d)]
+    rows = [_sum(*(_product(factor[i][j], lift[i]) for i in range(d))) for j in range(d)]
+    energy = domain.polynomial(_product(half, _sum(*(_product(a, b) for a, b in zip(lift, stress, strict=True)))))
+    for x, force in [*zip(u, stress, strict=True), *zip(w, map(minus, stress), strict=True)]:
+        slope = {tuple((y, n - (y == x)) for y, n in m if n > (y == x)): c * dict(m)[x] for m, c in energy.items() if x in dict(m)}
+        if slope != domain.polynomial(force):
+            return False
+    return energy == domain.polynomial(_product(half, _sum(*(_product(r, r) for r in rows))))
+
+
+def _sum(*terms: Term) -> Term:
+    return Term("+", terms)
+
+
+def _product(*terms: Term) -> Term:
+    return Term("*", terms)
+
+
+_NONE: frozenset[str] = frozenset()
+RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
+    ("origin", "evaluation"): (_NONE, origin),
+    ("convexity", "composition"): (_NONE, convexity),
+    ("smoothness", "composition"): (_NONE, smoothness),
+    ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force),
+    ("normality", "normality-rule"): (frozenset({"convexity"}), associated),
+    ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),
+    ("duality", "polar-gauge"): (_NONE, polar_gauge),
+    ("state_laws", "symbolic"): (_NONE, quadratic_energy),
+}

@@ -1,0 +1,229 @@
+"""Convexity of K by composition: what every part of the formula is follows from its arguments, one theorem a rule.
+
+Rules: Grant, Boyd, Ye (2006), Disciplined convex programming; Agrawal, Boyd (2020), Disciplined quasiconvex programming.
+A part counts only where it is shown to be defined, for all forces, the whole domain and every pressure sigma_n < 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, signs_of_product
+from duhem.proof.kernel.term import Term, minus, number
+
+__all__ = ["Facts", "facts", "over"]
+
+_HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is shown of a part: ``defined`` everywhere, its ``sign``, its curvature in the forces."""
+
+    defined: bool = False
+    sign: Sign = ANY
+    convex: bool = False
+    concave: bool = False
+    quasiconvex: bool = False
+
+    @property
+    def affine(self) -> bool:
+        """Convex and concave."""
+        return self.convex and self.concave
+
+    @property
+    def nonnegative(self) -> bool:
+        """>= 0 everywhere."""
+        return not self.sign & NEGATIVE
+
+    @property
+    def convex_in_size(self) -> bool:
+        """Whether |x| is convex."""
+        return self.affine or (self.convex and self.nonnegative) or (self.concave and not self.sign & POSITIVE)
+
+    def negated(self) -> Facts:
+        """Of -x."""
+        return Facts(self.defined, signs_of_product(self.sign, NEGATIVE), self.concave, self.convex, self.concave)
+
+
+def over(law: StatedLaw) -> StatedDomain:
+    """The domain of a law, its constants' signs by the rules below."""
+    return StatedDomain(law, lambda term, domain: facts(term, domain).sign)
+
+
+def facts(term: Term, domain: StatedDomain) -> Facts:
+    """What is shown of ``term`` over ``domain``."""
+    if term not in domain.shown:
+        known, plain = _facts(term, domain), domain.plain(term)
+        if plain is not term:  # its value is simpler; what must be defined is what was written
+            known = replace(facts(plain, domain), defined=known.defined)
+        if domain.constant(term):
+            sign = _sharpened(term, domain) if term.op in ("+", "*") and known.sign not in (NEGATIVE, ZERO, POSITIVE) else ANY
+            known = Facts(known.defined, known.sign & sign, True, True, True)
+        domain.shown[term] = known
+    found: Facts = domain.shown[term]
+    return found
+
+
+def _sharpened(term: Term, domain: StatedDomain) -> Sign:
+    """The signs of a constant that its polynomial leaves."""
+    for i, part in enumerate(map(domain.plain, term.args) if term.op == "+" else ()):
+        if part.op == "abs":  # |x| + y < 0 where x + y < 0 and -x + y < 0
+            sides = (Term("+", (*term.args[:i], x, *term.args[i + 1 :])) for x in (part.args[0], minus(part.args[0])))
+            signs = [facts(side, domain).sign for side in sides]
+            if not (signs[0] | signs[1]) & POSITIVE:
+                return signs[0] | signs[1]
+        if part.op == "norm":  # |x| + y <= 0 where y <= 0 and x . x <= y^2
+            rest = Term("+", (number(0), *term.args[:i], *term.args[i + 1 :]))
+            gap = Term("+", (Term("*", (rest, rest)), *(minus(Term("*", (a, a))) for a in part.args)))
+            if not facts(rest, domain).sign & POSITIVE and domain.nonnegative(gap):
+                return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
+    for turned, sign in ((term, POSITIVE), (minus(term), NEGATIVE)):
+        if domain.nonnegative(turned):
+            return sign if domain.nonnegative(turned, strict=True) else sign | ZERO
+    return ANY
+
+
+def _facts(term: Term, domain: StatedDomain) -> Facts:
+    if term.op == "number":
+        return Facts(True, POSITIVE if term.value > 0 else NEGATIVE if term.value else ZERO, True, True, True)
+    if term.op == "name":
+        return Facts(True, domain.of(term), True, True, True)
+    if term.op == "**":
+        return _power(term, domain)
+    parts = [facts(a, domain) for a in term.args]
+    x, defined = parts[0], all(p.defined for p in parts)
+    match term.op:
+        case "+":
+            return _total(term, parts, domain)
+        case "*":
+            return _product(term, parts, domain)
+        case "norm" | "abs":
+            convex, nonzero = all(p.convex_in_size for p in parts), any(not p.sign & ZERO for p in parts)
+            return Facts(
+                defined, ZERO if all(p.sign == ZERO for p in parts) else POSITIVE if nonzero else ZERO | POSITIVE, convex, False, convex
+            )
+        case "max":
+            return _greatest(parts)
+        case "min":
+            return _greatest([p.negated() for p in parts]).negated()
+        case "pos" | "neg":
+            x = x if term.op == "pos" else x.negated()
+            sign = x.sign & POSITIVE | (ZERO if x.sign & (ZERO | NEGATIVE) else 0)
+            return Facts(x.defined, sign, x.convex, False, x.quasiconvex)
+        case "exp":
+            return Facts(x.defined, POSITIVE, x.convex, False, x.quasiconvex)
+        case "log":
+            return Facts(x.defined and x.sign == POSITIVE, ANY, False, x.concave, x.quasiconvex)
+        case "tanh" | "atan":
+            return Facts(x.defined, x.sign, False, False, x.quasiconvex)
+        case "sin" | "cos":
+            return Facts(x.defined)
+        case "where" if (holds := _decided(term.args[0], domain)) is not None:
+            return replace(parts[1 if holds else 2], defined=defined)
+        case "<" | "<=" | ">" | ">=":
+            return Facts(defined)
+    return Facts()  # tan has poles, and where may jump: no rule
+
+
+def _decided(comparison: Term, domain: StatedDomain) -> bool | None:
+    """Whether a comparison of constants holds, where their signs tell."""
+    if not domain.constant(comparison):
+        return None
+    left, right = comparison.args if comparison.op in (">", ">=") else comparison.args[::-1]
+    sign = facts(Term("+", (left, minus(right))), domain).sign
+    holds = POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
+    return True if not sign & ~holds else False if not sign & holds else None
+
+
+def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
+    signs = [p.sign for p in parts if p.sign != ZERO]
+    together = 0
+    for s in signs or [ZERO]:
+        together |= s
+    if together & NEGATIVE and together & POSITIVE:
+        together = ANY
+    elif signs and any(not s & ZERO for s in signs):
+        together &= ~ZERO
+    moving = [p for a, p in zip(term.args, parts, strict=True) if not domain.constant(a)]
+    convex, concave = all(p.convex for p in parts), all(p.concave for p in parts)
+    quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
+    return Facts(all(p.defined for p in parts), together, convex, concave, quasi)
+
+
+def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
+    sign, scale, defined = POSITIVE, POSITIVE, all(p.defined for p in parts)
+    moving = [p for a, p in zip(term.args, parts, strict=True) if not domain.constant(a)]
+    for a, p in zip(term.args, parts, strict=True):
+        sign = signs_of_product(sign, p.sign)
+        scale = signs_of_product(scale, p.sign) if domain.constant(a) else scale
+    if len(moving) != 1:
+        return Facts(defined, sign)
+    x = moving[0] if not scale & NEGATIVE else moving[0].negated()
+    if scale & NEGATIVE and scale & POSITIVE:
+        return Facts(defined, sign, x.affine, x.affine, x.affine)
+    return replace(x, defined=defined, sign=sign)
+
+
+def _greatest(parts: list[Facts]) -> Facts:
+    together = 0
+    for p in parts:
+        together |= p.sign
+    if any(p.sign == POSITIVE for p in parts):
+        together = POSITIVE
+    elif any(p.nonnegative for p in parts):
+        together &= ~NEGATIVE
+    convex, quasi = all(p.convex for p in parts), all(p.quasiconvex for p in parts)
+    return Facts(all(p.defined for p in parts), together, convex, False, quasi)
+
+
+def _power(term: Term, domain: StatedDomain) -> Facts:
+    base, exponent = (facts(a, domain) for a in term.args)
+    p = term.args[1].value if term.args[1].op == "number" else None
+    whole = p is not None and p.denominator == 1
+    defined = base.defined and exponent.defined and (
+        base.sign == POSITIVE or (base.nonnegative and exponent.sign == POSITIVE) or bool(whole and p and (p > 0 or not base.sign & ZERO))
+    )  # fmt: skip
+    if p == 0:
+        return Facts(base.defined, POSITIVE, True, True, True)  # x**0 is 1, as in polynomials
+    if p == 1:
+        return base
+    if not domain.constant(term.args[1]):
+        return Facts(defined and base.sign == POSITIVE, POSITIVE if base.sign == POSITIVE else ANY)
+    if whole and p and p % 2 == 0:
+        sign = signs_of_product(base.sign, base.sign) if base.sign != ANY else ZERO | POSITIVE
+        return Facts(defined, sign, p > 0 and base.convex_in_size, False, p > 0 and base.convex_in_size)
+    if not base.nonnegative:
+        rising = bool(whole and p and p > 0)
+        return Facts(defined, base.sign if whole and p else ANY, False, False, rising and base.quasiconvex)
+    sign = base.sign if exponent.sign == POSITIVE else POSITIVE
+    if not facts(Term("+", (term.args[1], number(-1))), domain).sign & NEGATIVE:
+        return Facts(defined, sign, base.convex, False, base.quasiconvex)
+    if exponent.sign == POSITIVE:
+        below_one = not facts(Term("+", (_ONE, minus(term.args[1]))), domain).sign & NEGATIVE
+        convex = _minkowski(term, domain)
+        return Facts(defined, sign, convex, base.concave and below_one, base.quasiconvex or convex)
+    return Facts(defined, sign)
+
+
+def _minkowski(term: Term, domain: StatedDomain) -> bool:
+    """(sum c_i v_i^q)^(1/q), q >= 1, c_i >= 0, v_i convex and >= 0 (or |v_i| convex, q even): Minkowski's inequality."""
+    base, out = term.args
+    shared: Term | None = None
+    for part in base.args if base.op == "+" else (base,):
+        factors = part.args if part.op == "*" else (part,)
+        moving = [f for f in factors if not domain.constant(f)]
+        scale = facts(Term("*", (_ONE, *(f for f in factors if domain.constant(f)))), domain)
+        if not (scale.defined and scale.nonnegative):
+            return False
+        if not moving and out == _HALF:
+            continue  # the square of its root: one term more
+        if len(moving) != 1 or moving[0].op != "**" or (shared is not None and moving[0].args[1] != shared):
+            return False
+        inner, shared = moving[0].args
+        size, above = facts(inner, domain), facts(Term("+", (shared, number(-1))), domain).sign
+        even = shared.op == "number" and shared.value % 2 == 0
+        if above & NEGATIVE or not ((size.convex and size.nonnegative) or (even and size.convex_in_size)):
+            return False
+    return shared is not None and domain.polynomial(Term("*", (out, shared))) == {(): Fraction(1)}

@@ -1,0 +1,263 @@
+"""A law as its text says it, and the signs of its constants over the whole domain and every pressure sigma_n < 0.
+
+The sign of a sum of products is shown by three sound rules: every term has it; so it is once each variable is measured
+from an end of its range; so it is once a multiple of a constraint that has it is taken away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
+from itertools import islice, product
+from typing import Any, NamedTuple
+from unicodedata import normalize
+
+from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
+
+__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Sign", "StatedDomain", "StatedLaw"]
+
+Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
+NEGATIVE, ZERO, POSITIVE = 1, 2, 4
+ANY = NEGATIVE | ZERO | POSITIVE
+Monomial = tuple[tuple[Term, int], ...]
+Polynomial = dict[Monomial, Fraction]
+_ONE: Polynomial = {(): Fraction(1)}
+_MOST_TERMS, _MOST_BITS, _MOST_POWER, _MOST_CHOICES = 20_000, 8192, 12, 64
+
+
+class Bounds(NamedTuple):
+    """Where a parameter lies; None is no end, ``open`` leaves the end 0 of a positive one out."""
+
+    low: Fraction | None
+    high: Fraction | None
+    open: bool = False
+
+    @classmethod
+    def read(cls, entry: Mapping[str, Any]) -> Bounds:
+        """``{"value": v}``, ``{"positive": true, "max": …}`` or ``{"min": …, "max": …}``, numbers as text."""
+        ends = {key: None if end is None else _exact(end) for key, end in entry.items() if key != "positive"}
+        match sorted(entry):
+            case ["value"] if ends["value"] is not None:
+                return cls(ends["value"], ends["value"])
+            case ["positive"] | ["max", "positive"] if entry["positive"] is True:
+                return cls(Fraction(0), ends.get("max"), True)
+            case [] | ["max"] | ["min"] | ["max", "min"]:
+                return cls(ends.get("min"), ends.get("max"))
+        raise NotWritten("a domain is none")
+
+    def sign(self) -> Sign:
+        """The signs in it."""
+        below = NEGATIVE if self.low is None or self.low < 0 else 0
+        above = POSITIVE if self.high is None or self.high > 0 else 0
+        touches = not self.open and (self.low is None or self.low <= 0) and (self.high is None or self.high >= 0)
+        return below | above | (ZERO if touches else 0)
+
+    def holds(self, x: Fraction) -> bool:
+        """Whether ``x`` lies in it."""
+        return (self.low is None or x > self.low or (x == self.low and not self.open)) and (self.high is None or x <= self.high)
+
+
+def _exact(text: object) -> Fraction:
+    if not isinstance(text, str):
+        raise NotWritten("a number is not given as text")
+    return Fraction(text)
+
+
+class StatedLaw(NamedTuple):
+    """The law of a certificate; every formula is kept as written."""
+
+    forces: tuple[str, ...]
+    pressure: str | None
+    g: Term
+    flow: tuple[Term, ...] | None
+    parameters: Mapping[str, Bounds]
+    constraints: tuple[Term, ...]
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any]) -> StatedLaw:
+        """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
+        forces, pressure, flow_text = tuple(given["forces"]), given["pressure"], given["flow"]
+        if any(isinstance(part, str) for part in (given["forces"], given["constraints"], flow_text)):
+            raise NotWritten("a text stands where a list should")
+        parameters = {name: Bounds.read(entry) for name, entry in given["parameters"].items()}
+        names = [*forces, *([] if pressure is None else [pressure]), *parameters]
+        if not forces or any(not n.isidentifier() or n != normalize("NFKC", n) or n in (*WORDS, "pi") for n in names):
+            raise NotWritten("a name is none")
+        if len(set(names)) < len(names):
+            raise NotWritten("a name is declared twice")
+        fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
+        g, *flow = (parse(text).put(fixed) for text in (given["g"], *(flow_text or ())))
+        constraints = tuple(parse(text) for text in given["constraints"])
+        law = cls(forces, pressure, g, None if flow_text is None else tuple(flow), parameters, constraints)
+        if flow_text is not None and len(flow) != len(forces):
+            raise NotWritten("the flow has another number of components than there are forces")
+        if any(c.op not in COMPARISONS or not c.names() <= set(parameters) for c in law.constraints):
+            raise NotWritten("a constraint does not compare parameters")
+        if any(f.op in COMPARISONS or not f.names() <= {*names, "pi"} for f in (g, *flow)):
+            raise NotWritten("a name is not declared")
+        return law
+
+    def inhabited(self, point: Mapping[str, Fraction]) -> bool:
+        """Whether ``point`` satisfies the domain and every constraint, so that a claim over the domain is not empty."""
+        here = {Term("name", name=n): number(x) for n, x in point.items()}
+        domain = StatedDomain(self, lambda term, _: ANY)
+        gaps = [(domain.polynomial(_gap(c).put(here)), c.op) for c in self.constraints]
+        values = [(gap.get((), Fraction(0)), op) for gap, op in gaps if set(gap) <= {()}]
+        inside = set(point) == set(self.parameters) and all(self.parameters[n].holds(x) for n, x in point.items())
+        return inside and len(values) == len(gaps) and all(v > 0 or (v == 0 and len(op) == 2) for v, op in values)
+
+
+class StatedDomain:
+    """Signs over a law's domain.  What it says holds wherever the term is defined; what it does not say is not known."""
+
+    def __init__(self, law: StatedLaw, sign: Callable[[Term, StatedDomain], Sign]) -> None:
+        """``sign`` gives that of a constant which is no sum, product or whole power."""
+        self.law, self._sign = law, sign
+        self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
+        self._bounds = dict(law.parameters)
+        self._constraints = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]
+
+    def constant(self, term: Term) -> bool:
+        """Whether no force enters."""
+        return not term.names() & set(self.law.forces)
+
+    def of(self, atom: Term) -> Sign:
+        """The sign of what polynomials are written in."""
+        if atom.op != "name":
+            return self._sign(atom, self)
+        if atom.name in ("pi", self.law.pressure):
+            return POSITIVE if atom.name == "pi" else NEGATIVE
+        return ANY if atom.name in self.law.forces else self._bounds[atom.name].sign()
+
+    def nonnegative(self, term: Term, strict: bool = False) -> bool:
+        """Whether a constant is >= 0, or > 0, over the domain."""
+        return self._nonnegative(self.polynomial(term), strict, 2)
+
+    def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int) -> bool:
+        if any(self._by_terms(moved, strict) for moved in self._measured(poly)):
+            return True
+        for m, c in poly.items() if constraints else ():
+            for known, sharp in self._constraints:
+                for n, d in known.items():
+                    share = _joined(m, tuple((x, -k) for x, k in n))
+                    if (sign := self._of_term(share, c / d)) & NEGATIVE or not sign:
+                        continue
+                    rest = _sum(poly, _times({share: -c / d}, known))
+                    if self._nonnegative(rest, strict and not (sharp and sign == POSITIVE), constraints - 1):
+                        return True
+        return False
+
+    def _by_terms(self, poly: Polynomial, strict: bool) -> bool:
+        signs = [self._of_term(m, c) for m, c in poly.items()]
+        return not any(s & NEGATIVE for s in signs) and (not strict or POSITIVE in signs)
+
+    def _of_term(self, monomial: Monomial, factor: Fraction) -> Sign:
+        sign = POSITIVE if factor > 0 else NEGATIVE
+        for x, n in monomial:
+            own = self.of(x)
+            if n < 0 and own & ZERO:
+                return ANY
+            sign = signs_of_product(sign, own if n % 2 else signs_of_product(own, own) if own != ANY else ZERO | POSITIVE)
+        return sign
+
+    def _measured(self, poly: Polynomial) -> Iterator[Polynomial]:
+        """The polynomial with its variables measured from ends of their ranges, by distances that are >= 0."""
+        powers = {(x, n > 0) for m in poly for x, n in m}
+        turned = sorted(x for x, above in powers if above and x.name in self._bounds and (x, False) not in powers)
+        for choice in islice(product(*(self._ends(x) for x in turned)), _MOST_CHOICES):
+            moved = poly
+            for x, (end, i) in zip(turned, choice, strict=True):
+                if end != 0 or i:
+                    step = Term("name", name=f"{x.name} from end {i}")  # no name of a law has blanks
+                    self._bounds[step.name] = Bounds(Fraction(0), None, self._bounds[x.name].open and not i)
+                    moved = _replaced(moved, x, _sum({(): end}, {((step, 1),): Fraction(1 - 2 * i)}))
+            yield moved
+
+    def _ends(self, x: Term) -> list[tuple[Fraction, int]]:
+        """The ends of a variable's range, 0 for lower and 1 for upper; measuring from a lower end 0 changes nothing."""
+        return [(end, i) for i, end in enumerate(self._bounds[x.name][:2]) if end is not None] or [(Fraction(0), 0)]
+
+    def polynomial(self, term: Term) -> Polynomial:
+        """Sums, products and whole powers multiplied out, sizes of known sign undone; anything else is a variable of its own."""
+        term = self.plain(term)
+        if term.op == "number":
+            return {(): term.value} if term.value else {}
+        if term.op == "+":
+            return _sum(*(self.polynomial(a) for a in term.args))
+        if term.op == "*":
+            total = _ONE
+            for a in term.args:
+                total = _times(total, self.polynomial(a))
+            return total
+        if term.op == "**" and term.args[1].op == "number" and term.args[1].value.denominator == 1:
+            n, base = int(term.args[1].value), self.polynomial(term.args[0])
+            if 0 <= n <= _MOST_POWER:
+                total = _ONE
+                for _ in range(n):
+                    total = _times(total, base)
+                return total
+            if -_MOST_POWER <= n < 0 and len(base) == 1:
+                ((monomial, c),) = base.items()
+                return {tuple((x, k * n) for x, k in monomial): c**n}
+        return {((term, 1),): Fraction(1)}
+
+    def plain(self, term: Term) -> Term:
+        """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0 is its size."""
+        if term.op not in ("norm", "abs", "pos", "neg") or not self.constant(term):
+            return term
+        left = [a for a in term.args if self._sign(a, self) != ZERO] or [number(0)]
+        if len(left) > 1:
+            return term
+        (x,), sign = left, self._sign(left[0], self)
+        if not sign & NEGATIVE:
+            return number(0) if term.op == "neg" else x
+        if not sign & POSITIVE:
+            return number(0) if term.op == "pos" else minus(x)
+        return Term("abs", (x,)) if term.op == "norm" else term
+
+
+def signs_of_product(a: Sign, b: Sign) -> Sign:
+    """The signs that a product of one of ``a`` and one of ``b`` may have."""
+    parts = {NEGATIVE: -1, ZERO: 0, POSITIVE: 1}
+    found = {s * t for i, s in parts.items() for j, t in parts.items() if a & i and b & j}
+    return sum(i for i, s in parts.items() if s in found)
+
+
+def _gap(comparison: Term) -> Term:
+    """What a comparison says is >= 0."""
+    left, right = comparison.args if comparison.op in (">", ">=") else comparison.args[::-1]
+    return Term("+", (left, minus(right)))
+
+
+def _sum(*parts: Polynomial) -> Polynomial:
+    total: Polynomial = {}
+    for part in parts:
+        for m, c in part.items():
+            total[m] = total.get(m, Fraction(0)) + c
+    return {m: c for m, c in total.items() if c}
+
+
+def _joined(one: Monomial, two: Monomial) -> Monomial:
+    powers = dict(one)
+    for x, n in two:
+        powers[x] = powers.get(x, 0) + n
+    return tuple(sorted((x, n) for x, n in powers.items() if n))
+
+
+def _times(one: Polynomial, two: Polynomial) -> Polynomial:
+    if len(one) * len(two) > _MOST_TERMS:
+        raise NotWritten("a product has too many terms")
+    found = _sum(*({_joined(m, n): c * d} for m, c in one.items() for n, d in two.items()))
+    if any(max(c.numerator.bit_length(), c.denominator.bit_length()) > _MOST_BITS for c in found.values()):
+        raise NotWritten("a number is too long")
+    return found
+
+
+def _replaced(poly: Polynomial, x: Term, inner: Polynomial) -> Polynomial:
+    total: Polynomial = {}
+    for m, c in poly.items():
+        part: Polynomial = {tuple((y, n) for y, n in m if y != x): c}
+        for _ in range(dict(m).get(x, 0)):
+            part = _times(part, inner)
+        total = _sum(total, part)
+    return total

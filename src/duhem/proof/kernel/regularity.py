@@ -1,0 +1,85 @@
+"""Smoothness by composition: where a formula may fail to be C^1 in the forces, and which of its kinks cancel.
+
+A function that vanishes where it has a kink, and is Lipschitz, loses the kink under a power > 1 and inside a Euclidean
+norm: only the tip is left where the norm is 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, Polynomial, StatedDomain
+from duhem.proof.kernel.term import Term, number
+
+__all__ = ["smooth_near_the_boundary"]
+
+Switch = frozenset[tuple[object, object]]
+
+
+@dataclass(frozen=True)
+class Kinks:
+    """``kinks``: arguments on whose zeros it may not be C^1; ``zeros``: arguments where it vanishes; ``tips``: where it may be singular."""
+
+    kinks: frozenset[Switch] = frozenset()
+    zeros: frozenset[Switch] = frozenset()
+    tips: frozenset[Term] = frozenset()
+
+
+def smooth_near_the_boundary(law_g: Term, domain: StatedDomain) -> bool:
+    """Whether g is C^1 wherever g = 0: no kink is left, and where a tip is 0, g is not."""
+    found = _regularity(law_g, domain)
+    return found is not None and not found.kinks and all(_apart(law_g, tip, domain) for tip in found.tips)
+
+
+def _apart(g: Term, tip: Term, domain: StatedDomain) -> bool:
+    """Whether g with the tip put to 0 is a constant of one strict sign: g has that value wherever the tip is 0."""
+    put = g.put({tip: number(0)})
+    rest = facts(put, domain)
+    return rest.defined and domain.constant(put) and rest.sign in (NEGATIVE, POSITIVE)
+
+
+def _switch(term: Term, domain: StatedDomain) -> Switch:
+    """The zeros of a term, the same for all multiples of it by a number."""
+    poly: Polynomial = domain.polynomial(term)
+    first = poly[min(poly)] if poly else 1
+    return frozenset((m, c / first) for m, c in poly.items())
+
+
+def _regularity(term: Term, domain: StatedDomain) -> Kinks | None:
+    if domain.constant(term):
+        return Kinks()
+    if term.op == "name":
+        return Kinks(zeros=frozenset({_switch(term, domain)}))
+    parts = [_regularity(a, domain) for a in term.args]
+    known = [p for p in parts if p is not None]
+    if len(known) < len(parts):
+        return None
+    kinks, tips = (frozenset().union(*(getattr(p, part) for p in known)) for part in ("kinks", "tips"))
+    every, some = frozenset.intersection(*(p.zeros for p in known)), frozenset().union(*(p.zeros for p in known))
+    if term.op == "+":
+        return Kinks(kinks, every | {_switch(term, domain)}, tips)
+    if term.op == "*":
+        left = {k for i, p in enumerate(known) for k in p.kinks if not any(k in q.zeros for j, q in enumerate(known) if j != i)}
+        return Kinks(frozenset(left), some, tips)
+    if term.op in ("abs", "pos", "neg"):
+        here = frozenset({_switch(term.args[0], domain)})
+        return Kinks(kinks | here, known[0].zeros | here, tips)
+    if term.op in ("exp", "cos"):
+        return Kinks(kinks, tips=tips)
+    if term.op in ("sin", "tanh", "atan"):
+        return Kinks(kinks, known[0].zeros, tips)
+    if term.op == "norm" and all(p.kinks <= p.zeros for p in known):
+        return Kinks(frozenset(), every, tips | {term})
+    if term.op == "**" and domain.constant(term.args[1]):
+        base, p = known[0], facts(term.args[1], domain).sign
+        exponent = term.args[1].value if term.args[1].op == "number" else None
+        if exponent is not None and exponent.denominator == 1 and exponent >= 0:
+            return Kinks(
+                frozenset() if exponent > 1 and base.kinks <= base.zeros else base.kinks, base.zeros if exponent else frozenset(), tips
+            )
+        above_one = Term("+", (term.args[1], number(-1)))
+        if facts(above_one, domain).sign == POSITIVE:
+            return Kinks(frozenset() if base.kinks <= base.zeros else base.kinks, base.zeros, tips)
+        return Kinks(base.kinks, base.zeros if p == POSITIVE else frozenset(), tips | {term.args[0]})
+    return None

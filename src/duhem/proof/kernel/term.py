@@ -1,0 +1,163 @@
+"""A law's formula as its text says it: a tree of numbers, names, sums, products, powers and words.  Nothing is simplified.
+
+The kernel's own parser, so that what it checks is the formula as written and not what the prover's algebra made of it.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import NamedTuple
+
+__all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "minus", "number", "parse"]
+
+# least and greatest number of arguments
+WORDS = {
+    "abs": (1, 1), "sqrt": (1, 1), "exp": (1, 1), "log": (1, 1), "sin": (1, 1), "cos": (1, 1), "tan": (1, 1), "tanh": (1, 1),
+    "atan": (1, 1), "pos": (1, 1), "neg": (1, 1), "min": (1, 99), "max": (1, 99), "norm": (1, 99), "where": (3, 3),
+}  # fmt: skip
+COMPARISONS = ("<=", ">=", "<", ">")
+_DIGITS = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3}(?!\d))?"
+_TOKEN = re.compile(rf"\s*(?:{_DIGITS}|[^\W\d]\w*|\*\*|<=|>=|[-+*/(),<>])")
+_DEEPEST = 200
+
+
+class NotWritten(Exception):
+    """The text is no formula of the vocabulary."""
+
+
+class Term(NamedTuple):
+    """``op``: ``number`` (``value``), ``name`` (``name``), ``+``, ``*``, ``**`` (base, exponent), a comparison or a word."""
+
+    op: str
+    args: tuple[Term, ...] = ()
+    value: Fraction = Fraction(0)
+    name: str = ""
+
+    def names(self) -> frozenset[str]:
+        """Every name in the tree."""
+        return frozenset({self.name}) if self.op == "name" else frozenset().union(*(a.names() for a in self.args))
+
+    def put(self, swap: Mapping[Term, Term]) -> Term:
+        """The term with every occurrence of some sub-terms replaced, the largest first."""
+        return swap[self] if self in swap else self._replace(args=tuple(a.put(swap) for a in self.args))
+
+
+def number(value: Fraction | int) -> Term:
+    """A number as a term."""
+    return Term("number", value=Fraction(value))
+
+
+def minus(term: Term) -> Term:
+    """-x."""
+    return number(-term.value) if term.op == "number" else Term("*", (number(-1), term))
+
+
+def parse(text: str) -> Term:
+    """The formula or comparison in ``text``; x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2)."""
+    tokens, at = list[str](), 0
+    text = text.rstrip()
+    while at < len(text):
+        found = _TOKEN.match(text, at)
+        if found is None:
+            raise NotWritten(f"{text[at : at + 20]!r} is not understood")
+        tokens.append(found.group().strip())
+        at = found.end()
+    term, rest = _comparison(tokens, 0)
+    if rest != len(tokens):
+        raise NotWritten(f"{tokens[rest]!r} is one too many")
+    return term
+
+
+def _comparison(tokens: list[str], at: int, depth: int = 0) -> tuple[Term, int]:
+    left, at = _sum(tokens, at, depth)
+    if at < len(tokens) and tokens[at] in COMPARISONS:
+        sign = tokens[at]
+        right, at = _sum(tokens, at + 1, depth)
+        return Term(sign, (left, right)), at
+    return left, at
+
+
+def _sum(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
+    term, at = _product(tokens, at, depth)
+    terms = [term]
+    while at < len(tokens) and tokens[at] in "+-":
+        sign = tokens[at]
+        term, at = _product(tokens, at + 1, depth)
+        terms.append(term if sign == "+" else minus(term))
+    return (terms[0] if len(terms) == 1 else Term("+", tuple(terms))), at
+
+
+def _product(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
+    if at < len(tokens) and tokens[at] in "+-":
+        if depth > _DEEPEST:
+            raise NotWritten("the formula nests too deeply")
+        term, end = _product(tokens, at + 1, depth + 1)
+        return (term if tokens[at] == "+" else minus(term)), end
+    term, at = _power(tokens, at, depth)
+    factors = [term]
+    while at < len(tokens) and tokens[at] in ("*", "/"):
+        sign = tokens[at]
+        term, at = _signed_power(tokens, at + 1, depth)
+        factors.append(term if sign == "*" else Term("**", (term, number(-1))))
+    return (factors[0] if len(factors) == 1 else Term("*", tuple(factors))), at
+
+
+def _signed_power(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
+    if at < len(tokens) and tokens[at] in "+-":
+        if depth > _DEEPEST:
+            raise NotWritten("the formula nests too deeply")
+        term, end = _signed_power(tokens, at + 1, depth + 1)
+        return (term if tokens[at] == "+" else minus(term)), end
+    return _power(tokens, at, depth)
+
+
+def _power(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
+    base, at = _atom(tokens, at, depth)
+    if at < len(tokens) and tokens[at] == "**":
+        if depth > _DEEPEST:
+            raise NotWritten("the formula nests too deeply")
+        exponent, at = _signed_power(tokens, at + 1, depth + 1)
+        return Term("**", (base, exponent)), at
+    return base, at
+
+
+def _atom(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
+    if at >= len(tokens):
+        raise NotWritten("the formula ends too early")
+    if depth > _DEEPEST:
+        raise NotWritten("the formula nests too deeply")
+    token = tokens[at]
+    if token[0].isdigit() or (token[0] == "." and len(token) > 1):
+        return number(Fraction(token)), at + 1
+    if token == "(":
+        term, at = _comparison(tokens, at + 1, depth + 1)
+        return term, _closed(tokens, at)
+    if not token.isidentifier():
+        raise NotWritten(f"{token!r} stands where a value should")
+    if at + 1 < len(tokens) and tokens[at + 1] == "(":
+        return _call(tokens, at, depth)
+    return Term("name", name=unicodedata.normalize("NFKC", token)), at + 1  # as Python spells names
+
+
+def _call(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
+    word, args = tokens[at], list[Term]()
+    least, most = WORDS.get(word, (1, 0))
+    at += 1
+    while not args or tokens[at : at + 1] == [","]:
+        term, at = _comparison(tokens, at + 1, depth + 1)
+        args.append(term)
+    at = _closed(tokens, at)
+    if not least <= len(args) <= most:
+        raise NotWritten(f"{word} with {len(args)} arguments is no word")
+    if any((a.op in COMPARISONS) != (word == "where" and i == 0) for i, a in enumerate(args)):
+        raise NotWritten(f"a comparison stands where {word} takes none, or is missing")
+    return (Term("**", (args[0], number(Fraction(1, 2)))) if word == "sqrt" else Term(word, tuple(args))), at
+
+
+def _closed(tokens: list[str], at: int) -> int:
+    if tokens[at : at + 1] != [")"]:
+        raise NotWritten("a parenthesis is not closed")
+    return at + 1
