@@ -13,6 +13,7 @@ from duhem.cli.identify import identify
 from duhem.cli.init import init
 from duhem.cli.list_laws import list_laws
 from duhem.cli.project import project
+from duhem.cli.recheck import recheck
 from duhem.cli.simulate import simulate
 from duhem.cli.stress import stress
 from duhem.cli.verify import verify
@@ -33,5 +34,5 @@ def cli() -> None:
     """
 
 
-for command in (verify, derive, project, simulate, bench, stress, figures, identify, list_laws, init, explain, doctor):
+for command in (verify, recheck, derive, project, simulate, bench, stress, figures, identify, list_laws, init, explain, doctor):
     cli.add_command(command)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, TypeVar
 
@@ -12,7 +11,7 @@ import click
 from duhem.cli.arguments import read_fixed_formula, read_numbers
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
 from duhem.cli.output import Progress, page, say
-from duhem.errors import InputError
+from duhem.show.place import check_place, write
 from duhem.version import __version__
 
 if TYPE_CHECKING:
@@ -52,22 +51,13 @@ def carry_out(
 
     if plot is not None:
         figure.check(plot)
+    if json_file is not None:
+        check_place(json_file)
     with Progress("measuring") as progress:
         done = measure(progress)
     say(text(done, page()))
     if json_file is not None:
-        _write(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False))
+        write(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False))
     if plot is not None:
         draw(done, plot)
     return INTERRUPTED if done.interrupted else FAILED if done.failed else HELD
-
-
-def _write(file: str, content: str) -> None:
-    """Write a result, whole or not at all."""
-    beside = f"{file}.writing"
-    try:
-        with open(beside, "w", encoding="utf-8") as stream:
-            stream.write(content + "\n")
-        os.replace(beside, file)
-    except OSError as fault:
-        raise InputError(f"the file cannot be written: {fault.strerror}", where=file, remedy="write where you may") from None

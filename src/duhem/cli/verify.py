@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -25,15 +26,22 @@ __all__ = ["verify"]
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
 )
+@click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON (laws given by a formula).")
 @click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
-def verify(law: str, settings: Sequence[str], claims: str | None, form: str, strict: bool) -> int:
+def verify(law: str, settings: Sequence[str], claims: str | None, form: str, certificate: str | None, strict: bool) -> int:
     """Prove or refute what is claimed of LAW.
 
     Each claim is decided over the whole parameter domain and for every pressure, unless --set fixes a parameter.  Results
     go to standard output, progress to standard error.
     """
+    from duhem.law import catalogue
+    from duhem.show.place import check_place, write
+
     asked = None if claims is None else read_claims(claims)
     fixed = read_fixed_law(law, settings)
+    if certificate is not None:
+        catalogue.load_formula(fixed)  # a boundary curve has no text that the kernel reads
+        check_place(certificate)
 
     from duhem.proof import report_json, report_text, verification
 
@@ -50,6 +58,10 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, str
         say(report_json.interrupted(fixed, decided) if form == "json" else report_text.interrupted(fixed, decided, page()))
         return INTERRUPTED
     say(report_json.complete(done) if form == "json" else report_text.complete(done, page()))
+    if certificate is not None:
+        from duhem.proof.certificate import certificate as certified
+
+        write(certificate, json.dumps(certified(done), indent=1, ensure_ascii=False))
     return _code([r.verdict for r in done.results], strict)
 
 

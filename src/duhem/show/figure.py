@@ -11,6 +11,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any, Literal
 
 from duhem.errors import InputError, MissingExtraError
+from duhem.show.place import check_place
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -287,15 +288,10 @@ def check(file: str | os.PathLike[str]) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
     except ImportError:
         raise MissingExtraError("matplotlib", "plot") from None
-    ending, folder = _ending(file), os.path.dirname(os.path.abspath(file))
+    ending = _ending(file)
     if ending not in FigureCanvasAgg.get_supported_filetypes():
         raise InputError(f"{ending or 'no ending'} is no format of a figure", where=f"{file}", remedy="end the name in .png, .pdf, .svg")
-    if not os.path.isdir(folder):
-        raise InputError("there is no such directory", where=f"{file}", remedy="make it first")
-    if os.path.isdir(file):
-        raise InputError("this is a directory", where=f"{file}", remedy="name a file")
-    if not os.access(folder, os.W_OK) or (os.path.exists(file) and not os.access(file, os.W_OK)):
-        raise InputError("it may not be written", where=f"{file}", remedy="write where you may")
+    check_place(file)
 
 
 def save(sheet: Figure, file: str | os.PathLike[str]) -> None:

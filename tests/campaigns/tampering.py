@@ -1,0 +1,105 @@
+"""Certificates with one thing changed: numbers, signs, formulas, domains, claims, rules, evidence; half of the time with a new hash.
+
+    python -m tests.campaigns.tampering 2000
+
+None may confirm what is false of the law that then stands in it.  Where that is another law, the refuters of duhem are asked.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator, Mapping
+from random import Random
+from typing import Any, NamedTuple
+
+from duhem import Criterion, Domain, InputError, Verdict, verify
+from duhem.proof.certificate import certificate
+from duhem.proof.kernel.certificate import Rechecked, digest, recheck
+from duhem.proof.kernel.term import NotWritten
+
+LAWS = ("antoni2007", "coulomb", "superellipse", "shifted-ellipse", "limacon", "radial-flow", "capped", "drucker1949", "quartic")
+
+
+class Tampering(NamedTuple):
+    """How many were refused, how many were about another law, how many said nothing false, and those that did."""
+
+    refused: int
+    other_laws: int
+    harmless: int
+    wrong: tuple[str, ...]
+
+
+def tampering(made: Mapping[str, dict[str, Any]], count: int, seed: int) -> Tampering:
+    """``count`` certificates of LAWS, each changed in one place."""
+    rng, refused, other_laws, harmless, wrong = Random(seed), 0, 0, 0, list[str]()
+    for _ in range(count):
+        original = made[rng.choice(LAWS)]
+        copy = tampered(original, rng)
+        try:
+            rows = recheck(copy)
+        except NotWritten:
+            refused += 1
+            continue
+        if copy["law"] == original["law"]:
+            told = {c["claim"]: c["verdict"] for c in original["claims"]}
+            false = [r.claim for r in rows if r.confirmed and told[r.claim] == "refuted"]
+        else:
+            other_laws += 1
+            false = refuted_of(copy["law"], rows)
+        harmless += not false
+        wrong += [f"{false} of {json.dumps(copy['law'])}"] if false else []
+    return Tampering(refused, other_laws, harmless, tuple(wrong))
+
+
+def tampered(made: dict[str, Any], rng: Random) -> dict[str, Any]:
+    """The certificate with one leaf changed, and the hash made anew half of the time."""
+    copy = json.loads(json.dumps(made))
+    part = copy["law"] if rng.random() < 0.5 else copy
+    *path, last = rng.choice(list(leaves(part)))
+    for key in path:
+        part = part[key]
+    part[last] = changed(part[last], rng)
+    return copy | {"sha256": digest(copy)} if rng.random() < 0.5 else copy
+
+
+def leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The places of all values in a document."""
+    if isinstance(value, dict | list) and value:
+        for key in value if isinstance(value, dict) else range(len(value)):
+            yield from leaves(value[key], (*path, key))
+    else:
+        yield path
+
+
+def changed(value: Any, rng: Random) -> Any:
+    if isinstance(value, str) and rng.random() < 0.8:
+        at = rng.randrange(len(value) + 1)
+        mark = rng.choice(("", "-", "2", "0", "+", "1/", "*", "abs", " ", "9"))
+        return value[:at] + mark + value[at + rng.choice((0, 1)) :]
+    return rng.choice((None, True, "proved", "convexity", "0", [], {}, "checked", 1, "-1", "fenchel", "composition"))
+
+
+def refuted_of(stated: dict[str, Any], rows: tuple[Rechecked, ...]) -> list[str]:
+    """Claims that were confirmed and that duhem refutes, for the law as it stands in the certificate."""
+    fields = {k: stated[k] for k in ("g", "forces", "pressure", "constraints", "flow")}
+    domains = {n: _domain(entry) for n, entry in stated["parameters"].items()}
+    try:
+        found = verify(Criterion(name="tampered", parameters=domains, **fields))
+    except InputError:  # undefined at some parameters
+        return [r.claim for r in rows if r.confirmed and r.claim not in ("normality", "state_laws")]
+    return [r.claim for r in rows if r.confirmed and found[r.claim].verdict is Verdict.REFUTED]
+
+
+def _domain(entry: dict[str, Any]) -> Domain:
+    if "value" in entry:
+        return Domain.fixed(entry["value"])
+    high = Domain.between(None, entry.get("max")).high
+    return Domain(Domain.between(0).low, high, positive=True) if entry.get("positive") else Domain.between(entry.get("min"), high)
+
+
+if __name__ == "__main__":
+    certificates = {name: certificate(verify(name)) for name in LAWS}
+    found = tampering(certificates, int(sys.argv[1]) if len(sys.argv) > 1 else 2000, 1)
+    print(f"refused {found.refused}, about another law {found.other_laws}, nothing false {found.harmless}, wrong {len(found.wrong)}")
+    print(*found.wrong, sep="\n")

@@ -1,0 +1,93 @@
+"""``duhem verify --certificate`` and ``duhem recheck``: proofs that travel as a file and are checked by the kernel alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from duhem import InputError
+from duhem.cli import cli
+from tests.cli.test_imports import imported
+
+LAW = """\
+[criterion]
+name = "disc"
+g = "norm(sigma_a, sigma_b) - mu*abs(sigma_n)"
+[parameters]
+mu = { positive = true }
+"""
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(a) for a in arguments], standalone_mode=False)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A law and its certificate."""
+    here = tmp_path_factory.mktemp("certified")
+    (here / "disc.toml").write_text(LAW, "utf-8")
+    assert run("verify", here / "disc.toml", "--certificate", here / "disc.json").return_value == 0
+    return here
+
+
+def test_every_proof_of_the_law_is_confirmed(folder: Path) -> None:
+    done = run("recheck", folder / "disc.json", "--law", folder / "disc.toml")
+    assert done.return_value == 0
+    assert [line.split()[1:] for line in done.stdout.splitlines()[2:]] == [["proved", "confirmed"]] * 7
+
+
+def test_the_formula_in_it_is_the_one_that_was_written(folder: Path) -> None:
+    assert json.loads((folder / "disc.json").read_text("utf-8"))["law"]["g"] == "norm(sigma_a, sigma_b) - mu*abs(sigma_n)"
+
+
+def test_another_law_or_other_values_are_told(folder: Path) -> None:
+    for other in (("coulomb",), (folder / "disc.toml", "--set", "mu=0.3")):
+        done = run("recheck", folder / "disc.json", "--law", *other)
+        assert done.return_value == 1
+        assert "another law" in done.stdout
+
+
+def test_a_proof_that_is_called_checked_and_is_not_ends_with_1(folder: Path, tmp_path: Path) -> None:
+    from duhem.proof.kernel.certificate import digest
+
+    document = json.loads((folder / "disc.json").read_text("utf-8"))
+    document["law"]["g"] = "mu*abs(sigma_n) - norm(sigma_a, sigma_b)"
+    (tmp_path / "turned.json").write_text(json.dumps(document | {"sha256": digest(document)}), "utf-8")
+    done = run("recheck", tmp_path / "turned.json")
+    assert done.return_value == 1
+    assert "composition" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [("", "no JSON"), ("[]", "no certificate"), ("{}", "no certificate"), ("[" * 100_000, "no JSON"), ('{"schema": 1}', "schema")],
+)
+def test_what_is_no_certificate_is_an_error(tmp_path: Path, content: str, message: str) -> None:
+    (tmp_path / "file.json").write_text(content, "utf-8")
+    found = run("recheck", tmp_path / "file.json").exception
+    assert isinstance(found, InputError) and message in str(found)
+
+
+def test_a_changed_byte_is_an_error(folder: Path, tmp_path: Path) -> None:
+    text = (folder / "disc.json").read_text("utf-8").replace('"positive": true', '"positive": false')
+    (tmp_path / "changed.json").write_text(text, "utf-8")
+    found = run("recheck", tmp_path / "changed.json").exception
+    assert isinstance(found, InputError) and "hash" in str(found)
+
+
+@pytest.mark.parametrize(("law", "file", "message"), [("coulomb", "no/such/c.json", "directory"), ("wedge", "c.json", "boundary curve")])
+def test_what_cannot_be_certified_is_told_before_the_work(law: str, file: str, message: str, tmp_path: Path, monkeypatch: Any) -> None:
+    from duhem.proof import verification
+
+    monkeypatch.setattr(verification, "verify", lambda *_, **__: pytest.fail("the work began"))
+    found = run("verify", law, "--certificate", tmp_path / file).exception
+    assert isinstance(found, InputError) and message in str(found)
+
+
+def test_the_checker_imports_nothing_heavy(folder: Path) -> None:
+    assert imported("recheck", str(folder / "disc.json")) == set()

@@ -1,0 +1,314 @@
+"""The kernel: what it confirms is true of the formula as written, and what it is made of is its own."""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import sys
+from random import Random
+from typing import Any
+
+import pytest
+
+from duhem import Criterion, load, verify
+from duhem.law import catalogue
+from duhem.proof.certificate import certificate
+from duhem.proof.kernel import claims as kernel_claims
+from duhem.proof.kernel import curvature
+from duhem.proof.kernel.certificate import CLAIMS
+from duhem.proof.kernel.curvature import Facts, facts, over
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
+from duhem.proof.kernel.term import NotWritten, Term, parse
+from tests.campaigns.tampering import tampering
+from tests.oracles import drawn_formulas
+from tests.proof.test_adversary import CLAIMS as LETTERS
+from tests.proof.test_adversary import ROWS
+from tests.proof.test_adversary import Row as AdversaryLaw
+
+FORMULA_LAWS = [name for name in catalogue.names() if isinstance(load(name), Criterion)]
+RULES = {claim: [rule for c, rule in kernel_claims.RULES if c == claim] for claim in CLAIMS}
+
+
+def law(g: str, *, forces: tuple[str, ...] = ("a", "b"), pressure: str | None = None, flow: Any = None, **parameters: Any) -> StatedLaw:
+    given = {"forces": forces, "pressure": pressure, "parameters": parameters, "constraints": [], "g": g, "flow": flow}
+    return StatedLaw.read(given)
+
+
+def confirmed(stated: StatedLaw, evidence: dict[str, Any] | None = None) -> set[str]:
+    """Every claim that some rule confirms."""
+    found = set[str]()
+    for claim in CLAIMS:
+        rules = [rule for rule in RULES[claim] if evidence is not None or rule != "polar-gauge"]
+        if any(kernel_claims.confirmed(claim, rule, frozenset(found), stated, evidence or {}) for rule in rules):
+            found.add(claim)
+    return found
+
+
+# -- reading -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "same"),
+    [("-a**2", "-(a**2)"), ("a - b - 1", "(a - b) - 1"), ("a/b/2", "(a/b)/2"), ("2**-a**2", "2**(-(a**2))"), ("- -a", "-(-a)")],
+)
+def test_the_parser_binds_as_the_vocabulary_does(text: str, same: str) -> None:
+    at = {"a": 1.25, "b": 0.75}
+    assert drawn_formulas.value(parse(text), at) == drawn_formulas.value(parse(same), at)
+    assert drawn_formulas.value(parse(text), at) == pytest.approx(eval(text, {}, at), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "a +", "a b", "f(a)", "abs(a, b)", "where(a, b, a)", "abs(a > b)", "a.real", "(a", "a)", "1e999999999", "()"]
+)
+def test_what_is_no_formula_is_not_read(text: str) -> None:
+    with pytest.raises((NotWritten, OverflowError)):
+        law(text)
+
+
+def test_deep_nesting_is_refused_and_crashes_nothing() -> None:
+    for text in ("(" * 5000 + "a" + ")" * 5000, "-" * 5000 + "a", "abs(" * 5000 + "a" + ")" * 5000):
+        with pytest.raises((NotWritten, RecursionError)):
+            law(text)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"forces": ("a", "a")},
+        {"parameters": {"a": {"positive": True}}},
+        {"parameters": {"m from end 0": {"positive": True}}},
+        {"parameters": {"norm": {"positive": True}}},
+        {"pressure": "a"},
+        {"constraints": ["a < 1"]},
+        {"g": "a + unknown"},
+    ],
+)
+def test_names_are_declared_once_and_are_names(change: dict[str, Any]) -> None:
+    given = {"forces": ("a", "b"), "pressure": "s", "parameters": {}, "constraints": [], "g": "abs(a) + s", "flow": None}
+    assert StatedLaw.read(given)
+    with pytest.raises(NotWritten):
+        StatedLaw.read(given | change)
+
+
+# -- what it confirms is true ------------------------------------------------------------------------------------------
+
+
+def violation(stated: StatedLaw, shown: Facts, rng: Random, tries: int) -> str | None:
+    """A place where what is shown of g does not hold, in floats with a margin."""
+    for _ in range(tries):
+        at, share = drawn_formulas.parameters(rng), rng.random()
+        one, two = drawn_formulas.forces(rng), drawn_formulas.forces(rng)
+        between = {f: one[f] * (1 - share) + two[f] * share for f in one}
+        try:
+            p, q, m = (drawn_formulas.value(stated.g, {**at, **x}) for x in (one, two, between))
+        except OverflowError:
+            continue
+        except (ValueError, ZeroDivisionError) as fault:
+            return f"undefined: {fault} at {at}, {one}, {two}"
+        if not all(map(math.isfinite, (p, q, m))):
+            continue
+        margin = 1e-7 * (1 + abs(p) + abs(q) + abs(m))
+        if shown.quasiconvex and m > max(p, q) + margin:
+            return f"not quasiconvex at {at} between {one} and {two}"
+        if shown.convex and m > (1 - share) * p + share * q + margin:
+            return f"not convex at {at} between {one} and {two}"
+        if shown.concave and m < (1 - share) * p + share * q - margin:
+            return f"not concave at {at} between {one} and {two}"
+        sign = NEGATIVE if p < -margin else POSITIVE if p > margin else ANY
+        if not shown.sign & sign:
+            return f"sign {shown.sign} at {at}, {one}: {p}"
+    return None
+
+
+BESIDE = ("(sqrt(abs(a)) + abs(b))**(1/2)", "a*b", "max(a, sqrt(abs(b)))", "abs(a) - abs(b)", "abs(a)**(1/2)", "m - 1")
+
+
+def drawn(seed: int, count: int, tries: int = 30, most: int = 10) -> tuple[int, list[str]]:
+    """How many of ``count`` drawn formulas the kernel shows to be quasiconvex, and what is wrong in what it shows, the first few."""
+    rng, shown, wrong = Random(seed), 0, list[str]()
+    for g in (*BESIDE, *(drawn_formulas.text(rng, rng.choice((2, 3, 3, 4))) for _ in range(count))):
+        if len(wrong) == most:
+            break
+        try:
+            stated = StatedLaw.read(drawn_formulas.law(g))
+            found = facts(stated.g, over(stated))
+        except NotWritten:
+            continue
+        if found.defined:
+            shown += found.quasiconvex and bool(stated.g.names() & set(drawn_formulas.FORCES))
+            if (fault := violation(stated, found, rng, tries)) is not None:
+                wrong.append(f"{g}: {fault}")
+    return shown, wrong
+
+
+@pytest.mark.slow
+def test_what_is_shown_of_drawn_formulas_holds_at_drawn_points() -> None:
+    shown, wrong = drawn(1, 400)
+    assert wrong == []
+    assert shown > 60  # else the question was empty
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
+def test_nothing_false_is_confirmed(row: AdversaryLaw) -> None:
+    made = row.law()
+    given = {n: {"min": d.low, "max": d.high} if not d.positive else {"positive": True, "max": d.high} for n, d in made.parameters.items()}
+    text = {n: {k: v if isinstance(v, bool) or v is None else str(v) for k, v in d.items()} for n, d in given.items()}
+    stated = law(row.g, forces=row.forces, pressure=made.pressure, flow=row.flow, **text)
+    assert not confirmed(stated) & {LETTERS[letter] for letter in row.false}
+
+
+UNIT = {"min": "0", "max": "1"}
+SIGNED = {"min": "-1", "max": "1"}
+
+
+@pytest.mark.parametrize(
+    ("stated", "claim"),
+    [
+        (law("norm(a, b) - (1 + e*a/abs(a))*abs(s)", pressure="s", e=UNIT), "smoothness"),
+        (law("norm(a, b) - (1 + e*a/abs(a))*abs(s)", pressure="s", e=UNIT), "convexity"),
+        (law("norm(a, b) - max(1, log(q))", q=SIGNED), "origin"),
+        (law("norm(a, b) - max(1, log(q))", q=SIGNED), "convexity"),
+        (law("norm(a, b) - abs_s*abs(s)", pressure="s", abs_s=SIGNED), "origin"),
+        (law("exp(log(a)) + abs(b) - 1"), "convexity"),
+        (law("sqrt(a)**2 + abs(b) - 1"), "convexity"),
+        (law("pos(a)*sqrt(a) + abs(b) - 1"), "convexity"),
+        (law("0/(q - q) + abs(a) - 1", q=UNIT), "origin"),
+        (law("max(a**4 + b**4 + c*a**2*b**2 - 1, 2*(a**4 + b**4 + c*a**2*b**2 - 1))", c={"min": "0", "max": "6001/1000"}), "convexity"),
+        (law("abs(a)*abs(s)", forces=("a",), pressure="s"), "smoothness"),  # K is one point, with every normal
+        (law("tan(a) - 1", forces=("a",)), "convexity"),
+        (law("where(a > 0, 0, 2) + abs(b) - 1"), "convexity"),
+        (law("abs(s) - norm(a, b)", pressure="s"), "convexity"),
+        (law("(abs(a)**p + abs(b)**p)**(1/p) - 1", p={"min": "1/2", "max": "4"}), "convexity"),
+        (law("(abs(a)**p + abs(b)**p)**(1/p) - 1", p={"min": "1", "max": "4"}), "smoothness"),
+        (law("norm(a, b) - 1", flow=["a", "-b"]), "normality"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "law",
+)
+def test_proofs_that_were_wrong_once_are_not_confirmed(stated: StatedLaw, claim: str) -> None:
+    assert claim not in confirmed(stated)
+
+
+SLIPS = {"a": "x", "b": "y"}
+
+
+@pytest.mark.parametrize(
+    ("g", "potential", "right"),
+    [
+        ("norm(a/m, b) - 1", "norm(m*x, y)", True),
+        ("norm(a/m, b) - 1", "norm(x/m, y)", False),
+        ("norm(a, b) - 1", "max(abs(x), abs(y))", False),
+        ("max(abs(a), abs(b)) - 1", "abs(x) + abs(y)", True),
+        ("abs(a) + abs(b)/m - 1", "max(abs(x), m*abs(y))", True),
+        ("abs(a) + abs(b)/m - 1", "abs(x) + m*abs(y)", False),
+        ("norm(pos(a)/m + neg(a), b) - m", "m*norm(m*pos(x) + neg(x), y)", True),
+        ("norm(pos(a)/m + neg(a), b) - m", "m*norm(m*neg(x) + pos(x), y)", False),
+        ("norm(e*a, b) - 1", "norm(x/e, y)", False),  # e may be 0
+        ("norm(a, b) - e", "e*norm(x, y)", False),  # K may be a point
+        ("-norm(-a, b) - 1", "norm(x, y)", False),
+        ("norm(a, a) + abs(b) - 1", "max(abs(x), abs(y))", False),
+        ("norm(a, b) - 1", "norm(x, y) + 0*x*y", False),
+    ],
+)
+def test_support_functions(g: str, potential: str, right: bool) -> None:
+    stated = law(g, m={"positive": True}, e=UNIT)
+    assert kernel_claims.confirmed("duality", "polar-gauge", frozenset(), stated, {"potential": potential, "slips": SLIPS}) is right
+
+
+# -- against the provers -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def certificates() -> dict[str, dict[str, Any]]:
+    return {name: certificate(verify(name)) for name in FORMULA_LAWS}
+
+
+@pytest.mark.slow
+def test_the_flagship_rests_on_the_kernel_alone(certificates: dict[str, dict[str, Any]]) -> None:
+    assert {c["claim"]: c["trust"] for c in certificates["antoni2007"]["claims"]} == dict.fromkeys(CLAIMS, "checked")
+
+
+@pytest.mark.slow
+def test_most_proofs_of_the_built_in_laws_are_confirmed(certificates: dict[str, dict[str, Any]]) -> None:
+    proofs = [c["trust"] for made in certificates.values() for c in made["claims"] if c["verdict"] == "proved"]
+    assert len(proofs) > 100
+    assert proofs.count("checked") >= 0.85 * len(proofs)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FORMULA_LAWS)
+def test_no_refuted_claim_is_confirmed_by_any_rule(name: str, certificates: dict[str, dict[str, Any]]) -> None:
+    made = certificates[name]
+    refuted = {c["claim"] for c in made["claims"] if c["verdict"] == "refuted"}
+    assert not confirmed(StatedLaw.read(made["law"])) & refuted
+
+
+@pytest.mark.slow
+def test_certificates_are_the_same_bytes_each_time(certificates: dict[str, dict[str, Any]]) -> None:
+    assert json.dumps(certificate(verify("antoni2007"))) == json.dumps(certificates["antoni2007"])
+
+
+@pytest.mark.parametrize(("g", "claim"), [("exp(log(a)) + abs(b) - 1", "origin"), ("sqrt(a)**2 + abs(b) - 1", "convexity")])
+def test_the_formula_is_checked_as_written(g: str, claim: str) -> None:
+    made = certificate(verify(Criterion(name="written", g=g, forces=("a", "b"), pressure=None)))
+    assert made["law"]["g"] == g
+    assert {c["claim"]: c["trust"] for c in made["claims"]}[claim] != "checked"
+
+
+def test_a_fixed_law_is_certified_with_its_values() -> None:
+    made = certificate(verify("superellipse", {"p": 3, "mu_a": "1/3"}))
+    assert made["law"]["parameters"]["p"] == {"value": "3"} and made["inhabited"]["mu_a"] == "1/3"
+    assert {c["trust"] for c in made["claims"] if c["claim"] != "duality"} == {"checked"}
+
+
+ALONE = """
+import sys
+for name in ("sympy", "z3", "flint", "numpy", "cvxpy", "mpmath", "scipy"):
+    sys.modules[name] = None
+import json
+from duhem.proof.kernel.certificate import recheck
+rows = recheck(json.load(sys.stdin))
+print(json.dumps([[r.claim, r.confirmed] for r in rows]))
+"""
+
+
+@pytest.mark.slow
+def test_the_kernel_needs_nothing_but_itself(certificates: dict[str, dict[str, Any]]) -> None:
+    for name in ("antoni2007", "superellipse", "limacon"):
+        made = certificates[name]
+        done = subprocess.run([sys.executable, "-c", ALONE], input=json.dumps(made), capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+        found = dict(json.loads(done.stdout))
+        assert {c["claim"] for c in made["claims"] if c["trust"] == "checked"} == {c for c, holds in found.items() if holds}
+
+
+# -- tampering ---------------------------------------------------------------------------------------------------------
+@pytest.mark.slow
+def test_tampering_confirms_nothing_that_is_false(certificates: dict[str, dict[str, Any]]) -> None:
+    found = tampering(certificates, 120, 3)
+    assert found.wrong == ()
+    assert found.refused > 30 and found.other_laws > 3  # else nothing was asked
+
+
+# -- the kernel is not vacuous -----------------------------------------------------------------------------------------
+
+WRONG_RULES = {
+    "a product keeps the curvature of its factor": ("_product", lambda term, parts, domain: Facts(True, ANY, True, True, True)),
+    "a maximum of anything is convex": ("_greatest", lambda parts: Facts(True, ANY, True, False, True)),
+    "every sum is convex": ("_total", lambda term, parts, domain: Facts(True, ANY, True, True, True)),
+    "every power is convex": ("_power", lambda term, domain: Facts(True, ZERO | POSITIVE, True, False, True)),
+    "every root of a sum of powers is a norm": ("_minkowski", lambda term, domain: True),
+    "every constant is negative": ("_sharpened", lambda term, domain: NEGATIVE),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WRONG_RULES)
+def test_a_wrong_rule_is_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    function, wrong_rule = WRONG_RULES[name]
+    monkeypatch.setattr(curvature, function, wrong_rule)
+    assert drawn(1, 400, most=1)[1] != []
+
+
+def test_terms_are_values() -> None:
+    assert parse("a + b*2") == parse(" a+b * 2.0 ") and hash(parse("a")) == hash(Term("name", name="a"))
