@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any
 
-import mpmath
 import sympy as sp
 
 from duhem.derivation.energy import column, energy, equal
 from duhem.derivation.equation import Belongs, Equation
 from duhem.derivation.notation import Names
-from duhem.derivation.numerical_check import compiled, sample_values
+from duhem.derivation.numerical_check import sample_values
 from duhem.derivation.pieces import Pieces
 from duhem.derivation.recognise import read_ball
 from duhem.derivation.support_function import compression
+from duhem.expression import mpmath_
 from duhem.law.formula_law import Criterion
 
 __all__ = ["LineSection", "increment_equations", "interval", "one_dimensional_equations"]
@@ -122,22 +122,22 @@ def _confirmed(law: Criterion, found: LineSection) -> bool:
     """Whether g, at exact parameters drawn at random, is zero at both ends, not positive between and positive outside."""
     symbols = list(law.symbols().values())
     try:
-        evaluate = compiled([law.g, found.low, found.high], symbols)
+        context = mpmath_.digits(30)
+        evaluate = mpmath_.compiled([law.g, found.low, found.high], symbols, context)
         tried = 0
-        with mpmath.workdps(30):
-            for values in sample_values(law, found.requires, Random(1), 12):
-                line = {s: sp.S.Zero for s in law.force_symbols()} | values
+        for values in sample_values(law, found.requires, Random(1), 12):
+            line = {s: sp.S.Zero for s in law.force_symbols()} | values
 
-                def at(x: Any, line: dict[sp.Symbol, Any] = line) -> list[Any]:
-                    return evaluate(*(x if s == found.force else line[s] for s in symbols))
+            def at(x: Any, line: dict[sp.Symbol, Any] = line) -> list[Any]:
+                return evaluate(*(x if s == found.force else line[s] for s in symbols))
 
-                _, low, high = at(sp.S.Zero)
-                small = (high - low) * mpmath.mpf(10) ** -9
-                inside = [at(low + share * (high - low) / 8)[0] <= 0 for share in range(1, 8)]
-                ends = [at(low + small)[0] <= 0 < at(low - small)[0], at(high - small)[0] <= 0 < at(high + small)[0]]
-                if not (low < high and all(inside) and all(ends)):
-                    return False
-                tried += 1
+            _, low, high = at(sp.S.Zero)
+            small = (high - low) * context.mpf(10) ** -9
+            inside = [at(low + share * (high - low) / 8)[0] <= 0 for share in range(1, 8)]
+            ends = [at(low + small)[0] <= 0 < at(low - small)[0], at(high - small)[0] <= 0 < at(high + small)[0]]
+            if not (low < high and all(inside) and all(ends)):
+                return False
+            tried += 1
         return tried > 0
     except (ArithmeticError, TypeError, ValueError, NotImplementedError):
         return False

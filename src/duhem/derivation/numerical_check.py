@@ -19,16 +19,12 @@ from duhem.expression import mpmath_
 from duhem.expression.rays_mpmath import reach
 from duhem.law.formula_law import Criterion
 
-__all__ = ["BITS", "compiled", "defects", "finite", "gauges_agree", "sample_values"]
+__all__ = ["BITS", "ROUGH", "defects", "finite", "gauges_agree", "sample_values"]
 
 DIGITS = 40
 BITS = 39  # of a boundary point: 12 digits, so that in 15 no rounding of g takes it out of K
-SMALL = mpmath.mpf(10) ** -25
-
-
-def compiled(exprs: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> Callable[..., list[Any]]:
-    """The expressions as one function of the symbols' values, in mpmath's working precision; nan where one is undefined."""
-    return mpmath_.compiled(exprs, symbols, mpmath.mp)
+ROUGH = 15  # digits along a ray
+SMALL = 25
 
 
 def finite(values: list[Any]) -> list[Any]:
@@ -76,31 +72,33 @@ def defects(law: Criterion, support: SupportFunction, parameters: int = 3, direc
 def _defects(law: Criterion, support: SupportFunction, parameters: int, directions: int) -> Iterator[str]:
     random, forces = Random(2007), law.force_symbols()
     others = [s for s in law.symbols().values() if s not in forces]
-    g = compiled([law.g], [*forces, *others])
-    claim = compiled([support.potential, *(support.maximiser or ()), *support.centre], [*support.rates, *others])
-    tried = 0
-    with mpmath.workdps(DIGITS):
-        for values in sample_values(law, support.requires, random, parameters):
-            rest = [values[s] for s in others]
-            tried += 1
-            rates = [_direction(support, values, random) for _ in range(directions)]
-            claims = [finite(claim(*d, *rest)) for d in rates]
-            n = len(forces)
-            centre = claims[0][-n:]
-            with mpmath.workdps(15):
-                reached = [(ray, reach(mpmath, _at(g, rest), centre, ray, BITS)) for ray in _rays(n, random, 4 * directions)]
-            cloud = [[c + t * r for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
-            scale = max([abs(c[0]) for c in claims] + [mpmath.mpf(10) ** -6])
-            for d, (potential, *found) in zip(rates, claims, strict=True):
-                size = mpmath.sqrt(mpmath.fsum(mpmath_.number(mpmath.mp, x) ** 2 for x in d))
-                if support.maximiser is not None:
-                    point = found[:n]
-                    if finite(g(*point, *rest))[0] > SMALL * scale:
-                        yield f"the maximiser lies outside K at {values}, d = {d}"
-                    if abs(_dot(point, d) - potential) > SMALL * scale:
-                        yield f"the maximiser does not attain the potential at {values}, d = {d}"
-                if any(_dot(x, d) > potential + size * SMALL * scale for x in cloud):
-                    yield f"a point of K exceeds the potential at {values}, d = {d}"
+    fine, rough = mpmath_.digits(DIGITS), mpmath_.digits(ROUGH)
+    g, g_roughly = (mpmath_.compiled([law.g], [*forces, *others], context) for context in (fine, rough))
+    claim = mpmath_.compiled([support.potential, *(support.maximiser or ()), *support.centre], [*support.rates, *others], fine)
+    tried, small = 0, fine.mpf(10) ** -SMALL
+    for values in sample_values(law, support.requires, random, parameters):
+        rest = [values[s] for s in others]
+        tried += 1
+        rates = [_direction(support, values, random) for _ in range(directions)]
+        claims = [finite(claim(*d, *rest)) for d in rates]
+        n = len(forces)
+        centre = claims[0][-n:]
+        rays = [[rough.mpf(random.gauss(0, 1)) for _ in range(n)] for _ in range(4 * directions)]
+        start, level = [rough.mpf(c) for c in centre], _at(g_roughly, rest)
+        reached = [(ray, reach(rough, level, start, ray, BITS)) for ray in rays]
+        cloud = [[c + fine.mpf(t) * fine.mpf(r) for c, r in zip(centre, ray, strict=True)] for ray, t in reached if t is not None]
+        scale = max([abs(c[0]) for c in claims] + [fine.mpf(10) ** -6])
+        for d, (potential, *found) in zip(rates, claims, strict=True):
+            exact = [mpmath_.number(fine, x) for x in d]
+            size = fine.sqrt(fine.fsum(x**2 for x in exact))
+            if support.maximiser is not None:
+                point = found[:n]
+                if finite(g(*point, *rest))[0] > small * scale:
+                    yield f"the maximiser lies outside K at {values}, d = {d}"
+                if abs(fine.fdot(point, exact) - potential) > small * scale:
+                    yield f"the maximiser does not attain the potential at {values}, d = {d}"
+            if any(fine.fdot(x, exact) > potential + size * small * scale for x in cloud):
+                yield f"a point of K exceeds the potential at {values}, d = {d}"
     if not tried:
         yield "no parameter values satisfy what the potential requires"
 
@@ -109,21 +107,18 @@ def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, point
     """Whether two gauges of K agree to 30 digits at random exact points, and agree with g on what lies inside."""
     random, forces = Random(1970), law.force_symbols()
     others = [s for s in law.symbols().values() if s not in forces]
-    both = compiled([gauge, support.gauge, law.g], [*forces, *others])
-    with mpmath.workdps(DIGITS):
-        for values in sample_values(law, support.requires, random, 4):
-            for _ in range(points):
-                x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
-                *gauges, g = both(*x, *(values[s] for s in others))
-                first, second = finite(gauges)
-                apart = abs(first - second) > mpmath.mpf(10) ** -30 * (1 + abs(second))
-                if apart or (not g <= SMALL and first < 1) or (g < -SMALL and first > 1):
-                    return False
+    fine = mpmath_.digits(DIGITS)
+    both = mpmath_.compiled([gauge, support.gauge, law.g], [*forces, *others], fine)
+    small = fine.mpf(10) ** -SMALL
+    for values in sample_values(law, support.requires, random, 4):
+        for _ in range(points):
+            x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
+            *gauges, g = both(*x, *(values[s] for s in others))
+            first, second = finite(gauges)
+            apart = abs(first - second) > fine.mpf(10) ** -30 * (1 + abs(second))
+            if apart or (not g <= small and first < 1) or (g < -small and first > 1):
+                return False
     return True
-
-
-def _dot(x: Sequence[Any], d: Sequence[sp.Rational]) -> Any:
-    return mpmath.fsum(a * mpmath_.number(mpmath.mp, b) for a, b in zip(x, d, strict=True))
 
 
 def _direction(support: SupportFunction, values: Mapping[sp.Symbol, sp.Rational], random: Random) -> list[sp.Rational]:
@@ -138,7 +133,3 @@ def _direction(support: SupportFunction, values: Mapping[sp.Symbol, sp.Rational]
 
 def _at(g: Callable[..., list[Any]], rest: Sequence[Any]) -> Callable[[list[Any]], Any]:
     return lambda x: g(*x, *rest)[0]
-
-
-def _rays(dimension: int, random: Random, count: int) -> list[list[Any]]:
-    return [[mpmath.mpf(random.gauss(0, 1)) for _ in range(dimension)] for _ in range(count)]

@@ -13,10 +13,10 @@ from itertools import combinations
 from random import Random
 from typing import Any
 
-import mpmath
 import sympy as sp
 
-from duhem.derivation.numerical_check import BITS, compiled, finite, sample_values
+from duhem.derivation.numerical_check import BITS, ROUGH, finite, sample_values
+from duhem.expression import mpmath_
 from duhem.expression.branches import Branch, TooManyBranchesError, branches
 from duhem.expression.rays_mpmath import reach
 from duhem.expression.vocabulary import Norm
@@ -109,25 +109,25 @@ def seams(law: Criterion, found: Pieces) -> Seams:
         return Seams(0, (), True)
     straight = {s: _plane(s, forces) for s in crossings}
     decided = all(plane is not None for plane in straight.values())
-    g = compiled([law.g], [*forces, *others])
+    fine, rough, names = mpmath_.digits(90), mpmath_.digits(ROUGH), [*forces, *others]
+    g = mpmath_.compiled([law.g], names, rough)
     every = list(dict.fromkeys(s for signs in found.switches for s in signs))
-    signs_at = compiled(every, [*forces, *others])
-    gradients = [compiled(gradient, [*forces, *others]) for gradient in found.gradients]
+    signs_at = mpmath_.compiled(every, names, fine)
+    gradients = [mpmath_.compiled(gradient, names, fine) for gradient in found.gradients]
     verdicts: dict[tuple[int, int], tuple[sp.Expr, set[bool | None]]] = {}
     random = Random(36)
-    with mpmath.workdps(90):
-        for values in sample_values(law, (), random, 2):
-            rest = [values[s] for s in others]
-            for switch, plane in straight.items():
-                if plane is None:
-                    continue
-                for x in _on_seam(g, rest, plane, values, random):
-                    active = _active(found, every, signs_at(*x, *rest))
-                    for i, j in combinations(active, 2):
-                        if found.switches[i].get(switch, 0) * found.switches[j].get(switch, 0) != -1:
-                            continue
-                        seen = verdicts.setdefault((i, j), (switch, set()))
-                        seen[1].add(_jumps(found, gradients, x, rest, plane, values, switch, i, j))
+    for values in sample_values(law, (), random, 2):
+        rest = [values[s] for s in others]
+        for switch, plane in straight.items():
+            if plane is None:
+                continue
+            for x in _on_seam(fine, rough, g, rest, plane, values, random):
+                active = _active(found, every, signs_at(*x, *rest))
+                for i, j in combinations(active, 2):
+                    if found.switches[i].get(switch, 0) * found.switches[j].get(switch, 0) != -1:
+                        continue
+                    seen = verdicts.setdefault((i, j), (switch, set()))
+                    seen[1].add(_jumps(fine, found, gradients, x, rest, plane, values, switch, i, j))
     corners, normals = [], set()
     for (i, j), (switch, seen_here) in verdicts.items():
         decided &= seen_here in ({True}, {False})
@@ -148,47 +148,47 @@ def _plane(switch: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...] 
 
 
 def _on_seam(
-    g: Callable[..., list[Any]], rest: list[Any], plane: Sequence[sp.Expr], values: Mapping[sp.Symbol, sp.Rational], random: Random
-) -> Iterator[list[Any]]:
-    """Points of the boundary of K on the plane of the seam, along rays in it from the origin."""
+    fine: Any, rough: Any, g: Callable[..., list[Any]], rest: list[Any], plane: Sequence[sp.Expr],
+    values: Mapping[sp.Symbol, sp.Rational], random: Random,
+) -> Iterator[list[Any]]:  # fmt: skip
+    """Points of the boundary of K on the plane of the seam, along rays in it from the origin; ``g`` in rough digits."""
     rows = sp.Matrix([[c.xreplace(values) for c in plane]])
-    basis = [[mpmath.mpf(sp.N(c, 90)) for c in vector] for vector in rows.nullspace()]
-    both_ways = [[mpmath.mpf(1)], [mpmath.mpf(-1)]]
-    chosen = both_ways if len(basis) == 1 else [[mpmath.mpf(random.gauss(0, 1)) for _ in basis] for _ in range(6)]
+    basis = [[fine.mpf(sp.N(c, 90)) for c in vector] for vector in rows.nullspace()]
+    both_ways = [[fine.mpf(1)], [fine.mpf(-1)]]
+    chosen = both_ways if len(basis) == 1 else [[fine.mpf(random.gauss(0, 1)) for _ in basis] for _ in range(6)]
     for weights in chosen:
-        ray = [mpmath.fsum(w * vector[i] for w, vector in zip(weights, basis, strict=True)) for i in range(len(plane))]
-        with mpmath.workdps(15):
-            t = reach(mpmath, lambda x: g(*x, *rest)[0], [0] * len(plane), ray, BITS)
+        ray = [fine.fsum(w * vector[i] for w, vector in zip(weights, basis, strict=True)) for i in range(len(plane))]
+        t = reach(rough, lambda x: g(*x, *rest)[0], [rough.mpf(0)] * len(plane), [rough.mpf(r) for r in ray], BITS)
         if t is not None:
-            yield [t * r for r in ray]
+            yield [fine.mpf(t) * r for r in ray]
 
 
 def _active(found: Pieces, every: Sequence[sp.Expr], at: Sequence[Any]) -> list[int]:
     """The branches whose region contains the point."""
     sizes = dict(zip(every, at, strict=True))
-    near = mpmath.mpf(10) ** -60
-    return [i for i, signs in enumerate(found.switches) if all(sign * sizes[s] >= -near for s, sign in signs.items())]
+    near = -(10.0**-60)
+    return [i for i, signs in enumerate(found.switches) if all(sign * sizes[s] >= near for s, sign in signs.items())]
 
 
 def _jumps(
-    found: Pieces, gradients: Sequence[Callable[..., list[Any]]], x: Sequence[Any], rest: list[Any], plane: Sequence[sp.Expr],
+    fine: Any, found: Pieces, gradients: Sequence[Callable[..., list[Any]]], x: Sequence[Any], rest: list[Any], plane: Sequence[sp.Expr],
     values: Mapping[sp.Symbol, sp.Rational], switch: sp.Expr, i: int, j: int,
 ) -> bool | None:  # fmt: skip
     """Whether the direction of the gradient differs between branches i and j as the seam is approached."""
-    across = [mpmath.mpf(sp.N(c.xreplace(values), 90)) for c in plane]
+    across = [fine.mpf(sp.N(c.xreplace(values), 90)) for c in plane]
     gaps = []
-    for distance in (mpmath.mpf(10) ** -20, mpmath.mpf(10) ** -40):
+    for distance in (fine.mpf(10) ** -20, fine.mpf(10) ** -40):
         units = []
         for branch in (i, j):
             side = found.switches[branch][switch] * distance
             try:
                 row = finite(gradients[branch](*(a + side * c for a, c in zip(x, across, strict=True)), *rest))
-                size = mpmath.sqrt(mpmath.fsum(v * v for v in row))
+                size = fine.sqrt(fine.fsum(v * v for v in row))
                 units.append([v / size for v in row])
             except (ArithmeticError, TypeError, ValueError):
                 return None
-        gaps.append(mpmath.sqrt(mpmath.fsum((a - b) ** 2 for a, b in zip(*units, strict=True))))
-    if gaps[1] < mpmath.mpf(10) ** -15:
+        gaps.append(fine.sqrt(fine.fsum((a - b) ** 2 for a, b in zip(*units, strict=True))))
+    if gaps[1] < fine.mpf(10) ** -15:
         return False
     ratio = gaps[1] / gaps[0]
     return True if ratio > 0.99 else False if ratio < 0.9 else None

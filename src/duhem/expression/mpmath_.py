@@ -19,7 +19,7 @@ from duhem.expression.fold import Table, fold
 from duhem.expression.recording import bound, recorded
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
-__all__ = ["compiled", "constant", "evaluate", "number", "table"]
+__all__ = ["compiled", "constant", "digits", "evaluate", "number", "table"]
 
 
 def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> Any:
@@ -46,6 +46,15 @@ def compiled(exprs: Sequence[sp.Basic], symbols: Iterable[sp.Symbol], context: A
         return found
 
     return run
+
+
+def digits(count: int) -> Any:
+    """A context of so many decimal digits that nobody else has: mpmath's own carries one precision for all threads."""
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = count
+    return context
 
 
 def constant(context: Any, node: Any) -> Any:
