@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 
 from duhem.errors import DuhemError, InputError
-from duhem.expression import Neg, Norm, Pos
+from duhem.expression import Neg, Norm, Pos, Where
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.path.straight_step import Move
@@ -97,9 +97,9 @@ def boundary(increment: Increment) -> Boundary:
 
 
 def _derivative(g: sp.Expr, x: sp.Symbol) -> sp.Expr:
-    """dg/dx with the sign of each argument of |.| as a quotient, which the vocabulary can say."""
+    """dg/dx with the sign of each argument of |.| in words of the vocabulary: 0 at 0, where a quotient x/|x| would be no number."""
     slope = sp.diff(g, x)
-    return slope.replace(lambda e: isinstance(e, sp.sign), lambda e: e.args[0] / sp.Abs(e.args[0]))
+    return slope.replace(lambda e: isinstance(e, sp.sign), lambda e: Where(e.args[0] > 0, 1, Where(e.args[0] < 0, -1, 0)))
 
 
 def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, float], parts: Sequence[float]) -> list[Move]:
