@@ -14,7 +14,7 @@ from click.testing import CliRunner
 import duhem
 from duhem import InputError
 from duhem.cli import cli
-from duhem.path import scene_file, scene_run
+from duhem.path import kept_part, scene_file, scene_run
 from duhem.path.integrators import INTEGRATORS
 
 LINE = """\
@@ -205,6 +205,25 @@ def test_an_interrupted_command_keeps_what_is_done_and_resumes(folder, monkeypat
     assert begun == [20]
     assert table.read_bytes() == (folder / "whole.csv").read_bytes()
     assert not (folder / "h.csv.partial").exists()
+
+
+def test_a_part_cut_short_is_refused_or_resumes_to_the_same_last_digit(tmp_path):
+    """Every length of a part: a number that lost its last digits still reads as one, and must not be gone on from."""
+    (tmp_path / "line.toml").write_text(LINE.replace("0.33", "0.1234567890123").replace("substeps = 50", "substeps = 1"))
+    scene = scene_file.read(tmp_path / "line.toml")
+    whole, plan, table = scene.run(), scene.plan(), tmp_path / "h.csv"
+    text = kept_part.keep(whole, table, scene.fingerprint).read_bytes()
+    resumed = 0
+    for length in range(len(text) + 1):
+        kept_part.beside(table).write_bytes(text[:length])
+        try:
+            part = kept_part.recall(table, plan, scene.fingerprint)
+        except InputError as refused:
+            assert "damaged" in str(refused) or ("another run" in str(refused) and "version" in str(refused))
+            continue
+        resumed += 1
+        assert scene.run(part).to_text() == whole.to_text()
+    assert resumed == len(whole)
 
 
 def test_explain_says_what_is_left_out_and_why(folder):

@@ -14,6 +14,7 @@ from duhem.path.plan import Plan
 __all__ = ["beside", "keep", "recall"]
 
 _MARK = "# duhem part of run "
+_ANOTHER = "delete it, or go on with the scene as it was and the version of duhem that wrote it"
 
 
 def beside(file: str | os.PathLike[str]) -> Path:
@@ -39,9 +40,11 @@ def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> Histor
         raise InputError("the part of a run cannot be read", where=f"{place}", remedy="check its permissions, or delete it") from None
     mark, _, table = text.partition("\n")
     if mark != f"{_MARK}{fingerprint}":
-        raise InputError("this is the part of another run", where=f"{place}", remedy="delete it, or undo the changes to the scene")
-    header, *lines = table.splitlines()
+        raise InputError("this is the part of another run", where=f"{place}", remedy=_ANOTHER)
     try:
+        if not table.endswith("\n"):  # cut short within its last number, which would still read as one
+            raise ValueError
+        header, *lines = table.splitlines()
         rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
         column = dict(zip(header.split(","), rows.T, strict=True))
         return _history(plan, column)
