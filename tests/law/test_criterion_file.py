@@ -209,3 +209,19 @@ def test_fixed_values_are_checked_against_the_constraints() -> None:
 def test_a_constraint_that_a_fixed_value_settles_is_dropped() -> None:
     law = reads(HEAD + 'g = "abs(sigma_a) - m*abs(sigma_n)"\nconstraints = ["m > -1", "m < 2"]\n[parameters]\nm = { min = 0 }\n')
     assert [str(c) for c in law.fix({"m": "1/2"}).constraints] == ["m < 2"]
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"mu": 1}, r"parameter mu: the domain of mu is 1; write Domain\.fixed"),
+        ({"mu": (0, 1)}, r"domain of mu is \(0, 1\)"),
+        ({"mu": None}, "domain of mu is None"),
+        (["mu"], r"\['mu'\] does not say which.*map each name to a domain"),
+        ("mu", "map each name to a domain"),
+        ({3: POSITIVE}, "3 is not a name"),
+    ],
+)
+def test_parameters_that_are_no_domains_by_name(parameters, message):
+    with pytest.raises(InputError, match=message):
+        Criterion("x", "abs(sigma_a) - mu*abs(sigma_n)", parameters)

@@ -177,6 +177,9 @@ def test_a_stress_path_inside_k_makes_no_slip_and_one_that_leaves_it_is_refused(
     ("change", "message"),
     [
         ({"method": "exacte"}, "unknown method"),
+        ({"projection": None}, "unknown method None; choose"),
+        ({"projection": 3}, "unknown method 3; choose"),
+        ({"parameters": [0.1, 0.2]}, "map each name to a value"),
         ({"path": Path.linear([0.0, 1.0], pressure=-1.0)}, "1 columns"),
         ({"stress": [1.0, 0.0]}, "outside K"),
         ({"stress": [np.nan, 0.0]}, "not finite"),

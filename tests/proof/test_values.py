@@ -5,7 +5,11 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import FrozenInstanceError
+from types import MappingProxyType
+from typing import Any
 
 import pytest
 
@@ -47,3 +51,23 @@ def test_a_frozen_mapping_is_a_mapping_with_a_hash() -> None:
     one, two = FrozenMapping({"a": 1, "b": 2}), FrozenMapping({"b": 2, "a": 1})
     assert one == two == {"a": 1, "b": 2} and hash(one) == hash(two) and list(two) == ["b", "a"]
     assert one != FrozenMapping({"a": 1}) and repr(one) == "{'a': 1, 'b': 2}"
+
+
+@pytest.mark.parametrize("content", [{}, {"b": 2, "a": 1}, {"a": 1, "c": 3}], ids=str)
+@pytest.mark.parametrize("build", [dict, OrderedDict, MappingProxyType, FrozenMapping], ids=lambda kind: kind.__name__)
+def test_a_frozen_mapping_does_what_a_mapping_proxy_does(content: dict[str, int], build: Callable[[dict[str, int]], Any]) -> None:
+    frozen, proxy, other = FrozenMapping(content), MappingProxyType(content), build({"a": 9, "z": 0})
+    like = MappingProxyType(dict(other)) if isinstance(other, FrozenMapping) else other
+    for got, expected in ((frozen | other, proxy | like), (other | frozen, like | proxy), (frozen.copy(), proxy.copy())):
+        assert type(got) is type(expected) and list(got.items()) == list(expected.items())
+    assert list(reversed(frozen)) == list(reversed(proxy))
+    got = frozen.copy()
+    got["new"] = 1
+    assert "new" not in frozen
+    for nothing in (5, None, [("a", 1)]):
+        with pytest.raises(TypeError):
+            frozen | nothing
+        with pytest.raises(TypeError):
+            nothing | frozen
+    missing = {name for name in dir(proxy) if not name.startswith("_")} - set(dir(frozen))
+    assert not missing

@@ -101,7 +101,7 @@ class ParametricCriterion(Verbatim):
 
     def fix(self, values: Mapping[str, Any] | None) -> ParametricCriterion:
         """The same law with some parameters fixed; a value outside its domain is an InputError."""
-        domains = Domains(self.parameters).fixed(values or {}, self.name)
+        domains = Domains(self.parameters).fixed(values, self.name)
         old = self.symbols()
         swap = {old[name]: domain.symbol(name) for name, domain in domains.items()}
         return replace(
@@ -134,7 +134,8 @@ def parametric(
 
     def build(f: Callable[..., Any]) -> ParametricCriterion:
         arguments = list(inspect.signature(f).parameters)
-        domains = {a: (parameters or {}).get(a, POSITIVE) for a in arguments if a != ANGLE}
+        declared = Domains(parameters)
+        domains = {a: declared.get(a, POSITIVE) for a in arguments if a != ANGLE}
         known = {ANGLE: symbol(ANGLE)} | {n: d.symbol(n) for n, d in domains.items()}
         law = ParametricCriterion(
             name=name or f.__name__.replace("_", "-"),

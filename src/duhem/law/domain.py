@@ -14,7 +14,7 @@ from duhem.expression import symbol
 from duhem.expression.parse import exact_number
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["POSITIVE", "REAL", "Domain", "Domains"]
+__all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name"]
 
 
 @dataclass(frozen=True)
@@ -86,15 +86,29 @@ POSITIVE = Domain(low=sp.S.Zero, positive=True)
 REAL = Domain()
 
 
+def by_name(given: Mapping[str, Any] | None, what: str = "a value") -> Mapping[str, Any]:
+    """``given``, nothing for None; InputError where it does not map names to anything."""
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(f"{given!r} does not say which parameter has which value", where="parameters", remedy=f"map each name to {what}")
+    return given or {}
+
+
 class Domains(FrozenMapping[str, Domain]):
     """The domains of a law's parameters by name, in order."""
 
     __slots__ = ()
 
-    def fixed(self, values: Mapping[str, Any], law: str) -> Domains:
+    def __init__(self, content: Mapping[str, Domain] | None = None) -> None:
+        super().__init__(by_name(content, "a domain"))
+        for name, domain in self.items():
+            if not isinstance(domain, Domain):
+                remedy = "write Domain.fixed(...) for one value, Domain.between(..., ...) or Domain() for more"
+                raise InputError(f"the domain of {name} is {domain!r}", where=f"parameter {name}", remedy=remedy)
+
+    def fixed(self, values: Mapping[str, Any] | None, law: str) -> Domains:
         """The same with some parameters of ``law`` fixed; InputError for an unknown one or a value outside its domain."""
         narrow = dict(self)
-        for name, value in values.items():
+        for name, value in by_name(values).items():
             if name not in self:
                 raise InputError(f"unknown parameter {name!r}", where=law, remedy=f"its parameters are: {', '.join(self) or 'none'}")
             number = exact_number(value)

@@ -78,7 +78,7 @@ class Criterion(Verbatim):
         if not self.forces:
             raise InputError(f"{self.name} declares no force", remedy="name at least one in forces")
         for name in names:
-            if not name.isidentifier():
+            if not isinstance(name, str) or not name.isidentifier():
                 raise InputError(f"{name!r} is not a name", where=self.name, remedy="use letters, digits and underscores")
             if names.count(name) > 1:
                 raise InputError(f"{name!r} is declared twice", where=self.name, remedy="give each force and parameter a name of its own")
@@ -130,7 +130,7 @@ class Criterion(Verbatim):
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""
-        return _over(self, Domains(self.parameters).fixed(values or {}, self.name))
+        return _over(self, Domains(self.parameters).fixed(values, self.name))
 
 
 def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
@@ -200,7 +200,8 @@ def criterion(
     def build(f: Callable[..., Any]) -> Criterion:
         arguments = list(inspect.signature(f).parameters)
         fixed_names = {*forces, pressure}
-        domains = {a: (parameters or {}).get(a, POSITIVE) for a in arguments if a not in fixed_names}
+        declared = Domains(parameters)
+        domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
         shell = {n: symbol(n) for n in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
         shell |= {n: d.symbol(n) for n, d in domains.items()}
         law = Criterion(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TypeVar
+from typing import Any, TypeVar
 
 __all__ = ["FrozenMapping"]
 
@@ -25,8 +25,22 @@ class FrozenMapping(Mapping[K, V]):
     def __iter__(self) -> Iterator[K]:
         return iter(self._content)
 
+    def __reversed__(self) -> Iterator[K]:
+        return reversed(self._content)
+
     def __len__(self) -> int:
         return len(self._content)
+
+    def __or__(self, other: Any) -> dict[K, V]:
+        """What dictionaries give, and so a dictionary; the same for ``other | self`` and for :meth:`copy`."""
+        return self._content | (other._content if isinstance(other, FrozenMapping) else other)
+
+    def __ror__(self, other: Any) -> dict[K, V]:
+        return other | self._content
+
+    def copy(self) -> dict[K, V]:
+        """A dictionary of its own, to be changed at will."""
+        return dict(self._content)
 
     def __hash__(self) -> int:
         return hash(frozenset(self._content.items()))

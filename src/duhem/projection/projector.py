@@ -104,7 +104,7 @@ class Projector:
 def _chosen(question: Increment, method: str | Method[Any]) -> tuple[Method[Any], str]:
     """The method and why it was taken."""
     if method != "auto":
-        asked = _named(method) if isinstance(method, str) else method
+        asked = method if isinstance(method, Method) else _named(method)
         reason = asked.applies(question)
         if reason is not None:
             raise InputError(f"method {asked.name} does not apply: {reason}", where="method")
@@ -118,8 +118,8 @@ def _chosen(question: Increment, method: str | Method[Any]) -> tuple[Method[Any]
     raise InputError(f"no method applies: {'; '.join(reasons)}", where="method", remedy="rewrite the law in one of these forms")
 
 
-def _named(name: str) -> Method[Any]:
-    if name not in METHODS:
+def _named(name: object) -> Method[Any]:
+    if not isinstance(name, str) or name not in METHODS:
         raise InputError(f"unknown method {name!r}", where="method", remedy=f"choose auto, {', '.join(METHODS)}")
     return METHODS[name]()
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
+from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
@@ -66,7 +67,7 @@ def posed(setting: Increment, trial: ArrayLike, pressure: ArrayLike | None) -> I
 
 def _parameters(law: Criterion, given: Mapping[str, Any] | None) -> dict[str, sp.Rational]:
     exact = {}
-    for name, value in (given or {}).items():
+    for name, value in by_name(given).items():
         try:
             exact[name] = exact_number(value)
         except InputError as fault:
