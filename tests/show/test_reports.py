@@ -1,9 +1,11 @@
 """Every report keeps to the width it is given and says the same at each; a terminal gives its own."""
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import cache
 
 import pytest
 import sympy as sp
@@ -23,6 +25,7 @@ from duhem.show.page import Page
 from duhem.show.printing import draw, latex, markdown, text
 
 WIDTHS = (60, 96, 200)
+COORDINATE = re.compile(r"\w+ [=~] -?[\d.]+(E-?\d+)?( = -?[\d/]+)?(?=,|$)")
 METHODS = ("closed-form", "closed-form, numba", "newton", "cvxpy CLARABEL", "cvxpy SCS")
 COMMON = {
     "law": "antoni2007",
@@ -58,8 +61,9 @@ def extreme_cases() -> ExtremeCases:
     return ExtremeCases(**COMMON, rows=tuple(rows), refusals=refused, reference=1e-60)
 
 
-def verified() -> Callable[[Page], str]:
-    done = duhem.verify("rotated-flow")
+@cache
+def verified(name: str = "rotated-flow") -> Callable[[Page], str]:
+    done = duhem.verify(name)
     return lambda page: report_text.complete(done, page)
 
 
@@ -85,9 +89,20 @@ def test_a_report_keeps_to_its_width_and_loses_nothing(name: str) -> None:
     said = {width: shown(Page(width)) for width in (None, *WIDTHS)}
     for width in WIDTHS:
         for line in said[width].splitlines():
-            assert len(line) <= width or len(line.split()) <= 2, f"{line!r} is wider than {width}"
+            whole = COORDINATE.sub("coordinate", line)  # never torn apart, however long its fraction
+            assert len(line) <= width or len(whole.split()) <= 2, f"{line!r} is wider than {width}"
         lost = [word for word in set(said[None].split()) if said[width].split().count(word) < said[None].split().count(word)]
         assert [word for word in lost if not set(word) <= {"-"}] == []  # a rule is as long as its table is wide
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["radial-flow", "rotated-flow", "limacon"])
+@pytest.mark.parametrize("width", [40, 60, 96])
+def test_a_coordinate_of_a_witness_stands_on_one_line(name: str, width: int) -> None:
+    done = verified(name)
+    said = done(Page(width))
+    every = [m.group() for line in done(Page(None)).splitlines() for m in COORDINATE.finditer(line)]
+    assert len(every) > 4 and [coordinate for coordinate in every if coordinate not in said] == []
 
 
 def piped(*arguments: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from duhem.testing import (
     pointwise,
     projection,
     stiffnesses,
+    violation,
 )
 from tests.oracles.routines import (
     DISK,
@@ -32,6 +34,8 @@ from tests.oracles.routines import (
     Array,
     ellipse,
     nothing,
+    raises,
+    wrong_shape,
 )
 
 # -- what is right is accepted -----------------------------------------------------------------------------------------
@@ -97,6 +101,53 @@ def test_flagged_points_are_counted_and_not_judged() -> None:
     assert report.ok and 0.2 < report.flagged_share < 0.8
     with pytest.raises(AssertionError, match="flags"):
         assert_conforms("orthotropic", update, ELLIPSE, max_examples=3, most_flagged=0.1)
+
+
+def no_numbers(trial: Array, pressure: Array, stiffness: Array) -> object:
+    return "stress"
+
+
+def gives_up(trial: Array, pressure: Array, stiffness: Array) -> Step:
+    return Step(trial, solved=np.zeros(len(trial), dtype=bool))
+
+
+UNANSWERED = {
+    raises: "ZeroDivisionError",
+    wrong_shape: "has the shape",
+    no_numbers: "not made of numbers",
+    gives_up: "flags every increment",
+}
+
+
+@pytest.mark.parametrize("update", UNANSWERED, ids=lambda f: f.__name__)
+def test_what_never_saw_an_answer_has_not_passed(update: Callable[..., object]) -> None:
+    report = conformance("orthotropic", update, ELLIPSE, pressure=-1.0, max_examples=2, seconds=0.1)
+    demanded = checks_for("orthotropic")
+    assert set(report.passed) == {c.name for c in demanded if c.law_only}
+    assert report.failed == (set() if update is gives_up else {"answers"})
+    assert set(report.left_out) == {c.name for c in demanded} - set(report.passed) - report.failed
+    assert f"{len(report.left_out)} left out" in str(report)
+    said = UNANSWERED[update]
+    assert said in report.left_out["feasibility"] and f"left out feasibility: {report.left_out['feasibility']}" in str(report)
+
+
+@pytest.mark.parametrize("update", [raises, wrong_shape, no_numbers])
+@pytest.mark.parametrize("name", ["feasibility", "path"])
+def test_a_check_asked_for_alone_fails_where_there_is_no_answer(update: Callable[..., object], name: str) -> None:
+    report = conformance("orthotropic", update, ELLIPSE, checks=[name], max_examples=2, seconds=0.1)
+    (failure,) = report.failures
+    assert report.failed == {name} and report.passed == () and UNANSWERED[update] in failure.message
+    assert violation(name, "orthotropic", update, failure.case, open_parameters=()) == failure.message
+
+
+def test_an_answer_now_and_then_is_judged() -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        if stiffness[0, 0] > 1.0:
+            raise ArithmeticError("too stiff")
+        return ellipse(trial, pressure, stiffness)
+
+    report = conformance("orthotropic", update, ELLIPSE, max_examples=10, seconds=0.1)
+    assert report.failed == {"answers"} and "feasibility" in report.passed
 
 
 # -- how a failure is told ---------------------------------------------------------------------------------------------

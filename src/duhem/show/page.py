@@ -15,7 +15,7 @@ _TIE = "\N{NO-BREAK SPACE}"
 
 
 def tied(text: str) -> str:
-    """``text`` as one word: a page shows its spaces and breaks no line there, unless it is longer than a line."""
+    """``text`` as one word: a page shows its spaces and breaks no line there, however long it is."""
     return text.replace(" ", _TIE)
 
 
@@ -30,9 +30,8 @@ class Page:
         if self.width is None:
             return [f"{first}{text}".replace(_TIE, " ")] if text else []
         room = min(self.width, READABLE)
-        words = (word if len(word) <= room - len(rest) else word.replace(_TIE, " ") for word in text.split(" "))
         lines = wrap(
-            " ".join(words),
+            text,
             room,
             initial_indent=first,
             subsequent_indent=rest,

@@ -59,18 +59,24 @@ def violation(
     known = load(law)
     asked = check(name) if isinstance(name, str) else name
     passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
-    found = _judged(asked, Query(Region(known, case.parameters), case, update, passed, accuracy))
+    try:
+        found = _judged(asked, Query(Region(known, case.parameters), case, update, passed, accuracy))
+    except NoReply as fault:
+        return str(fault)
     return None if found is None else found[1]
 
 
 def _judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
-    """The worst row, a message, what was measured and what is allowed."""
-    try:
-        with np.errstate(all="ignore"):
-            finding = asked.measure(query)
-    except NoReply as fault:
-        return (0, str(fault), float("nan"), 0.0) if asked.name == "answers" else None
-    bad = finding.violated & (query.sound | asked.law_only)
+    """The worst row, a message, what was measured and what is allowed.
+
+    Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
+    """
+    with np.errstate(all="ignore"):
+        finding = asked.measure(query)
+    judged = query.sound | asked.law_only
+    if not judged.any():
+        raise NothingToCheck("the routine flags every increment as not solved")
+    bad = finding.violated & judged
     if not bad.any():
         return None
     with np.errstate(all="ignore"):
@@ -117,6 +123,7 @@ class _Run:
     def __init__(self, law: Criterion, update: Update, passed: tuple[str, ...], accuracy: float, pending: Sequence[Check]) -> None:
         self.law, self.update, self.passed, self.accuracy = law, update, passed, accuracy
         self.pending = list(pending)
+        self.silence_told = any(c.name == "answers" for c in pending)  # once is enough
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
         self.points = self.flagged = 0
@@ -131,6 +138,11 @@ class _Run:
                 except NothingToCheck as reason:
                     self.left_out[asked.name] = str(reason)
                     continue
+                except NoReply as fault:
+                    if self.silence_told and asked.name != "answers":
+                        self.left_out[asked.name] = f"not run: {fault}"
+                        continue
+                    found = 0, str(fault), float("nan"), 0.0
                 self.judged.add(asked.name)
                 if found is not None:
                     row, message, measured, allowed = found

@@ -67,6 +67,7 @@ class Failure:
 class Report:
     """What a routine was found to be: names of checks ``passed``, ``failures``, and ``left_out`` with the reason.
 
+    A check passed only if it judged an answer of the routine (or looks at the law alone).
     ``points`` increments were asked of the routine, of which it flagged ``flagged`` as not solved: they are not judged.
     """
 
@@ -91,7 +92,7 @@ class Report:
         return self.flagged / self.points if self.points else 0.0
 
     def __str__(self) -> str:
-        head = (
-            f"{self.law}: {len(self.passed)} checks passed, {len(self.failures)} failed; {self.points} increments, {self.flagged} flagged"
-        )
+        counts = f"{len(self.passed)} checks passed, {len(self.failures)} failed"
+        counts += f", {len(self.left_out)} left out" if self.left_out else ""
+        head = f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged"
         return "\n".join([head, *map(str, self.failures), *(f"left out {name}: {why}" for name, why in self.left_out.items())])
