@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -172,3 +173,40 @@ def test_a_run_that_draws_nothing_does_not_load_the_curve():
         "sys.exit('duhem.path.trajectory' in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+LONG = {
+    "alike": PLANE,
+    "one force settles later": PLANE | {"stiffness": [1.0, 1e4]},
+    "equation": COUPLED,
+    "centre": SHIFTED,
+    "line": LINE,
+}
+
+
+@pytest.mark.parametrize(("name", "ratio"), [(name, r) for name in LONG for r in (1.0, 30.0, 1e3, 1e6) if name != "equation" or r <= 30.0])
+def test_however_long_a_step_is_neighbouring_stresses_are_close(name, ratio):
+    """Long against the way on which the law sticks: the corner and the curve behind it are seen, no chord cuts through K."""
+    given = dict(LONG[name])
+    corners = 0.2 * ratio * np.array([[0.0, 0.0], [1.0, 1.0], [-1.0, 1.0]])
+    path = Path.linear(corners[:, :1] if name == "line" else corners, pressure=-1.0)
+    history = simulate(given.pop("law"), path, **given)
+    seen = trajectory(history)
+    stress, slips = seen.states.stress, seen.slips[1:]
+    assert len(seen.states) <= 2 * 9 * 64 + 1
+    assert np.array_equal(seen.states.to_array()[seen.knots], history.to_array())
+    assert (np.diff(seen.states.time) > 0.0).all()
+    reach = np.ptp(stress, axis=0).max()
+    assert np.abs(np.diff(stress, axis=0)).max() <= 0.0201 * reach
+    middle = replace(seen.states, stress=0.5 * (stress[1:] + stress[:-1]), pressure=seen.states.pressure[1:])
+    assert slips.any() and np.abs(gauge(middle)[slips] - 1.0).max() < 1e-3
+    assert np.ptp(stress[1:][~slips], axis=0).max() > 0.3 * reach  # rest is not lost, though it takes no time
+
+
+@pytest.mark.parametrize("size", [1e-250, 1e-12, 1.0, 1e12, 1e250])
+def test_where_slip_begins_is_found_at_any_ratio_of_the_step_to_rest(size):
+    corners = np.array([[0.0], [1.0], [-1.0]])
+    seen = trajectory(simulate(LINE["law"], Path.linear(corners, pressure=-size), **{k: v for k, v in LINE.items() if k != "law"}))
+    rests = seen.states.stress[~seen.slips, 0]
+    assert np.ptp(rests) == pytest.approx(np.ptp(seen.states.stress), rel=1e-12) and seen.slips.any()
+    assert np.abs(np.diff(seen.states.stress[:, 0])).max() <= 0.0201 * np.ptp(seen.states.stress)

@@ -20,8 +20,11 @@ from duhem.projection.result import Array
 __all__ = ["Trajectory", "trajectory"]
 
 _POINTS = 4096  # about how many in all, where nobody says how many a step
-_MOST_A_STEP = 64
-_APART = 1e-9  # parts of a step closer than this are one
+_MOST_A_STEP = 48
+_NEAR = 1 / 50  # of the range of the stresses: farther apart, two neighbours have rows put between them
+_MOST_MORE = 8  # times as many rows, at most, as there are in equal parts
+_ROUNDS = 12
+_APART = 1e-9  # parts of a step closer than this, as seen from its start, are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +46,9 @@ def trajectory(history: History, samples: int | None = None) -> Trajectory:
 
     An exact path is evaluated anew between its knots: stress, slip, multiplier and energies are those of the law there, and
     one more row stands wherever slip begins or ends.  So it is with a prescribed stress.  Implicit and extrapolated steps
-    know their knots only, and have no rows in between.  Left out, ``samples`` is what makes about 4,000 rows, at most 64 a step.
+    know their knots only, and have no rows in between.  Left out, ``samples`` is what makes about 4,000 rows, at most 48 a step,
+    and more rows stand where neighbouring stresses would differ by more than 1/50 of the range of all: a step may be long
+    against the way on which the stress settles, at most eight times as many.
     """
     if samples is not None and (isinstance(samples, bool) or not isinstance(samples, int) or samples < 1):
         raise InputError(f"samples = {samples!r}", where="trajectory", remedy="give a whole number from 1 on")
@@ -53,9 +58,10 @@ def trajectory(history: History, samples: int | None = None) -> Trajectory:
     if history.plan is None or along is None or each == 1:
         return Trajectory(history, np.arange(len(history)), np.diff(history.multiplier, prepend=history.multiplier[0]) > 0.0)
     even = [j / each for j in range(1, each)]
+    more = _MOST_MORE * each if samples is None else 0
     rows, knots, slips = [_row(history, 0)], [0], [False]
     for i in range(1, len(history)):
-        parts, found = _sampled(along, history.stress[i - 1], i, even)
+        parts, found = _sampled(along, history, history.plan, i, even, more)
         inner = [_between(history, history.plan, i, part, reached) for part, reached in zip(parts, found[:-1], strict=False)]
         rows += [*inner, _row(history, i)]
         knots.append(len(rows) - 1)
@@ -83,23 +89,58 @@ def _along(plan: Plan, method: str) -> Piece | None:
     return None
 
 
-def _sampled(along: Piece, stress: Array, i: int, even: list[float]) -> tuple[list[float], list[Reached]]:
+def _sampled(along: Piece, history: History, plan: Plan, i: int, even: list[float], more: int) -> tuple[list[float], list[Reached]]:
     """Where step i is looked at before its end, and what has been reached there and at its end.
 
     Where an interval is neither all slip nor all rest, the time it rests is known, so that the change lies that far behind
-    its beginning or before its end: one more look at each.
+    its beginning or before its end: one more look at each.  Then up to ``more`` looks between neighbours that are far apart.
     """
-    parts = [*even, 1.0]
-    found = along(stress, i, parts)
-    starts, ends = np.array([0.0, *even]), np.array(parts)
-    rest = np.diff([0.0, *(moved.free for _, moved in found)])
-    mixed = (rest > _APART) & (rest < ends - starts - _APART)
-    if mixed.any():
-        changes = np.concatenate([(starts + rest)[mixed], (ends - rest)[mixed]])
-        every = np.sort(np.concatenate([ends, changes]))
-        parts = [*every[:-1][np.diff(every) > _APART].tolist(), 1.0]
-        found = along(stress, i, parts)
-    return parts[:-1], found
+    stress, parts = history.stress[i - 1], np.array([*even, 1.0])
+    found = along(stress, i, parts.tolist())
+    starts, free = np.array([0.0, *even]), np.array([0.0, *(moved.free for _, moved in found)])
+    rest = np.diff(free)
+    mixed = (rest > _APART * free[1:]) & (rest < (parts - starts) * (1.0 - _APART))
+    changes = np.sort(np.concatenate([(starts + rest)[mixed], (parts - rest)[mixed]]))
+    if changes.size:
+        every = np.sort(np.concatenate([parts, changes]))
+        parts = np.append(every[:-1][np.diff(every) > _APART * every[1:]], 1.0)
+        found = along(stress, i, parts.tolist())
+    room = len(parts) + more
+    for _ in range(_ROUNDS if more else 0):
+        wanted = _wanted(history, plan, i, parts, found, np.append(0.0, changes))[: room - len(parts)]
+        if not wanted:
+            break
+        looks = [*zip(parts.tolist(), found, strict=True), *zip(wanted, along(stress, i, wanted), strict=True)]
+        looks.sort(key=lambda look: look[0])
+        parts, found = np.array([part for part, _ in looks]), [reached for _, reached in looks]
+    return parts[:-1].tolist(), found
+
+
+def _wanted(history: History, plan: Plan, i: int, parts: Array, found: list[Reached], changes: Array) -> list[float]:
+    """Parts of step i between neighbours whose stresses are far apart.
+
+    From each change between rest and slip on, the stress settles over a way that may be any fraction of the step: looks
+    stand farther apart the farther they are from it, beginning with the part in which the stress without slip would go
+    through the range of all.
+    """
+    path, seen = plan.path, np.array([history.stress[i - 1], *(stress for stress, _ in found)])
+    reach = float(np.ptp(np.concatenate([history.stress, seen]), axis=0).max())
+    way = np.array([path.between(i, part)[1] - path.values[i - 1] for part in parts])
+    pull = float(np.abs(way @ plan.stiffness).max()) if path.control == "displacement" else 0.0
+    scale = reach / pull if pull > reach else 1.0
+    wanted = []
+    starts, apart = np.append(0.0, parts[:-1]), np.abs(np.diff(seen, axis=0)).max(axis=1)
+    for j in np.flatnonzero(apart > _NEAR * reach):
+        start, end = float(starts[j]), float(parts[j])
+        since = float(changes[changes <= start].max())
+        near, far = max(start - since, scale / _MOST_A_STEP), end - since
+        count = min(int(np.ceil(apart[j] / (_NEAR * reach))), _MOST_A_STEP)
+        if far > 2.0 * near:
+            looks = since + np.geomspace(near, far, count + 1)[start >= since + near : -1]
+        else:
+            looks = np.linspace(start, end, count + 1)[1:-1]
+        wanted += [part for part in looks.tolist() if start * (1.0 + 1e-15) < part < end * (1.0 - 1e-15)]
+    return wanted
 
 
 _COLUMNS = ("time", "displacement", "slip", "stress", "pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance")
