@@ -57,6 +57,8 @@ ARGUMENTS: dict[str, tuple[list[str], str]] = {
     "parameter set twice": (["verify", "coulomb", "--set", "mu=1", "--set", "mu=2"], "mu is set twice"),
     "unknown claim": (["verify", "coulomb", "--claims", "convexity,beauty"], "unknown claim 'beauty'"),
     "no claim": (["verify", "coulomb", "--claims", ","], "no claim is named"),
+    "unknown axis": (["stress", "coulomb", "--set", "mu=0.3", "--axis", "lod"], "--axis: unknown axis 'lod'; did you mean 'load'?"),
+    "unlike any axis": (["stress", "coulomb", "--set", "mu=0.3", "--axis", "qq"], "--axis: unknown axis 'qq'; axes are: load, "),
     "unknown law": (["verify", "colomb"], "unknown law 'colomb'; did you mean coulomb"),
     "file that is not there": (["verify", "none.toml"], "none.toml: there is no such file"),
     "directory": (["verify", "."], "this is a directory"),

@@ -330,6 +330,31 @@ def test_a_reader_that_goes_away_changes_no_exit_code(arguments: list[str], code
     assert (done.returncode, done.stderr) == (code, "")
 
 
+VERIFY = ["verify", "coulomb", "--claims", "origin"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="POSIX streams")
+@pytest.mark.parametrize("closed", [(1,), (2,), (1, 2)], ids=str)
+@pytest.mark.parametrize(("arguments", "code"), [(VERIFY, 0), (["list"], 0), (["verify", "colomb"], 2), (["verify"], 2)], ids=str)
+def test_a_stream_that_is_closed_changes_no_exit_code(arguments: list[str], code: int, closed: tuple[int, ...]) -> None:
+    shell = f'exec "$@" {" ".join(f"{number}>&-" for number in closed)}'
+    command = ["sh", "-c", shell, "sh", sys.executable, "-m", "duhem", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == code and "internal failure" not in done.stderr and "Traceback" not in done.stderr
+    assert bool(done.stdout) == (code == 0 and 1 not in closed) and bool(done.stderr) == (code != 0 and 2 not in closed)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
+@pytest.mark.parametrize("arguments", [["list"], ["--help"], [*VERIFY, "--format", "json"]], ids=str)
+def test_a_full_disk_is_no_defect(arguments: list[str]) -> None:
+    command = [sys.executable, "-m", "duhem", *arguments]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+        silent = subprocess.run(command, stdout=full, stderr=full, timeout=60)
+    assert done.returncode == silent.returncode == 2
+    assert re.fullmatch(r"duhem: the output cannot be written: [^\n]+; [^\n]+\n", done.stderr) and "defect" not in done.stderr
+
+
 def test_output_that_cannot_show_a_letter() -> None:
     environment = os.environ | {"PYTHONIOENCODING": "iso8859-7", "PYTHONUTF8": "0"}  # Greek has no é
     command = [sys.executable, "-m", "duhem", "verify", "antoni2007", "--claims", "origin"]

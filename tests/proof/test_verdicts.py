@@ -8,6 +8,7 @@ from functools import cache
 import pytest
 
 from duhem import Criterion, Verdict, Verification, load, verify
+from duhem.errors import InputError
 from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.claims import CLAIMS as REGISTERED
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -184,3 +185,11 @@ def test_scouting_and_curvature_find_the_same_dent() -> None:
         for method in (chords.convexity_by_scouting, chords.convexity_at_dents):
             answer = method(_subject(name, at))
             assert answer is not None and answer.witness is not None and confirmed(law, "convexity", answer.witness)
+
+
+@pytest.mark.parametrize("claim", ["origin", "convexity"])
+def test_one_claim_may_be_named_alone(claim: str) -> None:
+    alone, listed = verify("coulomb", claims=claim), verify("coulomb", claims=[claim])
+    assert [r.claim for r in alone.results] == [r.claim for r in listed.results] and claim in {r.claim for r in alone.results}
+    with pytest.raises(InputError, match=f"unknown claim '{claim}s'"):
+        verify("coulomb", claims=f"{claim}s")

@@ -189,6 +189,14 @@ def test_a_case_prints_to_the_last_bit() -> None:
     same()
 
 
+@pytest.mark.parametrize("asked", ["feasibility", check("feasibility"), ["feasibility"]], ids=["name", "check", "list"])
+def test_one_check_may_be_named_alone(asked: object) -> None:
+    report = conformance("orthotropic", ellipse, ELLIPSE, checks=asked, max_examples=1)
+    assert report.passed == ("feasibility",)
+    with pytest.raises(InputError, match="unknown check 'feasible'"):
+        conformance("orthotropic", ellipse, ELLIPSE, checks="feasible")
+
+
 def test_checks_are_described() -> None:
     for known in [*checks_for("coulomb"), check("smoothness")]:
         assert known.statement and known.formula and known.source and known.tolerance

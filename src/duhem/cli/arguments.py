@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Vectors",
+    "check_names",
     "law_argument",
     "read_claims",
     "read_fixed_formula",
@@ -88,13 +89,20 @@ def read_claims(text: str) -> tuple[str, ...]:
     from duhem.proof.claims import CLAIMS
 
     asked = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
-    for name in asked:
-        if name not in CLAIMS:
-            near = get_close_matches(name, CLAIMS, n=1)
-            raise InputError(f"unknown claim {name!r}", remedy=f"did you mean {near[0]!r}?" if near else f"claims are: {', '.join(CLAIMS)}")
+    check_names("claim", asked, CLAIMS, "claims are")
     if not asked:
         raise InputError("no claim is named", where="--claims", remedy=f"claims are: {', '.join(CLAIMS)}")
     return asked
+
+
+def check_names(kind: str, names: Iterable[str], known: Iterable[str], choice: str, where: str = "") -> None:
+    """Raises InputError for the first name that is not known, with the nearest that is, or all of them."""
+    every = tuple(known)
+    for name in names:
+        if name not in every:
+            near = get_close_matches(name, every, n=1)
+            remedy = f"did you mean {near[0]!r}?" if near else f"{choice}: {', '.join(every)}"
+            raise InputError(f"unknown {kind} {name!r}", where=where, remedy=remedy)
 
 
 def _is_number(text: str) -> bool:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import settings_option
+from duhem.cli.arguments import check_names, settings_option
 from duhem.cli.output import Progress
 from duhem.cli.study import carry_out, flagship_argument, json_option, read_subject, stiffness_option
 
@@ -34,10 +34,11 @@ def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: st
     Exit codes: 0 measured, whatever was found; 2 usage or file error; 4 no method gave an answer; 130 interrupted, after
     printing what was done.
     """
-    fixed, diagonal = read_subject(law, settings, stiffness)
-
     from duhem.benchmark import extreme_cases
     from duhem.benchmark.extreme_cases import text
+
+    check_names("axis", axes, extreme_cases.AXES, "axes are", "--axis")
+    fixed, diagonal = read_subject(law, settings, stiffness)
 
     def measure(progress: Progress) -> ExtremeCases:
         return extreme_cases.stress(

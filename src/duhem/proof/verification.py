@@ -103,7 +103,7 @@ def verify(
     *,
     on_claim: Callable[[ClaimResult], None] | None = None,
 ) -> Verification:
-    """Prove or refute every claim (or those named) over the law's whole parameter domain and every pressure.
+    """Prove or refute every claim (or the one or those named) over the law's whole parameter domain and every pressure.
 
     ``parameters`` fixes some values (exactly: decimals are rationals); ``on_claim`` is called as each result is in.
     Raises InputError for an unknown law, parameter or claim, and for values outside the domain.
@@ -142,7 +142,7 @@ def _examined(law: Law) -> Subject:
 
 
 def _wanted(claims: Iterable[str] | None) -> tuple[str, ...]:
-    names = tuple(CLAIMS) if claims is None else tuple(claims)
+    names = tuple(CLAIMS) if claims is None else (claims,) if isinstance(claims, str) else tuple(claims)
     for name in names:
         if name not in CLAIMS:
             raise InputError(f"unknown claim {name!r}", remedy=f"the claims are: {', '.join(CLAIMS)}")

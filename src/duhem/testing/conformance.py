@@ -166,7 +166,7 @@ def conformance(
     *,
     stiffness: ArrayLike | Strategy | None = None,
     pressure: float | Strategy | None = None,
-    checks: Iterable[Check | str] | None = None,
+    checks: Iterable[Check | str] | Check | str | None = None,
     accuracy: float = ACCURACY,
     max_examples: int | None = None,
     rows: int = 30,
@@ -185,7 +185,8 @@ def conformance(
     A failing check is data in the report, not an exception: see :func:`assert_conforms`.
     """
     known = load(law)
-    asked = [check(c) if isinstance(c, str) else c for c in (checks_for(known) if checks is None else checks)]
+    named = checks_for(known) if checks is None else (checks,) if isinstance(checks, str | Check) else checks
+    asked = [check(c) if isinstance(c, str) else c for c in named]
     free = tuple(name for name, domain in known.fix(parameters).parameters.items() if domain.value is None)
     run = _Run(known, update, free, accuracy, asked)
     drawn = cases(known, parameters, stiffness=stiffness, pressure=pressure, rows=rows)
@@ -210,8 +211,8 @@ def conformance(
                 "the routine answers the same increment in different ways", where="update", remedy="test one that keeps no state"
             )
         failures += again
-        named = {f.check.name for f in again}
-        run.pending = [c for c in run.pending if c.name not in named]
+        failed = {f.check.name for f in again}
+        run.pending = [c for c in run.pending if c.name not in failed]
     left_out = {name: why for name, why in run.left_out.items() if name not in run.judged}
     bad = {f.check.name for f in failures}
     passed = tuple(c.name for c in asked if c.name in run.judged - bad)
