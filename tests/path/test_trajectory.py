@@ -203,7 +203,7 @@ def test_however_long_a_step_is_neighbouring_stresses_are_close(name, ratio):
     assert np.ptp(stress[1:][~slips], axis=0).max() > 0.3 * reach  # rest is not lost, though it takes no time
 
 
-@pytest.mark.parametrize("size", [1e-250, 1e-12, 1.0, 1e12, 1e250])
+@pytest.mark.parametrize("size", [1e-250, 1e-30, 1e-12, 1e-6, 1.0])
 def test_where_slip_begins_is_found_at_any_ratio_of_the_step_to_rest(size):
     corners = np.array([[0.0], [1.0], [-1.0]])
     seen = trajectory(simulate(LINE["law"], Path.linear(corners, pressure=-size), **{k: v for k, v in LINE.items() if k != "law"}))

@@ -70,7 +70,8 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
     while ledger.done < len(path.values):
         i = ledger.done
         before = ledger.stress[i - 1]
-        [(stress, moved)] = along(before, i, (1.0,))
+        with np.errstate(over="raise", invalid="raise", divide="raise"):  # or an overflow on the way would pass for rest
+            [(stress, moved)] = along(before, i, (1.0,))
         du = path.values[i] - path.values[i - 1]
         slip = np.zeros_like(du) if moved.free >= 1.0 else du - c @ (stress - before)
         ledger.step(plan, stress, slip, (moved.multiplier, moved.dissipation, moved.work, 0.0))

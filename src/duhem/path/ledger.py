@@ -90,6 +90,13 @@ class Ledger:
             plan=plan,
         )
 
+    def finite(self) -> Ledger:
+        """This ledger, done up to the first row that holds a number beyond double precision."""
+        rows = [self.stress, self.slip, self.psi, self.multiplier, self.dissipation, self.work, self.numerical, self.balance]
+        bad = ~np.isfinite(np.column_stack(rows)[: self.done]).all(axis=1)
+        self.done = int(np.argmax(bad)) if bad.any() else self.done
+        return self
+
     def resume(self, start: History) -> None:
         """The rows of an earlier part of the same run."""
         n = len(start)

@@ -44,12 +44,14 @@ def picture(
     """The stress path on ``ax``, or three pictures side by side, on ``axes`` or a sheet of their own; what was drawn on.
 
     Left out, ``law`` and its ``parameters`` are those of the run.  Raises MissingExtraError without matplotlib, InputError
-    for a file or format that cannot be written.
+    for a file or format that cannot be written and a history that is not finite.
     """
     if ax is not None and axes is not None:
         raise InputError("both ax and axes are given", where="plot", remedy="give ax for the stress path alone, or axes for all three")
     from duhem.path.trajectory import trajectory
 
+    if not np.isfinite(history.to_array()).all():
+        raise InputError("the history holds numbers that are not finite", where="plot", remedy="take other units, or draw a part of it")
     seen = trajectory(history)
     if law is None and history.plan is not None:
         law, parameters = history.plan.increment.law, dict(history.plan.increment.parameters)

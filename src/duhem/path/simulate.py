@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pathlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from duhem.path.plan import Plan
 from duhem.projection.projector import project
 from duhem.projection.result import Array
 
-__all__ = ["Interrupted", "simulate"]
+__all__ = ["Interrupted", "LeftPrecision", "simulate"]
 
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
 
@@ -30,6 +30,18 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, history: History) -> None:
         self.history = history
         super().__init__(f"interrupted after {len(history) - 1} steps")
+
+
+class LeftPrecision(InputError):
+    """A run whose numbers grew beyond double precision; ``history`` is what was done before."""
+
+    def __init__(self, history: History, time: float) -> None:
+        self.history = history
+        super().__init__(
+            f"stress, slip or energies leave double precision on the way to time {time:g}",
+            where=f"path, step {len(history)}",
+            remedy="take other units, in which the numbers are of moderate size",
+        )
 
 
 def simulate(
@@ -55,25 +67,44 @@ def simulate(
     A stress path must stay inside K: there no slip is determined on the boundary, and none is made.
 
     ``start`` is a part of the same run, to go on from; ``on_step(done, all)`` hears of progress.  Raises InputError for what
-    cannot be used, and :class:`Interrupted`, a KeyboardInterrupt, with the part that is done.
+    cannot be used, :class:`LeftPrecision`, an InputError, where numbers grow beyond double precision, and :class:`Interrupted`,
+    a KeyboardInterrupt, both with the part that is done.
     """
     if method not in INTEGRATORS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
     plan = Plan.of(law, path, stiffness=stiffness, parameters=parameters, projection=projection, substeps=substeps)
     if plan.path.control == "stress":
-        return _prescribed(plan)
+        with np.errstate(all="ignore"):  # what is not finite is found
+            return _prescribed(plan)
     integrator = INTEGRATORS[method]
     why = integrator.why(plan)
-    ledger = Ledger.begun(plan, _first(plan, stress))
+    with np.errstate(all="ignore"):
+        ledger = Ledger.begun(plan, _first(plan, stress))
     if start is not None:
         _go_on(ledger, plan, start)
     steps = len(plan.path.time) - 1
     try:
-        for done in integrator.advance(plan, ledger):
+        rows = integrator.advance(plan, ledger)
+        while (done := _next(rows)) is not None and np.isfinite(ledger.balance[done - 1]):
             if on_step is not None:
                 on_step(done - 1, steps)
     except KeyboardInterrupt:
         raise Interrupted(ledger.history(plan, method, why)) from None
+    except ArithmeticError:
+        raise LeftPrecision(ledger.finite().history(plan, method, why), float(plan.path.time[ledger.done])) from None
+    return _whole(ledger, plan, method, why)
+
+
+def _next(rows: Iterator[int]) -> int | None:
+    with np.errstate(all="ignore"):
+        return next(rows, None)
+
+
+def _whole(ledger: Ledger, plan: Plan, method: str, why: str) -> History:
+    """The rows of a run, all of them finite."""
+    done = ledger.done
+    if ledger.finite().done < done:
+        raise LeftPrecision(ledger.history(plan, method, why), float(plan.path.time[ledger.done]))
     return ledger.history(plan, method, why)
 
 
@@ -112,7 +143,7 @@ def _prescribed(plan: Plan) -> History:
         )
     ledger = Ledger.begun(plan, stress[0])
     ledger.sticks(plan, 1, len(stress), stress[1:])
-    return ledger.history(plan, "prescribed stress", "inside K the slip stays what it was")
+    return _whole(ledger, plan, "prescribed stress", "inside K the slip stays what it was")
 
 
 def _go_on(ledger: Ledger, plan: Plan, start: History) -> None:
