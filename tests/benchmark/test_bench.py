@@ -106,6 +106,29 @@ def test_reference_declines_what_it_cannot_do() -> None:
         Closest(away.g, away.force_symbols(), None, np.eye(2).tolist())((9.0, 1.0))
 
 
+@pytest.mark.parametrize(
+    ("g", "k"),
+    [
+        ("norm(a, b) + 1/a - 1", np.eye(2)),
+        ("exp(exp(a**2 + b**2)) - 3", np.eye(2)),
+        ("norm(a, b) - 1", np.zeros((2, 2))),
+        ("norm(a, b) - 1", np.ones((2, 2))),
+    ],
+)
+def test_a_reference_that_its_digits_do_not_reach_says_why(g: str, k: np.ndarray) -> None:
+    law = Criterion("far", g, {}, forces=("a", "b"), pressure=None)
+    try:
+        found = Closest(law.g, law.force_symbols(), None, k.tolist())((30.0, 10.0))
+        assert found.residual < 1e-40
+    except NoReference as said:
+        assert len(str(said)) > 20
+    try:
+        driven = Drive(law.g, law.force_symbols(), None, k.tolist())([(0.0, 0.0), (30.0, 10.0)])
+        assert driven.error < 1e-10
+    except NoReference as said:
+        assert len(str(said)) > 20
+
+
 def test_reference_path_agrees_with_the_disk() -> None:
     """Krieg and Krieg (1977): tan(w/2) = tan(w0/2) exp(-k |du|/(mu |sigma_n|)) for the angle w from du to the stress."""
     driven = Drive(*exactly("coulomb", {"mu": 0.25}), [[2.0, 0.0], [0.0, 2.0]], -1.0)([[0.0, 0.0], [0.25, 0.0], [0.25, 0.3]])

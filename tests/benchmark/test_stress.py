@@ -202,6 +202,30 @@ def test_an_interrupted_run_keeps_what_is_done() -> None:
     assert "Interrupted" in text(result)
 
 
+@pytest.mark.parametrize(
+    ("name", "values", "axis"),
+    [
+        ("regularised", {"mu": "0.2", "c": "0.1"}, "load"),
+        ("regularised", {"mu": "0.2", "c": "1"}, "load"),
+        ("regularised", {"mu": "0.2", "c": "0.1"}, "special values"),
+        ("capped", {"mu": "0.2", "c": "0.3"}, "special values"),
+        ("cohesive", {"mu": "0.2", "c": "0.1"}, "load"),
+        ("shifted-ellipse", {"mu_a": "0.1", "mu_b": "0.2", "shift": "0.05"}, "aspect of K"),
+    ],
+)
+def test_a_case_without_reference_is_said_and_the_rest_is_kept(name: str, values: dict[str, str], axis: str) -> None:
+    law = formula(name, **{key: value for key, value in values.items() if key in duhem.load(name).parameters})
+    law = law.fix({key: "0.3" for key, domain in law.parameters.items() if domain.value is None})
+    result = stress(law, axes=(axis,), contenders=[Doctored.made("as it is", lambda found: found)])
+    place = [part for part in result.left_out if part.part.startswith(axis)]
+    assert {row.label for row in result.rows}.isdisjoint(part.part.removeprefix(f"{axis} ") for part in place)
+    assert all(part.reason.startswith("no reference: ") and len(part.reason) > 20 for part in place)
+    assert {row.label for row in result.rows} or axis == "aspect of K"
+    if name == "regularised":
+        assert any("the gradient of g vanishes on the boundary" in part.reason for part in place)
+    json.dumps(result.to_dict())
+
+
 def test_input_that_cannot_be_used() -> None:
     with pytest.raises(InputError, match="unknown axis"):
         stress(flagship(), axes=("sideways",))

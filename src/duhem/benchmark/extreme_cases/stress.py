@@ -15,10 +15,10 @@ from duhem.benchmark.extreme_cases.cases import AXES, ExtremeCase, cases
 from duhem.benchmark.extreme_cases.judge import Judgement, judged
 from duhem.benchmark.extreme_cases.refusals import Refusal, refusals
 from duhem.benchmark.machine import machine
-from duhem.benchmark.reference import Closest, NoReference, ReferenceIncrement
+from duhem.benchmark.reference import Closest, ReferenceIncrement
 from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.study import Study
-from duhem.errors import InputError
+from duhem.errors import DuhemError, InputError
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
 from duhem.projection.result import Status
@@ -110,7 +110,7 @@ def stress(
             try:
                 closest = case.specimen.reference()
                 answers = [closest(x.tolist(), case.pressure) for x in case.trial]
-            except NoReference as fault:
+            except DuhemError as fault:
                 left_out.append(LeftOut(f"{case.axis} {case.label}", f"no reference: {fault}"))
                 continue
             worst = max([worst, *(a.residual for a in answers)])

@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from duhem.benchmark.reference.formula import NoReference, PreciseFormula, Slice
+from duhem.benchmark.reference.formula import NoReference, PreciseFormula, Slice, within_reach
 from duhem.benchmark.reference.ray import extents
 from duhem.benchmark.reference.search import Search
 from duhem.expression.lineality import invariant_directions
@@ -52,7 +52,7 @@ class Closest:
     """Closest points of one law with numbers for parameters: ``g`` over ``forces`` and ``pressure``, convex in the forces.
 
     ``stiffness`` (d, d) in Pa/m.  Floats are taken exactly.  Raises NoReference where K has more than two bounded
-    directions, or does not contain the origin.
+    directions, or does not contain the origin, and where its digits do not suffice.
     """
 
     def __init__(
@@ -63,7 +63,8 @@ class Closest:
         self.formula = PreciseFormula(g, (*forces, *([] if pressure is None else [pressure])), self.context)
         mp, d = self.context, len(forces)
         k = mp.matrix([[mp.mpf(float(x)) for x in row] for row in stiffness])
-        self.compliance = k**-1
+        with within_reach(mp.dps):
+            self.compliance = k**-1
         endless = [mp.matrix([int(c) for c in v]) for v in invariant_directions(g, forces)]
         self.endless = endless
         self.columns = mp.eye(d) if not endless else k * _normals(mp, endless, d)
@@ -72,6 +73,10 @@ class Closest:
 
     def __call__(self, trial: Sequence[float], pressure: float | None = None) -> ReferenceIncrement:
         """The closest point to ``trial`` (d,) in Pa under ``pressure`` sigma_n <= 0 in Pa."""
+        with within_reach(self.context.dps):
+            return self._found(trial, pressure)
+
+    def _found(self, trial: Sequence[float], pressure: float | None) -> ReferenceIncrement:
         mp = self.context
         x = mp.matrix([mp.mpf(float(t)) for t in trial])
         tail = [] if pressure is None else [mp.mpf(float(pressure))]

@@ -6,7 +6,8 @@ evaluation of the formula is all that is trusted, and no rule of differentiation
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,13 +18,33 @@ from duhem.expression import Neg, Pos, Where
 from duhem.expression.mpmath_ import constant, table
 from duhem.expression.recording import recorded
 
-__all__ = ["Choices", "NoReference", "PreciseFormula", "Reading", "Slice"]
+__all__ = ["Choices", "NoReference", "PreciseFormula", "Reading", "Slice", "steep", "within_reach"]
 
 Choices = tuple[int, ...]
 
 
 class NoReference(DuhemError):
     """No reference can be had for this question, and why; never a number instead."""
+
+
+@contextmanager
+def within_reach(digits: int) -> Iterator[None]:
+    """What cannot be computed in ``digits`` is no reference: a division by zero, a singular matrix, a number beyond bounds."""
+    try:
+        yield
+    except DuhemError:
+        raise
+    except (ArithmeticError, ValueError) as fault:
+        said = f"{fault}" or ("a division by zero" if isinstance(fault, ZeroDivisionError) else type(fault).__name__)
+        raise NoReference(f"{digits} digits do not suffice: {said}") from None
+
+
+def steep(normal: Sequence[Any], digits: int) -> Any:
+    """|normal|^2, which is not zero: NoReference where the boundary has no direction in so many digits."""
+    square = sum(c * c for c in normal)
+    if not square > 0:
+        raise NoReference(f"the gradient of g vanishes on the boundary, in {digits} digits")
+    return square
 
 
 @dataclass(frozen=True)

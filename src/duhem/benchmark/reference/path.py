@@ -18,7 +18,7 @@ from typing import Any
 import sympy as sp
 from mpmath import MPContext
 
-from duhem.benchmark.reference.formula import Choices, NoReference, PreciseFormula, Slice
+from duhem.benchmark.reference.formula import Choices, NoReference, PreciseFormula, Slice, steep, within_reach
 from duhem.benchmark.reference.ray import extents, root
 
 __all__ = ["Drive", "Driven"]
@@ -58,7 +58,8 @@ class Drive:
         formula = PreciseFormula(g, (*forces, *([] if pressure is None else [pressure])), mp)
         tail = [] if load is None else [mp.mpf(float(load))]
         unit = [[mp.mpf(int(i == j)) for j in range(d)] for i in range(d)]
-        size = extents(Slice(formula, unit, tail), [mp.mpf(1)] * d)
+        with within_reach(mp.dps):
+            size = extents(Slice(formula, unit, tail), [mp.mpf(1)] * d)
         if size is None:
             raise NoReference("K is the origin alone")
         self.size = size
@@ -68,6 +69,10 @@ class Drive:
 
     def __call__(self, points: Sequence[Sequence[float]]) -> Driven:
         """Straight through the displacements ``points`` (m, d) in m, the first of which is where the stress is zero."""
+        with within_reach(self.mp.dps):
+            return self._driven(points)
+
+    def _driven(self, points: Sequence[Sequence[float]]) -> Driven:
         mp = self.mp
         exact = [[mp.mpf(float(x)) for x in point] for point in points]
         w, slips, error = [mp.mpf(0)] * len(self.size), False, mp.mpf(0)
@@ -153,6 +158,7 @@ class Drive:
 
     def _rate(self, w: Vector, q: Vector, choices: Choices) -> Vector:
         n = self._normal(w, choices)
+        steep(n, self.mp.dps)
         back = [sum(a * b for a, b in zip(row, n, strict=True)) for row in self.scaled]
         push = sum(a * b for a, b in zip(n, q, strict=True)) / sum(a * b for a, b in zip(n, back, strict=True))
         return [a - push * b for a, b in zip(q, back, strict=True)]

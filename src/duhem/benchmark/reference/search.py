@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from duhem.benchmark.reference.formula import Choices, NoReference, Slice
+from duhem.benchmark.reference.formula import Choices, NoReference, Slice, steep
 from duhem.benchmark.reference.ray import reach
 
 __all__ = ["Found", "Search"]
@@ -100,7 +100,7 @@ class Search:
         mp, m = self.mp, len(start.w)
         w, choices = list(start.w), start.choices
         normal, pull = start.normal, self.pull(start.w)
-        multiplier = sum(a * b for a, b in zip(normal, pull, strict=True)) / sum(a * a for a in normal)
+        multiplier = sum(a * b for a, b in zip(normal, pull, strict=True)) / steep(normal, mp.dps)
         last = mp.inf
         for turn in range(_NEWTON):
             level = self.slice.read(w, choices).value
@@ -161,14 +161,17 @@ class Search:
         level = abs(self.slice.read(w).value)
         scale = max(sum(abs(a * b) for a, b in zip(n, w, strict=True)) for n in normals)
         left = [c - sum(s * n[i] for s, n in zip(shares, normals, strict=True)) for i, c in enumerate(pull)]
-        off = mp.sqrt(sum(c * c for c in left)) / mp.sqrt(sum(c * c for c in pull))
-        negative = max([mp.mpf(0), *(-s for s in shares)]) / max(abs(s) for s in shares)
+        length, most = mp.sqrt(sum(c * c for c in pull)), max(abs(s) for s in shares)
+        if length == 0 or most == 0:
+            return mp.inf
+        off = mp.sqrt(sum(c * c for c in left)) / length
+        negative = max([mp.mpf(0), *(-s for s in shares)]) / most
         return max(level / scale, off, negative) if scale > 0 else mp.inf
 
     def _ended(self, seen: _Seen, *others: Vector) -> Found:
         """The best that the search gives, with the residual it has: the normal cone is spanned by one or two normals."""
         mp, pull = self.mp, self.pull(seen.w)
-        share = sum(a * b for a, b in zip(seen.normal, pull, strict=True)) / sum(a * a for a in seen.normal)
+        share = sum(a * b for a, b in zip(seen.normal, pull, strict=True)) / steep(seen.normal, mp.dps)
         best = Found(seen.w, share, self._residual(seen.w, [seen.normal], [share]))
         for other in others:
             try:
