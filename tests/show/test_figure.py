@@ -1,5 +1,6 @@
 """Every picture duhem draws, looked at as a reader would: nothing overlaps, nothing is cut off, every axis says its unit."""
 
+import io
 import math
 import os
 from collections.abc import Callable, Iterator
@@ -339,3 +340,46 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch) -> None:
     for asked in (lambda: figure.check("p.png"), lambda: scene().plot(), lambda: draw(BENCHES["bench"]())):
         with pytest.raises(MissingExtraError, match=r"duhem\[plot\]"):
             asked()
+
+
+# ---- what plot takes
+
+
+@pytest.mark.parametrize("name", ["x.png", b"x.png", "stream"])
+def test_a_picture_goes_into_a_name_in_bytes_or_letters_and_into_a_stream(name: str | bytes, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    stream = io.BytesIO()
+    scene().plot(stream if name == "stream" else name)
+    written = stream.getvalue() if name == "stream" else (tmp_path / "x.png").read_bytes()
+    assert written.startswith(b"\x89PNG") and len(written) > 10_000
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"titel": "x"}, "titel.*it takes"),
+        ({"mu_a_plus": 0.5}, "mu_a_plus.*it takes"),
+        ({"law": "coulomb"}, "needs mu|the forces"),
+        ({"law": "coulomb", "mu": -1.0}, "mu|the forces"),
+        ({"law": "antoni2007", "titel": 1.0}, "titel"),
+        ({"law": "antoni2007", "mu_a_plus": -1.0}, "mu_a_plus"),
+        ({"law": "antoni2007-1d", "mu_plus": 0.1, "mu_minus": 0.1}, "the forces"),
+        ({"law": "wedge"}, "no formula"),
+        ({"law": "no-such-law"}, "no-such-law"),
+        ({"ax": 3}, "int is not"),
+        ({"ax": "x"}, "str is not"),
+        ({"axes": 3}, "3 axes, 1"),
+        ({"axes": [1, 2, 3]}, "int is not"),
+        ({"axes": []}, "3 axes, 0"),
+        ({"file": 3}, "int is no file"),
+    ],
+)
+def test_options_that_do_not_fit_are_named(options: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        scene().plot(**options)
+
+
+def test_a_law_given_by_its_name_is_drawn() -> None:
+    axes = scene().plot(law="antoni2007", mu_a_plus=0.4, mu_a_minus=0.4, mu_b_plus=0.4, mu_b_minus=0.4)[0]
+    edge = next(line for line in axes.lines if line.get_label().startswith("boundary"))
+    assert np.hypot(*edge.get_data()) == pytest.approx(0.4e6, rel=1e-3)

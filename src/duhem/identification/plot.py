@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +27,7 @@ def check(law: Criterion) -> None:
 
 
 @draw.register(Identification)
-def plot(done: Identification, file: str | PathLike[str] | None = None, *, ax: Axes | None = None) -> Axes:
+def plot(done: Identification, file: figure.Target | None = None, *, ax: Axes | None = None) -> Axes:
     """Forces over |sigma_n| and the boundary of K at the median pressure, on ``ax`` or a sheet of its own; the axes.
 
     Raises MissingExtraError without matplotlib, InputError for a law that has not two forces or has open parameters, and

@@ -175,8 +175,8 @@ class Identification:
         except OSError as fault:
             raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
 
-    def plot(self, file: str | PathLike[str] | None = None, *, ax: Any = None) -> Any:
-        """Draw points, criterion and outliers on ``ax`` or a sheet of its own, into ``file`` if named; the axes (extra ``plot``)."""
+    def plot(self, file: Any = None, *, ax: Any = None) -> Any:
+        """Draw points, criterion and outliers on ``ax`` or a sheet of its own, into ``file`` (a name or a stream); the axes (extra ``plot``)."""
         return draw(self, file, ax=ax)
 
 

@@ -93,8 +93,8 @@ class History:
         except OSError as fault:
             raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
 
-    def plot(self, file: str | os.PathLike[str] | None = None, **options: Any) -> Any:
-        """Draw stress path, hysteresis loops and energies, into ``file`` if one is named (extra ``plot``).
+    def plot(self, file: Any = None, **options: Any) -> Any:
+        """Draw stress path, hysteresis loops and energies, into ``file``, a name or a binary stream, if one is given (extra ``plot``).
 
         ``ax=`` takes the stress path alone, ``axes=`` all three; what was drawn on is returned.  ``law=`` and its parameters
         by name draw another criterion than that of the run.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pathlib
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from duhem.errors import InputError
+from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.law.outline import outline
 from duhem.path.history import History
@@ -34,11 +36,11 @@ _SUMS = {"work": "work", "psi": r"free energy $\psi$", "dissipation": "dissipati
 @draw.register(History)
 def picture(
     history: History,
-    file: str | os.PathLike[str] | None = None,
+    file: figure.Target | None = None,
     *,
     ax: Axes | None = None,
     axes: Iterable[Axes] | None = None,
-    law: Criterion | None = None,
+    law: Criterion | str | os.PathLike[str] | None = None,
     **parameters: float,
 ) -> Axes | tuple[Axes, ...]:
     """The stress path on ``ax``, or three pictures side by side, on ``axes`` or a sheet of their own; what was drawn on.
@@ -53,18 +55,38 @@ def picture(
     if not np.isfinite(history.to_array()).all():
         raise InputError("the history holds numbers that are not finite", where="plot", remedy="take other units, or draw a part of it")
     seen = trajectory(history)
-    if law is None and history.plan is not None:
-        law, parameters = history.plan.increment.law, dict(history.plan.increment.parameters)
+    over = _over(history, law, parameters)
     if ax is not None:
-        return figure.drawn(lambda place: stress_path(place, seen, law, parameters), file, [ax])[0]
+        return figure.drawn(lambda place: stress_path(place, seen, over, parameters), file, [ax])[0]
 
     def paint(left: Axes, middle: Axes, right: Axes) -> None:
-        stress_path(left, seen, law, parameters)
+        stress_path(left, seen, over, parameters)
         hysteresis(middle, seen)
         energies(right, seen)
 
     title = f"{history.law}: {history.method}, {history.why}"
     return figure.drawn(paint, file, axes, panels=3, size=(4.6, 4.4), title=title)
+
+
+def _over(history: History, law: Criterion | str | os.PathLike[str] | None, parameters: dict[str, Any]) -> Criterion | None:
+    """The criterion to draw, its numbers in ``parameters``; that of the run where none is given."""
+    if law is None:
+        if parameters:
+            taken = "file, ax, axes, law, and with law its parameters"
+            raise InputError(f"unknown option {', '.join(parameters)}", where="plot", remedy=f"it takes {taken}")
+        if history.plan is None:
+            return None
+        parameters |= history.plan.increment.parameters
+        return history.plan.increment.law
+    known = load_formula(law if isinstance(law, str | Criterion) else pathlib.Path(law))
+    if known.forces != history.forces or (known.pressure is not None and history.pressure_name is None):
+        theirs, ours = ", ".join(known.forces), ", ".join(history.forces)
+        raise InputError(f"{known.name} has the forces {theirs}, the history {ours}", where="law", remedy="take a law of the same forces")
+    fixed = known.fix(parameters)
+    if absent := [name for name, domain in fixed.parameters.items() if domain.value is None]:
+        raise InputError(f"{known.name} needs {', '.join(absent)}", where="plot", remedy="give each by name")
+    parameters |= {name: float(domain.value) for name, domain in fixed.parameters.items() if domain.value is not None}
+    return known
 
 
 def stress_path(axes: Axes, seen: Trajectory, law: Criterion | None = None, parameters: Mapping[str, float] | None = None) -> None:

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from itertools import pairwise
 from math import floor, log10
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, Literal
+from typing import IO, TYPE_CHECKING, Any, Literal
 
 from duhem.errors import InputError, MissingExtraError
 from duhem.show.place import check_place
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "GREY",
+    "Target",
     "check",
     "drawn",
     "legend",
@@ -35,6 +36,8 @@ __all__ = [
     "style",
     "wrapped",
 ]
+
+Target = str | bytes | os.PathLike[Any] | IO[bytes]
 
 # Okabe and Ito (2008): told apart with any colour vision; dashes and marks tell the same without colour.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -93,7 +96,7 @@ def style() -> Iterator[None]:
 
 def drawn(
     paint: Callable[..., None],
-    file: str | os.PathLike[str] | None = None,
+    file: Target | None = None,
     axes: Iterable[Axes] | None = None,
     *,
     panels: int = 1,
@@ -101,7 +104,7 @@ def drawn(
     size: tuple[float, float] = (6.0, 4.4),
     title: str = "",
 ) -> tuple[Axes, ...]:
-    """Let ``paint`` draw on ``panels`` axes, those given or the axes of a new sheet, and write ``file`` if one is named.
+    """Let ``paint`` draw on ``panels`` axes, those given or the axes of a new sheet, and write ``file`` if one is given.
 
     ``size`` in inches is that of a panel; ``columns`` of them stand side by side.  ``title`` stands on a new sheet only.
     Raises MissingExtraError without matplotlib, InputError for a file that cannot be written or axes that are too few.
@@ -110,9 +113,7 @@ def drawn(
         check(file)
     with style():
         if axes is not None:
-            places = tuple(axes)
-            if len(places) != panels:
-                raise InputError(f"this picture has {panels} axes, {len(places)} are given", where="axes", remedy=f"give {panels}")
+            places = _given(axes, panels)
             paint(*places)
         else:
             places = _sheet(panels, min(columns, panels), size, title)
@@ -120,6 +121,21 @@ def drawn(
             _settle(places)
     if file is not None:
         save(_sheet_of(places), file)
+    return places
+
+
+def _given(axes: Iterable[Axes], panels: int) -> tuple[Axes, ...]:
+    from matplotlib.axes import Axes as Kind
+
+    try:
+        places = tuple(axes)
+    except TypeError:
+        places = (axes,)  # type: ignore[assignment]
+    if len(places) != panels:
+        raise InputError(f"this picture has {panels} axes, {len(places)} are given", where="axes", remedy=f"give {panels}")
+    for place in places:
+        if not isinstance(place, Kind):
+            raise InputError(f"{type(place).__name__} is not matplotlib's Axes", where="axes", remedy="give what plt.subplots() makes")
     return places
 
 
@@ -278,8 +294,8 @@ def _touching(axis: Axis) -> bool:
     return any(here[1] + gap > there[0] for here, there in pairwise(spans))
 
 
-def check(file: str | os.PathLike[str]) -> None:
-    """Whether a picture can be written there, asked before the work rather than after it.
+def check(file: Target) -> None:
+    """Whether a picture can be written there, asked before the work rather than after it; a stream is taken as it is.
 
     Raises MissingExtraError without matplotlib, InputError for an ending it cannot write, a folder that is not there, and
     a place that cannot be written to.
@@ -288,20 +304,32 @@ def check(file: str | os.PathLike[str]) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
     except ImportError:
         raise MissingExtraError("matplotlib", "plot") from None
+    if _is_stream(file):
+        return
+    if not isinstance(file, str | bytes | os.PathLike):
+        raise InputError(f"{type(file).__name__} is no file", where="file", remedy="give a name or an open binary file")
+    file = os.fsdecode(file)
     ending = _ending(file)
     if ending not in FigureCanvasAgg.get_supported_filetypes():
         raise InputError(f"{ending or 'no ending'} is no format of a figure", where=f"{file}", remedy="end the name in .png, .pdf, .svg")
     check_place(file)
 
 
-def save(sheet: Figure, file: str | os.PathLike[str]) -> None:
+def save(sheet: Figure, file: Target) -> None:
     """Write a sheet in the format that the file's ending names, whole or not at all; the same sheet gives the same bytes.
+
+    Into a stream it is written as PNG.
 
     Raises what :func:`check` raises.
     """
     check(file)
+    if not isinstance(file, str | bytes | os.PathLike):
+        with style():
+            sheet.savefig(file, format="png", dpi=160)
+        return
+    file = os.fsdecode(file)
     form = _ending(file)
-    beside = f"{os.fspath(file)}.writing"
+    beside = f"{file}.writing"
     try:
         with style():
             sheet.savefig(beside, format=form, dpi=160, metadata=_UNDATED.get(form))
@@ -313,5 +341,9 @@ def save(sheet: Figure, file: str | os.PathLike[str]) -> None:
             os.unlink(beside)
 
 
-def _ending(file: str | os.PathLike[str]) -> str:
-    return os.path.splitext(os.fspath(file))[1].removeprefix(".").lower()
+def _is_stream(file: object) -> bool:
+    return callable(getattr(file, "write", None))
+
+
+def _ending(file: str) -> str:
+    return os.path.splitext(file)[1].removeprefix(".").lower()
