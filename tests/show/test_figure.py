@@ -4,6 +4,7 @@ import io
 import math
 import os
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -316,6 +317,19 @@ def test_a_place_that_cannot_be_written_to_is_said_before_the_work(place: str, s
         with pytest.raises(InputError) as fault:
             asked(tmp_path / place)
         assert said in str(fault.value) and str(tmp_path / place) in str(fault.value)
+
+
+def test_the_formats_that_are_named_are_those_that_are_taken(tmp_path) -> None:
+    with pytest.raises(InputError) as fault:
+        figure.check(tmp_path / "p.xyz")
+    named = {word.strip(".,") for word in fault.value.remedy.split() if word.startswith(".")}
+    every = {*FigureCanvasAgg.get_supported_filetypes(), "bmp", "doc", "csv", "html"}
+    taken = set()
+    for ending in every:
+        with suppress(InputError):
+            figure.check(tmp_path / f"p.{ending}")
+            taken.add(ending)
+    assert named == taken >= {"png", "pdf", "svg", "jpg"}
 
 
 def test_a_failure_leaves_no_half_picture(tmp_path, monkeypatch) -> None:

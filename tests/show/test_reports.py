@@ -105,6 +105,27 @@ def test_a_coordinate_of_a_witness_stands_on_one_line(name: str, width: int) -> 
     assert len(every) > 4 and [coordinate for coordinate in every if coordinate not in said] == []
 
 
+@pytest.mark.parametrize("width", [40, 50, 60, 96])
+@pytest.mark.parametrize(("name", "pressure"), [("antoni2007", "sigma_n"), ("von-mises", None), ("cohesive", "sigma_n")])
+def test_every_block_of_tangents_says_its_columns_where_it_is_folded(name: str, pressure: str | None, width: int) -> None:
+    law = duhem.load(name)
+    law = law.fix({parameter: 0.2 for parameter in law.parameters})
+    trial = [0.3 + 0.1 * i for i in range(len(law.forces))]
+    done = duhem.project(law, trial, -1.0 if pressure else None, 1.0, tangent=True)
+    said = increment.text(law, trial, -1.0, done, Page(width))
+    assert max(map(len, said.splitlines())) <= width
+    part = said[said.index("Tangent d") : said.index("Optimality")]
+    columns = [*(f"displacement along {force}" for force in law.forces), *([pressure] if done.tangent_pressure is not None else [])]
+    blocks = part.count(f"  {law.forces[-1]} ")
+    if blocks == 1:
+        assert "displacement along" not in part  # one row a force below the title, which says the order
+        return
+    headings = [block.splitlines() for block in part.split("\n  by ")[1:]]
+    assert len(headings) == blocks
+    shown = " ".join(word for block in headings for line in block[: -len(law.forces)] for word in line.split())
+    assert sorted(shown.split()) == sorted(" ".join(columns).split())
+
+
 def piped(*arguments: str) -> str:
     return subprocess.run([sys.executable, "-m", "duhem", *arguments], capture_output=True, text=True, timeout=120).stdout
 

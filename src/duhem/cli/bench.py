@@ -31,7 +31,7 @@ __all__ = ["bench"]
 @click.option("--repeats", type=click.IntRange(1), default=5, show_default=True, help="Runs of each measurement; slow ones take fewer.")
 @click.option("--points", type=click.IntRange(1), default=1_000_000, show_default=True, help="Increments of the throughput scene.")
 @json_option
-@click.option("--plot", metavar="FILE", help="Draw time over error, both logarithmic (.png, .pdf, .svg).")
+@click.option("--plot", metavar="FILE", help="Draw time over error, both logarithmic (.png, .pdf, .svg, ...).")
 def bench(
     law: str, settings: Sequence[str], scene: str, stiffness: str | None, repeats: int, points: int, json_file: str | None, plot: str | None
 ) -> int:

@@ -22,7 +22,7 @@ __all__ = ["identify"]
 @click.option("--bootstrap", type=click.IntRange(0), default=0, metavar="N", help="Draws for percentile intervals; 0: from the covariance.")
 @click.option("--seed", type=click.IntRange(0), default=0, metavar="S", show_default=True, help="Seed of the bootstrap.")
 @click.option("--out", metavar="FILE", help="Write the fitted law as a criterion file for duhem verify.")
-@click.option("--plot", metavar="FILE", help="Draw criterion, points and outliers (.png, .pdf, .svg).")
+@click.option("--plot", metavar="FILE", help="Draw criterion, points and outliers (.png, .pdf, .svg, ...).")
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
 )

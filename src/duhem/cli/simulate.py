@@ -15,7 +15,7 @@ __all__ = ["simulate"]
 @click.command()
 @click.argument("scene", type=click.Path(dir_okay=False))
 @click.option("--out", metavar="FILE", help="Write the history as .csv or .parquet; left out, the scene's table, else standard output.")
-@click.option("--plot", metavar="FILE", help="Draw stress path, hysteresis and energies (.png, .pdf, .svg).")
+@click.option("--plot", metavar="FILE", help="Draw stress path, hysteresis and energies (.png, .pdf, .svg, ...).")
 @click.option("--explain", is_flag=True, help="Print what the scene needs and what is left out, and stop.")
 @click.option("--resume", is_flag=True, help="Go on with a run that was stopped.")
 def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resume: bool) -> int:

@@ -23,7 +23,7 @@ __all__ = ["stress"]
 @click.option("--axis", "axes", metavar="NAME", multiple=True, help="Only this axis of difficulty, for example load. Repeatable.")
 @stiffness_option
 @json_option
-@click.option("--plot", metavar="FILE", help="Draw accurate digits over decades for each axis and method (.png, .pdf, .svg).")
+@click.option("--plot", metavar="FILE", help="Draw accurate digits over decades for each axis and method (.png, .pdf, .svg, ...).")
 def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: str | None, json_file: str | None, plot: str | None) -> int:
     """Try every method that applies to LAW (left out: antoni2007) on stiff and extreme increments, decade by decade.
 

@@ -55,8 +55,11 @@ def identify(
     if not free:
         raise InputError(f"{family.name} has no free parameter", where="parameters", remedy="leave at least one to identify")
     if len(read) < len(free):
-        counts = f"{len(read)} points for the {len(free)} unknowns {', '.join(free)}"
-        raise InputError(f"there are only {counts}", where=read.where, remedy="add points, or fix a parameter with --set NAME=VALUE")
+        counts = "is only 1 point" if len(read) == 1 else f"are only {len(read)} points"
+        unknowns = f"{len(free)} unknowns {', '.join(free)}"
+        raise InputError(
+            f"there {counts} for the {unknowns}", where=read.where, remedy="add points, or fix a parameter with --set NAME=VALUE"
+        )
     from duhem.identification.estimation import estimated  # solvers and deciders, once the points are known to be usable
 
     return estimated(family, read, robust=robust, bootstrap=bootstrap, seed=seed)

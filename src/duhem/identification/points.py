@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 
 MOST_BYTES = 50_000_000
 _OPTIONAL = ("weight", "scatter")
+_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +94,11 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
     header = [name.strip() for name in header]
     if twice := sorted({name for name in header if header.count(name) > 1}):
         raise InputError(f"the column {twice[0]!r} is there twice", where=f"{where}:{first}", remedy="give each column a name of its own")
+    for mark, said in _SEPARATORS.items():
+        if (set(names) - set(header)) & {word.strip() for name in header for word in name.split(mark)}:
+            raise InputError(
+                f"the columns are separated by {said}", where=f"{where}:{first}", remedy="separate them by commas, with points in decimals"
+            )
     _complete(header, names, header, f"{where}:{first}")
     if not body:
         raise InputError("there is no row below the header", where=where, remedy="give one row a point")

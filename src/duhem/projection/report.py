@@ -37,7 +37,12 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
     if done.tangent is not None:
         title = "Tangent d stress/d displacement" + ("" if done.tangent_pressure is None else f", d stress/d {law.pressure}")
         rows = [(force, *map(_number, row)) for force, row in zip(law.forces, _slopes(done), strict=True)]
-        slopes = [title, *page.table(rows, "lr")]
+        block = page.table(rows, "lr")
+        if "" in block:  # folded: what stands where has to be said
+            columns = [f"displacement along {force}" for force in law.forces]
+            columns += [] if done.tangent_pressure is None else [f"{law.pressure}"]
+            block = page.table([("by", *columns), *rows], "lr")
+        slopes = [*page.hanging(title), *block]
     residuals = ["Optimality, relative to the increment"]
     for name, value in _residuals(done).items():
         residuals += page.field(name.replace("_", " "), f"{value:.1e}", len("complementarity"))

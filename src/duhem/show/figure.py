@@ -310,8 +310,10 @@ def check(file: Target) -> None:
         raise InputError(f"{type(file).__name__} is no file", where="file", remedy="give a name or an open binary file")
     file = os.fsdecode(file)
     ending = _ending(file)
-    if ending not in FigureCanvasAgg.get_supported_filetypes():
-        raise InputError(f"{ending or 'no ending'} is no format of a figure", where=f"{file}", remedy="end the name in .png, .pdf, .svg")
+    if ending not in (known := FigureCanvasAgg.get_supported_filetypes()):
+        first = ("png", "pdf", "svg")
+        remedy = f"end the name in {', '.join(f'.{form}' for form in (*first, *sorted(set(known) - set(first))))}"
+        raise InputError(f"{ending or 'no ending'} is no format of a figure", where=f"{file}", remedy=remedy)
     check_place(file)
 
 
