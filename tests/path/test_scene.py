@@ -278,3 +278,25 @@ def test_the_line_is_the_plane_restricted_to_it():
     one, two = scene_file.reads(LINE).run(), scene_file.reads(f"{head}[path]{tail}").run()
     assert np.abs(one.stress[:, 0] - two.stress[:, 0]).max() < 1e-15 and not two.stress[:, 1].any()
     assert np.abs(one.dissipation - two.dissipation).max() < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("law", "numbers", "pressure", "said"),
+    [
+        ("antoni2007", "mu_a_plus = 0.2\nmu_a_minus = 0.1\nmu_b_plus = 0.2\nmu_b_minus = 0.1", "[-1e6, 0.0]", "vanishing pressure"),
+        ("coulomb", "mu = 0.3", "[0.0, -1e6]", "vanishing pressure"),
+        ("polygon", None, "-1e6", "corner"),
+    ],
+)
+def test_what_the_exact_path_cannot_do_is_said_at_the_integrator_in_the_words_of_the_scene(law, numbers, pressure, said):
+    if numbers is None:
+        numbers = "\n".join(f"{name} = 0.3" for name in duhem.load(law).parameters)
+    text = (
+        f'law = "{law}"\nstiffness = 1e9\n[parameters]\n{numbers}\n[path]\nkind = "linear"\n'
+        f'points = [[0, 0], [1e-3, 1e-3]]\npressure = {pressure}\n[method]\nintegrator = "exact"\n'
+    )
+    with pytest.raises(scene_file.SceneFaults) as caught:
+        scene_file.reads(text, where="s.toml")
+    (fault,) = caught.value.faults
+    assert said in fault.what and fault.where.startswith(f"s.toml:{len(text.splitlines())}:")
+    assert 'integrator = "implicit"' in fault.remedy and "method" not in fault.remedy

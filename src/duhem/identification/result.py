@@ -176,7 +176,7 @@ class Identification:
             raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
 
     def plot(self, file: Any = None, *, ax: Any = None) -> Any:
-        """Draw points, criterion and outliers on ``ax`` or a sheet of its own, into ``file`` (a name or a stream); the axes (extra ``plot``)."""
+        """Draw points, criterion and outliers on ``ax`` or a new sheet, into ``file``, a name or stream; the axes (extra ``plot``)."""
         return draw(self, file, ax=ax)
 
 

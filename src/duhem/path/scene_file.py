@@ -111,7 +111,7 @@ class _SceneReader:
             self.fault("there is no stiffness", "", "stiffness", "write for example stiffness = 1e9, in Pa/m, above the first [section]")
         stress = self.document.get("stress")
         if law is not None and path is not None and parameters is not None and "stiffness" in self.document:
-            self.fits(law, path, parameters, substeps)
+            self.fits(law, path, parameters, substeps, integrator)
         if self.faults or law is None or path is None:
             raise SceneFaults(self.faults)
         return Scene(
@@ -127,14 +127,21 @@ class _SceneReader:
             plot=plot,
         )
 
-    def fits(self, law: Criterion, path: Path, parameters: Mapping[str, Any], substeps: int) -> None:
+    def fits(self, law: Criterion, path: Path, parameters: Mapping[str, Any], substeps: int, integrator: str) -> None:
         """Whether law, numbers and path fit each other, by the check that the run itself makes."""
         try:
-            Plan.of(law, path, stiffness=self.document["stiffness"], parameters=parameters, substeps=substeps)
+            plan = Plan.of(law, path, stiffness=self.document["stiffness"], parameters=parameters, substeps=substeps)
         except InputError as fault:
             key = next((k for k in ("stiffness", "pressure", "parameters", "path") if k in f"{fault.where} {fault.what}"), "path")
             section = "path" if key == "pressure" else ""
             self.faults.append(InputError(fault.what, where=self.place(section, key), remedy=fault.remedy))
+            return
+        pieces = INTEGRATORS[integrator].piece if path.control == "displacement" else None
+        if pieces is not None:
+            try:
+                pieces(plan)
+            except InputError as fault:
+                self.fault(fault.what, "method", "integrator", fault.remedy.replace("method=", "integrator = "))
 
     def law(self) -> Criterion | None:
         given = self.document.get("law")
