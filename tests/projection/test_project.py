@@ -197,3 +197,27 @@ def test_the_closed_form_imports_no_solver() -> None:
     source = str(Path(duhem.__path__[0]).parent)
     done = subprocess.run([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": source}, capture_output=True, text=True, timeout=60)
     assert done.stdout.strip() == "[]", done.stderr
+
+
+@pytest.mark.parametrize("method", ["closed-form", "newton", "cvxpy"])
+@pytest.mark.parametrize(
+    ("stiffness", "changed"),
+    [
+        ([1e-300, 1e300], {}),
+        ([1e300, 1e-300], {}),
+        (1e-300, {}),
+        (1e300, {}),
+        (1.0, {"mu_a_plus": "1e-310"}),
+        (1.0, {"mu_a_plus": "1e-300"}),
+        (1.0, {"mu_a_plus": "1e300"}),
+    ],
+)
+def test_the_ends_of_double_precision_are_flagged_or_refused(method: str, stiffness: Any, changed: dict[str, str]) -> None:
+    try:
+        found = duhem.project("antoni2007", [[1, 2], [0, 0], [-0.3, 0.2]], -1, stiffness, {**MU, **changed}, method)
+    except InputError as refused:
+        assert "double precision" in str(refused) and ";" in str(refused)
+        return
+    assert found.status[1] == duhem.Status.STICK
+    sound = found.status < duhem.Status.INACCURATE
+    assert np.isfinite(found.stress[sound]).all() and np.isfinite(found.slip[sound]).all()

@@ -116,7 +116,10 @@ def _smooth(row: Callable[..., Jet], node: Any, _: _Kinks, *arguments: Jet) -> J
 
 def _number(node: Any) -> float:
     if node.is_Rational:
-        return int(node.p) / int(node.q)
+        try:
+            return int(node.p) / int(node.q)
+        except OverflowError:
+            raise InputError("a number of the formula is too large for double precision", remedy="rescale it") from None
     if node.is_number:
         return float(node)
     if node in (sp.true, sp.false):

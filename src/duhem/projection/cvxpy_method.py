@@ -37,6 +37,7 @@ from duhem.projection.method import Method, Options
 from duhem.projection.residuals import residuals
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
+from duhem.projection.stiffness_factors import too_far_apart
 from duhem.projection.without_interior import shrunk
 
 __all__ = ["CVXPY", "CvxpyOptions", "applies", "solve"]
@@ -73,6 +74,8 @@ def applies(increment: Increment) -> str | None:
     """None if the cone program can be posed, else the part of the formula that the DCP rules reject, and what to do."""
     if increment.law.flow is not None:
         return f"{increment.law.name} has a flow of its own, and the closest-point step is that of the normality rule; leave the flow out"
+    if far := too_far_apart(increment.stiffness):
+        return far
     fault = _fault(increment, increment.g)
     if fault is None or all(_fault(increment, g) is None for g, _ in _by_pressure(increment)):
         return None

@@ -26,6 +26,7 @@ from duhem.projection.method import Method, Options
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import scaled
 from duhem.projection.stationarity import Stationary, refine
+from duhem.projection.stiffness_factors import too_far_apart
 from duhem.projection.whitened_body import Body, Index, body, power_of_two, whitening
 from duhem.projection.without_interior import shrunk
 
@@ -49,7 +50,7 @@ _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting 
 
 def applies(increment: Increment) -> str | None:
     """None: every convex law with a formula, in any number of forces.  Convexity itself is the caller's affair."""
-    return None
+    return too_far_apart(increment.stiffness)
 
 
 def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:

@@ -9,7 +9,17 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.projection.result import Array
 
-__all__ = ["factors"]
+__all__ = ["factors", "too_far_apart"]
+
+
+def too_far_apart(stiffness: Array) -> str | None:
+    """None where k over its largest entry has a Cholesky factor in double precision, else why not, with the remedy."""
+    relative = stiffness / np.max(np.diagonal(stiffness))
+    try:
+        np.linalg.cholesky(relative)
+    except np.linalg.LinAlgError:
+        return "the stiffnesses are too far apart for double precision; measure the forces in units that bring them together"
+    return None
 
 
 def factors(stiffness: Array) -> tuple[Array, Array]:
