@@ -207,6 +207,8 @@ def test_the_closed_form_imports_no_solver() -> None:
         ([1e300, 1e-300], {}),
         (1e-300, {}),
         (1e300, {}),
+        (1.7e308, {}),
+        (5e-324, {}),
         (1.0, {"mu_a_plus": "1e-310"}),
         (1.0, {"mu_a_plus": "1e-300"}),
         (1.0, {"mu_a_plus": "1e300"}),
@@ -218,6 +220,6 @@ def test_the_ends_of_double_precision_are_flagged_or_refused(method: str, stiffn
     except InputError as refused:
         assert "double precision" in str(refused) and ";" in str(refused)
         return
-    assert found.status[1] == duhem.Status.STICK
+    assert found.status[1] in (duhem.Status.STICK, duhem.Status.FAILED)
     sound = found.status < duhem.Status.INACCURATE
     assert np.isfinite(found.stress[sound]).all() and np.isfinite(found.slip[sound]).all()

@@ -91,7 +91,9 @@ def body(scaled: ScaledFormula, forces: tuple[sp.Symbol, ...], pressure: Array, 
 def whitening(increment: Increment) -> tuple[float, Array]:
     """Mean eigenvalue kappa of the stiffness and L with k = kappa L L^T; diagonal stiffness keeps L diagonal."""
     k = increment.stiffness
-    mean = float(np.trace(k) / len(k))
+    with np.errstate(over="ignore"):
+        mean = float(np.trace(k) / len(k))
+    mean = mean if np.isfinite(mean) else float(np.max(np.diagonal(k)))  # any size near theirs does, where only the sum overflows
     return mean, np.diag(np.sqrt(np.diag(k) / mean)) if increment.diagonal else np.asarray(np.linalg.cholesky(k / mean))
 
 
