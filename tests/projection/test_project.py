@@ -220,6 +220,7 @@ def test_the_ends_of_double_precision_are_flagged_or_refused(method: str, stiffn
     except InputError as refused:
         assert "double precision" in str(refused) and ";" in str(refused)
         return
-    assert found.status[1] in (duhem.Status.STICK, duhem.Status.FAILED)
+    given_up = method == "cvxpy" and stiffness == 5e-324  # in that unit no square of a slip is left to a conic solver
+    assert found.status[1] == (duhem.Status.FAILED if given_up else duhem.Status.STICK)
     sound = found.status < duhem.Status.INACCURATE
     assert np.isfinite(found.stress[sound]).all() and np.isfinite(found.slip[sound]).all()
