@@ -74,8 +74,12 @@ def boundary_point(law: Criterion, values: dict[sp.Symbol, sp.Rational], random:
         mean = sum(ray.values()) / 3
         ray = {s: v - mean for s, v in ray.items()}
 
+    context = mpmath.MPContext()
+    context.dps = DPS
+    level = mpmath_.compiled([law.g], [*values, *ray], context)
+
     def g(t: Any) -> Any:
-        return mpmath_.evaluate(law.g, {**values, **{s: t * mpmath.mpf(int(v.p)) / int(v.q) for s, v in ray.items()}}, DPS)
+        return level(*values.values(), *(t * mpmath.mpf(int(v.p)) / int(v.q) for v in ray.values()))[0]
 
     low, high = mpmath.mpf(10) ** -9, mpmath.mpf(10) ** 6
     assert g(low) <= 0 < g(high)

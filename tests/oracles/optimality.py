@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import sympy as sp
 
@@ -51,12 +53,17 @@ def increment(law, trial, pressure=0.0, stiffness=1.0, **values):
     return Increment(law, g, trial, pressures, k, diagonal, {name: float(value) for name, value in values.items()})
 
 
-def level(question, stress):
-    """g, by SymPy's own function, and so not by the code under test."""
-    law = question.law
-    names = [*law.force_symbols(), *([law.symbols()[law.pressure]] if law.pressure else [])]
+@cache
+def written_out(g, names):
+    """g by SymPy's own function, and so not by the code under test."""
     words = [{"Pos": lambda x: np.maximum(x, 0), "Neg": lambda x: np.maximum(-x, 0), "Norm": lambda *x: np.sqrt(sum(y * y for y in x))}]
-    g = sp.lambdify(names, question.g, [*words, "numpy"])
+    return sp.lambdify(names, g, [*words, "numpy"])
+
+
+def level(question, stress):
+    """g at stresses."""
+    law = question.law
+    g = written_out(question.g, (*law.force_symbols(), *([law.symbols()[law.pressure]] if law.pressure else [])))
     with np.errstate(over="ignore"):
         return g(*stress.T, *([question.pressure] if law.pressure else []))
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -75,16 +75,12 @@ class Region:
         last, first = Rays(level, np.zeros(way.shape[1]), way).left(_RADII, at_once=_AT_ONCE)
         return np.where(last < _RADII[0], 0.0, np.where(last == first, np.inf, last))
 
-    def _others(self, pressure: Array) -> list[Any]:
+    def _others(self, pressure: Any) -> list[Any]:
         return [*([pressure] if self.law.pressure else []), *(self.parameters[name] for name in self.law.parameters)]
 
     def _exactly(self, stress: list[float], pressure: float) -> bool:
-        table = self.law.symbols()
-        values: dict[sp.Symbol, Any] = {table[name]: value for name, value in self.parameters.items()}
-        values |= dict(zip(self.law.force_symbols(), stress, strict=True))
-        if self.law.pressure:
-            values[table[self.law.pressure]] = pressure
-        return not mpmath_.evaluate(self.law.g, values, dps=_DIGITS) <= 0
+        (level,) = _in_digits(self.law)(*stress, *self._others(pressure))
+        return not level <= 0
 
 
 @lru_cache(maxsize=64)
@@ -92,6 +88,16 @@ def _programs(law: Criterion) -> tuple[Program, JetProgram]:
     names = tuple(law.symbols().values())
     forces = law.force_symbols()
     return compiled(law.g, names), formula(law.g, forces, names[len(forces) :])
+
+
+@lru_cache(maxsize=64)
+def _in_digits(law: Criterion) -> Callable[..., list[Any]]:
+    """g of the values of all symbols, in 60 digits."""
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = _DIGITS
+    return mpmath_.compiled([law.g], law.symbols().values(), context)
 
 
 @lru_cache(maxsize=64)
