@@ -93,11 +93,7 @@ def _programs(law: Criterion) -> tuple[Program, JetProgram]:
 @lru_cache(maxsize=64)
 def _in_digits(law: Criterion) -> Callable[..., list[Any]]:
     """g of the values of all symbols, in 60 digits."""
-    from mpmath import MPContext
-
-    context = MPContext()
-    context.dps = _DIGITS
-    return mpmath_.compiled([law.g], law.symbols().values(), context)
+    return mpmath_.compiled([law.g], law.symbols().values(), mpmath_.digits(_DIGITS))
 
 
 @lru_cache(maxsize=64)
