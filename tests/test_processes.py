@@ -46,6 +46,7 @@ def test_a_law_verifies_alike_in_another_process(pool, tmp_path):
     assert any(r.witness is not None for r in pool.submit(duhem.verify, "radial-flow").result().results)
 
 
+@pytest.mark.slow
 def test_a_path_runs_alike_in_another_process(pool):
     path = duhem.Path.random(seed=3, points=5, scale=0.3, pressure=-1.0)
     for method in ("implicit", "exact"):

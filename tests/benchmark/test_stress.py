@@ -202,6 +202,7 @@ def test_an_interrupted_run_keeps_what_is_done() -> None:
     assert "Interrupted" in text(result)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values", "axis"),
     [

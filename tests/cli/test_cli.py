@@ -333,6 +333,7 @@ def test_a_reader_that_goes_away_changes_no_exit_code(arguments: list[str], code
 VERIFY = ["verify", "coulomb", "--claims", "origin"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="POSIX streams")
 @pytest.mark.parametrize("closed", [(1,), (2,), (1, 2)], ids=str)
 @pytest.mark.parametrize(("arguments", "code"), [(VERIFY, 0), (["list"], 0), (["verify", "colomb"], 2), (["verify"], 2)], ids=str)
@@ -344,6 +345,7 @@ def test_a_stream_that_is_closed_changes_no_exit_code(arguments: list[str], code
     assert bool(done.stdout) == (code == 0 and 1 not in closed) and bool(done.stderr) == (code != 0 and 2 not in closed)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 @pytest.mark.parametrize("arguments", [["list"], ["--help"], [*VERIFY, "--format", "json"]], ids=str)
 def test_a_full_disk_is_no_defect(arguments: list[str]) -> None:

@@ -220,6 +220,7 @@ def test_the_differential_equation_agrees_with_the_elementary_functions():
     assert np.abs(a.stress - b.stress).max() < 1e-12 and abs(a.dissipation[-1] - b.dissipation[-1]) < 1e-11
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("p", ["2.5", "3", "5", "6"])
 @pytest.mark.parametrize(
     "points",

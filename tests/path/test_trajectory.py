@@ -184,6 +184,7 @@ LONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "ratio"), [(name, r) for name in LONG for r in (1.0, 30.0, 1e3, 1e6) if name != "equation" or r <= 30.0])
 def test_however_long_a_step_is_neighbouring_stresses_are_close(name, ratio):
     """Long against the way on which the law sticks: the corner and the curve behind it are seen, no chord cuts through K."""

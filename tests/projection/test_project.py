@@ -199,6 +199,7 @@ def test_the_closed_form_imports_no_solver() -> None:
     assert done.stdout.strip() == "[]", done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["closed-form", "newton", "cvxpy"])
 @pytest.mark.parametrize(
     ("stiffness", "changed"),

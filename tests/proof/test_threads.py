@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 
+import pytest
+
 import duhem
 
 LAWS = ("antoni2007", "coulomb", "orthotropic", "box", "shifted-ellipse")
@@ -13,6 +15,7 @@ def verdicts(name: str) -> tuple[tuple[str, str, str], ...]:
     return tuple((r.claim, str(r.verdict), r.method) for r in duhem.verify(name).results)
 
 
+@pytest.mark.slow
 def test_threads_say_what_one_says_alone() -> None:
     alone = {name: verdicts(name) for name in LAWS}
     with ThreadPoolExecutor(8) as pool:
