@@ -119,7 +119,7 @@ def test_text_report_shows_witness_conclusion_left_out_and_remarks() -> None:
     for piece in (
         "mu*sigma_n + norm(sigma_a, sigma_b) <= 0",
         "source",
-        "convexity  refuted  by hand  at the witness   0.25 s",
+        "convexity  refuted         by hand  at the witness   0.25 s",
         "counterexample at mu = 0.15 = 3/20",
         "p: sigma_a ~ 0.33333333 = 1/3, sigma_b = -2",
         "g(p) in [0.1, 0.2]",

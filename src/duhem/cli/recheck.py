@@ -36,7 +36,7 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     except NotWritten as fault:
         raise InputError(f"the certificate cannot be checked: {fault}", where=certificate, remedy=_REMEDY) from None
     if law is not None:
-        from duhem.proof.certificate import law_as_text
+        from duhem.proof.law_text import law_as_text
 
         if law_as_text(read_fixed_formula(law, settings)) != document["law"]:
             say(f"{certificate} is about another law than {law}, or about other values of its parameters")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from duhem.expression.text import formula
 from duhem.law.curve_law import ParametricCriterion
-from duhem.proof.verdict import Verdict, Witness
+from duhem.proof.verdict import Trust, Verdict, Witness
 from duhem.show.page import PAGE, Page, tied
 
 if TYPE_CHECKING:
@@ -71,9 +71,9 @@ def _in_domain(name: str, domain: str) -> str:
 
 
 def _table(results: Sequence[ClaimResult], page: Page) -> list[str]:
-    rows = [("claim", "verdict", "method", "scope", "   time")]
-    rows += [(r.claim, _words(r.verdict), r.method, _scope(r.scope), f"{r.seconds:.2f} s") for r in results]
-    return page.table(rows, "llllr", "", rule=True)
+    rows = [("claim", "verdict", "trust", "method", "scope", "   time")]
+    rows += [(r.claim, _words(r.verdict), r.trust or "", r.method, _scope(r.scope), f"{r.seconds:.2f} s") for r in results]
+    return page.table(rows, "lllllr", "", rule=True)
 
 
 def _scope(scope: str) -> str:
@@ -119,15 +119,17 @@ def _number_in_words(exact: str) -> str:
 
 
 def _conclusion(verification: Verification, page: Page) -> Iterator[str]:
-    verdicts = {r.claim: r.verdict for r in verification.results}
+    found = {r.claim: r for r in verification.results}
     yield "Conclusion"
-    yield from page.item(_answer("generalized standard", verification.generalized_standard, verdicts, _STANDARD))
-    yield from page.item(_answer("dissipative", verification.dissipative, verdicts, ("dissipation",)))
+    yield from page.item(_answer("generalized standard", verification.generalized_standard, found, _STANDARD))
+    yield from page.item(_answer("dissipative", verification.dissipative, found, ("dissipation",)))
 
 
-def _answer(title: str, answer: bool | None, verdicts: Mapping[str, Verdict], claims: Sequence[str]) -> str:
+def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], claims: Sequence[str]) -> str:
+    verdicts = {claim: result.verdict for claim, result in found.items()}
     if answer:
-        reason = f"{_and(claims)} proved"
+        unchecked = [c for c in claims if found[c].trust is not Trust.CHECKED]
+        reason = f"{_and(claims)} proved" + (f", {_and(unchecked)} not checked" if unchecked else "")
     elif answer is False:
         reason = f"{_and([c for c in claims if verdicts.get(c) is Verdict.REFUTED])} refuted"
     else:

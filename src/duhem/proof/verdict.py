@@ -14,7 +14,7 @@ from typing import Any
 
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["Evidence", "Verdict", "Witness"]
+__all__ = ["Evidence", "Proof", "Trust", "Verdict", "Witness"]
 
 
 class Verdict(StrEnum):
@@ -25,6 +25,34 @@ class Verdict(StrEnum):
     TESTED = "tested"
     UNDECIDED = "undecided"
     NOT_APPLICABLE = "not_applicable"
+
+
+class Trust(StrEnum):
+    """What a proof rests on; their values are the words of the JSON report.
+
+    ``checked``: the kernel confirmed it against the law's formula as written.  ``solver``: a solver's word stands for a step
+    of it.  ``prover``: the kernel has no rule for its argument.
+    """
+
+    CHECKED = "checked"
+    SOLVER = "solver"
+    PROVER = "prover"
+
+    @classmethod
+    def weakest(cls, *trusts: Trust) -> Trust:
+        """What rests on all of them has this."""
+        return max(trusts, key=list(cls).index)
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What the kernel needs to confirm a claim: the name of its rule, and evidence of text, whole numbers and lists of them."""
+
+    rule: str
+    evidence: Mapping[str, Any] = field(default_factory=FrozenMapping)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "evidence", FrozenMapping(self.evidence))
 
 
 @dataclass(frozen=True)
@@ -62,12 +90,16 @@ class Witness:
 
 @dataclass(frozen=True)
 class Evidence:
-    """One method's answer to one claim: verdict, the method's name, and the argument in a sentence."""
+    """One method's answer to one claim: verdict, the method's name, and the argument in a sentence.
+
+    ``proof`` is offered to the kernel; without one it tries what needs no evidence.
+    """
 
     verdict: Verdict
     method: str
     detail: str
     witness: Witness | None = None
+    proof: Proof | None = None
 
     def __post_init__(self) -> None:
         if (self.verdict is Verdict.REFUTED) != (self.witness is not None):

@@ -19,7 +19,8 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
 from duhem.proof.statement.definedness import check_quotients
-from duhem.proof.verdict import Evidence, Verdict, Witness
+from duhem.proof.trust import Judgement
+from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
 from duhem.version import __version__
 
 __all__ = ["ClaimResult", "Verification", "verify"]
@@ -27,7 +28,10 @@ __all__ = ["ClaimResult", "Verification", "verify"]
 
 @dataclass(frozen=True)
 class ClaimResult:
-    """One row of the verdict table; ``seconds`` of wall clock, ``scope`` what the verdict ranges over."""
+    """One row of the verdict table; ``seconds`` of wall clock, ``scope`` what the verdict ranges over.
+
+    ``trust`` says what a proof rests on; ``proof`` is how the kernel confirmed it.
+    """
 
     claim: str
     verdict: Verdict
@@ -36,12 +40,15 @@ class ClaimResult:
     seconds: float
     detail: str
     witness: Witness | None = None
+    trust: Trust | None = None
+    proof: Proof | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The row as the JSON report has it."""
         return {
             "claim": self.claim,
             "verdict": self.verdict.value,
+            "trust": None if self.trust is None else self.trust.value,
             "method": self.method,
             "scope": self.scope,
             "seconds": round(self.seconds, 4),
@@ -52,12 +59,16 @@ class ClaimResult:
 
 @dataclass(frozen=True)
 class Verification:
-    """Everything found about ``criterion`` (with the asked parameters fixed)."""
+    """Everything found about ``criterion`` (with the asked parameters fixed).
+
+    ``rests_on`` holds the claims that were not asked for, and that those asked for rest on.
+    """
 
     criterion: Law
     results: tuple[ClaimResult, ...]
     left_out: tuple[LeftOut, ...]
     remarks: tuple[str, ...]
+    rests_on: tuple[ClaimResult, ...] = ()
 
     def __getitem__(self, claim: str) -> ClaimResult:
         for result in self.results:
@@ -114,22 +125,32 @@ def verify(
     needed = _with_needs(wanted)
     subject = _examined(criterion)
     settled: dict[str, Evidence] = {}
-    results = []
+    judgement = Judgement(criterion)
+    results: dict[bool, list[ClaimResult]] = {True: [], False: []}
     for name in (name for name in CLAIMS if name in needed):
         start = time.perf_counter()
         settled[name] = evidence = CLAIMS[name].examine(subject, settled)
+        judged = judgement.of(name, evidence, CLAIMS[name].needs)
         seconds = time.perf_counter() - start
-        if name in wanted:
-            within = scope(criterion, evidence.verdict)
-            result = ClaimResult(name, evidence.verdict, evidence.method, within, seconds, evidence.detail, evidence.witness)
-            results.append(result)
-            if on_claim is not None:
-                on_claim(result)
+        found = ClaimResult(
+            name,
+            evidence.verdict,
+            evidence.method,
+            scope(criterion, evidence.verdict),
+            seconds,
+            evidence.detail,
+            evidence.witness,
+            None if judged is None else judged.trust,
+            None if judged is None else judged.proof,
+        )
+        results[name in wanted].append(found)
+        if name in wanted and on_claim is not None:
+            on_claim(found)
     parts = (
         *not_needed(criterion, [evidence.verdict for evidence in settled.values()]),
         *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in wanted),
     )
-    return Verification(criterion, tuple(results), parts, remarks(subject))
+    return Verification(criterion, tuple(results[True]), parts, remarks(subject), tuple(results[False]))
 
 
 def _examined(law: Law) -> Subject:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from hashlib import sha256
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel.claims import confirmed
+from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 
@@ -49,18 +49,10 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
         raise NotWritten("a claim is stated twice or is none")
     settled, rows = set[str](), list[Rechecked]()
     for claim, verdict, trust, rule, evidence in sorted(stated, key=lambda c: CLAIMS.index(c[0])):
-        holds, reason = False, "only proofs are checked"
+        reason = "only proofs are checked"
         if verdict == "proved":
-            holds, reason = _confirmed(claim, rule, frozenset(settled), law, evidence)
-        if holds:
+            reason = "no rule for this argument" if rule is None else objection(claim, rule, frozenset(settled), law, evidence)
+        if not reason:
             settled.add(claim)
-        rows.append(Rechecked(claim, verdict, trust, holds, "" if holds else reason))
+        rows.append(Rechecked(claim, verdict, trust, not reason, reason))
     return tuple(rows)
-
-
-def _confirmed(claim: str, rule: str, settled: frozenset[str], law: StatedLaw, evidence: Mapping[str, Any]) -> tuple[bool, str]:
-    try:
-        holds = rule is not None and confirmed(claim, rule, settled, law, evidence)
-        return holds, "no rule for this argument" if rule is None else f"the rule {rule!r} does not show it"
-    except (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as fault:
-        return False, f"its evidence cannot be read ({type(fault).__name__})"

@@ -10,18 +10,25 @@ from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.support import is_support_function
-from duhem.proof.kernel.term import Term, minus, number, parse
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse
 
-__all__ = ["RULES", "confirmed", "rules_of"]
+__all__ = ["RULES", "objection", "rules_of"]
 
 Evidence = Mapping[str, Any]
 Rule = Callable[[StatedLaw, Evidence], bool]
 
 
-def confirmed(claim: str, rule: str, settled: frozenset[str], law: StatedLaw, evidence: Evidence) -> bool:
-    """Whether ``rule`` proves ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already."""
-    needed, check = RULES.get((claim, rule), (frozenset(), lambda *_: False))
-    return needed <= settled and check(law, evidence)
+def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw, evidence: Evidence) -> str:
+    """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does."""
+    if (claim, rule) not in RULES:
+        return f"no rule {rule!r} for this claim"
+    needed, check = RULES[claim, rule]
+    if not needed <= settled:
+        return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
+    try:
+        return "" if check(law, evidence) else f"the rule {rule!r} does not show it"
+    except (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as fault:
+        return f"its evidence cannot be read ({type(fault).__name__})"
 
 
 def rules_of(claim: str) -> tuple[str, ...]:

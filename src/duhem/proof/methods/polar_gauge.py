@@ -8,7 +8,7 @@ from duhem.derivation.support_function import support_function
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense, decide
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.verdict import Evidence, Verdict
+from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["duality"]
 
@@ -25,4 +25,6 @@ def duality(subject: FormulaSubject) -> Evidence | None:
     for needed in found.requires:
         if decide(Question(sp.sympify(needed).xreplace(swap), Sense.POSITIVE, subject.problem.given)).holds is not True:
             return None
-    return Evidence(Verdict.PROVED, "polar-gauge", f"Phi(d) = {formula(found.potential)}; " + "; ".join(found.steps))
+    slips = {f: x.name for f, x in zip(subject.law.forces, found.rates, strict=True)}
+    proof = Proof("polar-gauge", {"potential": formula(found.potential), "slips": slips})
+    return Evidence(Verdict.PROVED, "polar-gauge", f"Phi(d) = {formula(found.potential)}; " + "; ".join(found.steps), proof=proof)

@@ -1,0 +1,58 @@
+"""A law given by a formula as text, which is all that the kernel knows of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.parse import parse_expression
+from duhem.expression.text import formula
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import simple_points
+from duhem.proof.facts.parameter_choices import plain_choices, rationals
+
+__all__ = ["admitted_values", "law_as_text"]
+
+
+def law_as_text(law: Criterion) -> dict[str, Any]:
+    """The law as the kernel reads it: every formula as text, numbers too."""
+    return {
+        "name": law.name,
+        "forces": list(law.forces),
+        "pressure": law.pressure,
+        "parameters": {name: _domain(domain) for name, domain in law.parameters.items()},
+        "constraints": [formula(c) for c in law.constraints],
+        "g": _as_written(law),
+        "flow": None if law.flow is None else [formula(c) for c in law.flow],
+    }
+
+
+def admitted_values(law: Criterion) -> Mapping[str, str] | None:
+    """Parameter values inside the domain, which show that a claim over it is not empty; None where no exact ones were found."""
+    table = law.symbols()
+    free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
+    given = [r for x in free for r in law.parameters[x.name].relations(x)]
+    for point in (*simple_points(law), *map(rationals, plain_choices(free, [*given, *law.constraints]))):
+        whole = {table[n]: d.value for n, d in law.parameters.items() if d.value is not None} | dict(point)
+        if all(r.subs(whole) in (sp.true, True) for r in (*given, *law.constraints)):
+            return {x.name: str(value) for x, value in whole.items()}
+    return None
+
+
+def _as_written(law: Criterion) -> str:
+    """The formula as it was given, if it still is the law's; else as the law has it."""
+    try:
+        return law.written if law.written and parse_expression(law.written, law.symbols()) == law.g else formula(law.g)
+    except InputError:
+        return formula(law.g)
+
+
+def _domain(domain: Domain) -> dict[str, Any]:
+    if domain.value is not None:
+        return {"value": str(domain.value)}
+    high = None if domain.high is None else str(domain.high)
+    return {"positive": True, "max": high} if domain.positive else {"min": None if domain.low is None else str(domain.low), "max": high}

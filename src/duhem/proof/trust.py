@@ -1,0 +1,71 @@
+"""What each proof rests on: the kernel is given every one, in the order in which they were made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion
+from duhem.proof.kernel.claims import objection, rules_of
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.term import NotWritten
+from duhem.proof.law_text import law_as_text
+from duhem.proof.verdict import Evidence, Proof, Trust, Verdict
+
+__all__ = ["Judged", "Judgement"]
+
+_SOLVERS = ("smt", "z3")  # in the brackets of a method's name
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Of a proof: what it rests on and, where the kernel confirmed it, how."""
+
+    trust: Trust
+    proof: Proof | None = None
+
+
+@dataclass
+class Judgement:
+    """The proofs of one law so far, each judged."""
+
+    law: Law
+    judged: dict[str, Judged] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._stated = _stated(self.law)
+
+    def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Judged | None:
+        """A proof judged, where the claims it may have started from, ``rests_on``, were judged before; None for no proof."""
+        if evidence.verdict is not Verdict.PROVED:
+            return None
+        if (proof := self._confirmed(claim, evidence.proof)) is not None:
+            found = Judged(Trust.CHECKED, proof)
+        else:
+            by_solver = any(s in evidence.method.partition(" (")[2] for s in _SOLVERS)
+            weak = [self.judged[name].trust for name in rests_on if name in self.judged and self.judged[name].trust is not Trust.CHECKED]
+            found = Judged(Trust.SOLVER if by_solver else Trust.weakest(*weak) if weak else Trust.PROVER)
+        self.judged[claim] = found
+        return found
+
+    def _confirmed(self, claim: str, offered: Proof | None) -> Proof | None:
+        settled = frozenset(name for name, found in self.judged.items() if found.trust is Trust.CHECKED)
+        if self._stated is None:
+            return None
+        tried = _offers(claim, offered)
+        return next((p for p in tried if not objection(claim, p.rule, settled, self._stated, p.evidence)), None)
+
+
+def _offers(claim: str, offered: Proof | None) -> Iterator[Proof]:
+    if offered is not None:
+        yield offered
+    yield from (Proof(rule) for rule in rules_of(claim))
+
+
+def _stated(law: Law) -> StatedLaw | None:
+    """The law as the kernel has it; None where that reads nothing of it."""
+    try:
+        return StatedLaw.read(law_as_text(law)) if isinstance(law, Criterion) else None
+    except (NotWritten, OverflowError, RecursionError):
+        return None
