@@ -8,6 +8,7 @@ from typing import Any
 
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
+from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse
@@ -99,8 +100,7 @@ def quadratic_energy(law: StatedLaw, _: Evidence) -> bool:
     rows = [_sum(*(_product(factor[i][j], lift[i]) for i in range(d))) for j in range(d)]
     energy = domain.polynomial(_product(half, _sum(*(_product(a, b) for a, b in zip(lift, stress, strict=True)))))
     for x, force in [*zip(u, stress, strict=True), *zip(w, map(minus, stress), strict=True)]:
-        slope = {tuple((y, n - (y == x)) for y, n in m if n > (y == x)): c * dict(m)[x] for m, c in energy.items() if x in dict(m)}
-        if slope != domain.polynomial(force):
+        if slope(energy, x) != domain.polynomial(force):
             return False
     return energy == domain.polynomial(_product(half, _sum(*(_product(r, r) for r in rows))))
 

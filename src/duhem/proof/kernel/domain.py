@@ -12,6 +12,7 @@ from itertools import islice, product
 from typing import Any, NamedTuple
 from unicodedata import normalize
 
+from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
 
 __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Sign", "StatedDomain", "StatedLaw"]
@@ -19,10 +20,7 @@ __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Sign", "StatedDomain", "State
 Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
 NEGATIVE, ZERO, POSITIVE = 1, 2, 4
 ANY = NEGATIVE | ZERO | POSITIVE
-Monomial = tuple[tuple[Term, int], ...]
-Polynomial = dict[Monomial, Fraction]
-_ONE: Polynomial = {(): Fraction(1)}
-_MOST_TERMS, _MOST_BITS, _MOST_POWER, _MOST_CHOICES = 20_000, 8192, 12, 64
+_MOST_POWER, _MOST_CHOICES = 12, 64
 
 
 class Bounds(NamedTuple):
@@ -139,10 +137,10 @@ class StatedDomain:
         for m, c in poly.items() if constraints else ():
             for known, sharp in self._constraints:
                 for n, d in known.items():
-                    share = _joined(m, tuple((x, -k) for x, k in n))
+                    share = joined(m, tuple((x, -k) for x, k in n))
                     if (sign := self._of_term(share, c / d)) & NEGATIVE or not sign:
                         continue
-                    rest = _sum(poly, _times({share: -c / d}, known))
+                    rest = total(poly, times({share: -c / d}, known))
                     if self._nonnegative(rest, strict and not (sharp and sign == POSITIVE), constraints - 1):
                         return True
         return False
@@ -170,7 +168,7 @@ class StatedDomain:
                 if end != 0 or i:
                     step = Term("name", name=f"{x.name} from end {i}")  # no name of a law has blanks
                     self._bounds[step.name] = Bounds(Fraction(0), None, self._bounds[x.name].open and not i)
-                    moved = _replaced(moved, x, _sum({(): end}, {((step, 1),): Fraction(1 - 2 * i)}))
+                    moved = replaced(moved, x, total({(): end}, {((step, 1),): Fraction(1 - 2 * i)}))
             yield moved
 
     def _ends(self, x: Term) -> list[tuple[Fraction, int]]:
@@ -183,19 +181,19 @@ class StatedDomain:
         if term.op == "number":
             return {(): term.value} if term.value else {}
         if term.op == "+":
-            return _sum(*(self.polynomial(a) for a in term.args))
+            return total(*(self.polynomial(a) for a in term.args))
         if term.op == "*":
-            total = _ONE
+            found = ONE
             for a in term.args:
-                total = _times(total, self.polynomial(a))
-            return total
+                found = times(found, self.polynomial(a))
+            return found
         if term.op == "**" and term.args[1].op == "number" and term.args[1].value.denominator == 1:
             n, base = int(term.args[1].value), self.polynomial(term.args[0])
             if 0 <= n <= _MOST_POWER:
-                total = _ONE
+                found = ONE
                 for _ in range(n):
-                    total = _times(total, base)
-                return total
+                    found = times(found, base)
+                return found
             if -_MOST_POWER <= n < 0 and len(base) == 1:
                 ((monomial, c),) = base.items()
                 return {tuple((x, k * n) for x, k in monomial): c**n}
@@ -227,37 +225,3 @@ def _gap(comparison: Term) -> Term:
     """What a comparison says is >= 0."""
     left, right = comparison.args if comparison.op in (">", ">=") else comparison.args[::-1]
     return Term("+", (left, minus(right)))
-
-
-def _sum(*parts: Polynomial) -> Polynomial:
-    total: Polynomial = {}
-    for part in parts:
-        for m, c in part.items():
-            total[m] = total.get(m, Fraction(0)) + c
-    return {m: c for m, c in total.items() if c}
-
-
-def _joined(one: Monomial, two: Monomial) -> Monomial:
-    powers = dict(one)
-    for x, n in two:
-        powers[x] = powers.get(x, 0) + n
-    return tuple(sorted((x, n) for x, n in powers.items() if n))
-
-
-def _times(one: Polynomial, two: Polynomial) -> Polynomial:
-    if len(one) * len(two) > _MOST_TERMS:
-        raise NotWritten("a product has too many terms")
-    found = _sum(*({_joined(m, n): c * d} for m, c in one.items() for n, d in two.items()))
-    if any(max(c.numerator.bit_length(), c.denominator.bit_length()) > _MOST_BITS for c in found.values()):
-        raise NotWritten("a number is too long")
-    return found
-
-
-def _replaced(poly: Polynomial, x: Term, inner: Polynomial) -> Polynomial:
-    total: Polynomial = {}
-    for m, c in poly.items():
-        part: Polynomial = {tuple((y, n) for y, n in m if y != x): c}
-        for _ in range(dict(m).get(x, 0)):
-            part = _times(part, inner)
-        total = _sum(total, part)
-    return total

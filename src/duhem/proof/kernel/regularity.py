@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from duhem.proof.kernel.curvature import facts
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, Polynomial, StatedDomain
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.term import Term, number
 
 __all__ = ["smooth_near_the_boundary"]

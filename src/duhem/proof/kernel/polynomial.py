@@ -1,0 +1,57 @@
+"""Sums and products of polynomials with rational coefficients, in terms as their variables."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from duhem.proof.kernel.term import NotWritten, Term
+
+__all__ = ["ONE", "Monomial", "Polynomial", "joined", "replaced", "slope", "times", "total"]
+
+Monomial = tuple[tuple[Term, int], ...]
+Polynomial = dict[Monomial, Fraction]
+ONE: Polynomial = {(): Fraction(1)}
+_MOST_TERMS, _MOST_BITS = 20_000, 8192
+
+
+def total(*parts: Polynomial) -> Polynomial:
+    """The sum."""
+    found: Polynomial = {}
+    for part in parts:
+        for m, c in part.items():
+            found[m] = found.get(m, Fraction(0)) + c
+    return {m: c for m, c in found.items() if c}
+
+
+def joined(one: Monomial, two: Monomial) -> Monomial:
+    """The product of two monomials; exponents may be negative."""
+    powers = dict(one)
+    for x, n in two:
+        powers[x] = powers.get(x, 0) + n
+    return tuple(sorted((x, n) for x, n in powers.items() if n))
+
+
+def times(one: Polynomial, two: Polynomial) -> Polynomial:
+    """The product; NotWritten where it is too long to be worth checking."""
+    if len(one) * len(two) > _MOST_TERMS:
+        raise NotWritten("a product has too many terms")
+    found = total(*({joined(m, n): c * d} for m, c in one.items() for n, d in two.items()))
+    if any(max(c.numerator.bit_length(), c.denominator.bit_length()) > _MOST_BITS for c in found.values()):
+        raise NotWritten("a number is too long")
+    return found
+
+
+def replaced(poly: Polynomial, x: Term, inner: Polynomial) -> Polynomial:
+    """``inner`` put for ``x``."""
+    found: Polynomial = {}
+    for m, c in poly.items():
+        part: Polynomial = {tuple((y, n) for y, n in m if y != x): c}
+        for _ in range(dict(m).get(x, 0)):
+            part = times(part, inner)
+        found = total(found, part)
+    return found
+
+
+def slope(poly: Polynomial, x: Term) -> Polynomial:
+    """The derivative by ``x``."""
+    return {tuple((y, n - (y == x)) for y, n in m if n != (y == x)): c * dict(m)[x] for m, c in poly.items() if x in dict(m)}
