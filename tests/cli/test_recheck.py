@@ -80,13 +80,22 @@ def test_a_changed_byte_is_an_error(folder: Path, tmp_path: Path) -> None:
     assert isinstance(found, InputError) and "hash" in str(found)
 
 
-@pytest.mark.parametrize(("law", "file", "message"), [("coulomb", "no/such/c.json", "directory"), ("wedge", "c.json", "boundary curve")])
-def test_what_cannot_be_certified_is_told_before_the_work(law: str, file: str, message: str, tmp_path: Path, monkeypatch: Any) -> None:
+@pytest.mark.parametrize("law", ["coulomb", "wedge"])
+def test_a_place_that_does_not_exist_is_told_before_the_work(law: str, tmp_path: Path, monkeypatch: Any) -> None:
     from duhem.proof import verification
 
     monkeypatch.setattr(verification, "verify", lambda *_, **__: pytest.fail("the work began"))
-    found = run("verify", law, "--certificate", tmp_path / file).exception
-    assert isinstance(found, InputError) and message in str(found)
+    found = run("verify", law, "--certificate", tmp_path / "no/such/c.json").exception
+    assert isinstance(found, InputError) and "directory" in str(found)
+
+
+def test_a_boundary_curve_has_a_certificate_too(tmp_path: Path) -> None:
+    file = tmp_path / "wedge.json"
+    settings = [part for name in ("tan_alpha=1", "tan_beta=1/4", "mu_alpha=1/4", "mu_beta=1/4") for part in ("--set", name)]
+    assert run("verify", "wedge", *settings, "--claims", "convexity,dissipation", "--certificate", file).exit_code == 0
+    found = run("recheck", file, "--law", "wedge", *settings)
+    assert found.exit_code == 0 and found.output.count("confirmed") == 2
+    assert run("recheck", file, "--law", "wedge").exit_code == 1
 
 
 def test_the_checker_imports_nothing_heavy(folder: Path) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import read_fixed_formula, settings_option
+from duhem.cli.arguments import read_fixed_law, settings_option
 from duhem.cli.exit_code import HELD, REFUTED
 from duhem.cli.output import page, say
 from duhem.errors import InputError
@@ -38,7 +38,7 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     if law is not None:
         from duhem.proof.law_text import law_as_text
 
-        if law_as_text(read_fixed_formula(law, settings)) != document["law"]:
+        if law_as_text(read_fixed_law(law, settings)) != document["law"]:
             say(f"{certificate} is about another law than {law}, or about other values of its parameters")
             return REFUTED
     said = [(r.claim, r.verdict.replace("_", " "), "confirmed" if r.confirmed else "-", r.reason) for r in rows]

@@ -26,7 +26,7 @@ __all__ = ["verify"]
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
 )
-@click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON (laws given by a formula).")
+@click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON.")
 @click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
 def verify(law: str, settings: Sequence[str], claims: str | None, form: str, certificate: str | None, strict: bool) -> int:
     """Prove or refute what is claimed of LAW.
@@ -34,13 +34,11 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, cer
     Each claim is decided over the whole parameter domain and for every pressure, unless --set fixes a parameter.  Results
     go to standard output, progress to standard error.
     """
-    from duhem.law import catalogue
     from duhem.show.place import check_place, write
 
     asked = None if claims is None else read_claims(claims)
     fixed = read_fixed_law(law, settings)
     if certificate is not None:
-        catalogue.load_formula(fixed)  # a boundary curve has no text that the kernel reads
         check_place(certificate)
 
     from duhem.proof import report_json, report_text, verification

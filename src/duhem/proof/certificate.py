@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from duhem.errors import InputError
-from duhem.law.catalogue import load_formula
 from duhem.proof.kernel.certificate import SCHEMA, digest
 from duhem.proof.law_text import admitted_values, law_as_text
 from duhem.proof.verification import ClaimResult, Verification
@@ -17,10 +16,9 @@ def certificate(verification: Verification) -> dict[str, Any]:
     """The certificate as a JSON object: deterministic, without times, with a hash of its content.
 
     Each claim has its :class:`~duhem.proof.verdict.Trust` and, where the kernel confirmed it, the rule and its evidence; the
-    claims that those asked for rest on are there too.  Raises InputError for a law given by a boundary curve, whose text the
-    kernel does not read.
+    claims that those asked for rest on are there too.  Raises InputError where no exact parameter values of the domain are found.
     """
-    law = load_formula(verification.criterion)
+    law = verification.criterion
     if (inhabited := admitted_values(law)) is None:
         raise InputError("no exact point of the parameters' domain was found", where=law.name, remedy="fix a parameter with --set")
     claims = [_claim(result) for result in (*verification.rests_on, *verification.results)]

@@ -1,4 +1,4 @@
-"""A law given by a formula as text, which is all that the kernel knows of it."""
+"""A law as text, which is all that the kernel knows of it."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
+from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
@@ -18,20 +19,23 @@ from duhem.proof.facts.parameter_choices import plain_choices, rationals
 __all__ = ["admitted_values", "law_as_text"]
 
 
-def law_as_text(law: Criterion) -> dict[str, Any]:
+def law_as_text(law: Law) -> dict[str, Any]:
     """The law as the kernel reads it: every formula as text, numbers too."""
+    bound: dict[str, Any] = {"g": _as_written(law)} if isinstance(law, Criterion) else {}
+    if isinstance(law, ParametricCriterion):
+        bound = {"angle": law.angle, "boundary": [formula(x) for x in law.boundary]}
     return {
         "name": law.name,
         "forces": list(law.forces),
         "pressure": law.pressure,
         "parameters": {name: _domain(domain) for name, domain in law.parameters.items()},
         "constraints": [formula(c) for c in law.constraints],
-        "g": _as_written(law),
+        **bound,
         "flow": None if law.flow is None else [formula(c) for c in law.flow],
     }
 
 
-def admitted_values(law: Criterion) -> Mapping[str, str] | None:
+def admitted_values(law: Law) -> Mapping[str, str] | None:
     """Parameter values inside the domain, which show that a claim over it is not empty; None where no exact ones were found."""
     table = law.symbols()
     free = [table[name] for name, domain in law.parameters.items() if domain.value is None]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from duhem.law.curve_law import Law
-from duhem.law.formula_law import Criterion
+from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection, rules_of
+from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.law_text import law_as_text
@@ -50,22 +51,16 @@ class Judgement:
         return found
 
     def _confirmed(self, claim: str, offered: Proof | None) -> Proof | None:
-        settled = frozenset(name for name, found in self.judged.items() if found.trust is Trust.CHECKED)
         if self._stated is None:
             return None
-        tried = _offers(claim, offered)
-        return next((p for p in tried if not objection(claim, p.rule, settled, self._stated, p.evidence)), None)
+        settled = frozenset(name for name, found in self.judged.items() if found.trust is Trust.CHECKED)
+        offers = [*([] if offered is None else [offered]), *(Proof(rule) for rule in rules_of(claim, self._stated))]
+        return next((p for p in offers if not objection(claim, p.rule, settled, self._stated, p.evidence)), None)
 
 
-def _offers(claim: str, offered: Proof | None) -> Iterator[Proof]:
-    if offered is not None:
-        yield offered
-    yield from (Proof(rule) for rule in rules_of(claim))
-
-
-def _stated(law: Law) -> StatedLaw | None:
+def _stated(law: Law) -> StatedLaw | StatedCurve | None:
     """The law as the kernel has it; None where that reads nothing of it."""
     try:
-        return StatedLaw.read(law_as_text(law)) if isinstance(law, Criterion) else None
+        return stated(law_as_text(law))
     except (NotWritten, OverflowError, RecursionError):
         return None

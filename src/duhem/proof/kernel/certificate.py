@@ -9,10 +9,11 @@ from hashlib import sha256
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.domain import StatedLaw, inhabited
 from duhem.proof.kernel.term import NotWritten
 
-__all__ = ["CLAIMS", "SCHEMA", "Rechecked", "digest", "recheck"]
+__all__ = ["CLAIMS", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
 
 SCHEMA = "duhem certificate 1"
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
@@ -34,21 +35,26 @@ def digest(document: Mapping[str, Any]) -> str:
     return sha256(json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()).hexdigest()
 
 
+def stated(law: Mapping[str, Any]) -> StatedLaw | StatedCurve:
+    """The ``law`` of a certificate: by a formula, or by a boundary curve."""
+    return StatedCurve.read(law) if "boundary" in law else StatedLaw.read(law)
+
+
 def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     """Every claim of a certificate.  Raises NotWritten where it is none: another schema, hash or law, or an empty domain."""
     try:
         if document["schema"] != SCHEMA or document["sha256"] != digest(document):
             raise NotWritten("the schema or the hash is another")
-        law = StatedLaw.read(document["law"])
-        if not law.inhabited({name: Fraction(value) for name, value in document["inhabited"].items()}):
+        law = stated(document["law"])
+        if not inhabited(law.parameters, law.constraints, {name: Fraction(value) for name, value in document["inhabited"].items()}):
             raise NotWritten("no point of the parameters' domain is given")
-        stated = [(c["claim"], c["verdict"], c["trust"], c["rule"], c["evidence"]) for c in document["claims"]]
+        said = [(c["claim"], c["verdict"], c["trust"], c["rule"], c["evidence"]) for c in document["claims"]]
     except (KeyError, TypeError, ValueError, AttributeError, ZeroDivisionError, RecursionError) as fault:
         raise NotWritten(f"it is no certificate ({type(fault).__name__})") from None
-    if len({claim for claim, *_ in stated}) < len(stated) or not {claim for claim, *_ in stated} <= set(CLAIMS):
+    if len({claim for claim, *_ in said}) < len(said) or not {claim for claim, *_ in said} <= set(CLAIMS):
         raise NotWritten("a claim is stated twice or is none")
     settled, rows = set[str](), list[Rechecked]()
-    for claim, verdict, trust, rule, evidence in sorted(stated, key=lambda c: CLAIMS.index(c[0])):
+    for claim, verdict, trust, rule, evidence in sorted(said, key=lambda c: CLAIMS.index(c[0])):
         reason = "only proofs are checked"
         if verdict == "proved":
             reason = "no rule for this argument" if rule is None else objection(claim, rule, frozenset(settled), law, evidence)

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 from duhem.proof.kernel.curvature import Facts, facts, over
+from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
@@ -19,11 +20,12 @@ Evidence = Mapping[str, Any]
 Rule = Callable[[StatedLaw, Evidence], bool]
 
 
-def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw, evidence: Evidence) -> str:
+def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
     """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does."""
-    if (claim, rule) not in RULES:
+    rules: Mapping[tuple[str, str], tuple[frozenset[str], Callable[..., bool]]] = RULES if isinstance(law, StatedLaw) else CURVE_RULES
+    if (claim, rule) not in rules:
         return f"no rule {rule!r} for this claim"
-    needed, check = RULES[claim, rule]
+    needed, check = rules[claim, rule]
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
     try:
@@ -32,9 +34,9 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw, ev
         return f"its evidence cannot be read ({type(fault).__name__})"
 
 
-def rules_of(claim: str) -> tuple[str, ...]:
-    """The rules that may prove a claim, in order."""
-    return tuple(rule for name, rule in RULES if name == claim)
+def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:
+    """The rules that may prove a claim of such a law, in order."""
+    return tuple(rule for name, rule in (RULES if isinstance(law, StatedLaw) else CURVE_RULES) if name == claim)
 
 
 def _shape(law: StatedLaw) -> Facts:
@@ -90,9 +92,10 @@ def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
     return "potential" in evidence and is_support_function(parse(evidence["potential"]), dict(evidence["slips"]), over(law))
 
 
-def quadratic_energy(law: StatedLaw, _: Evidence) -> bool:
+def quadratic_energy(law: StatedLaw | StatedCurve, _: Evidence) -> bool:
     """psi = (u - w) . k (u - w)/2, k = L L^T: dpsi/du = k (u - w) = -dpsi/dw, and psi is the sum of (L^T (u - w))_j^2/2."""
-    d, domain, half = len(law.forces), over(law), number(Fraction(1, 2))
+    d, half = len(law.forces), number(Fraction(1, 2))
+    domain = over(StatedLaw(law.forces, law.pressure, number(0), None, {}, ()))
     u, w = ([Term("name", name=f"{x} {i}") for i in range(d)] for x in "uw")
     factor = [[Term("name", name=f"l {i} {j}") if i >= j else number(0) for j in range(d)] for i in range(d)]
     lift = [_sum(a, minus(b)) for a, b in zip(u, w, strict=True)]
@@ -122,5 +125,13 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("normality", "normality-rule"): (frozenset({"convexity"}), associated),
     ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),
     ("duality", "polar-gauge"): (_NONE, polar_gauge),
+    ("state_laws", "symbolic"): (_NONE, quadratic_energy),
+}
+CURVE_RULES: Mapping[tuple[str, str], tuple[frozenset[str], Callable[[StatedCurve, Evidence], bool]]] = {
+    ("origin", "winding"): (_NONE, lambda curve, _: curve.around_zero()),
+    ("convexity", "turning-tangent"): (_NONE, lambda curve, _: curve.convex()),
+    ("smoothness", "regular-curve"): (_NONE, lambda curve, _: curve.convex() or curve.star_shaped()),
+    ("normality", "normality-rule"): (frozenset({"convexity"}), lambda curve, _: curve.flow is None),
+    ("dissipation", "power"): (_NONE, lambda curve, _: curve.powered() if curve.flow else curve.star_shaped()),
     ("state_laws", "symbolic"): (_NONE, quadratic_energy),
 }

@@ -15,7 +15,7 @@ from unicodedata import normalize
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
 
-__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Sign", "StatedDomain", "StatedLaw"]
+__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedLaw", "declared", "inhabited"]
 
 Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
 NEGATIVE, ZERO, POSITIVE = 1, 2, 4
@@ -61,6 +61,27 @@ def _exact(text: object) -> Fraction:
     return Fraction(text)
 
 
+Declared = tuple[tuple[str, ...], dict[str, Bounds], tuple[Term, ...], dict[Term, Term]]
+
+
+def declared(given: Mapping[str, Any], others: tuple[str, ...]) -> Declared:
+    """Forces, parameters, constraints and what fixed parameters stand for; ``others`` are further names.  NotWritten where they clash."""
+    if any(isinstance(part, str) for part in (given["forces"], given["constraints"])):
+        raise NotWritten("a text stands where a list should")
+    forces = tuple(given["forces"])
+    parameters = {name: Bounds.read(entry) for name, entry in given["parameters"].items()}
+    names = [*forces, *others, *parameters]
+    if not forces or any(not n.isidentifier() or n != normalize("NFKC", n) or n in (*WORDS, "pi") for n in names):
+        raise NotWritten("a name is none")
+    if len(set(names)) < len(names):
+        raise NotWritten("a name is declared twice")
+    constraints = tuple(parse(text) for text in given["constraints"])
+    if any(c.op not in COMPARISONS or not c.names() <= set(parameters) for c in constraints):
+        raise NotWritten("a constraint does not compare parameters")
+    fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
+    return forces, parameters, constraints, fixed
+
+
 class StatedLaw(NamedTuple):
     """The law of a certificate; every formula is kept as written."""
 
@@ -74,35 +95,18 @@ class StatedLaw(NamedTuple):
     @classmethod
     def read(cls, given: Mapping[str, Any]) -> StatedLaw:
         """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
-        forces, pressure, flow_text = tuple(given["forces"]), given["pressure"], given["flow"]
-        if any(isinstance(part, str) for part in (given["forces"], given["constraints"], flow_text)):
+        pressure, flow_text = given["pressure"], given["flow"]
+        if isinstance(flow_text, str):
             raise NotWritten("a text stands where a list should")
-        parameters = {name: Bounds.read(entry) for name, entry in given["parameters"].items()}
-        names = [*forces, *([] if pressure is None else [pressure]), *parameters]
-        if not forces or any(not n.isidentifier() or n != normalize("NFKC", n) or n in (*WORDS, "pi") for n in names):
-            raise NotWritten("a name is none")
-        if len(set(names)) < len(names):
-            raise NotWritten("a name is declared twice")
-        fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
+        forces, parameters, constraints, fixed = declared(given, () if pressure is None else (pressure,))
+        names = {*forces, pressure, *parameters}
         g, *flow = (parse(text).put(fixed) for text in (given["g"], *(flow_text or ())))
-        constraints = tuple(parse(text) for text in given["constraints"])
         law = cls(forces, pressure, g, None if flow_text is None else tuple(flow), parameters, constraints)
         if flow_text is not None and len(flow) != len(forces):
             raise NotWritten("the flow has another number of components than there are forces")
-        if any(c.op not in COMPARISONS or not c.names() <= set(parameters) for c in law.constraints):
-            raise NotWritten("a constraint does not compare parameters")
         if any(f.op in COMPARISONS or not f.names() <= {*names, "pi"} for f in (g, *flow)):
             raise NotWritten("a name is not declared")
         return law
-
-    def inhabited(self, point: Mapping[str, Fraction]) -> bool:
-        """Whether ``point`` satisfies the domain and every constraint, so that a claim over the domain is not empty."""
-        here = {Term("name", name=n): number(x) for n, x in point.items()}
-        domain = StatedDomain(self, lambda term, _: ANY)
-        gaps = [(domain.polynomial(_gap(c).put(here)), c.op) for c in self.constraints]
-        values = [(gap.get((), Fraction(0)), op) for gap, op in gaps if set(gap) <= {()}]
-        inside = set(point) == set(self.parameters) and all(self.parameters[n].holds(x) for n, x in point.items())
-        return inside and len(values) == len(gaps) and all(v > 0 or (v == 0 and len(op) == 2) for v, op in values)
 
 
 class StatedDomain:
@@ -212,6 +216,16 @@ class StatedDomain:
         if not sign & POSITIVE:
             return number(0) if term.op == "pos" else minus(x)
         return Term("abs", (x,)) if term.op == "norm" else term
+
+
+def inhabited(parameters: Mapping[str, Bounds], constraints: tuple[Term, ...], point: Mapping[str, Fraction]) -> bool:
+    """Whether ``point`` satisfies the domain and every constraint, so that a claim over the domain is not empty."""
+    here = {Term("name", name=n): number(x) for n, x in point.items()}
+    domain = StatedDomain(StatedLaw((), None, number(0), None, parameters, ()), lambda term, _: ANY)
+    gaps = [(domain.polynomial(_gap(c).put(here)), c.op) for c in constraints]
+    values = [(gap.get((), Fraction(0)), op) for gap, op in gaps if set(gap) <= {()}]
+    inside = set(point) == set(parameters) and all(parameters[n].holds(x) for n, x in point.items())
+    return inside and len(values) == len(gaps) and all(v > 0 or (v == 0 and len(op) == 2) for v, op in values)
 
 
 def signs_of_product(a: Sign, b: Sign) -> Sign:

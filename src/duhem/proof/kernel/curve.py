@@ -1,0 +1,176 @@
+"""A law given by a boundary curve, as its text says it: signs all around, and how often a vector turns.
+
+With T the boundary and ' the derivative by the angle, over boxes that cover the circle: the circle is (c, s) and (-c, -s)
+with c = (1 - t^2)/(1 + t^2), s = 2 t/(1 + t^2), |t| <= 1.  Theorems: a closed curve whose tangent turns once and to the
+left throughout is simple and bounds a convex set; one that runs around 0 in polar order once is simple and bounds a set
+star-shaped about 0 (M. P. do Carmo 1976, section 5-7).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, Bounds, declared
+from duhem.proof.kernel.interval import Interval, Jet
+from duhem.proof.kernel.term import NotWritten, Term, parse
+
+__all__ = ["StatedCurve"]
+
+_MOST_BOXES, _NARROWEST = 4096, Fraction(1, 2**24)  # in t; what is not shown there hardly ever is in narrower boxes
+_ZERO, _ONE = Interval(0, 0), Interval.between(Fraction(1), Fraction(1))
+Vector = tuple[Jet, Jet]
+Box = tuple[int, Fraction, Fraction]  # which half of the circle, and t from where to where
+
+
+class StatedCurve(NamedTuple):
+    """The law of a certificate: K = |pressure| times what the curve ``boundary`` (angle) winds around; ``flow`` its slip."""
+
+    forces: tuple[str, ...]
+    pressure: str
+    angle: str
+    boundary: tuple[Term, ...]
+    flow: tuple[Term, ...] | None
+    parameters: Mapping[str, Bounds]
+    constraints: tuple[Term, ...]
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any]) -> StatedCurve:
+        """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
+        forces, parameters, constraints, fixed = declared(given, (given["pressure"], given["angle"]))
+        one, two = (parse(text).put(fixed) for text in given["boundary"])
+        flow = None if given["flow"] is None else tuple(parse(text).put(fixed) for text in given["flow"])
+        if len(forces) != 2 or (flow is not None and len(flow) != 2):
+            raise NotWritten("a boundary curve takes two forces")
+        if any(not x.names() <= {given["angle"], *parameters, "pi"} for x in (one, two, *(flow or ()))):
+            raise NotWritten("a name is not declared")
+        return cls(forces, given["pressure"], given["angle"], (one, two), flow, parameters, constraints)
+
+    def convex(self) -> bool:
+        """T' x T'' > 0 and T' turns once."""
+        return self._turn(lambda c: _derivative(c.boundary), lambda c: _cross(*_ends(c.boundary, 1, 2))) == 1
+
+    def star_shaped(self) -> bool:
+        """T x T' > 0 and T turns once."""
+        return self._turn(lambda c: _value(c.boundary), lambda c: _cross(*_ends(c.boundary, 0, 1))) == 1
+
+    def around_zero(self) -> bool:
+        """T turns once around 0, which it never meets."""
+        return self._turn(lambda c: _value(c.boundary)) == 1
+
+    def powered(self) -> bool:
+        """T . d > 0."""
+        return self.flow is not None and self._turn(None, lambda c: _dot(_value(c.boundary), _value(c.flow))) is not None
+
+    def _turn(self, vector: Callable[[_Place], Pair] | None, positive: Callable[[_Place], Interval] | None = None) -> int | None:
+        """How often a vector turns (0 for none), where ``positive`` is > 0 and the vector is not 0 all around; None if not shown."""
+        quadrants: list[int] = []
+        boxes: list[Box] = [(-1, Fraction(-1), Fraction(1)), (1, Fraction(-1), Fraction(1))]  # the first one last
+        while boxes:
+            half, low, high = boxes.pop()
+            found = self._half_plane(_circle(half, low, high), vector, positive)
+            if found is not None:
+                quadrants.append(found)
+                continue
+            if high - low < _NARROWEST or len(quadrants) > _MOST_BOXES:
+                return None
+            middle = (low + high) / 2
+            boxes += [(half, middle, high), (half, low, middle)]
+        steps = [(after - before + 1) % 4 - 1 for before, after in pairwise([*quadrants, quadrants[0]])]
+        return sum(steps) // 4 if max(map(abs, steps)) <= 1 else None
+
+    def _half_plane(
+        self, circle: Vector, vector: Callable[[_Place], Pair] | None, positive: Callable[[_Place], Interval] | None
+    ) -> int | None:
+        """0 to 3 where the vector's x > 0, y > 0, x < 0, y < 0 over a box; None where nothing is shown."""
+        try:
+            place = _Place(*(None if v is None else tuple(self._jet(x, circle) for x in v) for v in (self.boundary, self.flow)))
+            if positive is not None and positive(place).sign != POSITIVE:
+                return None
+            x, y = (_ONE, _ZERO) if vector is None else vector(place)
+        except (ZeroDivisionError, ValueError):
+            return None
+        for i, (part, sign) in enumerate(((x, POSITIVE), (y, POSITIVE), (x, NEGATIVE), (y, NEGATIVE))):
+            if part.sign == sign:
+                return i
+        return None
+
+    def _jet(self, term: Term, circle: Vector) -> Jet:
+        """A term over a box of angles and all values of the parameters; NotWritten for a word that may have a kink."""
+        here = Term("name", name=self.angle)
+        if term.op == "number":
+            return _constant(Interval.between(term.value, term.value))
+        if term.op == "name" and term.name in self.parameters:
+            low, high, _ = self.parameters[term.name]
+            if low is None or high is None:
+                raise NotWritten("a parameter has no bounds")
+            return _constant(Interval.between(low, high))
+        if term.op in ("cos", "sin") and term.args == (here,):
+            return circle[term.op == "sin"]
+        if term.op == "**" and term.args[1].op == "number":
+            return _power(self._jet(term.args[0], circle), term.args[1].value)
+        if term.op in ("+", "*", "norm"):
+            first, *rest = (self._jet(a, circle) for a in term.args)
+            if term.op == "norm":
+                first, *rest = (x.times(x) for x in (first, *rest))
+            for x in rest:
+                first = first.times(x) if term.op == "*" else first.plus(x)
+            return first.root() if term.op == "norm" else first
+        raise NotWritten(f"no rule for {term.op}")
+
+
+class _Place(NamedTuple):
+    """The curve and its slip over a box."""
+
+    boundary: Any
+    flow: Any
+
+
+Pair = tuple[Interval, Interval]
+
+
+def _circle(half: int, low: Fraction, high: Fraction) -> Vector:
+    """Cosine and sine over a box: c falls with |t|, s rises with t."""
+    far, near = max(abs(low), abs(high)), Fraction(0) if low <= 0 <= high else min(abs(low), abs(high))
+    c = Interval.between((1 - far**2) / (1 + far**2), (1 - near**2) / (1 + near**2))
+    s = Interval.between(2 * low / (1 + low**2), 2 * high / (1 + high**2))
+    if half < 0:
+        c, s = c.minus(), s.minus()
+    return Jet(c, s.minus(), c.minus()), Jet(s, c, s.minus())
+
+
+def _power(base: Jet, exponent: Fraction) -> Jet:
+    """A power with a whole or half exponent."""
+    if exponent.denominator > 2 or abs(exponent) > 12:
+        raise NotWritten("no rule for this exponent")
+    base = base.root() if exponent.denominator == 2 else base
+    total = _constant(_ONE)
+    for _ in range(abs(exponent.numerator)):
+        total = total.times(base)
+    return total if exponent >= 0 else total.inverse()
+
+
+def _constant(value: Interval) -> Jet:
+    return Jet(value, _ZERO, _ZERO)
+
+
+def _value(v: Vector) -> Pair:
+    return v[0].value, v[1].value
+
+
+def _derivative(v: Vector) -> Pair:
+    return v[0].first, v[1].first
+
+
+def _ends(v: Vector, one: int, two: int) -> tuple[Pair, Pair]:
+    return (v[0][one], v[1][one]), (v[0][two], v[1][two])
+
+
+def _dot(a: Pair, b: Pair) -> Interval:
+    return a[0].times(b[0]).plus(a[1].times(b[1]))
+
+
+def _cross(a: Pair, b: Pair) -> Interval:
+    return a[0].times(b[1]).plus(a[1].times(b[0]).minus())

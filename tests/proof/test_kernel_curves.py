@@ -1,0 +1,143 @@
+"""The kernel's rules for laws given by a boundary curve: intervals that enclose, jets that differentiate, curves of known shape."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import cos, isclose, pi, sin, sqrt
+from random import Random
+from typing import Any
+
+import pytest
+
+import duhem
+from duhem.law.curve_law import ParametricCriterion
+from duhem.proof.certificate import certificate
+from duhem.proof.kernel.certificate import recheck
+from duhem.proof.kernel.claims import CURVE_RULES, objection
+from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.interval import Interval, Jet
+from duhem.proof.kernel.term import NotWritten
+
+UNIT = 2**96
+CIRCLE = ["cos(phi)", "sin(phi)"]
+
+
+def curve(*boundary: str, flow: list[str] | None = None, **parameters: Any) -> StatedCurve:
+    given = {"forces": ["a", "b"], "pressure": "s", "angle": "phi", "boundary": boundary, "flow": flow, "constraints": []}
+    return StatedCurve.read(given | {"parameters": parameters})
+
+
+def shown(stated: StatedCurve) -> set[str]:
+    """The claims of the shape that the kernel shows; those that rest on others are left out."""
+    return {claim for (claim, rule), (needs, _) in CURVE_RULES.items() if not needs and not objection(claim, rule, frozenset(), stated, {})}
+
+
+def test_intervals_hold_every_result() -> None:
+    rng = Random(5)
+
+    def drawn() -> Fraction:
+        return Fraction(rng.randint(-1000, 1000), rng.randint(1, 1000))
+
+    def inside(x: Fraction, found: Interval) -> bool:
+        return found.low <= x * UNIT <= found.high
+
+    for _ in range(2000):
+        one, two = sorted([drawn(), drawn()]), sorted([drawn(), drawn()])
+        a, b = Interval.between(*one), Interval.between(*two)
+        x, y = (low + (high - low) * Fraction(rng.randint(0, 8), 8) for low, high in (one, two))
+        assert inside(x + y, a.plus(b)) and inside(x * y, a.times(b)) and inside(-x, a.minus())
+        if not one[0] <= 0 <= one[1]:
+            assert inside(1 / x, a.inverse())
+        if one[0] >= 0:
+            root = a.root()
+            assert root.low**2 <= x * UNIT**2 <= root.high**2
+
+
+def test_an_interval_with_0_has_no_inverse_and_one_below_it_no_root() -> None:
+    with pytest.raises(ZeroDivisionError):
+        Interval.between(Fraction(-1), Fraction(0)).inverse()
+    with pytest.raises(ValueError, match="nonnegative"):
+        Interval.between(Fraction(-1), Fraction(1)).root()
+
+
+def test_jets_are_derivatives() -> None:
+    def jet(x: float) -> Jet:  # of 2 + cos x
+        return Jet(*(Interval.between(Fraction(v), Fraction(v)) for v in (2 + cos(x), -sin(x), -cos(x))))
+
+    x, h = 0.7, 1e-4
+    for f, exact in (
+        (lambda j: j.inverse(), lambda t: 1 / (2 + cos(t))),
+        (lambda j: j.root(), lambda t: sqrt(2 + cos(t))),
+        (lambda j: j.times(j.root()).plus(j), lambda t: (2 + cos(t)) ** 1.5 + 2 + cos(t)),
+    ):
+        found = [part.low / UNIT for part in f(jet(x))]
+        here, after, before = exact(x), exact(x + h), exact(x - h)
+        assert isclose(found[0], here, rel_tol=1e-14)
+        assert isclose(found[1], (after - before) / (2 * h), rel_tol=1e-6)
+        assert isclose(found[2], (after - 2 * here + before) / h**2, rel_tol=1e-5)
+
+
+ALL = {"origin", "convexity", "smoothness", "dissipation", "state_laws"}
+
+
+@pytest.mark.parametrize(
+    ("stated", "expected"),
+    [
+        (curve(*CIRCLE), ALL),
+        (curve(*CIRCLE, flow=CIRCLE), ALL),
+        (curve("3*cos(phi)", "sin(phi)/2"), ALL),
+        (curve("cos(phi)", "-sin(phi)"), {"state_laws"}),  # clockwise
+        (curve("cos(phi) + 2", "sin(phi)", flow=CIRCLE), {"convexity", "smoothness", "state_laws"}),  # 0 is outside
+        (curve("cos(phi) + 1", "sin(phi)", flow=CIRCLE), {"convexity", "smoothness", "state_laws"}),  # 0 is on it
+        (curve("(1 + 49/100*cos(phi))*cos(phi)", "(1 + 49/100*cos(phi))*sin(phi)"), ALL),  # limacons are convex up to 1/2
+        (curve("(1 + 51/100*cos(phi))*cos(phi)", "(1 + 51/100*cos(phi))*sin(phi)"), ALL - {"convexity"}),
+        (curve("(1 + 2*cos(phi))*cos(phi)", "(1 + 2*cos(phi))*sin(phi)", flow=CIRCLE), {"state_laws"}),  # an inner loop
+        (curve("cos(phi)**2 - sin(phi)**2", "2*cos(phi)*sin(phi)", flow=CIRCLE), {"state_laws"}),  # twice around
+        (curve("cos(phi)**3", "sin(phi)**3", flow=CIRCLE), {"origin", "dissipation", "state_laws"}),  # cusps
+        (curve("m*cos(phi)", "sin(phi)", m={"min": "1", "max": "9/8"}), ALL),  # for all m between
+        (curve("m*cos(phi)", "sin(phi)", m={"min": "0", "max": "1"}), {"state_laws"}),  # a segment at m = 0
+        (curve("m*cos(phi)", "sin(phi)", m={"positive": True, "max": None}), {"state_laws"}),  # no bounds, no rule
+        (curve("cos(phi)/(1 + cos(phi))", "sin(phi)"), {"state_laws"}),
+        (curve("sqrt(cos(phi)**2)", "sin(phi)"), {"state_laws"}),
+        (curve("abs(cos(phi))", "sin(phi)"), {"state_laws"}),
+        (curve("phi", "sin(phi)"), {"state_laws"}),
+    ],
+)
+def test_curves_of_known_shape(stated: StatedCurve, expected: set[str]) -> None:
+    assert shown(stated) == expected
+
+
+def test_names_of_a_curve_are_declared() -> None:
+    for boundary in (["cos(psi)", "sin(phi)"], ["cos(phi)", "a*sin(phi)"], ["cos(phi)"]):
+        with pytest.raises((NotWritten, ValueError)):
+            curve(*boundary)
+    with pytest.raises(NotWritten, match="twice"):
+        curve(*CIRCLE, phi={"positive": True, "max": None})
+
+
+def test_star_shapes_of_random_harmonics_agree_with_their_own_curvature() -> None:
+    """r = 1 + e cos n phi: convex exactly while r^2 + 2 r'^2 - r r'' >= 0, seen on a grid of the angle."""
+    rng = Random(11)
+    for _ in range(8):
+        n, e = rng.choice((1, 2)), Fraction(rng.randint(1, 70), 100)
+        wave = "cos(phi)" if n == 1 else "(cos(phi)**2 - sin(phi)**2)"
+        r = f"(1 + {e}*{wave})"
+        found = "convexity" in shown(curve(f"{r}*cos(phi)", f"{r}*sin(phi)"))
+        radii = [(1 + e * cos(n * t), -n * e * sin(n * t), -n * n * e * cos(n * t)) for t in (k * pi / 300 for k in range(601))]
+        bend = min(r * r + 2 * dr * dr - r * ddr for r, dr, ddr in radii)
+        assert abs(bend) < 1e-2 or found is (bend > 0), (n, e, bend)
+
+
+def test_the_certificate_of_a_wedge_is_confirmed_and_that_of_another_wedge_is_not() -> None:
+    values = {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "1/4", "mu_beta": "1/4"}
+    made = certificate(duhem.verify("wedge", values))
+    assert {r.claim for r in recheck(made) if r.confirmed} == ALL
+    assert {c["trust"] for c in made["claims"] if c["verdict"] == "proved"} == {"checked"}
+
+
+def test_what_is_refuted_of_a_curve_is_not_confirmed() -> None:
+    bent = ParametricCriterion(name="bent", boundary=("(1 + 3/5*cos(phi))*cos(phi)", "(1 + 3/5*cos(phi))*sin(phi)"), flow=("1", "0"))
+    found = duhem.verify(bent)
+    assert {r.claim for r in found.results if r.verdict == "refuted"} >= {"convexity", "dissipation"}
+    assert not any(r.confirmed for r in recheck(certificate(found)) if found[r.claim].verdict == "refuted")
+    assert not shown(StatedCurve.read(certificate(found)["law"])) & {"convexity", "dissipation", "normality"}
