@@ -55,6 +55,7 @@ HALVED = {
     "proof.witness.enclosed_point.enclosed": "the boundary between two rational points, signs enclosed",
     "benchmark.reference.search.run": "the angle at which the boundary faces the target",
     "proof.facts.numeric_curve.greatest": "arcs of a boundary curve",
+    "proof.kernel.curve._turn": "boxes that cover the circle",
     "proof.methods.curve_deviation._place": "the angle of the greatest deviation",
     "testing.law_checks.smoothness": "the direction of a seam, between two that lie on either side",
     "path.straight_step._exit": "no halving: a point between two seams",

@@ -15,7 +15,7 @@ from duhem.proof.certificate import certificate
 from duhem.proof.kernel.certificate import recheck
 from duhem.proof.kernel.claims import CURVE_RULES, objection
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.interval import Interval, Jet
+from duhem.proof.kernel.interval import AngleJet, Enclosure
 from duhem.proof.kernel.term import NotWritten
 
 UNIT = 2**96
@@ -38,12 +38,12 @@ def test_intervals_hold_every_result() -> None:
     def drawn() -> Fraction:
         return Fraction(rng.randint(-1000, 1000), rng.randint(1, 1000))
 
-    def inside(x: Fraction, found: Interval) -> bool:
+    def inside(x: Fraction, found: Enclosure) -> bool:
         return found.low <= x * UNIT <= found.high
 
     for _ in range(2000):
         one, two = sorted([drawn(), drawn()]), sorted([drawn(), drawn()])
-        a, b = Interval.between(*one), Interval.between(*two)
+        a, b = Enclosure.between(*one), Enclosure.between(*two)
         x, y = (low + (high - low) * Fraction(rng.randint(0, 8), 8) for low, high in (one, two))
         assert inside(x + y, a.plus(b)) and inside(x * y, a.times(b)) and inside(-x, a.minus())
         if not one[0] <= 0 <= one[1]:
@@ -55,14 +55,14 @@ def test_intervals_hold_every_result() -> None:
 
 def test_an_interval_with_0_has_no_inverse_and_one_below_it_no_root() -> None:
     with pytest.raises(ZeroDivisionError):
-        Interval.between(Fraction(-1), Fraction(0)).inverse()
+        Enclosure.between(Fraction(-1), Fraction(0)).inverse()
     with pytest.raises(ValueError, match="nonnegative"):
-        Interval.between(Fraction(-1), Fraction(1)).root()
+        Enclosure.between(Fraction(-1), Fraction(1)).root()
 
 
 def test_jets_are_derivatives() -> None:
-    def jet(x: float) -> Jet:  # of 2 + cos x
-        return Jet(*(Interval.between(Fraction(v), Fraction(v)) for v in (2 + cos(x), -sin(x), -cos(x))))
+    def jet(x: float) -> AngleJet:  # of 2 + cos x
+        return AngleJet(*(Enclosure.between(Fraction(v), Fraction(v)) for v in (2 + cos(x), -sin(x), -cos(x))))
 
     x, h = 0.7, 1e-4
     for f, exact in (

@@ -14,13 +14,13 @@ from duhem.proof.kernel.term import NotWritten
 from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Evidence, Proof, Trust, Verdict
 
-__all__ = ["Judged", "Judgement"]
+__all__ = ["Confirmations", "Standing"]
 
 _SOLVERS = ("smt", "z3")  # in the brackets of a method's name
 
 
 @dataclass(frozen=True)
-class Judged:
+class Standing:
     """Of a proof: what it rests on and, where the kernel confirmed it, how."""
 
     trust: Trust
@@ -28,32 +28,36 @@ class Judged:
 
 
 @dataclass
-class Judgement:
-    """The proofs of one law so far, each judged."""
+class Confirmations:
+    """The proofs of one law so far, and how each stands."""
 
     law: Law
-    judged: dict[str, Judged] = field(default_factory=dict)
+    standings: dict[str, Standing] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._stated = _stated(self.law)
 
-    def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Judged | None:
-        """A proof judged, where the claims it may have started from, ``rests_on``, were judged before; None for no proof."""
+    def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Standing | None:
+        """How a proof stands, where the claims it may have started from, ``rests_on``, came before; None for no proof."""
         if evidence.verdict is not Verdict.PROVED:
             return None
         if (proof := self._confirmed(claim, evidence.proof)) is not None:
-            found = Judged(Trust.CHECKED, proof)
+            found = Standing(Trust.CHECKED, proof)
         else:
             by_solver = any(s in evidence.method.partition(" (")[2] for s in _SOLVERS)
-            weak = [self.judged[name].trust for name in rests_on if name in self.judged and self.judged[name].trust is not Trust.CHECKED]
-            found = Judged(Trust.SOLVER if by_solver else Trust.weakest(*weak) if weak else Trust.PROVER)
-        self.judged[claim] = found
+            weak = [
+                self.standings[name].trust
+                for name in rests_on
+                if name in self.standings and self.standings[name].trust is not Trust.CHECKED
+            ]
+            found = Standing(Trust.SOLVER if by_solver else Trust.weakest(*weak) if weak else Trust.PROVER)
+        self.standings[claim] = found
         return found
 
     def _confirmed(self, claim: str, offered: Proof | None) -> Proof | None:
         if self._stated is None:
             return None
-        settled = frozenset(name for name, found in self.judged.items() if found.trust is Trust.CHECKED)
+        settled = frozenset(name for name, found in self.standings.items() if found.trust is Trust.CHECKED)
         offers = [*([] if offered is None else [offered]), *(Proof(rule) for rule in rules_of(claim, self._stated))]
         return next((p for p in offers if not objection(claim, p.rule, settled, self._stated, p.evidence)), None)
 

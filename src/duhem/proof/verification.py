@@ -19,7 +19,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
 from duhem.proof.statement.definedness import check_quotients
-from duhem.proof.trust import Judgement
+from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
 from duhem.version import __version__
 
@@ -125,12 +125,12 @@ def verify(
     needed = _with_needs(wanted)
     subject = _examined(criterion)
     settled: dict[str, Evidence] = {}
-    judgement = Judgement(criterion)
+    confirmations = Confirmations(criterion)
     results: dict[bool, list[ClaimResult]] = {True: [], False: []}
     for name in (name for name in CLAIMS if name in needed):
         start = time.perf_counter()
         settled[name] = evidence = CLAIMS[name].examine(subject, settled)
-        judged = judgement.of(name, evidence, CLAIMS[name].needs)
+        standing = confirmations.of(name, evidence, CLAIMS[name].needs)
         seconds = time.perf_counter() - start
         found = ClaimResult(
             name,
@@ -140,8 +140,8 @@ def verify(
             seconds,
             evidence.detail,
             evidence.witness,
-            None if judged is None else judged.trust,
-            None if judged is None else judged.proof,
+            None if standing is None else standing.trust,
+            None if standing is None else standing.proof,
         )
         results[name in wanted].append(found)
         if name in wanted and on_claim is not None:

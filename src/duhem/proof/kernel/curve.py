@@ -14,14 +14,14 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, Bounds, declared
-from duhem.proof.kernel.interval import Interval, Jet
+from duhem.proof.kernel.interval import AngleJet, Enclosure
 from duhem.proof.kernel.term import NotWritten, Term, parse
 
 __all__ = ["StatedCurve"]
 
 _MOST_BOXES, _NARROWEST = 4096, Fraction(1, 2**24)  # in t; what is not shown there hardly ever is in narrower boxes
-_ZERO, _ONE = Interval(0, 0), Interval.between(Fraction(1), Fraction(1))
-Vector = tuple[Jet, Jet]
+_ZERO, _ONE = Enclosure(0, 0), Enclosure.between(Fraction(1), Fraction(1))
+Vector = tuple[AngleJet, AngleJet]
 Box = tuple[int, Fraction, Fraction]  # which half of the circle, and t from where to where
 
 
@@ -64,7 +64,7 @@ class StatedCurve(NamedTuple):
         """T . d > 0."""
         return self.flow is not None and self._turn(None, lambda c: _dot(_value(c.boundary), _value(c.flow))) is not None
 
-    def _turn(self, vector: Callable[[_Place], Pair] | None, positive: Callable[[_Place], Interval] | None = None) -> int | None:
+    def _turn(self, vector: Callable[[_OnBox], Pair] | None, positive: Callable[[_OnBox], Enclosure] | None = None) -> int | None:
         """How often a vector turns (0 for none), where ``positive`` is > 0 and the vector is not 0 all around; None if not shown."""
         quadrants: list[int] = []
         boxes: list[Box] = [(-1, Fraction(-1), Fraction(1)), (1, Fraction(-1), Fraction(1))]  # the first one last
@@ -82,11 +82,11 @@ class StatedCurve(NamedTuple):
         return sum(steps) // 4 if max(map(abs, steps)) <= 1 else None
 
     def _half_plane(
-        self, circle: Vector, vector: Callable[[_Place], Pair] | None, positive: Callable[[_Place], Interval] | None
+        self, circle: Vector, vector: Callable[[_OnBox], Pair] | None, positive: Callable[[_OnBox], Enclosure] | None
     ) -> int | None:
         """0 to 3 where the vector's x > 0, y > 0, x < 0, y < 0 over a box; None where nothing is shown."""
         try:
-            place = _Place(*(None if v is None else tuple(self._jet(x, circle) for x in v) for v in (self.boundary, self.flow)))
+            place = _OnBox(*(None if v is None else tuple(self._jet(x, circle) for x in v) for v in (self.boundary, self.flow)))
             if positive is not None and positive(place).sign != POSITIVE:
                 return None
             x, y = (_ONE, _ZERO) if vector is None else vector(place)
@@ -97,16 +97,16 @@ class StatedCurve(NamedTuple):
                 return i
         return None
 
-    def _jet(self, term: Term, circle: Vector) -> Jet:
+    def _jet(self, term: Term, circle: Vector) -> AngleJet:
         """A term over a box of angles and all values of the parameters; NotWritten for a word that may have a kink."""
         here = Term("name", name=self.angle)
         if term.op == "number":
-            return _constant(Interval.between(term.value, term.value))
+            return _constant(Enclosure.between(term.value, term.value))
         if term.op == "name" and term.name in self.parameters:
             low, high, _ = self.parameters[term.name]
             if low is None or high is None:
                 raise NotWritten("a parameter has no bounds")
-            return _constant(Interval.between(low, high))
+            return _constant(Enclosure.between(low, high))
         if term.op in ("cos", "sin") and term.args == (here,):
             return circle[term.op == "sin"]
         if term.op == "**" and term.args[1].op == "number":
@@ -121,27 +121,27 @@ class StatedCurve(NamedTuple):
         raise NotWritten(f"no rule for {term.op}")
 
 
-class _Place(NamedTuple):
+class _OnBox(NamedTuple):
     """The curve and its slip over a box."""
 
     boundary: Any
     flow: Any
 
 
-Pair = tuple[Interval, Interval]
+Pair = tuple[Enclosure, Enclosure]
 
 
 def _circle(half: int, low: Fraction, high: Fraction) -> Vector:
     """Cosine and sine over a box: c falls with |t|, s rises with t."""
     far, near = max(abs(low), abs(high)), Fraction(0) if low <= 0 <= high else min(abs(low), abs(high))
-    c = Interval.between((1 - far**2) / (1 + far**2), (1 - near**2) / (1 + near**2))
-    s = Interval.between(2 * low / (1 + low**2), 2 * high / (1 + high**2))
+    c = Enclosure.between((1 - far**2) / (1 + far**2), (1 - near**2) / (1 + near**2))
+    s = Enclosure.between(2 * low / (1 + low**2), 2 * high / (1 + high**2))
     if half < 0:
         c, s = c.minus(), s.minus()
-    return Jet(c, s.minus(), c.minus()), Jet(s, c, s.minus())
+    return AngleJet(c, s.minus(), c.minus()), AngleJet(s, c, s.minus())
 
 
-def _power(base: Jet, exponent: Fraction) -> Jet:
+def _power(base: AngleJet, exponent: Fraction) -> AngleJet:
     """A power with a whole or half exponent."""
     if exponent.denominator > 2 or abs(exponent) > 12:
         raise NotWritten("no rule for this exponent")
@@ -152,8 +152,8 @@ def _power(base: Jet, exponent: Fraction) -> Jet:
     return total if exponent >= 0 else total.inverse()
 
 
-def _constant(value: Interval) -> Jet:
-    return Jet(value, _ZERO, _ZERO)
+def _constant(value: Enclosure) -> AngleJet:
+    return AngleJet(value, _ZERO, _ZERO)
 
 
 def _value(v: Vector) -> Pair:
@@ -168,9 +168,9 @@ def _ends(v: Vector, one: int, two: int) -> tuple[Pair, Pair]:
     return (v[0][one], v[1][one]), (v[0][two], v[1][two])
 
 
-def _dot(a: Pair, b: Pair) -> Interval:
+def _dot(a: Pair, b: Pair) -> Enclosure:
     return a[0].times(b[0]).plus(a[1].times(b[1]))
 
 
-def _cross(a: Pair, b: Pair) -> Interval:
+def _cross(a: Pair, b: Pair) -> Enclosure:
     return a[0].times(b[1]).plus(a[1].times(b[0]).minus())
