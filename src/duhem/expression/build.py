@@ -6,7 +6,8 @@ Here the size of a result is bounded before SymPy is asked for it, and what come
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import sympy as sp
 from sympy.core.relational import Relational
@@ -16,7 +17,7 @@ from duhem.expression.floats import approximate
 from duhem.expression.inert_number import InertNumber, inert_exponent
 from duhem.expression.vocabulary import NODES, WORDS
 
-__all__ = ["call", "power", "product", "relation", "total", "unacceptable"]
+__all__ = ["AS_WRITTEN", "EVALUATED", "Building", "unacceptable"]
 
 MOST_BITS = 8192
 MOST_EXPONENT = 1000
@@ -73,6 +74,50 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
 def relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:
     """A comparison, or SymPy's true or false where the signs of the symbols decide it."""
     return kind(left, right)
+
+
+class Building(NamedTuple):
+    """How a formula's nodes are made of their parts."""
+
+    total: Callable[[Sequence[sp.Expr], Sequence[sp.Expr]], sp.Expr]
+    product: Callable[..., sp.Expr]
+    power: Callable[[sp.Expr, sp.Expr], sp.Expr]
+    call: Callable[[str, Sequence[sp.Basic]], sp.Expr]
+    relation: Callable[[type[Relational], sp.Expr, sp.Expr], sp.Basic]
+
+
+def _written_total(plus: Sequence[sp.Expr], minus: Sequence[sp.Expr]) -> sp.Expr:
+    terms = (*plus, *(_written_product([x], [], sign=-1) for x in minus))
+    return sp.Add(*terms, evaluate=all(x.is_Rational for x in terms))
+
+
+def _written_product(over: Sequence[sp.Expr], under: Sequence[sp.Expr], sign: int = 1) -> sp.Expr:
+    factors = [*([] if sign == 1 else [sp.Integer(sign)]), *over, *(_written_power(x, sp.S.NegativeOne) for x in under)]
+    return factors[0] if len(factors) == 1 else sp.Mul(*factors, evaluate=all(x.is_Rational for x in factors))
+
+
+def _written_power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    if base.is_Rational and exponent.is_Rational:
+        try:
+            return power(base, exponent)
+        except InputError:  # 1/0, where a fixed parameter is 0: left as it stands, for whoever asks what is defined
+            pass
+    return sp.Pow(base, inert_exponent(exponent), evaluate=False)
+
+
+def _written_call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
+    if word == "sqrt":
+        return _written_power(args[0], sp.S.Half)
+    return WORDS[word].build(*args, evaluate=False)
+
+
+def _written_relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:
+    return kind(left, right, evaluate=False)
+
+
+EVALUATED = Building(total, product, power, call, relation)
+# Nothing cancelled, combined or put in order but numbers: x/x, exp(log(x)) and sqrt(x)**2 stay what they are.
+AS_WRITTEN = Building(_written_total, _written_product, _written_power, _written_call, _written_relation)
 
 
 def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> str | None:

@@ -18,11 +18,11 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
-from duhem.expression.build import call, power, product, relation, total, unacceptable
+from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, unacceptable
 from duhem.expression.number import DECIMAL, exact_number, ratio
 from duhem.expression.vocabulary import WORDS
 
-__all__ = ["exact_number", "parse_expression", "parse_relation", "ratio"]
+__all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "ratio"]
 
 MOST_CHARACTERS = 20_000
 MOST_TOKENS = 2_000
@@ -58,6 +58,15 @@ def parse_expression(text: str, known: Mapping[str, sp.Symbol], *, where: str = 
     if fault := unacceptable(value, set(known.values())):
         raise reader.place.error(fault, remedy="rewrite the formula")
     return value
+
+
+def parse_as_written(text: str, known: Mapping[str, sp.Expr]) -> sp.Expr:
+    """The formula's tree as it stands, over the values ``known``: what it divides by or takes a root of is all there.
+
+    For a text that :func:`parse_expression` accepts; made to be walked and evaluated, not to be calculated with.
+    """
+    reader = _Reader.over(text, known, _Place("formula", 1, 0, text), AS_WRITTEN)
+    return reader.value(reader.syntax(), 0)
 
 
 def parse_relation(text: str, known: Mapping[str, sp.Symbol], *, where: str = "constraint", line: int = 1, column: int = 0) -> Relational:
@@ -96,12 +105,13 @@ class _Reader:
     """One text with its names; ``known`` is keyed as Python's parser spells names (NFKC)."""
 
     text: str
-    known: Mapping[str, sp.Symbol]
+    known: Mapping[str, sp.Expr]
     place: _Place
     starts: tuple[int, ...]
+    build: Building
 
     @classmethod
-    def over(cls, text: str, known: Mapping[str, sp.Symbol], place: _Place) -> _Reader:
+    def over(cls, text: str, known: Mapping[str, sp.Expr], place: _Place, build: Building = EVALUATED) -> _Reader:
         text = text.replace("\r", " ")  # line ends of other systems; offsets stay as they are
         if len(text) > MOST_CHARACTERS:
             raise place.error(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
@@ -110,7 +120,7 @@ class _Reader:
                 raise place.error(f"the name {name!r} already means something", remedy="choose another name for the force or parameter")
         names = {unicodedata.normalize("NFKC", name): symbol for name, symbol in known.items()}
         starts = [0, *(m.end() for m in re.finditer("\n", text))]
-        return cls(text, names, place, tuple(starts))
+        return cls(text, names, place, tuple(starts), build)
 
     # -- tokens ------------------------------------------------------------------------------------------------
 
@@ -227,21 +237,21 @@ class _Reader:
             case ast.Name(id=name):
                 return sp.pi if name == "pi" else self.known[name]
             case ast.UnaryOp(op=ast.USub(), operand=inner):
-                return product([self.value(inner, depth)], [], sign=-1)
+                return self.build.product([self.value(inner, depth)], [], sign=-1)
             case ast.UnaryOp(op=ast.UAdd(), operand=inner):
                 return self.value(inner, depth)
             case ast.BinOp(op=ast.Add() | ast.Sub()):
                 head, tail = _chain(node, (ast.Add, ast.Sub))
                 rest = [(op, self.value(term, depth)) for op, term in tail]
                 first = self.value(head, depth)
-                return total([first, *(v for op, v in rest if op is ast.Add)], [v for op, v in rest if op is ast.Sub])
+                return self.build.total([first, *(v for op, v in rest if op is ast.Add)], [v for op, v in rest if op is ast.Sub])
             case ast.BinOp(op=ast.Mult() | ast.Div()):
                 head, tail = _chain(node, (ast.Mult, ast.Div))
                 rest = [(op, self.value(term, depth)) for op, term in tail]
                 first = self.value(head, depth)
-                return product([first, *(v for op, v in rest if op is ast.Mult)], [v for op, v in rest if op is ast.Div])
+                return self.build.product([first, *(v for op, v in rest if op is ast.Mult)], [v for op, v in rest if op is ast.Div])
             case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
-                return power(self.value(base, depth), self.value(exponent, depth))
+                return self.build.power(self.value(base, depth), self.value(exponent, depth))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 return self.called(name, args, depth)
             case ast.Compare():
@@ -255,12 +265,12 @@ class _Reader:
             count = f"{word.least}" if word.most == word.least else f"at least {word.least}"
             raise InputError(f"{name} takes {count} argument{'s' * (count != '1')}, not {len(args)}", remedy=f"{name}: {word.meaning}")
         if name != "where":
-            return call(name, [self.value(a, depth) for a in args])
+            return self.build.call(name, [self.value(a, depth) for a in args])
         condition, *branches = args
         if not isinstance(condition, ast.Compare):
             raise InputError("the first argument of where is no comparison", remedy="write where(x > 0, a, b)")
         left, right, kind = self.sides(condition, depth)
-        return call(name, [relation(kind, left, right), *(self.value(b, depth) for b in branches)])
+        return self.build.call(name, [self.build.relation(kind, left, right), *(self.value(b, depth) for b in branches)])
 
     def sides(self, node: ast.Compare, depth: int) -> tuple[sp.Expr, sp.Expr, type[Relational]]:
         if len(node.ops) != 1:

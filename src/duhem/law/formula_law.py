@@ -10,6 +10,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, overload
+from unicodedata import normalize
 
 import sympy as sp
 from sympy.core.relational import Relational
@@ -80,7 +81,9 @@ class Criterion(Verbatim):
         for name in names:
             if not isinstance(name, str) or not name.isidentifier():
                 raise InputError(f"{name!r} is not a name", where=self.name, remedy="use letters, digits and underscores")
-            if names.count(name) > 1:
+        spelled = [normalize("NFKC", name) for name in names]  # as Python's parser has them
+        for name in names:
+            if spelled.count(normalize("NFKC", name)) > 1:
                 raise InputError(f"{name!r} is declared twice", where=self.name, remedy="give each force and parameter a name of its own")
 
     def _check_content(self) -> None:

@@ -7,21 +7,20 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.errors import InputError
-from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.facts.parameter_choices import plain_choices, rationals
+from duhem.proof.statement.problem import as_written
 
 __all__ = ["admitted_values", "law_as_text"]
 
 
 def law_as_text(law: Law) -> dict[str, Any]:
     """The law as the kernel reads it: every formula as text, numbers too."""
-    bound: dict[str, Any] = {"g": _as_written(law)} if isinstance(law, Criterion) else {}
+    bound: dict[str, Any] = {"g": as_written(law)} if isinstance(law, Criterion) else {}
     if isinstance(law, ParametricCriterion):
         bound = {"angle": law.angle, "boundary": [formula(x) for x in law.boundary]}
     return {
@@ -45,14 +44,6 @@ def admitted_values(law: Law) -> Mapping[str, str] | None:
         if all(r.subs(whole) in (sp.true, True) for r in (*given, *law.constraints)):
             return {x.name: str(value) for x, value in whole.items()}
     return None
-
-
-def _as_written(law: Criterion) -> str:
-    """The formula as it was given, if it still is the law's; else as the law has it."""
-    try:
-        return law.written if law.written and parse_expression(law.written, law.symbols()) == law.g else formula(law.g)
-    except InputError:
-        return formula(law.g)
 
 
 def _domain(domain: Domain) -> dict[str, Any]:

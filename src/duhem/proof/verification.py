@@ -18,7 +18,6 @@ from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
-from duhem.proof.statement.definedness import check_quotients
 from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
 from duhem.version import __version__
@@ -158,7 +157,7 @@ def _examined(law: Law) -> Subject:
     if not isinstance(law, Criterion):
         return CurveSubject(law)
     subject = FormulaSubject(law)
-    check_quotients(subject.problem)
+    subject.check_defined()
     return subject
 
 

@@ -57,6 +57,7 @@ class Claim:
         """The first answer, or ``undecided`` when every method passed."""
         subject.allow(self.seconds)
         for method in self.methods:
-            if (found := method.answer(subject, settled)) is not None:
+            found = method.answer(subject, settled)
+            if found is not None and (found.verdict is not Verdict.PROVED or subject.may_prove(self.name)):
                 return found
         return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its time")

@@ -16,8 +16,10 @@ from duhem.expression.number import fraction
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Answer, Question, Sense
+from duhem.proof.facts.definedness import met, open_obligations
 from duhem.proof.facts.parameter_choices import Values, plain_choices, rationals
 from duhem.proof.facts.subject import Subject
+from duhem.proof.statement.obligations import Obligation, obligations
 from duhem.proof.statement.problem import Problem, state
 from duhem.proof.statement.star import Star, star_form
 
@@ -44,6 +46,19 @@ class FormulaSubject(Subject):
         return self.problem.simplest()
 
     @cached_property
+    def doubtful(self) -> tuple[Obligation, ...]:
+        """What the formula as written asks of its parts and is not shown for all forces but zero: nothing is proved then."""
+        return open_obligations(self, self.problem)
+
+    def check_defined(self) -> None:
+        """Raise InputError where g is undefined for admitted parameter values, whatever the forces."""
+        _ = self.doubtful
+
+    def may_prove(self, claim: str) -> bool:
+        """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
+        return claim == "state_laws" or not self.doubtful
+
+    @cached_property
     def star(self) -> Star | None:
         """The two-degree form of the simple problem, if it has one."""
         return star_form(self.simple)
@@ -66,6 +81,8 @@ class FormulaSubject(Subject):
     @cached_property
     def at_origin(self) -> sp.Expr | None:
         """g at zero force, all forces at once; None where that is 0/0 or otherwise undefined."""
+        if not all(met(self, self.problem, o) for o in obligations(self.problem.stated)):
+            return None
         value = self.simple.g.xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
         return None if value.has(sp.nan, sp.zoo, sp.oo) else value
 

@@ -50,6 +50,10 @@ class Subject(ABC):
         answer = self._answers[question] = decide(question, seconds)
         return answer
 
+    def may_prove(self, claim: str) -> bool:
+        """Whether a proof of the claim by any method counts."""
+        return True
+
     @abstractmethod
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain, the plainest first."""

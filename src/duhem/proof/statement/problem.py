@@ -13,23 +13,29 @@ from typing import Any
 
 import sympy as sp
 
+from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.lineality import invariant_directions
+from duhem.expression.parse import parse_as_written, parse_expression
+from duhem.expression.text import formula
 from duhem.expression.weights import removable
 from duhem.law.formula_law import Criterion
+from duhem.proof.statement.obligations import with_algebraic_angles
 
-__all__ = ["Problem", "state"]
+__all__ = ["Problem", "as_written", "state"]
 
 
 @dataclass(frozen=True)
 class Problem:
     """``g`` over ``forces`` and ``magnitude`` (N = |sigma_n| > 0, None without pressure); ``given`` bounds the rest.
 
+    ``stated`` is the formula's tree as it was written: g is what it becomes where all of its parts are defined.
     ``slice`` holds what the simplifications fixed: symbols of the law set to a number.
     """
 
     law: Criterion
+    stated: sp.Expr
     g: sp.Expr
     forces: tuple[sp.Symbol, ...]
     magnitude: sp.Symbol | None
@@ -86,12 +92,13 @@ def state(law: Criterion) -> Problem:
     magnitude = None
     swap: dict[sp.Symbol, Any] = dict(fixed)
     if law.pressure is not None:
-        magnitude = symbol(f"abs_{law.pressure}", positive=True)
+        magnitude = symbol(f"abs({law.pressure})", positive=True)  # no name that a law may declare
         swap[table[law.pressure]] = -magnitude
     free = [(table[n], d) for n, d in law.parameters.items() if d.value is None]
     given = [r for x, d in free for r in d.relations(x)] + [c.subs(fixed) for c in law.constraints]
     return Problem(
         law=law,
+        stated=_tree(law, {name: swap.get(x, x) for name, x in table.items()}),
         g=algebraic_angles(law.g.subs(swap)),
         forces=law.force_symbols(),
         magnitude=magnitude,
@@ -99,6 +106,22 @@ def state(law: Criterion) -> Problem:
         flow=None if law.flow is None else tuple(c.subs(swap) for c in law.flow),
         slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
     )
+
+
+def as_written(law: Criterion) -> str:
+    """The formula as it was given, if it still is the law's; else as the law has it."""
+    try:
+        return law.written if law.written and parse_expression(law.written, law.symbols()) == law.g else formula(law.g)
+    except InputError:
+        return formula(law.g)
+
+
+def _tree(law: Criterion, values: Mapping[str, sp.Expr]) -> sp.Expr:
+    """The tree of the formula as written, over the values of its names."""
+    try:
+        return with_algebraic_angles(parse_as_written(as_written(law), values))
+    except InputError:  # a formula made by other means may be longer than a text may be
+        return law.g.xreplace({law.symbols()[name]: value for name, value in values.items()})
 
 
 def without_outer_map(g: sp.Expr) -> sp.Expr:

@@ -39,6 +39,8 @@ def corner(subject: FormulaSubject, parameters: Values, seam: Seam, near: Sequen
             box = {**centre, **{x: ball(at[x] - radius, at[x] + radius) for x in forces}}
             if not _has_zero(system, jacobian, centre, box, radius):
                 continue
+            if subject.doubtful and not enclose(subject.problem.stated, box).is_finite():
+                continue
             if any(certain_sign(enclose(v * s, box)) != 1 for s, v in seam.kept.items()):
                 continue
             normals = _normals(seam, forces, centre, box, jumps)

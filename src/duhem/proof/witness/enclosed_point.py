@@ -43,7 +43,7 @@ def enclosed(
         return tuple(a + s * (b - a) for a, b in zip(start, end, strict=True))
 
     def inside(s: Fraction) -> bool | None:
-        sign, _ = sign_at(subject.problem.g, subject.values_at(parameters, at(s)))
+        sign, _ = sign_at(subject.problem.stated, subject.values_at(parameters, at(s)))
         return None if sign is None else sign <= 0
 
     if inside(low) is not True or inside(high) is not False:
@@ -88,19 +88,19 @@ def violation(
     if not subject.admits(subject.values_at(parameters, start)):
         return None
     others: dict[str, dict[sp.Symbol, Fraction]] = {} if target is None else {"tau": subject.values_at(parameters, target)}
-    if any(sign_at(subject.problem.g, at)[0] not in (-1, 0) for at in others.values()):
+    if any(sign_at(subject.problem.stated, at)[0] not in (-1, 0) for at in others.values()):
         return None
     for bits in _WIDTHS:
         point = enclosed(subject, parameters, start, end, bits)
         if point is None:
             return None
         expr = quantity(point)
-        if expr is None:
+        if expr is None or (subject.doubtful and not over_box(subject.problem.stated, subject, point).is_finite()):
             continue
         value = over_box(expr, subject, point)
         if certain_sign(value) == wanted:
             ends = {"inside": subject.values_at(parameters, point.inside), "outside": subject.values_at(parameters, point.outside)}
-            shown = {f"g({role})": decimal_pair(sign_at(subject.problem.g, at)[1]) for role, at in {**ends, **others}.items()}
+            shown = {f"g({role})": decimal_pair(sign_at(subject.problem.stated, at)[1]) for role, at in {**ends, **others}.items()}
             return Witness(
                 parameters=describe(subject, ends["inside"], forces=False),
                 points={role: describe(subject, at) for role, at in {**ends, **others}.items()},

@@ -46,7 +46,7 @@ def chord(subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q:
         return None
     shown = {}
     for role, values in points.items():
-        sign, enclosure = sign_at(subject.problem.g, values)
+        sign, enclosure = sign_at(subject.problem.stated, values)
         if sign is None or (sign > 0) != (role == "midpoint"):
             return None
         shown[f"g({role})"] = decimal_pair(enclosure)
@@ -61,7 +61,7 @@ def chord(subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q:
 def origin_outside(subject: FormulaSubject, parameters: Values) -> Witness | None:
     """g(0) > 0 at admitted parameters, or None if that is not certain."""
     values = subject.values_at(parameters, [Fraction(0)] * len(subject.simple.forces))
-    sign, enclosure = sign_at(subject.problem.g, values)
+    sign, enclosure = sign_at(subject.problem.stated, values)
     if sign != 1:
         return None
     return Witness(

@@ -1,0 +1,95 @@
+"""Whether a law's formula means something: its obligations, each decided over the whole domain and for all forces but zero.
+
+A quotient that is 0/0 at zero force alone is taken by closure.  A law that is undefined for admitted parameters, whatever the
+forces, is an error.  One that is undefined at some forces does not have those points in K: of such a law, and of one for which
+the question stays open, nothing is proved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import islice
+from typing import Any
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.text import formula
+from duhem.expression.weights import degree
+from duhem.proof.decide import Answer, Question, Sense
+from duhem.proof.facts.parameter_choices import plain_choices, rationals
+from duhem.proof.facts.subject import Subject
+from duhem.proof.statement.obligations import Obligation, obligations
+from duhem.proof.statement.problem import Problem
+
+__all__ = ["met", "open_obligations"]
+
+Point = dict[sp.Symbol, Any]
+_UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo)
+_REMEDY = "keep its domain away from there (positive = true, or a least value above 0)"
+_MOST_POINTS = 64
+
+
+def open_obligations(subject: Subject, problem: Problem) -> tuple[Obligation, ...]:
+    """Those of g, and of a flow of the law's own, that are not shown to be met for all forces but zero.
+
+    Raises InputError where one is broken by admitted parameter values, whatever the forces and the pressure.
+    """
+    if problem.g.has(*_UNDEFINED):
+        raise InputError(f"{formula(problem.law.g)} is undefined at the fixed values", where=problem.law.name, remedy=_REMEDY)
+    needed = dict.fromkeys(o for tree in (problem.stated, *(problem.flow or ())) for o in obligations(tree))
+    return tuple(o for o in needed if not _everywhere(subject, problem, o))
+
+
+def _everywhere(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
+    """Whether it is shown for all forces but zero; InputError where parameters alone break it."""
+    symbols = obligation.symbols()
+    alone = symbols <= {x for x in problem.parameters if x is not problem.magnitude}
+    own = tuple(r for r in problem.given if r.free_symbols & symbols)
+    if alone and not _plain(obligation):
+        names = tuple(x for x in problem.parameters if x in symbols.union(*(r.free_symbols for r in own)))
+        _check(problem, obligation, own, map(rationals, islice(plain_choices(names, own), _MOST_POINTS)))
+    answer = _answer(subject, problem, obligation)
+    if alone and answer.holds is False and answer.point is not None:
+        _check(problem, obligation, problem.given, [dict(answer.point)])
+    return answer.holds is True or _shown_instead(subject, problem, obligation)
+
+
+def _plain(obligation: Obligation) -> bool:
+    """Whether the signs of its symbols show it."""
+    expr, sense = obligation.expr, obligation.sense
+    return bool(expr.is_positive or (sense is Sense.NONNEGATIVE and expr.is_nonnegative) or (sense is Sense.ZERO and expr.is_negative))
+
+
+def _check(problem: Problem, obligation: Obligation, given: tuple[sp.Basic, ...], points: Iterable[Point]) -> None:
+    for point in points:
+        whole = obligation.symbols().union(*(r.free_symbols for r in given)) <= set(point)
+        if whole and all(r.subs(point) == sp.true for r in given) and obligation.broken(point):
+            at = ", ".join(f"{x} = {point[x]}" for x in problem.parameters if x in obligation.symbols())
+            fault = "0" if obligation.expr.subs(point).is_zero else "negative"
+            what = f"g {obligation.does} {formula(obligation.expr)}, which is {fault} at {at}"
+            raise InputError(what, where=problem.law.name, remedy=_REMEDY)
+
+
+def met(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
+    """Whether an obligation is shown at zero force."""
+    here = obligation.put(dict.fromkeys(problem.forces, sp.S.Zero))
+    return _answer(subject, problem, here).holds is True or _shown_instead(subject, problem, here)
+
+
+def _shown_instead(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
+    return bool(obligation.instead) and all(_answer(subject, problem, other).holds is True for other in obligation.instead)
+
+
+def _answer(subject: Subject, problem: Problem, obligation: Obligation) -> Answer:
+    """What is decided for all forces but zero."""
+    expr = obligation.expr**2 if obligation.sense is Sense.ZERO else obligation.expr
+    sense = Sense.NONNEGATIVE if obligation.sense is Sense.NONNEGATIVE else Sense.POSITIVE
+    forces, given = problem.forces, (*problem.given, *obligation.given)
+    if any(x.has(*_UNDEFINED) for x in (expr, *given)):
+        return Answer(None, reason="the expression is undefined")
+    if not obligation.symbols() & set(forces):
+        return subject.decided(Question(expr, sense, given))
+    if len(forces) == 2 and not obligation.given and degree(expr, forces) is not None:
+        return subject.decided(Question(expr, sense, given, (forces[0], forces[1])))
+    return subject.decided(Question(expr, sense, (*given, sp.StrictGreaterThan(sp.Add(*(x**2 for x in forces)), 0))))

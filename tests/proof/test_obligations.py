@@ -1,0 +1,112 @@
+"""A formula that is undefined somewhere is not proved to be what it becomes once its parts have cancelled."""
+
+from __future__ import annotations
+
+import pytest
+
+from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
+from duhem.proof.facts.formula_subject import FormulaSubject
+
+UNIT, SYMMETRIC = Domain.between(0, 1), Domain.between(-1, 1)
+
+
+def law(g: str, forces: tuple[str, ...] = ("a", "b"), flow: tuple[str, ...] | None = None, **parameters: Domain) -> Criterion:
+    return Criterion(name="law", g=g, forces=forces, pressure="p" if "(p)" in g else None, flow=flow, parameters=parameters)
+
+
+@pytest.mark.parametrize(
+    ("g", "domain", "message"),
+    [
+        ("norm(a, b) - max(1, log(q))*abs(p)", SYMMETRIC, "takes the logarithm of q, which is negative at q = "),
+        ("max(norm(a, b) - 1, log(q))", UNIT, "takes the logarithm of q, which is 0 at q = 0"),
+        ("norm(a, b) - exp(log(q))", UNIT, "takes the logarithm of q, which is 0 at q = 0"),
+        ("norm(a, b) - sqrt(q)**2", SYMMETRIC, "takes a root of q, which is negative at q = "),
+        ("norm(a, b) - q/q", UNIT, "divides by q, which is 0 at q = 0"),
+        ("norm(a, b) - 1 + 0*log(q)", UNIT, "takes the logarithm of q, which is 0 at q = 0"),
+        ("norm(a, b) - 1 + 0/(exp(q) - 1)", UNIT, r"divides by exp\(q\) - 1, which is 0 at q = 0"),
+        ("norm(a, b) - 2**(1/q)", UNIT, "divides by q, which is 0 at q = 0"),
+        ("norm(a, b) - 1 - q**(q - 1/2)", UNIT, "takes a power of q, which is 0 at q = 0"),
+        ("where(q > 1/2, norm(a, b), norm(a, b)/q) - 1", UNIT, "divides by q, which is 0 at q = 0"),
+    ],
+)
+def test_a_law_undefined_for_admitted_parameters_is_an_error(g: str, domain: Domain, message: str) -> None:
+    with pytest.raises(InputError, match=f"g {message}"):
+        verify(law(g, q=domain), claims=["origin"])
+
+
+@pytest.mark.parametrize(
+    ("g", "domain"),
+    [
+        ("norm(a, b) - exp(log(q))", POSITIVE),
+        ("norm(a, b) - q**(q + 1/2)", UNIT),
+        ("where(q > 0, norm(a, b)/q, norm(a, b)) - 1", UNIT),
+        ("where(q <= 0, norm(a, b), norm(a, b)*exp(log(q))) - 1", UNIT),
+        ("norm(a, b)**q - 1", Domain.between("1/2", 3)),
+        ("norm(a, b) - (1 + q)**(q - 1/2)", UNIT),
+        ("norm(a, b) - tan(q)", Domain.between("1/10", "3/2")),
+        ("norm(a, b) - 1/(1 + q**2)", Domain()),
+    ],
+)
+def test_what_is_defined_over_its_whole_domain_may_be_proved(g: str, domain: Domain) -> None:
+    assert FormulaSubject(law(g, q=domain)).doubtful == ()
+
+
+CANCELLED = (
+    "norm(a, b) - (1 + a/abs(a)/2)*abs(p)",  # two half-discs
+    "norm(a, b) - (1 + pos(a)/a/2)*abs(p)",
+    "norm(a, b) - (1 + sqrt(a**2)/a/2)*abs(p)",
+    "norm(a, b) - a/a",  # a disc without its diameter
+    "norm(a, b) - 1 + 0*log(abs(a))",
+    "norm(a, b) - 1 + 0*exp(log(a))",  # half a disc
+    "exp(log(a)) + b**2 - 1",
+    "sqrt(a)**2 + b**2 - 1",
+    "pos(a)*sqrt(a) + b**2 - 1",
+    "a**3/a + b**2 - 1",
+    "max(norm(a, b) - 1, norm(a, b) - 2 - b/(a - 3))",  # a pole far away
+    "norm(a, b) - 1 + 0*tan(a)",
+    "(a/abs(a))**2*norm(a, b) - 1",
+)
+
+
+@pytest.mark.parametrize("g", CANCELLED)
+def test_nothing_is_proved_of_a_formula_that_is_undefined_at_some_forces(g: str) -> None:
+    proved = {r.claim for r in verify(law(g)).results if r.verdict is Verdict.PROVED}
+    assert proved <= {"state_laws"}
+
+
+@pytest.mark.parametrize("g", ["exp(log(a)) + b**2 - 1 - a", "sqrt(a + 1)**2 + b**2 - 3", "norm(a, b) - 1 + 0*log(b + 2)"])
+def test_a_witness_lies_where_the_formula_is_defined(g: str) -> None:
+    """Convex sets, once what is undefined is left out: simplified formulas must not refute them."""
+    assert not [r.claim for r in verify(law(g), claims=["convexity"]).results if r.verdict is Verdict.REFUTED]
+
+
+def test_zero_over_zero_at_zero_force_is_taken_by_closure() -> None:
+    """A quotient of equal degrees in the forces: what it is at zero force alone does not matter."""
+    found = verify(law("max(a**2/(a**2 + b**2) - 1, norm(a, b) - abs(p))"))
+    assert not [r.claim for r in found.results if r.verdict is Verdict.REFUTED]
+    assert verify(law("norm(a, b)**3/norm(a, b)**2 - abs(p)"), claims=["convexity"])["convexity"].verdict is Verdict.PROVED
+
+
+def test_a_flow_that_is_undefined_somewhere_proves_nothing() -> None:
+    found = verify(law("norm(a, b) - 1", flow=("a*log(b)**2", "b*log(b)**2")), claims=["normality", "dissipation"])
+    assert not [r.claim for r in found.results if r.verdict is Verdict.PROVED]
+
+
+def test_a_polar_angle_is_continued_across_the_pole_of_its_tangent() -> None:
+    assert FormulaSubject(law("norm(a, b) - 1 - cos(2*atan(b/a))/10")).doubtful == ()
+    assert FormulaSubject(law("norm(a, b) - 1 - cos(3*atan(b/a))/10")).doubtful != ()
+
+
+@pytest.mark.parametrize("name", ["abs_p", "N", "t", "tip", "rho0", "theta", "v0", "x0"])
+def test_a_parameter_may_have_any_name(name: str) -> None:
+    """K holds the origin for one sign of the parameter only, and is a disc whatever it is called."""
+    found = verify(law(f"norm(a, b) - {name}*abs(p)", **{name: POSITIVE}), claims=["origin", "duality"])
+    assert found["origin"].verdict is Verdict.PROVED and f"{name}" in found["duality"].detail
+    turned = verify(law(f"norm(a, b) - ({name} - abs(p))", **{name: POSITIVE}), claims=["origin"])
+    assert turned["origin"].verdict is Verdict.REFUTED
+
+
+def test_names_that_python_spells_alike_are_one_name() -> None:
+    twins = {"\N{MICRO SIGN}": POSITIVE, "\N{GREEK SMALL LETTER MU}": UNIT}
+    with pytest.raises(InputError, match="declared twice"):
+        Criterion(name="law", g="norm(a, b) - 1", forces=("a", "b"), parameters=twins)
