@@ -88,8 +88,9 @@ def fenchel(law: StatedLaw, _: Evidence) -> bool:
 
 
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
-    """The ``potential`` of the evidence, in the slips that its ``slips`` names for the forces, is the support function of K."""
-    return "potential" in evidence and is_support_function(parse(evidence["potential"]), dict(evidence["slips"]), over(law))
+    """The ``potential`` of the evidence is the support function of K where its forms ``flat`` vanish, in the ``slips`` of the forces."""
+    flat = [parse(form) for form in evidence.get("flat", [])]
+    return "potential" in evidence and is_support_function(parse(evidence["potential"]), dict(evidence["slips"]), flat, law)
 
 
 def quadratic_energy(law: StatedLaw | StatedCurve, _: Evidence) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-__all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "minus", "number", "parse"]
+__all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "factors", "minus", "number", "parse", "product_of", "sum_of"]
 
 # least and greatest number of arguments
 WORDS = {
@@ -53,6 +53,21 @@ def number(value: Fraction | int) -> Term:
 def minus(term: Term) -> Term:
     """-x."""
     return number(-term.value) if term.op == "number" else Term("*", (number(-1), term))
+
+
+def sum_of(*terms: Term) -> Term:
+    """x + y + ..., 0 for none."""
+    return Term("+", (number(0), *terms))
+
+
+def product_of(*factors: Term) -> Term:
+    """x y ..., 1 for none."""
+    return Term("*", (number(1), *factors))
+
+
+def factors(term: Term) -> list[Term]:
+    """What is multiplied, in products within products too."""
+    return [f for a in term.args for f in factors(a)] if term.op == "*" else [term]
 
 
 def parse(text: str) -> Term:

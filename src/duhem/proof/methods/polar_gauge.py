@@ -26,5 +26,6 @@ def duality(subject: FormulaSubject) -> Evidence | None:
         if decide(Question(sp.sympify(needed).xreplace(swap), Sense.POSITIVE, subject.problem.given)).holds is not True:
             return None
     slips = {f: x.name for f, x in zip(subject.law.forces, found.rates, strict=True)}
-    proof = Proof("polar-gauge", {"potential": formula(found.potential), "slips": slips})
+    told = {"potential": formula(found.potential), "slips": slips, "flat": [formula(form) for form in found.domain]}
+    proof = Proof("polar-gauge", {key: value for key, value in told.items() if value})
     return Evidence(Verdict.PROVED, "polar-gauge", f"Phi(d) = {formula(found.potential)}; " + "; ".join(found.steps), proof=proof)

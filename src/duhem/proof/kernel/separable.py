@@ -1,0 +1,119 @@
+"""Whether a formula is the support function of K, for gauges put together from functions of one force each.
+
+A positively homogeneous function of one force is h(x) = a pos(x) + b neg(x) with a = h(1), b = h(-1); for a, b > 0 it is a gauge
+and pos(d)/a + neg(d)/b its polar.  The p-norm of gauges of separate variables has as polar the q-norm of their polars,
+1/p + 1/q = 1, the greatest being p infinite; {gauge <= R} has R times the polar as its support function, and moved by c
+it has c . d more (Rockafellar 1970, sections 13 and 15).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+
+from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.forms import affine, at
+from duhem.proof.kernel.identity import vanishes
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
+
+__all__ = ["supports_separable"]
+
+
+def supports_separable(
+    g: Term, potential: Term, forces: Sequence[str], slips: Sequence[str], flat: Sequence[Term], domain: StatedDomain
+) -> bool:
+    """Whether ``potential`` = sup {sigma . d : g <= 0} for all d."""
+    if flat or not all(facts(term, domain).defined for term in (g, potential)):
+        return False
+    straight, other = _parted(potential, lambda t: _is_affine(t, slips, domain))
+    centre, offset = affine(straight, slips, domain)
+    still, gauge = _parted(at(g, forces, [sum_of(Term("name", name=f), c) for f, c in zip(forces, centre, strict=True)]), domain.constant)
+    dual, radius = dict(zip(forces, slips, strict=True)), minus(still)
+    if not set(forces) <= gauge.names() or facts(radius, domain).sign != POSITIVE or not vanishes(offset, domain):
+        return False
+    return _polar(gauge, other, radius, dual, domain)
+
+
+def _parted(term: Term, where: Callable[[Term], bool]) -> tuple[Term, Term]:
+    """The sum of the terms of which something holds, and the sum of the others."""
+    yes, no = ([t for t in (term.args if term.op == "+" else (term,)) if where(t) is c] for c in (True, False))
+    return sum_of(*yes), no[0] if len(no) == 1 else Term("+", tuple(no))
+
+
+def _polar(gauge: Term, other: Term, radius: Term, dual: Mapping[str, str], domain: StatedDomain) -> bool:
+    """Whether ``other`` (d) = sup {x . d : gauge(x) <= radius}, in the forces that occur."""
+    forces = [f for f in dual if f in gauge.names()]
+    if not forces or {dual[f] for f in forces} != other.names() & set(dual.values()):
+        return False
+    if len(forces) == 1:
+        return _polar_of_one(gauge, other, radius, forces[0], dual[forces[0]], domain)
+    for one, two in ((gauge, other), (other, gauge)):
+        if one.op == "*":
+            inner, scale = _unscaled(one, domain)
+            left = product_of(radius, Term("**", (scale, number(-1))))
+            return _polar(*((inner, two) if one is gauge else (two, inner)), left, dual, domain)
+    (p, parts), (q, others) = _norm(gauge, domain), _norm(other, domain)
+    if any(facts(x, domain).sign & NEGATIVE for x in (p, q)) or not vanishes(sum_of(p, q, number(-1)), domain):
+        return False
+    sets = [part.names() & set(dual) for part in parts]
+    if len(parts) != len(others) or sum(map(len, sets)) != len(forces):
+        return False
+    return all(any(_polar(part, partner, radius, dual, domain) for partner in others) for part in parts)
+
+
+def _polar_of_one(gauge: Term, other: Term, radius: Term, force: str, slip: str, domain: StatedDomain) -> bool:
+    if not (_homogeneous(gauge, [force], domain) and _homogeneous(other, [slip], domain)):
+        return False
+    for way in (number(1), number(-1)):
+        weight, width = at(gauge, [force], [way]), at(other, [slip], [way])
+        if facts(weight, domain).sign != POSITIVE or not vanishes(sum_of(product_of(weight, width), minus(radius)), domain):
+            return False
+    return True
+
+
+def _norm(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
+    """(1/p, parts) of a p-norm of parts that are >= 0."""
+    if term.op == "norm":
+        return number(Fraction(1, 2)), [_size(a, domain) for a in term.args]
+    if term.op in ("+", "max"):
+        return number(term.op == "+"), [a for a in term.args if term.op == "max" or domain.polynomial(a)]
+    if term.op == "**":
+        (base, out), parts = term.args, list[Term]()
+        for a in base.args if base.op == "+" else (base,):
+            if a.op != "**" or not vanishes(sum_of(product_of(a.args[1], out), number(-1)), domain):
+                raise NotWritten("a root is no norm")
+            even = a.args[1].op == "number" and a.args[1].value % 2 == 0
+            parts.append(_size(a.args[0], domain) if even else a.args[0])
+        return out, parts
+    raise NotWritten(f"{term.op} is no norm")
+
+
+def _size(term: Term, domain: StatedDomain) -> Term:
+    return term if facts(term, domain).nonnegative else Term("abs", (term,))
+
+
+def _unscaled(term: Term, domain: StatedDomain) -> tuple[Term, Term]:
+    """The one factor that is no constant, and the product of the others, > 0."""
+    moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
+    if len(moving) != 1 or facts(product_of(*still), domain).sign != POSITIVE:
+        raise NotWritten("a product is no multiple of a gauge")
+    return moving[0], product_of(*still)
+
+
+def _homogeneous(term: Term, names: Sequence[str], domain: StatedDomain) -> bool:
+    """Of degree 1 under positive factors."""
+    if _is_affine(term, names, domain):
+        return vanishes(affine(term, names, domain)[1], domain)
+    if term.op == "*":
+        moving = [a for a in term.args if not domain.constant(a)]
+        return len(moving) == 1 and _homogeneous(moving[0], names, domain)
+    return term.op in ("+", "abs", "pos", "neg", "norm", "max", "min") and all(_homogeneous(a, names, domain) for a in term.args)
+
+
+def _is_affine(term: Term, names: Sequence[str], domain: StatedDomain) -> bool:
+    """Whether it is affine in the names."""
+    try:
+        return bool(affine(term, names, domain))
+    except NotWritten:
+        return False
