@@ -12,7 +12,7 @@ from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.support import is_support_function
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
 __all__ = ["RULES", "objection", "rules_of"]
 
@@ -99,22 +99,14 @@ def quadratic_energy(law: StatedLaw | StatedCurve, _: Evidence) -> bool:
     domain = over(StatedLaw(law.forces, law.pressure, number(0), None, {}, ()))
     u, w = ([Term("name", name=f"{x} {i}") for i in range(d)] for x in "uw")
     factor = [[Term("name", name=f"l {i} {j}") if i >= j else number(0) for j in range(d)] for i in range(d)]
-    lift = [_sum(a, minus(b)) for a, b in zip(u, w, strict=True)]
-    stress = [_sum(*(_product(factor[i][k], factor[j][k], lift[j]) for j in range(d) for k in range(d))) for i in range(d)]
-    rows = [_sum(*(_product(factor[i][j], lift[i]) for i in range(d))) for j in range(d)]
-    energy = domain.polynomial(_product(half, _sum(*(_product(a, b) for a, b in zip(lift, stress, strict=True)))))
+    lift = [sum_of(a, minus(b)) for a, b in zip(u, w, strict=True)]
+    stress = [sum_of(*(product_of(factor[i][k], factor[j][k], lift[j]) for j in range(d) for k in range(d))) for i in range(d)]
+    rows = [sum_of(*(product_of(factor[i][j], lift[i]) for i in range(d))) for j in range(d)]
+    energy = domain.polynomial(product_of(half, sum_of(*(product_of(a, b) for a, b in zip(lift, stress, strict=True)))))
     for x, force in [*zip(u, stress, strict=True), *zip(w, map(minus, stress), strict=True)]:
         if slope(energy, x) != domain.polynomial(force):
             return False
-    return energy == domain.polynomial(_product(half, _sum(*(_product(r, r) for r in rows))))
-
-
-def _sum(*terms: Term) -> Term:
-    return Term("+", terms)
-
-
-def _product(*terms: Term) -> Term:
-    return Term("*", terms)
+    return energy == domain.polynomial(product_of(half, sum_of(*(product_of(r, r) for r in rows))))
 
 
 _NONE: frozenset[str] = frozenset()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from fractions import Fraction
 
-from duhem.proof.kernel.domain import Polynomial, StatedDomain
+from duhem.proof.kernel.domain import StatedDomain
+from duhem.proof.kernel.polynomial import Monomial, Polynomial
 from duhem.proof.kernel.term import Term, number, product_of, sum_of
 
 __all__ = ["multiplied_out", "vanishes"]
@@ -29,7 +30,7 @@ def vanishes(term: Term, domain: StatedDomain) -> bool:
     return False
 
 
-def _written(items: Iterable[tuple[tuple[tuple[Term, int], ...], Fraction]]) -> Term:
+def _written(items: Iterable[tuple[Monomial, Fraction]]) -> Term:
     return sum_of(*(product_of(number(c), *(x if n == 1 else Term("**", (x, number(n))) for x, n in m)) for m, c in items))
 
 
