@@ -14,11 +14,11 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import islice
 
-from tests.campaigns.false_proofs.judge import Judged, judge_apart
+from tests.campaigns.false_proofs.judge import Answered, judge_apart
 from tests.campaigns.false_proofs.table import FAMILIES, traps
 
 
-def table(judged: Sequence[tuple[str, Judged]]) -> str:
+def table(judged: Sequence[tuple[str, Answered]]) -> str:
     """Per family: laws, claims, wrong, the share left open, crashes, hangs, seconds."""
     lines = [f"{'family':10} {'laws':>5} {'claims':>7} {'wrong':>6} {'open %':>7} {'crashes':>8} {'hangs':>6} {'seconds':>8}"]
     for family in [*FAMILIES, "all"]:
@@ -40,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="leave out what comes before this place")
     asked = parser.parse_args(arguments)
-    judged: list[tuple[str, Judged]] = []
+    judged: list[tuple[str, Answered]] = []
     kinds: Counter[str] = Counter()
     families = tuple(asked.family or FAMILIES)
     for place, (family, trap) in enumerate(islice(traps(asked.count, families, asked.seed), asked.first, None), asked.first):

@@ -10,23 +10,21 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
 from duhem import Criterion, InputError, Verdict, Verification, verify
-from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import CLAIMS
-from duhem.proof.kernel.claims import confirmed as rule_confirms
-from duhem.proof.kernel.claims import rules_of
+from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import NotWritten
+from duhem.proof.law_text import law_as_text
 from tests.campaigns.false_proofs.trap import Trap
 from tests.oracles.reevaluation import confirmed
 
-__all__ = ["Judged", "judge", "judge_apart"]
+__all__ = ["Answered", "judge", "judge_apart"]
 
 LEAST_CORNER = 0.02  # degrees: a lesser one is not seen by the second arithmetic, which goes round it in steps
-_UNREADABLE = (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
 @dataclass(frozen=True)
-class Judged:
+class Answered:
     """``claims``: ``right``, ``open`` or what is wrong, a claim each.  ``failed``: the law as a whole crashed, or hung."""
 
     claims: Mapping[str, str] = field(default_factory=dict)
@@ -39,7 +37,7 @@ class Judged:
         return {claim: text for claim, text in self.claims.items() if text not in ("right", "open")}
 
 
-def judge(trap: Trap) -> Judged:
+def judge(trap: Trap) -> Answered:
     """Verify the law; every claim of known truth, or of a law that should have been refused, is compared."""
     start = time.perf_counter()
     wanted = [c for c in CLAIMS if c != "state_laws"] if trap.refused else list(trap.truth)
@@ -48,12 +46,12 @@ def judge(trap: Trap) -> Judged:
         found = verify(law, claims=wanted)
     except InputError as fault:
         right = trap.refused or trap.refusable
-        return Judged({"law": "right" if right else f"refused: {fault}"}, seconds=time.perf_counter() - start)
+        return Answered({"law": "right" if right else f"refused: {fault}"}, seconds=time.perf_counter() - start)
     said = {claim: _compared(trap, law, found, claim) for claim in wanted}
     for claim in kernel_confirms(law):
         if claim in wanted and (trap.refused or not trap.truth[claim]):
             said[claim] = f"confirmed by the kernel although {'no law' if trap.refused else 'false'}"
-    return Judged(said, seconds=time.perf_counter() - start)
+    return Answered(said, seconds=time.perf_counter() - start)
 
 
 def kernel_confirms(law: Criterion) -> tuple[str, ...]:
@@ -64,25 +62,18 @@ def kernel_confirms(law: Criterion) -> tuple[str, ...]:
     except NotWritten:
         return ()
     for claim in CLAIMS:
-        if any(_shows(claim, rule, frozenset(settled), stated) for rule in rules_of(claim)):
+        if any(not objection(claim, rule, frozenset(settled), stated, {}) for rule in rules_of(claim, stated)):
             settled.append(claim)
     return tuple(settled)
-
-
-def _shows(claim: str, rule: str, settled: frozenset[str], law: StatedLaw) -> bool:
-    try:
-        return rule_confirms(claim, rule, settled, law, {})
-    except _UNREADABLE:
-        return False
 
 
 def _compared(trap: Trap, law: Criterion, found: Verification, claim: str) -> str:
     result = found[claim]
     if trap.refused:
-        return f"proved by {result.method} although it is no law" if result.verdict is Verdict.PROVED else "open"
+        return f"proved by {result.method}, {result.trust}, although it is no law" if result.verdict is Verdict.PROVED else "open"
     true = trap.truth[claim]
     if result.verdict is Verdict.PROVED:
-        return "right" if true else f"proved by {result.method} although false"
+        return "right" if true else f"proved by {result.method}, {result.trust}, although false"
     if result.verdict is Verdict.REFUTED:
         assert result.witness is not None
         if true:
@@ -92,7 +83,7 @@ def _compared(trap: Trap, law: Criterion, found: Verification, claim: str) -> st
     return "open"
 
 
-def judge_apart(trap: Trap, seconds: int = 60) -> Judged:
+def judge_apart(trap: Trap, seconds: int = 60) -> Answered:
     """The same in a process of its own, ended when it has used so much processor time."""
     here, there = get_context("fork").Pipe(duplex=False)
     process = get_context("fork").Process(target=_report, args=(trap, there, seconds))
@@ -100,13 +91,13 @@ def judge_apart(trap: Trap, seconds: int = 60) -> Judged:
     process.start()
     there.close()
     try:
-        found: Judged = here.recv() if here.poll(20 * seconds) else Judged(failed="hang")
+        found: Answered = here.recv() if here.poll(20 * seconds) else Answered(failed="hang")
     except EOFError:
-        found = Judged(failed="hang")
+        found = Answered(failed="hang")
     if found.failed == "hang":
         process.kill()
     process.join()
-    return found if found.claims or found.seconds else Judged(failed=found.failed, seconds=time.perf_counter() - start)
+    return found if found.claims or found.seconds else Answered(failed=found.failed, seconds=time.perf_counter() - start)
 
 
 def _report(trap: Trap, there: Connection, seconds: int) -> None:
@@ -114,4 +105,4 @@ def _report(trap: Trap, there: Connection, seconds: int) -> None:
     try:
         there.send(judge(trap))
     except Exception as fault:
-        there.send(Judged(failed=f"{type(fault).__name__}: {fault}"))
+        there.send(Answered(failed=f"{type(fault).__name__}: {fault}"))

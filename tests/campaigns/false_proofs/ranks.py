@@ -19,8 +19,9 @@ F = Fraction
 # |M(e) sigma| <= N; the determinant is a multiple of a power of e - s
 FORMS = (
     "norm(a, a + D*b)**2 + norm(a, D*b)**2 - p**2", "norm(a + e*b, a + S*b) - abs(p)", "norm(D*a + b, b) - abs(p)",
-    "(D*a + b)**2 + b**2 - p**2",     "norm(a + b, D*b) - abs(p)", "norm(D*a, D*b + a) - abs(p)", "sqrt((a + e*b)**2 + (a + S*b)**2) - abs(p)", 
-    "norm(D**2*a + b, b) - abs(p)",     "norm(a + b, b + a + D*a) - abs(p)",
+    "(D*a + b)**2 + b**2 - p**2", "norm(a + b, D*b) - abs(p)", "norm(D*a, D*b + a) - abs(p)",
+    "sqrt((a + e*b)**2 + (a + S*b)**2) - abs(p)",
+    "norm(D**2*a + b, b) - abs(p)", "norm(a + b, b + a + D*a) - abs(p)",
 )  # fmt: skip
 
 
