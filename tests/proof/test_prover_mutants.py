@@ -1,0 +1,343 @@
+"""Provers made to lie: an obligation dropped, a branch forgotten, a premise not asked.  The kernel confirms none of what they prove.
+
+Each row is a false claim that a method does not prove, and proves once it is spoilt.  What is offered to the kernel then is
+all a liar could hope for: the spoilt proof itself, and every claim before it given out as proved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import pytest
+import sympy as sp
+
+import duhem.proof.facts.curvature as curvature_facts
+import duhem.proof.facts.polar_form as polar_facts
+import duhem.proof.methods.composition as composition
+import duhem.proof.methods.implicit as implicit
+import duhem.proof.methods.polar as polar
+import duhem.proof.methods.polar_gauge as polar_gauge
+import duhem.proof.methods.polyhedral as polyhedral
+import duhem.proof.statement.problem as problem
+from duhem import POSITIVE, Criterion, Domain, Verdict
+from duhem.proof.claims import dissipation, normality
+from duhem.proof.decide import Answer, Sense
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.polar_form import PolarForm
+from duhem.proof.facts.regularity import Regularity
+from duhem.proof.kernel.certificate import CLAIMS
+from duhem.proof.methods import evaluation, flow
+from duhem.proof.trust import Judgement
+from duhem.proof.verdict import Evidence, Trust
+
+Method = Callable[[FormulaSubject], Evidence | None]
+Patch = Callable[[pytest.MonkeyPatch], None]
+Ask = Callable[..., Answer]
+
+UNIT = Domain.between(0, 1)
+YES = Answer(True, "mutant")
+PROVED = Evidence(Verdict.PROVED, "mutant", "so it is said")
+
+
+def law(g: str, flow: Sequence[str] | None = None, forces: Sequence[str] = ("a", "b"), **parameters: Domain) -> Criterion:
+    pressure = "p" if "abs(p)" in g else None
+    return Criterion(name=g, g=g, forces=tuple(forces), pressure=pressure, flow=flow and tuple(flow), parameters=parameters)
+
+
+def after(*settled: str) -> Callable[[Any], Method]:
+    """A consequence as a method: the claims ``settled`` are proved before it, the others tested."""
+
+    def bound(run: Any) -> Method:
+        before = {name: PROVED if name in settled else replace(PROVED, verdict=Verdict.TESTED) for name in CLAIMS}
+        return lambda subject: run(subject, before)
+
+    return bound
+
+
+# -- ways to spoil ----------------------------------------------------------------------------------------------------
+
+_ask = FormulaSubject.ask
+
+
+def asking(change: Callable[..., Answer]) -> Patch:
+    """Every question of a method goes through ``change(subject, expr, sense, given, circle)``."""
+
+    def ask(subject: FormulaSubject, expr: Any, sense: Sense, *given: Any, circle: Any = None) -> Answer:
+        return change(subject, expr, sense, given, circle)
+
+    return put(FormulaSubject, "ask", ask)
+
+
+def honest(subject: FormulaSubject, expr: Any, sense: Sense, given: Sequence[Any], circle: Any) -> Answer:
+    return _ask(subject, expr, sense, *given, circle=circle)
+
+
+def put(target: Any, name: str, value: Any) -> Patch:
+    return lambda monkeypatch: monkeypatch.setattr(target, name, value)
+
+
+def weak(subject: FormulaSubject, expr: Any, sense: Sense, given: Sequence[Any], circle: Any) -> Answer:
+    return honest(subject, expr, Sense.NONNEGATIVE if sense is Sense.POSITIVE else sense, given, circle)
+
+
+def only_if(*more: Callable[[Any], Any]) -> Callable[..., Answer]:
+    """Further hypotheses, made from the circle's symbols or None."""
+    return lambda subject, expr, sense, given, circle: honest(subject, expr, sense, (*given, *(m(circle) for m in more)), circle)
+
+
+def strict(subject: FormulaSubject, expr: Any, sense: Sense, given: Sequence[Any], circle: Any) -> Answer:
+    """The ends of the parameters' ranges, where they are 0, left out."""
+    return honest(subject, expr, sense, (*given, *(sp.Gt(x, 0) for x in subject.simple.parameters)), circle)
+
+
+def without_domain(subject: FormulaSubject, expr: Any, sense: Sense, given: Sequence[Any], circle: Any) -> Answer:
+    """Every parameter at 1/2 instead of over its range."""
+    half = dict.fromkeys(subject.simple.parameters, sp.Rational(1, 2))
+    return honest(subject, sp.sympify(expr).subs(half), sense, [r for r in (g.subs(half) for g in given) if r is not sp.true], circle)
+
+
+def granted(*senses: Sense) -> Callable[..., Answer]:
+    """Questions of these senses are not asked."""
+    return lambda *q: YES if q[2] in senses else honest(*q)
+
+
+def first_piece(subject: FormulaSubject) -> Any:
+    return _pieces(subject)[:1]
+
+
+_pieces, _simple = FormulaSubject.pieces.func, FormulaSubject.simple.func
+_solution, _curvature = polyhedral.Affine.solution, PolarForm.curvature
+_arcs = polar_facts.polar_form
+_rules = curvature_facts._CurvatureRules
+_add, _mul, _power, _norm = _rules.add, _rules.mul, _rules.power, _rules.norm
+
+
+def one_arc(subject: FormulaSubject) -> PolarForm | None:
+    form = _arcs(subject)
+    return None if form is None else replace(form, arcs=form.arcs[:1])
+
+
+def more_gamma(self: PolarForm, arc: Any) -> Any:
+    return _curvature(self, arc) + 3 * sp.Mul(*(base**2 for base in arc.expr))
+
+
+def flipped(run: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda *args: -run(*args)
+
+
+def anything(self: Any, node: Any, *parts: Any) -> Any:
+    return curvature_facts.Curvature(convex=True, quasiconvex=True)
+
+
+def convex_of_any(self: Any, node: Any, *parts: Any) -> Any:
+    return replace(_norm(self, node, *parts), convex=True, quasiconvex=True)
+
+
+def sums_of_quasiconvex(self: Any, node: Any, *terms: Any) -> Any:
+    return replace(_add(self, node, *terms), quasiconvex=all(t.quasiconvex for t in terms))
+
+
+def signs_of_scales_forgotten(self: Any, node: Any, *factors: Any) -> Any:
+    moving = [f for f in factors if not f.constant]
+    return moving[0] if len(moving) == 1 else _mul(self, node, *factors)
+
+
+def every_power_convex(self: Any, node: Any, base: Any, exponent: Any) -> Any:
+    return replace(_power(self, node, base, exponent), convex=base.convex, quasiconvex=base.quasiconvex)
+
+
+def half_of_it(subject: FormulaSubject) -> Any:
+    """The support function of K, by half."""
+    found = _support(subject if isinstance(subject, Criterion) else subject.law)
+    return None if found is None else replace(found, potential=found.potential / 2, requires=())
+
+
+def without_requirements(subject: Any) -> Any:
+    found = _support(subject)
+    return None if found is None else replace(found, requires=())
+
+
+def turned_round(subject: Any) -> Any:
+    """The support function with the two senses of every slip exchanged."""
+    found = _support(subject)
+    if found is None:
+        return None
+    return replace(found, potential=found.potential.xreplace({d: -d for d in found.rates}), requires=())
+
+
+_support = polar_gauge.support_function
+
+
+def no_outer_power(g: sp.Expr) -> sp.Expr:
+    return g.base if g.is_Pow else g
+
+
+def associated(subject: FormulaSubject) -> Any:
+    return replace(_simple(subject), flow=None)
+
+
+def faces_alone(self: Any, *relations: Any) -> Any:
+    return False if relations[0][1] == "<=" else _solution(self, *relations)
+
+
+def last_force_irrelevant(g: Any, forces: Any) -> list[tuple[int, ...]]:
+    return [(0,) * (len(forces) - 1) + (1,)]
+
+
+# -- the rows ---------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Lie:
+    """``claim`` is false of ``law`` (for duality: the potential is another).  With ``patch``, ``spoilt`` or else ``method`` proves it."""
+
+    name: str
+    patch: Patch
+    claim: str
+    method: Method
+    law: Criterion
+    spoilt: Method | None = None
+
+
+def no_patch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is changed but what the method starts from."""
+
+
+R = "norm(a, b)"
+WAVES = law(f"{R}**4 + (1/15 + 1/1000)*(a**4 - 6*a**2*b**2 + b**4) - abs(p)*{R}**3")
+LIMACON = law(f"{R}**2 - abs(p)*({R} + 3/5*a)")
+BULGE = law(f"{R}**4 + where(a < 0, 0, (1/6 + 1/1000)*(a**4 + a**3*{R} + a**2*{R}**2)) - abs(p)*{R}**3")
+DENT = law("norm(a, b) - abs(a)/1000 - abs(p)")
+CORNER = law("norm(a, b) + abs(a)/1000 - abs(p)")
+CORNERED = law("a**2 + b**2 + abs(a)/2 - 1")
+DENTED = law("a**2 + b**2 - abs(a)/8 - 1")
+QUARTIC = law("a**4 + 7*a**2*b**2 + b**4 - 1")
+SEAMED = law("where(a < 0, 0, 16*a**2*b**2) + a**4 + b**4 - 1")
+EIGHT = law("((a - 3)**2 + b**2 - 1)*((a + 3)**2 + b**2 - 1)")
+DISC, ROUND = law("norm(a, b) - abs(p)"), law("a**2 + b**2 - 1")
+OUTSIDE, CROSS = law("1 - a**2 - b**2"), law("a**2 - b**2")
+SHIFTED = law("norm(a - 2, b) - 1")
+RAMPS = law("norm(pos(a) + neg(a)/2, b) - abs(p)")
+NOTCHED = law("max(min(a, b), a - 1, b - 1, -a - 1, -b - 1)")
+
+
+def flowing(g: str, *flow: str) -> Criterion:
+    return law(g, flow=flow)
+
+
+def duality(change: Callable[[Any], Any]) -> Patch:
+    return put(polar_gauge, "support_function", change)
+
+
+LIES = (
+    # what the deciders say
+    Lie("everything is proved", asking(lambda *q: YES), "convexity", polar.convexity, WAVES),
+    Lie("refuted for proved", asking(lambda *q: YES if honest(*q).holds is False else honest(*q)), "convexity", polar.convexity, WAVES),
+    Lie(
+        "undecided for proved", asking(lambda *q: YES if honest(*q).holds is None else honest(*q)),
+        "convexity", implicit.hessian, law("sin(a)**2/1000 + exp(-b**2) - 2"),
+    ),
+    Lie("strict signs made weak", asking(weak), "smoothness", implicit.smoothness, CROSS),
+    Lie("equalities not asked", asking(granted(Sense.ZERO)), "smoothness", polar.smoothness, CORNER),
+    Lie("equalities not asked on seams", asking(granted(Sense.ZERO)), "smoothness", implicit.smoothness, CORNERED),
+    Lie("signs not asked", asking(granted(Sense.POSITIVE, Sense.NONNEGATIVE)), "dissipation", polar.dissipation, OUTSIDE),
+    Lie("the sign asked of the opposite", asking(lambda s, e, *q: honest(s, -e, *q)), "origin", evaluation.origin, OUTSIDE),
+    Lie("half of the circle asked", asking(only_if(lambda c: sp.Gt(c[0], 0) if c else sp.true)), "convexity", polar.convexity, LIMACON),
+    Lie("hypotheses that contradict each other", asking(only_if(lambda c: sp.false)), "convexity", polar.convexity, WAVES),
+    Lie("ends of ranges left out", asking(strict), "smoothness", implicit.smoothness, law("a**2 - b**2 - q", q=UNIT)),
+    Lie(
+        "one value of a parameter asked", asking(without_domain),
+        "convexity", polar.convexity, law(f"{R}**2 - abs(p)*({R} + e*a)", e=UNIT),
+    ),
+    Lie(
+        "vacuous on the boundary", asking(lambda *q: YES if any(isinstance(r, sp.Eq) for r in q[3]) else honest(*q)),
+        "convexity", implicit.convexity, QUARTIC,
+    ),
+    # the law made simpler than it is
+    Lie("every parameter scaled to 1", put(problem, "removable", lambda e, r, candidates: list(candidates)),
+        "convexity", polar.convexity, law("a**4 + c*a**2*b**2 + b**4 - 1", c=POSITIVE)),
+    Lie("a force taken for irrelevant", put(problem, "invariant_directions", last_force_irrelevant),
+        "convexity", composition.convexity, law("a**2 - b**2 - 1")),
+    Lie("one force where there are two", put(problem, "invariant_directions", last_force_irrelevant),
+        "smoothness", composition.smoothness, law("max(a, b) - 1")),
+    Lie("a square taken for a rising map", put(problem, "without_outer_map", no_outer_power),
+        "convexity", composition.convexity, law("(norm(a, b) - 1)**2")),
+    Lie("the origin put inside", put(FormulaSubject, "at_origin", sp.Integer(-1)), "origin", evaluation.origin, OUTSIDE),
+    # polar form
+    Lie("jumps at seams not asked", put(polar, "_jumps", lambda form, sense: True), "convexity", polar.convexity, DENT),
+    Lie("jumps not asked for smoothness", put(polar, "_jumps", lambda form, sense: True), "smoothness", polar.smoothness, CORNER),
+    Lie("seams skipped", put(PolarForm, "seams", lambda form: iter(())), "convexity", polar.convexity, DENT),
+    Lie("slopes taken backwards", put(PolarForm, "slope", flipped(PolarForm.slope)), "convexity", polar.convexity, DENT),
+    Lie("gamma counted four times", put(PolarForm, "curvature", more_gamma), "convexity", polar.convexity, WAVES),
+    Lie("arcs forgotten but the first", put(polar, "polar_form", one_arc), "convexity", polar.convexity, BULGE),
+    Lie("a gauge that jumps", put(PolarForm, "continuous", lambda form: True),
+        "convexity", polar.convexity, law("norm(a, b) - abs(p)*(1 + where(a > 0, 1, 1/2))")),
+    Lie("Euler without the signs of A and B", put(polar, "polar_form", lambda subject: True), "dissipation", polar.dissipation, OUTSIDE),
+    Lie("star-shaped without a look", put(polar, "polar_form", lambda subject: True), "origin", polar.origin, law("1/norm(a, b) + 1")),
+    # implicit form
+    Lie("the star shape not asked", put(implicit, "_star", lambda *_: True), "convexity", implicit.convexity, EIGHT),
+    Lie("kinks not asked", put(implicit, "_outward_kink", lambda *_: True), "convexity", implicit.convexity, DENTED),
+    Lie("branches forgotten but the first", put(FormulaSubject, "pieces", property(first_piece)), "convexity", implicit.convexity, SEAMED),
+    Lie("one branch's Hessian", put(FormulaSubject, "pieces", property(first_piece)),
+        "convexity", implicit.hessian, law("b**2 + a*abs(a) - 1")),
+    Lie("jumps of g not asked", put(FormulaSubject, "continuous", True),
+        "convexity", implicit.convexity, law("a**2 + b**2 - where(a > 0, 1, 2)")),
+    Lie("the gradient for the flow", put(FormulaSubject, "simple", property(associated)),
+        "dissipation", implicit.dissipation, flowing("a**2 + b**2 - 1", "-a", "-b")),
+    Lie("no gradient, no power", asking(granted(Sense.POSITIVE)), "dissipation", implicit.dissipation, law("pos(norm(a - 2, b) - 1)**2")),
+    Lie("the power not asked", asking(granted(Sense.NONNEGATIVE)), "dissipation", implicit.dissipation, OUTSIDE),
+    # composition
+    Lie("kinks cancel everywhere", put(Regularity, "cancelling", property(lambda self: True)),
+        "smoothness", composition.smoothness, law("norm(abs(a - 1) + abs(b), b) - 3")),
+    Lie("tips not looked at", put(composition, "_off_boundary", lambda *_: True),
+        "smoothness", composition.smoothness, law("norm(a - 1, b)/2 + a - 1")),
+    Lie("a regular value without a look", put(composition, "_regular", lambda subject: "so it is said"),
+        "smoothness", composition.smoothness, CROSS),
+    Lie("sums of quasiconvex functions", put(_rules, "add", sums_of_quasiconvex),
+        "convexity", composition.convexity, law("sqrt(abs(a)) + sqrt(abs(b)) - 1")),
+    Lie("a minimum for a maximum", put(_rules, "minimum", _rules.maximum),
+        "convexity", composition.convexity, law("min(norm(a, 2*b), norm(2*a, b)) - 1")),
+    Lie("the sign of a factor forgotten", put(_rules, "mul", signs_of_scales_forgotten), "convexity", composition.convexity, OUTSIDE),
+    Lie("every power convex", put(_rules, "power", every_power_convex),
+        "convexity", composition.convexity, law("abs(a)**(1/2) + abs(b)**(1/2) - 1")),
+    Lie("a norm of anything convex", put(_rules, "norm", convex_of_any),
+        "convexity", composition.convexity, law("norm(min(abs(a), abs(b)), 1) - 2")),
+    Lie("a product convex", put(_rules, "mul", anything), "convexity", composition.convexity, law("a*b - 1")),
+    # half-spaces
+    Lie("K not compared with its half-spaces", put(polyhedral.Affine, "solution", faces_alone), "convexity", polyhedral.convexity, NOTCHED),
+    # flows and premises
+    Lie("the direction of the flow not asked", asking(granted(Sense.ZERO)),
+        "normality", flow.normality, flowing("a**2 + b**2 - 1", "a", "2*b")),
+    Lie("the sense of the flow not asked", asking(granted(Sense.NONNEGATIVE)),
+        "normality", flow.normality, flowing("a**2 + b**2 - 1", "-a", "-b")),
+    Lie("parallel to no gradient", asking(granted(Sense.POSITIVE)),
+        "normality", flow.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
+    Lie("normal to a K not convex", no_patch, "normality", after()(normality.by_convexity), flowing("1 - a**2 - b**2", "-a", "-b"),
+        after("convexity")(normality.by_convexity)),
+    Lie("associated with a K not convex", no_patch, "normality", after()(normality.by_convexity), DENT,
+        after("convexity")(normality.by_convexity)),
+    Lie("dissipation without the origin", no_patch, "dissipation", after("normality")(dissipation.by_normality), SHIFTED,
+        after("origin", "normality")(dissipation.by_normality)),
+    # duality
+    Lie("requirements not asked", duality(without_requirements),
+        "duality", polar_gauge.duality, law("norm(a, b) - q", q=Domain.between(-1, 1))),
+    Lie("half of the potential", duality(half_of_it), "duality", polar_gauge.duality, DISC),
+    Lie("the senses of the slips exchanged", duality(turned_round), "duality", polar_gauge.duality, RAMPS),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("lie", LIES, ids=lambda lie: lie.name)
+def test_a_lie_is_not_confirmed(lie: Lie) -> None:
+    honestly = lie.method(FormulaSubject(lie.law))
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        lie.patch(monkeypatch)
+        told = (lie.spoilt or lie.method)(FormulaSubject(lie.law))
+    assert told is not None and told.verdict is Verdict.PROVED
+    assert honestly is None or honestly.verdict is not Verdict.PROVED or honestly.detail != told.detail
+    judgement = Judgement(lie.law)
+    for claim in CLAIMS[: CLAIMS.index(lie.claim)]:
+        judgement.of(claim, PROVED, ())
+    judged = judgement.of(lie.claim, told, ())
+    assert judged is not None and judged.trust is not Trust.CHECKED
