@@ -29,7 +29,7 @@ from duhem.proof.facts.polar_form import PolarForm
 from duhem.proof.facts.regularity import Regularity
 from duhem.proof.kernel.certificate import CLAIMS
 from duhem.proof.methods import evaluation, flow
-from duhem.proof.trust import Judgement
+from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import Evidence, Trust
 
 Method = Callable[[FormulaSubject], Evidence | None]
@@ -328,6 +328,7 @@ LIES = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lie", LIES, ids=lambda lie: lie.name)
 def test_a_lie_is_not_confirmed(lie: Lie) -> None:
     honestly = lie.method(FormulaSubject(lie.law))
@@ -336,8 +337,8 @@ def test_a_lie_is_not_confirmed(lie: Lie) -> None:
         told = (lie.spoilt or lie.method)(FormulaSubject(lie.law))
     assert told is not None and told.verdict is Verdict.PROVED
     assert honestly is None or honestly.verdict is not Verdict.PROVED or honestly.detail != told.detail
-    judgement = Judgement(lie.law)
+    confirmations = Confirmations(lie.law)
     for claim in CLAIMS[: CLAIMS.index(lie.claim)]:
-        judgement.of(claim, PROVED, ())
-    judged = judgement.of(lie.claim, told, ())
-    assert judged is not None and judged.trust is not Trust.CHECKED
+        confirmations.of(claim, PROVED, ())
+    standing = confirmations.of(lie.claim, told, ())
+    assert standing is not None and standing.trust is not Trust.CHECKED
