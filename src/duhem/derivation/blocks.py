@@ -84,7 +84,8 @@ def assemble(tree: Tree, radius: sp.Expr) -> tuple[Gauge, Row, sp.Expr, sp.Expr]
     if tree.p == 2:
         weights = sp.diag(*[leaf.side.up**2 for leaf in leaves])
         matrix = sp.ImmutableMatrix(rows.T * weights * rows).applyfunc(sp.cancel)
-        return Quadratic(matrix), (sp.S.Zero,) * rows.cols, radius, sp.S.One
+        kept = list(matrix.rref(simplify=True)[1])  # its rank at general values; at special ones it may be less
+        return Quadratic(matrix), (sp.S.Zero,) * rows.cols, radius, sp.factor(matrix[kept, kept].det())
     if tree.p is sp.oo:
         return _polytope([(tuple(sign * c for c in leaf.row), radius / leaf.side.up) for leaf in leaves for sign in (1, -1)])
     if tree.p == 1:

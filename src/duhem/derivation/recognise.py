@@ -45,7 +45,7 @@ def read_ball(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Ball | None:
     needed.pop(sp.S.One, None)
     if any(r.is_nonpositive for r in needed):
         return None
-    implied = {shape for r in needed for shape in (sp.Abs(r), r**2, r**-2)}
+    implied = {shape for r in needed for shape in (sp.Abs(r), r**2, r**-2) if shape != r}  # |r| is r itself where r >= 0
     return Ball(gauge, centre, radius, tuple(r for r in needed if r not in implied))
 
 

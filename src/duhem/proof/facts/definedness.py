@@ -22,7 +22,7 @@ from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.obligations import Obligation, obligations
 from duhem.proof.statement.problem import Problem
 
-__all__ = ["met", "open_obligations"]
+__all__ = ["met_at_zero", "met_for_all", "open_obligations"]
 
 Point = dict[sp.Symbol, Any]
 _UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo)
@@ -71,10 +71,14 @@ def _check(problem: Problem, obligation: Obligation, given: tuple[sp.Basic, ...]
             raise InputError(what, where=problem.law.name, remedy=_REMEDY)
 
 
-def met(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
-    """Whether an obligation is shown at zero force."""
-    here = obligation.put(dict.fromkeys(problem.forces, sp.S.Zero))
-    return _answer(subject, problem, here).holds is True or _shown_instead(subject, problem, here)
+def met_for_all(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
+    """Whether it is shown for all forces but zero."""
+    return _answer(subject, problem, obligation).holds is True or _shown_instead(subject, problem, obligation)
+
+
+def met_at_zero(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
+    """Whether it is shown at zero force."""
+    return met_for_all(subject, problem, obligation.put(dict.fromkeys(problem.forces, sp.S.Zero)))
 
 
 def _shown_instead(subject: Subject, problem: Problem, obligation: Obligation) -> bool:

@@ -16,7 +16,7 @@ from duhem.expression.number import fraction
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Answer, Question, Sense
-from duhem.proof.facts.definedness import met, open_obligations
+from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, plain_choices, rationals
 from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.obligations import Obligation, obligations
@@ -81,7 +81,7 @@ class FormulaSubject(Subject):
     @cached_property
     def at_origin(self) -> sp.Expr | None:
         """g at zero force, all forces at once; None where that is 0/0 or otherwise undefined."""
-        if not all(met(self, self.problem, o) for o in obligations(self.problem.stated)):
+        if not all(met_at_zero(self, self.problem, o) for o in obligations(self.problem.stated)):
             return None
         value = self.simple.g.xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
         return None if value.has(sp.nan, sp.zoo, sp.oo) else value

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import sympy as sp
 
 from duhem.expression import Norm
@@ -28,10 +30,8 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
 
     The second follows from convexity and a point with g < 0 (no minimum on the boundary), or from Euler's relation.
     """
-    if len(subject.simple.forces) == 1:
-        return Evidence(
-            Verdict.PROVED, "one-dimensional", "with one force the boundary is at most isolated points, where the normal is +1 or -1"
-        )
+    if len(subject.simple.forces) == 1 and _interval(subject):
+        return Evidence(Verdict.PROVED, "one-dimensional", "K is an interval with an inside: at each of its ends the normal is +1 or -1")
     g = subject.simple.g
     facts = regularity(g, subject)
     if not facts.known or facts.kinks or not all(_off_boundary(subject, tip) for tip in facts.tips):
@@ -43,6 +43,17 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
         "every kink lies where the function under it vanishes" if g.has(sp.Abs) or "Pos" in str(g) or "Neg" in str(g) else "g has no kink"
     )
     return Evidence(Verdict.PROVED, "composition", f"{cancelled}, no tip lies on the boundary, and {regular}")
+
+
+def _interval(subject: FormulaSubject) -> bool:
+    """Whether K, with one force, is convex and has an inside; a single point has normals of both signs."""
+    (x,), size = subject.simple.forces, subject.simple.magnitude or sp.S.One
+    if not curvature(subject.simple.g, subject).quasiconvex:
+        return False
+    if subject.at_origin is not None and subject.positive(-subject.at_origin) and subject.continuous:
+        return True
+    inside = (z for z in (sp.S.Zero, size, -size) if subject.nonnegative(-subject.simple.g.xreplace({x: z})))
+    return len(list(islice(inside, 2))) == 2
 
 
 def _off_boundary(subject: FormulaSubject, tip: sp.Expr) -> bool:

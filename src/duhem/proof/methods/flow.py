@@ -41,6 +41,8 @@ def normality(subject: FormulaSubject) -> Evidence | None:
         on_boundary = (*piece.conditions(), sp.Eq(piece.expr, 0))
         if subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *on_boundary).holds is not True:
             return None  # where grad g = 0 every flow would look parallel to it
+        if subject.ask(sp.Add(*(d**2 for d in problem.flow)), Sense.POSITIVE, *on_boundary).holds is not True:
+            return None  # where the flow is 0 it has no direction
         for i, j in itertools.combinations(range(len(gradient)), 2):
             minor = problem.flow[i] * gradient[j] - problem.flow[j] * gradient[i]
             if subject.ask(minor, Sense.ZERO, *on_boundary).holds is not True:

@@ -21,7 +21,10 @@ __all__ = ["convexity", "dissipation", "hessian", "smoothness"]
 
 
 def convexity(subject: FormulaSubject) -> Evidence | None:
-    """Tangential second derivatives >= 0 on the boundary of a set star-shaped about the origin, no kink inward on a seam."""
+    """Tangential second derivatives >= 0 on the boundary of a set star-shaped about the origin, no kink inward on a seam.
+
+    Of closed branches: strictly inside them there may be no boundary at all, and then nothing would have been asked.
+    """
     pieces, forces = subject.pieces, subject.simple.forces
     if pieces is None or len(pieces) > (8 if len(forces) == 2 else 1) or not subject.continuous or not _star(subject, pieces):
         return None
@@ -30,7 +33,10 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     used: set[str] = set()
     for piece in pieces:
         bend, tangential = _bend(piece.expr, forces)
-        answer = subject.ask(bend, Sense.NONNEGATIVE, sp.Eq(piece.expr, 0), *tangential, *piece.conditions(strict=True))
+        on_boundary = (sp.Eq(piece.expr, 0), *tangential)
+        answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *piece.conditions())
+        if answer.holds is not True and _crossed(subject, piece):
+            answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *piece.conditions(strict=True))
         if answer.holds is not True:
             return None
         used.add(answer.method)
@@ -42,6 +48,17 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         f"implicit-curvature ({', '.join(sorted(used))})",
         f"K is star-shaped about 0 and its boundary curves inward everywhere{seams_too}",
     )
+
+
+def _crossed(subject: FormulaSubject, piece: Branch) -> bool:
+    """Whether the boundary only passes across the seams of a branch (two forces), never along: then its inside tells all of it."""
+    x, y = subject.simple.forces
+    for switch in piece.signs:
+        across = sp.diff(piece.expr, x) * sp.diff(switch, y) - sp.diff(piece.expr, y) * sp.diff(switch, x)
+        on_both = (sp.Eq(piece.expr, 0), sp.Eq(switch, 0), *piece.conditions())
+        if subject.ask(across**2, Sense.POSITIVE, *on_both).holds is not True:
+            return False
+    return True
 
 
 def _bend(g: sp.Expr, forces: tuple[sp.Symbol, ...]) -> tuple[sp.Expr, tuple[sp.Basic, ...]]:

@@ -7,7 +7,9 @@ import sympy as sp
 from duhem.derivation.support_function import support_function
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense, decide
+from duhem.proof.facts.definedness import met_for_all
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.statement.obligations import obligations
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["duality"]
@@ -22,6 +24,10 @@ def duality(subject: FormulaSubject) -> Evidence | None:
     swap = {}
     if subject.law.pressure is not None and subject.problem.magnitude is not None:
         swap[subject.law.symbols()[subject.law.pressure]] = -subject.problem.magnitude
+    # What the potential divides by must not vanish for any admitted parameters, whatever the rules that gave it have asked.
+    asked = [o for o in obligations(found.potential.xreplace(swap)) if not o.symbols() & set(found.rates)]
+    if not all(met_for_all(subject, subject.problem, o) for o in asked):
+        return None
     for needed in found.requires:
         if decide(Question(sp.sympify(needed).xreplace(swap), Sense.POSITIVE, subject.problem.given)).holds is not True:
             return None
