@@ -12,7 +12,6 @@ from duhem.testing.registry import Finding, register
 __all__: list[str] = []
 
 _EPS = float(np.finfo(np.float64).eps)
-_BISECTIONS = 1100  # down to neighbouring numbers, denormal ones included
 
 
 @register(
@@ -75,8 +74,8 @@ def smoothness(q: Query) -> Finding:
     apart = (here != there).any(axis=1)
     if not apart.any():
         return Finding(np.zeros(len(first)), np.zeros(len(first)))
-    for _ in range(_BISECTIONS):
-        middle = low + 0.5 * (high - low)
+    while True:
+        middle = _halfway(low, high)
         if ((middle <= low) | (middle >= high) | ~apart).all():
             break
         piece = q.region.slope(at(middle), q.pressure)[1]
@@ -93,6 +92,12 @@ def smoothness(q: Query) -> Finding:
     turn = np.maximum(*(np.linalg.norm(normal(seam, side) - normal(beside, side), axis=1) for side in (here, there)))
     whole = (np.abs(seam).max(axis=1) > 0.0) & apart & np.isfinite(jump) & np.isfinite(turn)
     return Finding(np.where(whole, jump, 0.0), 64.0 * _EPS + np.where(whole, turn, 0.0))
+
+
+def _halfway(low: Array, high: Array) -> Array:
+    """With as many numbers below it, down to ``low`` >= 0, as above: some 60 halvings lead to neighbours, denormal ones too."""
+    below, above = low.view(np.int64), high.view(np.int64)  # in the order of the numbers
+    return np.asarray((below + (above - below) // 2).view(np.float64))
 
 
 def _directed(vectors: Array) -> Array:
