@@ -6,17 +6,19 @@ may leave the domain of a function (a root or a logarithm of what may be negativ
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import flint
 import sympy as sp
 
 from duhem.expression.fold import Table, fold
+from duhem.expression.recording import bound, recorded
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
-__all__ = ["ANALYTIC", "TABLE", "ball", "certain_sign", "constant", "enclose", "precision"]
+__all__ = ["ANALYTIC", "TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "precision"]
 
 
 def precision(bits: int) -> Any:
@@ -50,6 +52,12 @@ def certain_sign(value: Any) -> int | None:
 def enclose(expr: sp.Basic, values: Mapping[sp.Symbol, Any]) -> Any:
     """Ball containing every value of ``expr`` when each symbol ranges over its ball."""
     return fold(expr, TABLE, lambda node: _leaf(node, values))
+
+
+def compiled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Callable[..., Any]:
+    """:func:`enclose` as a function of one ball a symbol, in their order; walk once, call often, in any working precision."""
+    recording = recorded(expr, symbols, bound(TABLE), lambda node: partial(_leaf, node, {}))
+    return lambda *values: recording.run(values)[recording.last]
 
 
 def constant(node: Any) -> Any:

@@ -56,7 +56,8 @@ class Program:
         given = [np.asarray(value, dtype=np.float64) for value in values]
         if len(given) != len(self.symbols):
             raise InputError(f"{len(given)} values are given for {len(self.symbols)} symbols", remedy="give one array per symbol")
-        shape = np.broadcast_shapes(*(value.shape for value in given))
+        shapes = {value.shape for value in given}
+        shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         with np.errstate(all="ignore"):
             registers = self.recording.run(given)
         last = registers[self.recording.last]

@@ -12,6 +12,7 @@ import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
 from typing import Any
 
@@ -70,9 +71,10 @@ _DIALECTS = {
 KNOWN = tuple(_DIALECTS)
 
 
-def installed() -> list[str]:
-    """The solvers CVXPY finds."""
-    return list(_cp().installed_solvers())
+@cache
+def installed() -> tuple[str, ...]:
+    """The solvers CVXPY finds, which imports each to see."""
+    return tuple(_cp().installed_solvers())
 
 
 def checked(solver: str) -> str:

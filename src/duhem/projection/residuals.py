@@ -8,6 +8,7 @@ Karush, Kuhn and Tucker for the closest point (R. T. Rockafellar, 1970, Convex A
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import lru_cache, reduce
 from itertools import combinations
@@ -24,7 +25,7 @@ from duhem.projection.stiffness_factors import factors
 
 __all__ = ["residuals"]
 
-_Side = tuple[Array, Array, Array]  # unit normal, length of the gradient, height over the stress in lengths of it
+_Sides = tuple[Array, Array, Array]  # unit normals, lengths of the gradient, heights over the stress in lengths of it
 
 _BLOCK = 16_384
 _BESIDE = (1e-15, 1e-13, 1e-11, 1e-9, 1e-8, 5e-8, 1e-6, 1e-4)  # of the length of a stress: normals are looked for this close to it
@@ -159,41 +160,36 @@ class _Judge:
 
     def _off_normals(self, at: _Suspect, share: float) -> Array:
         """Distance of the slips from the cone of the normals this close to the stress, or of the multiplier from theirs if that is more."""
-        d = at.stress.shape[1]
-        found = [self._beside(at, share * way) for way in _ways(d)]
-        facing = reduce(np.fmin, [_dot(a, b) for (a, *_), (b, *_) in combinations((off for off, _ in found), 2)])
+        d, every = at.stress.shape[1], np.arange(len(at.slip))
+        off, on = self._beside(at, share * _ways(d))
+        facing = reduce(np.fmin, [_dot(a, b) for a, b in combinations(off[0], 2)])
         thin = facing < _OPPOSED  # a point, or next to: no one multiplier, and no boundary to tell its sides apart
         bare = (thin & (share <= _THIN)) | at.tip
-        normals = [np.where(bare[:, None], off[0], on[0]) for off, on in found]
-        steep = [np.where(bare, off[1], on[1]) for off, on in found]
-        heights = [np.where(bare, off[2], on[2]) for off, on in found]
-        best = np.full(len(at.slip), np.inf)
-        for count in range(1, d + 1):
-            for chosen in combinations(range(len(normals)), count):
-                basis = np.stack([normals[i] for i in chosen], axis=2)
-                usable: NDArray[np.bool_] = np.asarray(np.isfinite(basis).all(axis=(1, 2)))
-                inverse = np.linalg.pinv(np.where(usable[:, None, None], basis, 0.0), rcond=_ROUNDING)
-                weights = np.maximum(inverse @ at.slip[:, :, None], 0.0)
-                meet = _length(np.einsum("ncd,nc->nd", inverse, np.stack([heights[i] for i in chosen], axis=1)))
-                sharp = reduce(np.fmin, [_dot(normals[i], normals[j]) for i, j in combinations(chosen, 2)], np.ones(len(best))) < 0.0
-                meet = np.where(sharp & ~bare, meet, 0.0)  # where the sides meet, which may be far off at a sharp corner
-                rest = _length(at.slip - (basis @ weights)[:, :, 0])
-                total = (weights[:, :, 0] / np.stack([steep[i] for i in chosen], axis=1)).sum(axis=1)
-                amount = np.where(thin, 0.0, np.abs(total / at.multiplier - 1.0))
-                rest = np.where(rest <= at.rounding, 0.0, rest)
-                best = np.fmin(best, np.where(usable, np.maximum(np.maximum(rest, amount), meet), np.inf))
+        normals, steep, heights = (np.where(bare[:, None] if x.ndim > 2 else bare, x, y) for x, y in zip(off, on, strict=True))
+        best = np.full(len(every), np.inf)
+        for chosen in _choices(len(normals), d, most=max(1, _BLOCK // len(every))):
+            sets, count = chosen.shape
+            cones = _Cones(*(np.moveaxis(x[chosen], 1, -1).reshape(-1, *x.shape[2:], count) for x in (normals, steep, heights)))
+            again = np.tile(every, sets)
+            best = np.fmin(best, np.fmin.reduce(cones.off(at.of(again), thin[again], bare[again]).reshape(sets, -1), axis=0))
         return best
 
-    def _beside(self, at: _Suspect, way: Array) -> tuple[_Side, _Side]:
-        """The side of K a ``way`` (in lengths of the stress) from it, and at the boundary from there."""
+    def _beside(self, at: _Suspect, ways: Array) -> tuple[_Sides, _Sides]:
+        """The sides of K these ``ways`` (W, d) (in lengths of the stress) from it, and at the boundary from there, (W, M) of them."""
+        many, d = ways.shape
+        at, way = at.of(np.tile(np.arange(len(at.slip)), many)), np.repeat(ways, len(at.slip), axis=0)
         there = at.stress + at.scale[:, None] * (way @ self.to_stress)
         jet, _ = self.slopes(there, at.pressure)
         normal, steep = _unit(_slope(jet.gradient) @ self.of_slip)
         fall = (jet.value / steep / at.scale)[:, None] * normal
         on, _ = self.slopes(there - at.scale[:, None] * (fall @ self.to_stress), at.pressure)
         beyond, rate = _unit(_slope(on.gradient) @ self.of_slip)
-        close = _length(fall) <= _CLOSE * _length(way[None])
-        return (normal, steep, _dot(normal, way - fall)), (np.where(close[:, None], beyond, np.nan), rate, _dot(beyond, way - fall))
+        close = _length(fall) <= _CLOSE * _length(way)
+
+        def sides(normal: Array, steep: Array) -> _Sides:
+            return normal.reshape(many, -1, d), steep.reshape(many, -1), _dot(normal, way - fall).reshape(many, -1)
+
+        return sides(normal, steep), sides(np.where(close[:, None], beyond, np.nan), rate)
 
 
 @dataclass(frozen=True)
@@ -214,6 +210,37 @@ class _Suspect:
 
     def of(self, at: NDArray[np.intp]) -> _Suspect:
         return _Suspect(*(getattr(self, f.name)[at] for f in fields(self)))
+
+
+@dataclass(frozen=True)
+class _Cones:
+    """Cones of ``normals`` (M, d, count); ``steep`` and ``heights`` (M, count) of their sides."""
+
+    normals: Array
+    steep: Array
+    heights: Array
+
+    def off(self, at: _Suspect, thin: NDArray[np.bool_], bare: NDArray[np.bool_]) -> Array:
+        """Distance of each slip from its cone, or of the multiplier from that of the cone, or of where its sides meet; inf of none."""
+        usable: NDArray[np.bool_] = np.asarray(np.isfinite(self.normals).all(axis=(1, 2)))
+        inverse = np.linalg.pinv(np.where(usable[:, None, None], self.normals, 0.0), rcond=_ROUNDING)
+        weights = np.maximum(inverse @ at.slip[:, :, None], 0.0)
+        meet = _length(np.einsum("ncd,nc->nd", inverse, self.heights))
+        sides = np.moveaxis(self.normals, 2, 0)
+        sharp = reduce(np.fmin, [_dot(a, b) for a, b in combinations(sides, 2)], np.ones(len(usable))) < 0.0
+        meet = np.where(sharp & ~bare, meet, 0.0)  # where the sides meet, which may be far off at a sharp corner
+        rest = _length(at.slip - (self.normals @ weights)[:, :, 0])
+        total = (weights[:, :, 0] / self.steep).sum(axis=1)
+        amount = np.where(thin, 0.0, np.abs(total / at.multiplier - 1.0))
+        rest = np.where(rest <= at.rounding, 0.0, rest)
+        return np.where(usable, np.maximum(np.maximum(rest, amount), meet), np.inf)
+
+
+def _choices(many: int, d: int, most: int) -> Iterator[NDArray[np.intp]]:
+    """All sets of at most ``d`` of ``many`` sides (sets, count), of one count at a time and at most so many together."""
+    for count in range(1, d + 1):
+        sets = np.array(list(combinations(range(many), count)))
+        yield from (sets[start : start + most] for start in range(0, len(sets), most))
 
 
 @lru_cache(maxsize=256)

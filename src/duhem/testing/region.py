@@ -12,8 +12,8 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.expression import mpmath_
-from duhem.expression.balls import enclose, precision
+from duhem.expression import balls, mpmath_
+from duhem.expression.balls import precision
 from duhem.expression.jets import Choices, JetProgram, formula
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.rays import Rays
@@ -55,12 +55,11 @@ class Region:
 
         Ball arithmetic with the precision of doubles: F. Johansson (2017), IEEE Trans. Comput. 66, 1281-1292.
         """
-        symbols = tuple(self.law.symbols().values())
+        enclosed = _in_balls(self.law)
         fixed = [flint.arb(self.parameters[name]) for name in self.law.parameters]
         rest = pressure[:, None] if self.law.pressure else np.zeros((len(pressure), 0))
         with precision(_DOUBLE):
-            rows = [[*map(flint.arb, row), *fixed] for row in np.hstack([stress, rest]).tolist()]
-            values = [enclose(self.law.g, dict(zip(symbols, row, strict=True))) for row in rows]
+            values = [enclosed(*map(flint.arb, row), *fixed) for row in np.hstack([stress, rest]).tolist()]
         return np.array([float(value.rad()) if value.is_finite() else 0.0 for value in values])
 
     def reach(self, way: Array, pressure: Array) -> Array:
@@ -88,6 +87,12 @@ def _programs(law: Criterion) -> tuple[Program, JetProgram]:
     names = tuple(law.symbols().values())
     forces = law.force_symbols()
     return compiled(law.g, names), formula(law.g, forces, names[len(forces) :])
+
+
+@lru_cache(maxsize=64)
+def _in_balls(law: Criterion) -> Callable[..., Any]:
+    """g of a ball for every symbol."""
+    return balls.compiled(law.g, law.symbols().values())
 
 
 @lru_cache(maxsize=64)
