@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from duhem.expression.rays import Rays, crossing, first_exit
+from duhem.expression.rays import Rays, crossing, evenly_between, first_exit
 from duhem.expression.rays_mpmath import reach
 
 Array = NDArray[np.float64]
@@ -31,6 +31,23 @@ def test_rays_end_between_neighbouring_numbers(at_once: int) -> None:
     assert np.array_equal(first, np.nextafter(last, np.inf))
     assert (ellipse(rays.at(last)) <= 0.0).all() and (ellipse(rays.at(first)) > 0.0).all()
     assert last == pytest.approx(ends(WAYS), rel=1e-15)
+
+
+@pytest.mark.parametrize("at_once", [1, 3, 4, 6])
+def test_decades_apart_rays_end_between_the_same_neighbours(at_once: int) -> None:
+    low, high = np.zeros(len(WAYS)), np.full(len(WAYS), 2.0**500)
+    rays = Rays(ellipse, np.zeros(2), WAYS)
+    last, first = rays.ended(low, high, at_once)
+    assert np.array_equal([last, first], rays.left(RADII))
+
+
+@pytest.mark.parametrize("parts", [2, 3, 16])
+def test_numbers_are_counted_by_their_bits(parts: int) -> None:
+    low, high = np.array([0.0, 0.0, 5e-324, 1.0]), np.array([1e300, 5e-324, 5e-324 * parts, 1.0 + parts * 2.0**-52])
+    cuts = evenly_between(low, high, parts)
+    assert (np.diff(np.column_stack([low, cuts, high])) >= 0.0).all()
+    assert (cuts[1] == 0.0).all() and 1e-300 < cuts[0, -1] < 1e300
+    assert cuts[3].tolist() == [1.0 + i * 2.0**-52 for i in range(1, parts)]
 
 
 @pytest.mark.parametrize("start", [np.array([0.5, 0.05]), WAYS[:, ::-1] / np.hypot(*WAYS.T)[:, None] * [1.0, 0.1]])

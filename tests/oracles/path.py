@@ -79,12 +79,12 @@ def _segment(state, du, mu, load, k):
         m = _side(state[:2], du, mu)
         signs = [1 if (x > 0 or (x == 0 and d >= 0)) else -1 for x, d in zip(state[:2], du, strict=True)]
 
-        def rate(y, m=m):
-            n = [y[i] / m[i] ** 2 for i in (0, 1)]
-            size = mp.hypot(y[0] / m[0], y[1] / m[1])
-            n = [x / size for x in n]
-            push = sum(n[i] * q[i] for i in (0, 1)) / sum(n[i] ** 2 * k[i] for i in (0, 1))
-            return [q[0] - push * k[0] * n[0], q[1] - push * k[1] * n[1], push, y[0] * du[0] + y[1] * du[1]]
+        def rate(y, w=[1 / x**2 for x in m]):
+            n = [y[0] * w[0], y[1] * w[1]]  # the normal times the gauge
+            kn = [k[0] * n[0], k[1] * n[1]]
+            share = (n[0] * q[0] + n[1] * q[1]) / (n[0] * kn[0] + n[1] * kn[1])
+            push = share * mp.sqrt(y[0] * n[0] + y[1] * n[1])
+            return [q[0] - share * kn[0], q[1] - share * kn[1], push, y[0] * du[0] + y[1] * du[1]]
 
         def tried(h, rate=rate, state=state):
             return _collocated(rate, state, h)
@@ -124,8 +124,8 @@ def _collocated(rate, y, h):
     slopes = [first] * STAGES
     change = mp.inf
     for _ in range(60):
-        inner = [[y[c] + h * sum(w * f[c] for w, f in zip(row, slopes, strict=True)) for c in range(2)] + [0, 0] for row in TABLE]
-        new = [rate(z) for z in inner]
+        columns = [[f[c] for f in slopes] for c in range(2)]
+        new = [rate([y[c] + h * mp.fdot(row, columns[c]) for c in range(2)]) for row in TABLE]
         before, change = change, max(abs(a[c] - b[c]) for a, b in zip(new, slopes, strict=True) for c in range(2))
         slopes = new
         scale = max(max(abs(x) for x in f[:2]) for f in slopes) + max(abs(x) for x in y[:2])

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Rays", "crossing", "first_exit"]
+__all__ = ["Rays", "crossing", "evenly_between", "first_exit"]
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -46,18 +46,34 @@ class Rays:
 
         By halving; ``at_once`` bits a round cost 2^at_once - 1 points on each ray and save calls where rays are few.
         """
-        shares, row = np.arange(1, 2**at_once) / 2**at_once, np.arange(len(inner))
+        shares = np.arange(1, 2**at_once) / 2**at_once
         for _ in range(0, bits, at_once):
-            between = inner[:, None] + (outer - inner)[:, None] * shares
-            out = ~self.inside(between)
-            first = np.where(out.any(axis=1), np.argmax(out, axis=1), len(shares))
-            ends = np.column_stack([inner, between, outer])
-            inner, outer = ends[row, first], ends[row, first + 1]
+            inner, outer = self._cut(inner, inner[:, None] + (outer - inner)[:, None] * shares, outer)
         return inner, outer
+
+    def ended(self, inner: Array, outer: Array, at_once: int = 4) -> tuple[Array, Array]:
+        """As :meth:`narrowed`, between numbers >= 0 that may be hundreds of decades apart: half of the doubles between them go at a time."""
+        for _ in range(0, 64, at_once):
+            inner, outer = self._cut(inner, evenly_between(inner, outer, 2**at_once), outer)
+        return inner, outer
+
+    def _cut(self, inner: Array, between: Array, outer: Array) -> tuple[Array, Array]:
+        """Where the ray is left first, of what lies ``between`` (M, n)."""
+        out, row = ~self.inside(between), np.arange(len(inner))
+        first = np.where(out.any(axis=1), np.argmax(out, axis=1), between.shape[1])
+        ends = np.column_stack([inner, between, outer])
+        return ends[row, first], ends[row, first + 1]
 
     def left(self, radii: Array, bits: int = _BITS, at_once: int = 1) -> tuple[Array, Array]:
         """The last t inside and the first outside (M,), by :func:`first_exit` and then to the last digit."""
         return self.narrowed(*first_exit(self.inside(radii), radii), bits, at_once)
+
+
+def evenly_between(low: Array, high: Array, parts: int) -> Array:
+    """Numbers (M, parts - 1) that cut ``low`` (M,) to ``high``, both >= 0, into parts of as many doubles: their bits count them."""
+    bits, last, cut = low.view(np.int64)[:, None], high.view(np.int64)[:, None], np.arange(1, parts)
+    share, rest = np.divmod(last - bits, parts)
+    return np.asarray((bits + share * cut + rest * cut // parts).view(np.float64))
 
 
 def first_exit(inside: Flags, radii: Array) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from duhem.expression.jets import Choices
+from duhem.expression.rays import evenly_between
 from duhem.projection.result import Array
 from duhem.testing.query import NothingToCheck, Query
 from duhem.testing.registry import Finding, register
@@ -75,7 +76,7 @@ def smoothness(q: Query) -> Finding:
     if not apart.any():
         return Finding(np.zeros(len(first)), np.zeros(len(first)))
     while True:
-        middle = _halfway(low, high)
+        middle = evenly_between(low, high, 2)[:, 0]  # in some 60 rounds down to neighbouring numbers, denormal ones too
         if ((middle <= low) | (middle >= high) | ~apart).all():
             break
         piece = q.region.slope(at(middle), q.pressure)[1]
@@ -92,12 +93,6 @@ def smoothness(q: Query) -> Finding:
     turn = np.maximum(*(np.linalg.norm(normal(seam, side) - normal(beside, side), axis=1) for side in (here, there)))
     whole = (np.abs(seam).max(axis=1) > 0.0) & apart & np.isfinite(jump) & np.isfinite(turn)
     return Finding(np.where(whole, jump, 0.0), 64.0 * _EPS + np.where(whole, turn, 0.0))
-
-
-def _halfway(low: Array, high: Array) -> Array:
-    """With as many numbers below it, down to ``low`` >= 0, as above: some 60 halvings lead to neighbours, denormal ones too."""
-    below, above = low.view(np.int64), high.view(np.int64)  # in the order of the numbers
-    return np.asarray((below + (above - below) // 2).view(np.float64))
 
 
 def _directed(vectors: Array) -> Array:

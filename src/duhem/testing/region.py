@@ -25,8 +25,7 @@ __all__ = ["Region", "homogeneous"]
 
 _DIGITS = 60
 _DOUBLE = 53  # bits
-_AT_ONCE = 6  # bits: cases of one increment have three rays, others a hundred
-_RADII = np.ldexp(1.0, np.arange(-128, 513))  # powers of smaller stresses vanish in double precision, and K is the origin alone
+_NEAREST, _FARTHEST = 2.0**-128, 2.0**512  # powers of smaller stresses vanish in double precision, and K is the origin alone
 
 
 @dataclass(frozen=True)
@@ -71,8 +70,10 @@ class Region:
         def level(points: Array) -> Array:
             return _programs(self.law)[0](*np.moveaxis(points, -1, 0), *self._others(pressure[:, None]))
 
-        last, first = Rays(level, np.zeros(way.shape[1]), way).left(_RADII, at_once=_AT_ONCE)
-        return np.where(last < _RADII[0], 0.0, np.where(last == first, np.inf, last))
+        rays, ends = Rays(level, np.zeros(way.shape[1]), way), np.array([_NEAREST, _FARTHEST])
+        inside = rays.inside(ends)
+        last, _ = rays.ended(*np.repeat(ends[:, None], len(way), axis=1))
+        return np.where(~inside[:, 0], 0.0, np.where(inside[:, 1], np.inf, last))
 
     def _others(self, pressure: Any) -> list[Any]:
         return [*([pressure] if self.law.pressure else []), *(self.parameters[name] for name in self.law.parameters)]
