@@ -79,7 +79,9 @@ def _segment(state, du, mu, load, k):
         m = _side(state[:2], du, mu)
         signs = [1 if (x > 0 or (x == 0 and d >= 0)) else -1 for x, d in zip(state[:2], du, strict=True)]
 
-        def rate(y, w=[1 / x**2 for x in m]):
+        weights = [1 / x**2 for x in m]
+
+        def rate(y, w=weights):
             n = [y[0] * w[0], y[1] * w[1]]  # the normal times the gauge
             kn = [k[0] * n[0], k[1] * n[1]]
             share = (n[0] * q[0] + n[1] * q[1]) / (n[0] * kn[0] + n[1] * kn[1])

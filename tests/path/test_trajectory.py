@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -36,6 +37,7 @@ LIMITS = {  # the semi-axes over the pressure, and the centre over the pressure
 }
 
 
+@cache
 def run(name, **options):
     given = dict(RUNS[name]) | options
     return simulate(given.pop("law"), given.pop("path"), **given)

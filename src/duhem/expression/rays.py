@@ -52,7 +52,7 @@ class Rays:
         return inner, outer
 
     def ended(self, inner: Array, outer: Array, at_once: int = 4) -> tuple[Array, Array]:
-        """As :meth:`narrowed`, between numbers >= 0 that may be hundreds of decades apart: half of the doubles between them go at a time."""
+        """As :meth:`narrowed`, for numbers >= 0 that may be hundreds of decades apart: half of the doubles between them go a bit."""
         for _ in range(0, 64, at_once):
             inner, outer = self._cut(inner, evenly_between(inner, outer, 2**at_once), outer)
         return inner, outer
