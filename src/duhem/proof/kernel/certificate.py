@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from fractions import Fraction
 from hashlib import sha256
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.domain import StatedLaw, inhabited
+from duhem.proof.kernel.domain import StatedLaw, exact, inhabited
 from duhem.proof.kernel.term import NotWritten
 
 __all__ = ["CLAIMS", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
@@ -46,10 +45,12 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
         if document["schema"] != SCHEMA or document["sha256"] != digest(document):
             raise NotWritten("the schema or the hash is another")
         law = stated(document["law"])
-        if not inhabited(law.parameters, law.constraints, {name: Fraction(value) for name, value in document["inhabited"].items()}):
+        if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
             raise NotWritten("no point of the parameters' domain is given")
         said = [(c["claim"], c["verdict"], c["trust"], c["rule"], c["evidence"]) for c in document["claims"]]
-    except (KeyError, TypeError, ValueError, AttributeError, ZeroDivisionError, RecursionError) as fault:
+        if not all(isinstance(text, str) for claim, verdict, _, rule, _ in said for text in (claim, verdict, "" if rule is None else rule)):
+            raise NotWritten("a claim, verdict or rule is no text")
+    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as fault:
         raise NotWritten(f"it is no certificate ({type(fault).__name__})") from None
     if len({claim for claim, *_ in said}) < len(said) or not {claim for claim, *_ in said} <= set(CLAIMS):
         raise NotWritten("a claim is stated twice or is none")

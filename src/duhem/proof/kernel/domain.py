@@ -15,7 +15,7 @@ from unicodedata import normalize
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
 
-__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedLaw", "declared", "inhabited"]
+__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedLaw", "declared", "exact", "inhabited"]
 
 Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
 NEGATIVE, ZERO, POSITIVE = 1, 2, 4
@@ -33,7 +33,7 @@ class Bounds(NamedTuple):
     @classmethod
     def read(cls, entry: Mapping[str, Any]) -> Bounds:
         """``{"value": v}``, ``{"positive": true, "max": …}`` or ``{"min": …, "max": …}``, numbers as text."""
-        ends = {key: None if end is None else _exact(end) for key, end in entry.items() if key != "positive"}
+        ends = {key: None if end is None else exact(end) for key, end in entry.items() if key != "positive"}
         match sorted(entry):
             case ["value"] if ends["value"] is not None:
                 return cls(ends["value"], ends["value"])
@@ -55,8 +55,9 @@ class Bounds(NamedTuple):
         return (self.low is None or x > self.low or (x == self.low and not self.open)) and (self.high is None or x <= self.high)
 
 
-def _exact(text: object) -> Fraction:
-    if not isinstance(text, str):
+def exact(text: object) -> Fraction:
+    """The number in ``text``; no exponents, for a few letters of them make a number that fills the memory."""
+    if not isinstance(text, str) or "e" in text.lower():
         raise NotWritten("a number is not given as text")
     return Fraction(text)
 

@@ -1,0 +1,72 @@
+"""A certificate may hold anything: what is no certificate is refused, and nothing in it makes recheck stumble or say what is false."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from typing import Any
+
+import pytest
+
+from duhem import verify
+from duhem.proof.certificate import certificate
+from duhem.proof.kernel.certificate import digest, recheck
+from duhem.proof.kernel.term import NotWritten
+from tests.campaigns.tampering import dual, leaves
+
+ODD: tuple[Any, ...] = (None, True, 0, -1, 0.5, float("inf"), "", "1e9999999999", "-", [], ["a"], {}, {"a": {}}, "proved", "polar-gauge")
+
+
+@cache
+def made(name: str) -> dict[str, Any]:
+    return certificate(verify(name))
+
+
+def changed(path: tuple[Any, ...], value: Any) -> dict[str, Any]:
+    copy = json.loads(json.dumps(made("coulomb")))
+    part = copy
+    for key in path[:-1]:
+        part = part[key]
+    part[path[-1]] = value
+    return copy | {"sha256": digest(copy)}
+
+
+@pytest.mark.slow
+def test_odd_values_anywhere_are_refused_or_confirm_no_more() -> None:
+    before = {row.claim for row in recheck(made("coulomb")) if row.confirmed}
+    for path in leaves(made("coulomb")):
+        for value in ODD:
+            try:
+                rows = recheck(changed(path, value))
+            except NotWritten:
+                continue
+            assert path[0] == "law" or {row.claim for row in rows if row.confirmed} <= before, (path, value)
+
+
+@pytest.mark.parametrize("claim", ["claim", "verdict", "rule"])
+def test_what_is_no_text_is_no_claim(claim: str) -> None:
+    for value in ([], {}, ["convexity"], 1):
+        with pytest.raises(NotWritten):
+            recheck(changed(("claims", 0, claim), value))
+
+
+def test_a_number_is_written_out() -> None:
+    """A few letters of an exponent would make a number that fills the memory."""
+    for path in (("inhabited", "mu"), ("law", "parameters", "mu", "max")):
+        with pytest.raises(NotWritten):
+            recheck(changed(path, "1e9999999999"))
+
+
+def test_the_potential_is_compared_with_the_boundary() -> None:
+    honest = made("coulomb")
+    (duality,) = (c for c in honest["claims"] if c["claim"] == "duality")
+    for factor, right in (("1", True), ("1.1", False), ("9/10", False), ("-1", False)):
+        claims = [{**duality, "evidence": {**duality["evidence"], "potential": f"{factor}*({duality['evidence']['potential']})"}}]
+        assert dual({**honest, "claims": claims}) is right
+        assert right or not recheck_of(honest, claims)
+
+
+def recheck_of(document: dict[str, Any], claims: list[dict[str, Any]]) -> bool:
+    copy = {**document, "claims": claims}
+    (row,) = recheck(copy | {"sha256": digest(copy)})
+    return row.confirmed
