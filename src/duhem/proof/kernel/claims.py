@@ -11,6 +11,7 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.star import Gauge, undefined_at_zero
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
@@ -87,6 +88,26 @@ def fenchel(law: StatedLaw, _: Evidence) -> bool:
     return True
 
 
+def star_shaped(law: StatedLaw, _: Evidence) -> bool:
+    """K is star-shaped about 0, and closed where the formula divides by 0."""
+    return undefined_at_zero(law) and bool(Gauge(law))
+
+
+def convex_gauge(law: StatedLaw, _: Evidence) -> bool:
+    """K = {gamma <= 1} with a convex gauge gamma."""
+    return Gauge(law).convex()
+
+
+def smooth_gauge(law: StatedLaw, _: Evidence) -> bool:
+    """The boundary is {gamma = 1} with gamma of class C^1 and positive."""
+    return Gauge(law).smooth()
+
+
+def euler(law: StatedLaw, _: Evidence) -> bool:
+    """On g = 0 every gradient of g = A - B from one side has sigma . grad g = (a - b) A > 0."""
+    return law.flow is None and bool(Gauge(law))
+
+
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
     """The ``potential`` of the evidence is the support function of K where its forms ``flat`` vanish, in the ``slips`` of the forces."""
     flat = [parse(form) for form in evidence.get("flat", [])]
@@ -110,13 +131,18 @@ def quadratic_energy(law: StatedLaw | StatedCurve, _: Evidence) -> bool:
 
 
 _NONE: frozenset[str] = frozenset()
+_ORIGIN = frozenset({"origin"})
 RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("origin", "evaluation"): (_NONE, origin),
+    ("origin", "polar-form"): (_NONE, star_shaped),
     ("convexity", "composition"): (_NONE, convexity),
+    ("convexity", "polar-curvature"): (_ORIGIN, convex_gauge),
     ("smoothness", "composition"): (_NONE, smoothness),
+    ("smoothness", "polar-seams"): (_ORIGIN, smooth_gauge),
     ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force),
     ("normality", "normality-rule"): (frozenset({"convexity"}), associated),
     ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),
+    ("dissipation", "euler"): (_ORIGIN, euler),
     ("duality", "polar-gauge"): (_NONE, polar_gauge),
     ("state_laws", "symbolic"): (_NONE, quadratic_energy),
 }

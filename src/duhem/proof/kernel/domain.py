@@ -80,7 +80,7 @@ def declared(given: Mapping[str, Any], others: tuple[str, ...]) -> Declared:
     if any(c.op not in COMPARISONS or not c.names() <= set(parameters) for c in constraints):
         raise NotWritten("a constraint does not compare parameters")
     fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
-    return forces, parameters, constraints, fixed
+    return forces, parameters, tuple(c.put(fixed) for c in constraints), fixed
 
 
 class StatedLaw(NamedTuple):
@@ -118,7 +118,7 @@ class StatedDomain:
         self.law, self._sign = law, sign
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
         self._bounds = dict(law.parameters)
-        self._constraints = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]
+        self.gaps = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
 
     def constant(self, term: Term) -> bool:
         """Whether no force enters."""
@@ -140,7 +140,7 @@ class StatedDomain:
         if any(self._by_terms(moved, strict) for moved in self._measured(poly)):
             return True
         for m, c in poly.items() if constraints else ():
-            for known, sharp in self._constraints:
+            for known, sharp in self.gaps:
                 for n, d in known.items():
                     share = joined(m, tuple((x, -k) for x, k in n))
                     if (sign := self._of_term(share, c / d)) & NEGATIVE or not sign:

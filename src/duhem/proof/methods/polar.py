@@ -5,7 +5,7 @@ from __future__ import annotations
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.polar_form import PolarForm, polar_form
-from duhem.proof.verdict import Evidence, Verdict
+from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["convexity", "dissipation", "origin", "smoothness"]
 
@@ -24,7 +24,8 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     if not _jumps(form, Sense.NONNEGATIVE):
         return None
     arcs = "the circle" if len(form.arcs) == 1 else f"{len(form.arcs)} arcs, no downward jump of gamma' at the seams"
-    return Evidence(Verdict.PROVED, f"polar-curvature ({', '.join(sorted(used))})", f"gamma'' + gamma >= 0 as a measure: {arcs}")
+    method, proof = f"polar-curvature ({', '.join(sorted(used))})", Proof("polar-curvature")
+    return Evidence(Verdict.PROVED, method, f"gamma'' + gamma >= 0 as a measure: {arcs}", proof=proof)
 
 
 def smoothness(subject: FormulaSubject) -> Evidence | None:
@@ -33,23 +34,23 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
     if form is None or not form.differentiable() or not _jumps(form, Sense.ZERO):
         return None
     seams = "no seam" if len(form.arcs) == 1 else "gamma' equal on both sides of each seam"
-    return Evidence(Verdict.PROVED, "polar-seams", f"gamma > 0 is smooth on each arc, {seams}")
+    return Evidence(Verdict.PROVED, "polar-seams", f"gamma > 0 is smooth on each arc, {seams}", proof=Proof("polar-seams"))
 
 
 def origin(subject: FormulaSubject) -> Evidence | None:
     """A star-shaped set contains the point it is star-shaped about."""
     if subject.at_origin is not None or polar_form(subject) is None:
         return None
-    return Evidence(Verdict.PROVED, "polar-form", "K is star-shaped about 0 (closure at 0 where the formula is 0/0)")
+    detail = "K is star-shaped about 0 (closure at 0 where the formula is 0/0)"
+    return Evidence(Verdict.PROVED, "polar-form", detail, proof=Proof("polar-form"))
 
 
 def dissipation(subject: FormulaSubject) -> Evidence | None:
     """Euler: sigma . grad g > 0 on the boundary of g = A - B with A, B > 0 homogeneous of degrees a > b."""
     if subject.problem.flow is not None or polar_form(subject) is None:
         return None
-    return Evidence(
-        Verdict.PROVED, "euler", "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary"
-    )
+    detail = "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary"
+    return Evidence(Verdict.PROVED, "euler", detail, proof=Proof("euler"))
 
 
 def _jumps(form: PolarForm, sense: Sense) -> bool:

@@ -1,0 +1,364 @@
+"""The kernel on star-shaped laws in the plane: signs on a line, over parameters, along the rays, and the gauge they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from itertools import pairwise
+from math import isqrt, prod
+from random import Random
+from typing import Any
+
+import pytest
+
+from duhem import load, verify
+from duhem.proof.certificate import certificate
+from duhem.proof.kernel.claims import objection, rules_of
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.line import line, nonnegative, parts, roots
+from duhem.proof.kernel.positivity import RAY
+from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
+from duhem.proof.kernel.star import Gauge, undefined_at_zero
+from duhem.proof.kernel.term import NotWritten, Term, parse
+
+F = Fraction
+POSITIVE = {"positive": True}
+
+
+def span(low: F | int | str, high: F | int | str) -> dict[str, str]:
+    return {"min": str(low), "max": str(high)}
+
+
+def law(g: str, *constraints: str, forces: tuple[str, ...] = ("a", "b"), flow: Any = None, **parameters: Any) -> StatedLaw:
+    pressure = "s" if "s" not in forces and "s1" not in forces else None
+    given = {"forces": forces, "pressure": pressure, "parameters": parameters, "constraints": list(constraints), "g": g, "flow": flow}
+    return StatedLaw.read(given)
+
+
+def judged(stated: StatedLaw) -> tuple[bool, bool] | None:
+    """Convex, smooth; None where the law is not shown to be star-shaped."""
+    try:
+        gauge = Gauge(stated)
+        return gauge.convex(), gauge.smooth()
+    except NotWritten:
+        return None
+
+
+# -- on a line ---------------------------------------------------------------------------------------------------------
+
+
+def drawn_polynomial(rng: Random) -> tuple[list[F], dict[F, int]]:
+    """Coefficients and the real roots with their multiplicities."""
+    multiplicities = {F(rng.randint(-6, 6), rng.randint(1, 4)): rng.randint(1, 4) for _ in range(rng.randint(0, 4))}
+    factors = [[-r, F(1)] for r, n in multiplicities.items() for _ in range(n)]
+    factors += [[F(rng.randint(1, 3)), F(rng.randint(-1, 1)), F(1)] for _ in range(rng.randint(0, 2))]
+    found = [F(rng.choice((1, -1, 2)))]
+    for factor in factors:
+        found = [
+            sum((found[i] * factor[k - i] for i in range(len(found)) if 0 <= k - i < len(factor)), F(0))
+            for k in range(len(found) + len(factor) - 1)
+        ]
+    return found, multiplicities
+
+
+@pytest.mark.slow
+def test_signs_on_an_interval() -> None:
+    rng, counted = Random(5), [0, 0, 0]
+    for _ in range(400):
+        coefficients, multiplicities = drawn_polynomial(rng)
+        low = F(rng.randint(-8, 2), 3)
+        high = low + F(rng.randint(0, 12), 3)
+        touched = sorted({low, high, *(r for r in multiplicities if low <= r <= high)})
+        between = [(a + b) / 2 for a, b in pairwise(touched)] or [low]
+        weak = all(sum(c * x**k for k, c in enumerate(coefficients)) >= 0 for x in between)
+        strict = weak and not any(low <= r <= high for r in multiplicities)
+        p = line(coefficients)
+        assert (nonnegative(p, low, high), nonnegative(p, low, high, strict=True)) == (weak, strict)
+        found = list(roots(parts(p)[0], low, high)) if low < high else []
+        inside = sorted(r for r in multiplicities if low < r < high) if low < high else []
+        assert len(found) == len(inside) and all(a <= r <= b for (a, b), r in zip(found, inside, strict=True))
+        assert [nonnegative(parts(p)[1], r, r) and nonnegative(line([-c for c in parts(p)[1]]), r, r) for r in inside] == [
+            multiplicities[r] % 2 == 1 for r in inside
+        ]
+        for i, truth in enumerate((weak, strict, not weak)):
+            counted[i] += truth
+    assert min(counted) > 40
+
+
+def test_the_polynomial_0_and_constants() -> None:
+    zero, one = line([F(0)]), line([F(3)])
+    assert nonnegative(zero, F(0), F(1)) and not nonnegative(zero, F(0), F(1), strict=True)
+    assert nonnegative(one, F(0), F(1), strict=True) and not nonnegative(line([F(-1)]), F(0), F(1))
+
+
+# -- over parameters ---------------------------------------------------------------------------------------------------
+
+REACHES: list[tuple[dict[str, Any], tuple[str, ...], list[F], list[F]]] = [  # domain, constraints, inside, ends that count
+    (span(0, 1), (), [F(1, 9), F(1, 2), F(8, 9)], [F(0), F(1)]),
+    (span(-1, 1), ("e < 1",), [F(-8, 9), F(0), F(8, 9)], [F(-1)]),
+    (POSITIVE, (), [F(1, 99), F(1), F(99)], []),
+    ({"min": "-2"}, ("e > -2",), [F(-199, 100), F(0), F(50)], []),
+    ({"max": "3"}, (), [F(-50), F(0), F(2)], [F(3)]),
+    ({}, (), [F(-99), F(-1), F(1), F(99)], [F(0)]),
+]
+
+
+@pytest.mark.parametrize("reach", REACHES, ids=lambda reach: str(reach[0]))
+def test_signs_over_a_parameter(reach: tuple[dict[str, Any], tuple[str, ...], list[F], list[F]]) -> None:
+    given, constraints, inside, ends = reach
+    domain, e, rng, shown = over(law("a - e", *constraints, e=given)), Term("name", name="e"), Random(8), [0, 0]
+    for _ in range(250):
+        drawn = {(i, j): F(rng.randint(-1, 6)) for i in range(3) for j in range(3) if rng.random() < 0.6} | {(0, 0): F(rng.randint(0, 20))}
+        poly = {tuple((x, n) for x, n in ((RAY, i), (e, j)) if n): c for (i, j), c in drawn.items() if c}
+        poly = {tuple(sorted(m)): c for m, c in poly.items()}
+        values = [
+            sum(c * t**i * x**j for (i, j), c in drawn.items()) for t in (F(-1), F(-1, 3), F(0), F(1, 2), F(1)) for x in (*inside, *ends)
+        ]
+        weak, strict = (nonnegative_over(poly, (F(-1), F(1)), domain, s) for s in (False, True))
+        assert not weak or min(values) >= 0
+        assert not strict or min(values) > 0
+        assert weak or not strict
+        shown[0], shown[1] = shown[0] + weak, shown[1] + strict
+    assert shown[1] > 0
+
+
+def test_an_open_end_may_be_a_zero_and_a_closed_one_not() -> None:
+    t_free = {(): F(1), ((Term("name", name="e"), 1),): F(-1)}  # 1 - e
+    at = (F(-1), F(1))
+    assert nonnegative_over(t_free, at, over(law("a", "e < 1", e=span(0, 1))), strict=True)
+    assert nonnegative_over(t_free, at, over(law("a", e=span(0, 1))))
+    assert not nonnegative_over(t_free, at, over(law("a", e=span(0, 1))), strict=True)
+    assert not nonnegative_over(t_free, at, over(law("a", "e <= 1", e=span(0, 2))), strict=True)
+    assert not nonnegative_over(t_free, at, over(law("a", "f < 1", e=span(0, 2), f=span(0, 2))))
+
+
+# -- thresholds --------------------------------------------------------------------------------------------------------
+
+LIMACON = "norm(a, b)**2 + mu*s*(norm(a, b) + e*a)"
+LOBES = "mu*s*(e*(a**3 - 3*a*b**2) + norm(a, b)**3) + norm(a, b)**4"
+GAUGE_LOBES = "norm(a, b)**4 + e*(a**4 - 6*a**2*b**2 + b**4) + mu*s*norm(a, b)**3"
+QUARTIC = "a**4 + b**4 + e*a**2*b**2 - mu**4*s**4"
+MATCHSTICK = "s*norm(e*a, b) + norm(a, b)**2"
+DRUCKER = (
+    "-e*(-s1 - s2 + 2*s3)**2*(-s1 + 2*s2 - s3)**2*(2*s1 - s2 - s3)**2/729 - mu**6 + ((-s1 + s3)**2/6 + (s1 - s2)**2/6 + (s2 - s3)**2/6)**3"
+)
+THREE = ("s1", "s2", "s3")
+THRESHOLDS = [  # formula, forces, a value inside, the threshold
+    (LIMACON, None, F(0), F(1, 2)),
+    (LIMACON, None, F(0), F(-1, 2)),
+    (LOBES, None, F(0), F(1, 10)),
+    (LOBES, None, F(0), F(-1, 10)),
+    (GAUGE_LOBES, None, F(0), F(1, 15)),
+    (GAUGE_LOBES, None, F(0), F(-1, 15)),
+    (QUARTIC, None, F(1), F(6)),
+    (QUARTIC, None, F(1), F(0)),
+    (DRUCKER, THREE, F(1), F(9, 4)),
+    (DRUCKER, THREE, F(-1), F(-27, 8)),
+]
+
+
+@pytest.mark.parametrize(("g", "forces", "inside", "edge"), THRESHOLDS, ids=lambda v: str(v)[:14])
+def test_convex_up_to_the_threshold_and_not_beyond(g: str, forces: tuple[str, ...] | None, inside: F, edge: F) -> None:
+    outward = 1 if edge > inside else -1
+    for beyond, convex in ((F(0), True), (F(1, 10**9), False), (F(1, 1000), False)):
+        ends = sorted((inside, edge + outward * beyond))
+        assert judged(law(g, forces=forces or ("a", "b"), mu=POSITIVE, e=span(*ends))) == (convex, True)
+
+
+def test_an_irrational_threshold() -> None:  # norm(m a, b) r^-1 <= 1 on the circle bends inward for m^2 > 2 and m^2 < 1/2
+    assert judged(law(MATCHSTICK, e=span("70711/100000", "141421/100000"))) == (True, True)
+    assert judged(law(MATCHSTICK, e=span(1, "141422/100000"))) == (False, True)
+    assert judged(law(MATCHSTICK, e=span("70710/100000", 1))) == (False, True)
+    assert judged(law(MATCHSTICK, e=POSITIVE)) == (False, True)
+
+
+@pytest.mark.parametrize(
+    ("g", "parameters", "expected"),
+    [
+        ("norm(a, b) + e*abs(a) - mu*abs(s)", {"e": span(0, 1)}, (True, False)),  # a kink outward
+        ("norm(a, b) - e*abs(a) - mu*abs(s)", {"e": span(0, "1/2")}, (False, False)),  # a kink inward
+        ("norm(a, b) + e*abs(a) - mu*abs(s)", {"e": span("-1/1000000000", 1)}, (False, False)),
+        ("norm(a, b) + pos(a)**2/norm(a, b) - mu*abs(s)", {}, (True, True)),  # no kink: the slopes agree
+        ("norm(a, b) + 1001/1000*pos(a)**2/norm(a, b) - mu*abs(s)", {}, (False, True)),
+        ("norm(pos(a)/2 + neg(a)*3, b) - mu*abs(s)", {}, (True, True)),
+        ("max(norm(a, b), 5*abs(a)/4) - mu*abs(s)", {}, (True, False)),
+        ("min(norm(a, b), norm(2*a, b/2)) - mu*abs(s)", {}, (False, False)),
+        ("max(norm(a, 2*b), norm(2*a, b)) - mu*abs(s)", {}, (True, False)),  # where they cross is irrational in a and b
+        ("max(norm(a, b), norm(2*a, b)) - mu*abs(s)", {}, (True, True)),  # they touch
+        ("(a**4 + b**4)**(1/4) - mu*abs(s)", {}, (True, True)),
+        ("where(a >= 0, norm(a, b), norm(2*a, b)) - mu*abs(s)", {}, (True, True)),
+        ("where(a >= 0, norm(a, b), (16*a**4 + b**4)**(1/4)) - mu*abs(s)", {}, (True, True)),
+        ("where(a > 0, norm(a, b), abs(a) + abs(b)) - mu*abs(s)", {}, (True, False)),
+        ("max(abs(a) + 2*abs(b), 2*abs(a) + abs(b)) - mu*abs(s)", {}, (True, False)),
+        ("(norm(a, b) + e*a)*(norm(a, b) - mu*abs(s))", {"e": span(0, "1/2")}, (True, True)),  # multiplied out
+        ("s*(mu*norm(a, b) + norm(a, b)**2/s)", {}, (True, True)),
+    ],
+)
+def test_kinks_and_seams(g: str, parameters: dict[str, Any], expected: tuple[bool, bool]) -> None:
+    assert judged(law(g, mu=POSITIVE, **parameters)) == expected
+
+
+@pytest.mark.parametrize(
+    ("g", "parameters"),
+    [
+        ("norm(a, b) + a*b/a - abs(s)", {}),  # undefined on a ray
+        ("norm(a, b) + 0/a - abs(s)", {}),
+        ("norm(a, b) + 0*sqrt(a) - abs(s)", {}),
+        ("norm(a, b)**2/norm(a, 2*a) - abs(s)", {}),
+        ("norm(a, b)*(e/e) - abs(s)", {"e": span(0, 1)}),
+        ("norm(a, b) - e*abs(s)", {"e": span(0, 1)}),  # K may be a point
+        ("norm(a, b) + e*a - abs(s)", {"e": span(0, 1)}),  # and unbounded
+        ("abs(a) - abs(s)", {}),
+        ("norm(e*a, b) - abs(s)", {"e": span(0, 1)}),
+        ("norm(a, b) + abs(s)", {}),
+        ("-norm(a, b) + abs(s)", {}),
+        ("norm(a, b) + a**2 - abs(s)", {}),  # three degrees
+        ("exp(norm(a, b)) - abs(s)", {}),
+        ("norm(a, b)*(1 + where(a > 1, 1, 0)) - abs(s)", {}),  # a step, not along rays
+        ("where(a > 0, norm(a, b), 2*norm(a, b)) - abs(s)", {}),  # a jump
+        ("where(a >= 0, where(a > 0, norm(a, b), 2*norm(a, b)), norm(a, b)) - abs(s)", {}),  # on one ray only
+        ("where(a*a <= 0, 2*norm(a, b), norm(a, b)) - abs(s)", {}),
+        ("norm(a, b)*(1 + e*a/abs(a)) - abs(s)", {"e": span(0, "1/2")}),
+        ("norm(a, b)*where(a > 2*b, where(2*b < a, 1, 2), 1) + where(a >= 3*b, norm(a, b), 0) - abs(s)", {}),
+    ],
+)
+def test_what_is_no_gauge_is_not_taken_for_one(g: str, parameters: dict[str, Any]) -> None:
+    assert judged(law(g, **parameters)) is None
+
+
+@pytest.mark.parametrize(
+    ("g", "star"),
+    [
+        ("max(abs(s1 - s2), abs(s2 - s3), abs(s3 - s1)) - 1", True),
+        ("norm(s1 - s2, s2 - s3) + 0/(s3 - 1) - 1", False),  # the same on s3 = 0, undefined elsewhere
+        ("norm(s1 - s2, s2 - s3) + 0*sqrt(s3) - 1", False),
+        ("norm(s1 - s2, s2) - 1", False),
+        ("norm(s1 - 2*s2, s2 - 2*s3) - 1", False),
+    ],
+)
+def test_three_forces_of_which_only_differences_count(g: str, star: bool) -> None:
+    assert (judged(law(g, forces=THREE)) is not None) is star
+
+
+@pytest.mark.parametrize(
+    ("g", "closed"),
+    [
+        ("norm(a, b) + a*b/norm(a, b) - abs(s)", True),
+        ("norm(a, b) - abs(s)", False),
+        ("where(norm(a, b) > 0, norm(a, b) - abs(s), 1/norm(a, b))", False),
+        ("norm(a, b) + 0*a - abs(s)/(1 + norm(a, b))", False),
+    ],
+)
+def test_zero_force_belongs_to_k_by_closure_only_where_nothing_else_is_said(g: str, closed: bool) -> None:
+    assert undefined_at_zero(law(g)) is closed
+
+
+def test_a_value_at_zero_force_counts() -> None:
+    stated = law("where(norm(a, b) > 0, norm(a, b), 2*abs(s)) - abs(s)")  # a disc without its centre
+    for claim in ("origin", "convexity", "smoothness", "dissipation"):
+        assert all(objection(claim, rule, frozenset(), stated, {}) for rule in rules_of(claim, stated))
+
+
+def test_a_flow_of_its_own_is_no_gradient() -> None:
+    settled = frozenset({"origin"})
+    assert objection("dissipation", "euler", settled, law("norm(a, b) - abs(s)"), {}) == ""
+    assert objection("dissipation", "euler", settled, law("norm(a, b) - abs(s)", flow=["-a", "-b"]), {})
+
+
+# -- drawn gauges, in exact arithmetic ---------------------------------------------------------------------------------
+
+
+def value(term: Term, at: Mapping[str, F]) -> F:
+    """Of a formula without roots other than norms that are rational."""
+    if term.op == "number":
+        return term.value
+    if term.op == "name":
+        return at[term.name]
+    x = [value(a, at) for a in term.args]
+    if term.op == "norm":
+        square = sum((v * v for v in x), F(0))
+        root = F(isqrt(square.numerator), isqrt(square.denominator))
+        assert root * root == square
+        return root
+    if term.op in (">", ">="):
+        return F(x[0] > x[1] or (term.op == ">=" and x[0] == x[1]))
+    words = {
+        "+": lambda: sum(x, F(0)), "*": lambda: prod(x, start=F(1)), "**": lambda: x[0] ** int(x[1]), "abs": lambda: abs(x[0]),
+        "pos": lambda: max(x[0], F(0)), "neg": lambda: max(-x[0], F(0)), "max": lambda: max(x), "min": lambda: min(x),
+        "where": lambda: x[1] if x[0] else x[2],
+    }  # fmt: skip
+    return words[term.op]()
+
+
+_LEAVES = ("a", "b", "norm(a, b)", "a - b", "a*b/norm(a, b)", "b**2/norm(a, b)", "a**3/norm(a, b)**2", "e*a", "e*norm(a, b)")
+
+
+def drawn_gauge(rng: Random, depth: int) -> str:
+    """A formula of degree 1 whose value is rational wherever norm(a, b) is."""
+    share = F(rng.randint(-4, 4), rng.choice((2, 3, 5)))
+    if depth == 0:
+        return rng.choice(
+            ("a", "b", "norm(a, b)", "a - b", "a*b/norm(a, b)", "b**2/norm(a, b)", "a**3/norm(a, b)**2", "e*a", "e*norm(a, b)")
+        )
+    one, two = drawn_gauge(rng, depth - 1), drawn_gauge(rng, rng.randrange(depth))
+    shape = rng.random()
+    if shape < 0.35:
+        return f"({one} + ({share})*({two}))"
+    if shape < 0.55:
+        return f"{rng.choice(('abs', 'pos', 'neg'))}({one})"
+    if shape < 0.75:
+        return f"{rng.choice(('max', 'min'))}({one}, {two})"
+    if shape < 0.85:
+        return f"where({rng.choice(('a', 'b', 'a - b', 'norm(a, b) - 2*a'))} {rng.choice(('>', '>='))} 0, {one}, {two})"
+    return f"({one})*({two})/norm(a, b)"
+
+
+RAYS = sorted(
+    {F(i, j) for j in (1, 2, 3, 7) for i in range(-j, j + 1)} | {F(10**6 + k, 2 * 10**6) for k in (-1, 1)} | {F(k, 10**6) for k in (-1, 1)}
+)
+
+
+def drawn_gauges(seed: int, count: int) -> tuple[list[int], list[str]]:
+    """How many are shown to be a gauge, convex and smooth, and what is false in that."""
+    rng, shown, wrong = Random(seed), [0, 0, 0], list[str]()
+    for _ in range(count):
+        size = F(rng.randint(1, 12), 2)
+        text = f"({size})*norm(a, b) + {drawn_gauge(rng, rng.randint(1, 3))}"
+        found, formula = judged(law(f"{text} - abs(s)", e=span(0, "1/2"))), parse(text)
+        if found is None:
+            continue
+        for i, claim in enumerate((True, *found)):
+            shown[i] += claim
+        for e in (F(0), F(1, 2), F(rng.randint(0, 8), 16)):
+            turned = [(side * (1 - t * t), side * 2 * t) for side in (1, -1) for t in RAYS]
+            values = [value(formula, {"a": x, "b": y, "e": e}) for x, y in turned]
+            if min(values) <= 0:
+                wrong.append(f"{text} <= 0 at {e}")
+            for k in range(len(turned) if found[0] else 0):
+                for far in (1, 4):
+                    i, j = k - far, (k + far) % len(turned)
+                    (x, y), (u, v), (p, q) = turned[i], turned[j], turned[k]
+                    det = x * v - y * u
+                    if det > 0:  # the middle ray is a sum of the outer ones
+                        alpha, beta = (p * v - q * u) / det, (x * q - y * p) / det
+                        if alpha >= 0 and beta >= 0 and values[k] > alpha * values[i] + beta * values[j]:
+                            wrong.append(f"{text} not convex at {p, q}, {e}")
+    return shown, wrong[:5]
+
+
+@pytest.mark.slow
+def test_what_is_shown_of_drawn_gauges_holds_on_drawn_rays() -> None:
+    shown, wrong = drawn_gauges(1, 60)
+    assert wrong == []
+    assert min(shown) > 5
+
+
+# -- with the provers --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["limacon", "lobes", "matchstick", "quartic", "drucker1949"])
+def test_built_in_star_shaped_laws_rest_on_the_kernel(name: str) -> None:
+    made = certificate(verify(load(name)))
+    assert {c["claim"] for c in made["claims"] if c["verdict"] == "proved" and c["trust"] != "checked"} == set()
