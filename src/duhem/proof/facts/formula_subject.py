@@ -10,6 +10,8 @@ from typing import Any
 
 import sympy as sp
 
+from duhem.derivation.potential import SupportFunction
+from duhem.derivation.support_function import support_function
 from duhem.expression import Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.number import fraction
@@ -62,6 +64,11 @@ class FormulaSubject(Subject):
     def star(self) -> Star | None:
         """The two-degree form of the simple problem, if it has one."""
         return star_form(self.simple)
+
+    @cached_property
+    def support(self) -> SupportFunction | None:
+        """The support function of K in closed form, if there is one; what it requires is not decided."""
+        return support_function(self.law)
 
     @cached_property
     def pieces(self) -> tuple[Branch, ...] | None:

@@ -9,6 +9,7 @@ from typing import Any
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
+from duhem.proof.kernel.homogeneity import grows_along_rays
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.star import Gauge, undefined_at_zero
@@ -44,20 +45,23 @@ def _shape(law: StatedLaw) -> Facts:
     return facts(law.g, over(law))
 
 
-def _at_zero(law: StatedLaw) -> Facts:
-    """g at zero force."""
-    return facts(law.g.put({Term("name", name=f): number(0) for f in law.forces}), over(law))
+def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
+    """g at a point, given by constants; a force that is not named is 0."""
+    domain, place = over(law), {f: parse(point.get(f, "0")) for f in law.forces}
+    if not all(domain.constant(value) and facts(value, domain).defined for value in place.values()):
+        raise NotWritten("the point is none")
+    return facts(law.g.put({Term("name", name=f): value for f, value in place.items()}), domain)
 
 
-def _inside(law: StatedLaw) -> bool:
-    """Whether g(0) < 0."""
-    here = _at_zero(law)
+def _inside(law: StatedLaw, evidence: Evidence) -> bool:
+    """Whether g < 0 at the point ``inside`` of the evidence, the origin without one."""
+    here = _at(law, evidence.get("inside", {}))
     return here.defined and here.sign == NEGATIVE
 
 
 def origin(law: StatedLaw, _: Evidence) -> bool:
     """g(0) is defined and <= 0."""
-    here = _at_zero(law)
+    here = _at(law, {})
     return here.defined and not here.sign & POSITIVE
 
 
@@ -67,15 +71,21 @@ def convexity(law: StatedLaw, _: Evidence) -> bool:
     return shape.defined and shape.quasiconvex
 
 
-def smoothness(law: StatedLaw, _: Evidence) -> bool:
-    """g is C^1 where g = 0, and has no minimum there: it is convex and negative at the origin."""
+def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
+    """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative."""
     shape = _shape(law)
-    return shape.defined and shape.convex and _inside(law) and smooth_near_the_boundary(law.g, over(law))
+    return shape.defined and shape.convex and _inside(law, evidence) and smooth_near_the_boundary(law.g, over(law))
 
 
-def one_force(law: StatedLaw, _: Evidence) -> bool:
+def regular_along_rays(law: StatedLaw, _: Evidence) -> bool:
+    """g is C^1 where g = 0, and rises outward there, so that grad g != 0."""
+    domain = over(law)
+    return facts(law.g, domain).defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
+
+
+def one_force(law: StatedLaw, evidence: Evidence) -> bool:
     """A convex set on a line that has an inside is bounded by at most two points, each with one normal."""
-    return len(law.forces) == 1 and _shape(law).defined and _inside(law)
+    return len(law.forces) == 1 and _shape(law).defined and _inside(law, evidence)
 
 
 def associated(law: StatedLaw, _: Evidence) -> bool:
@@ -139,6 +149,7 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("convexity", "polar-curvature"): (_ORIGIN, convex_gauge),
     ("smoothness", "composition"): (_NONE, smoothness),
     ("smoothness", "polar-seams"): (_ORIGIN, smooth_gauge),
+    ("smoothness", "euler"): (_NONE, regular_along_rays),
     ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force),
     ("normality", "normality-rule"): (frozenset({"convexity"}), associated),
     ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),

@@ -79,10 +79,13 @@ def _sharpened(term: Term, domain: StatedDomain) -> Sign:
             gap = Term("+", (Term("*", (rest, rest)), *(minus(Term("*", (a, a))) for a in part.args)))
             if not facts(rest, domain).sign & POSITIVE and domain.nonnegative(gap):
                 return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
+    left = ANY
     for turned, sign in ((term, POSITIVE), (minus(term), NEGATIVE)):
         if domain.nonnegative(turned):
-            return sign if domain.nonnegative(turned, strict=True) else sign | ZERO
-    return ANY
+            if domain.nonnegative(turned, strict=True):
+                return sign
+            left &= sign | ZERO
+    return left
 
 
 def _facts(term: Term, domain: StatedDomain) -> Facts:

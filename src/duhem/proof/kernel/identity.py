@@ -2,67 +2,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from fractions import Fraction
 
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.polynomial import Monomial, Polynomial
+from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.term import Term, number, product_of, sum_of
 
-__all__ = ["multiplied_out", "vanishes"]
+__all__ = ["multiplied_out", "value", "vanishes", "written"]
 
 _MOST_STEPS = 60
 
 
 def multiplied_out(term: Term, domain: StatedDomain) -> Term:
     """The same as a sum of products."""
-    return _written(domain.polynomial(term).items())
+    return written(domain.polynomial(term))
+
+
+def value(term: Term, domain: StatedDomain) -> Fraction | None:
+    """The number that a term is; None where it is not seen to be one."""
+    poly = domain.polynomial(term)
+    return poly.get((), Fraction(0)) if set(poly) <= {()} else None
 
 
 def vanishes(term: Term, domain: StatedDomain) -> bool:
     """Whether a term is 0 wherever it is defined; False where these rules do not show it."""
     poly = domain.polynomial(term)
     for _ in range(_MOST_STEPS):
-        atom = next((x for m in poly for x, n in m if _undone(x, n)), None)
+        atom = next((x for m in poly for x, n in m if _undone(x, n, domain)), None)
         if atom is None:
             return not poly
-        poly = domain.polynomial(_without(atom, poly))
+        poly = domain.polynomial(_without(atom, poly, domain))
     return False
 
 
-def _written(items: Iterable[tuple[Monomial, Fraction]]) -> Term:
-    return sum_of(*(product_of(number(c), *(x if n == 1 else Term("**", (x, number(n))) for x, n in m)) for m, c in items))
+def written(poly: Polynomial) -> Term:
+    """A polynomial as a term."""
+    return sum_of(*(product_of(number(c), *(x if n == 1 else Term("**", (x, number(n))) for x, n in m)) for m, c in poly.items()))
 
 
-def _root(x: Term) -> tuple[Term, Fraction] | None:
+def _root(x: Term, domain: StatedDomain) -> tuple[Term, Fraction] | None:
     """(y, e) where x = y**e, y >= 0 unless e is whole; a size is the root of a square, a norm that of a sum of squares."""
-    if x.op == "**" and x.args[1].op == "number":
-        return x.args[0], x.args[1].value
+    if x.op == "**" and (e := value(x.args[1], domain)) is not None:
+        return x.args[0], e
     if x.op in ("abs", "norm"):
         return sum_of(*(product_of(a, a) for a in x.args)), Fraction(1, 2)
     return None
 
 
-def _undone(x: Term, n: int) -> bool:
+def _undone(x: Term, n: int, domain: StatedDomain) -> bool:
     """Whether x**n is to be written otherwise: as y**k y**(j/s) with 0 <= j < s, and k >= 0 after multiplying through."""
-    found = _root(x)
+    found = _root(x, domain)
     if found is None:
         return False
     _, e = found
-    return e < 0 or (e.denominator > 1 and not (e.numerator == 1 and 0 <= n < e.denominator))
+    plain = x.op != "**" or x.args[1].op == "number"
+    return not plain or e < 0 or (e.denominator > 1 and not (e.numerator == 1 and 0 <= n < e.denominator))
 
 
-def _without(x: Term, poly: Polynomial) -> Term:
-    """The polynomial product_of that power of y which leaves none below the line, x = y**e."""
-    found = _root(x)
+def _without(x: Term, poly: Polynomial, domain: StatedDomain) -> Term:
+    """The polynomial times that power of y which leaves none below the line, x = y**e."""
+    found = _root(x, domain)
     assert found is not None
     y, e = found
     root = x if x.op != "**" else Term("**", (y, number(Fraction(1, e.denominator))))
     split = {m: divmod(dict(m).get(x, 0) * e.numerator, e.denominator) for m in poly}
-    least = min(0, *(k for k, _ in split.values()), 0)
+    least = min(0, *(k for k, _ in split.values()))
     parts = list[Term]()
     for m, c in poly.items():
         k, j = split[m]
-        rest = _written([(tuple((z, n) for z, n in m if z != x), c)])
+        rest = written({tuple((z, n) for z, n in m if z != x): c})
         parts.append(product_of(rest, Term("**", (y, number(k - least))), *[root] * j))
     return sum_of(*parts)

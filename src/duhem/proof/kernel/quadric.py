@@ -13,7 +13,7 @@ from fractions import Fraction
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import Matrix, affine, at, determinant, quadratic
-from duhem.proof.kernel.identity import multiplied_out, vanishes
+from duhem.proof.kernel.identity import multiplied_out, value, vanishes
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["supports_quadric"]
@@ -75,7 +75,7 @@ def _square(term: Term, domain: StatedDomain) -> Term | None:
     (x,) = moving
     if x.op in ("norm", "abs"):
         inner = [Term("**", (a, _TWO)) for a in x.args]
-    elif x.op == "**" and x.args[1] == number(Fraction(1, 2)):
+    elif x.op == "**" and value(x.args[1], domain) == Fraction(1, 2):
         inner = [x.args[0]]
     else:
         return None

@@ -14,7 +14,7 @@ from fractions import Fraction
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import affine, at
-from duhem.proof.kernel.identity import vanishes
+from duhem.proof.kernel.identity import value, vanishes
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["supports_separable"]
@@ -83,8 +83,8 @@ def _norm(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
         for a in base.args if base.op == "+" else (base,):
             if a.op != "**" or not vanishes(sum_of(product_of(a.args[1], out), number(-1)), domain):
                 raise NotWritten("a root is no norm")
-            even = a.args[1].op == "number" and a.args[1].value % 2 == 0
-            parts.append(_size(a.args[0], domain) if even else a.args[0])
+            p = value(a.args[1], domain)
+            parts.append(_size(a.args[0], domain) if p is not None and p % 2 == 0 else a.args[0])
         return out, parts
     raise NotWritten(f"{term.op} is no norm")
 

@@ -7,11 +7,12 @@ from itertools import islice
 import sympy as sp
 
 from duhem.expression import Norm
-from duhem.proof.decide import Sense
+from duhem.expression.text import formula
+from duhem.proof.decide import Question, Sense, decide
 from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
-from duhem.proof.verdict import Evidence, Verdict
+from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["convexity", "smoothness"]
 
@@ -36,13 +37,16 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
     facts = regularity(g, subject)
     if not facts.known or facts.kinks or not all(_off_boundary(subject, tip) for tip in facts.tips):
         return None
-    regular = _regular(subject)
-    if regular is None:
-        return None
     cancelled = (
         "every kink lies where the function under it vanishes" if g.has(sp.Abs) or "Pos" in str(g) or "Neg" in str(g) else "g has no kink"
     )
-    return Evidence(Verdict.PROVED, "composition", f"{cancelled}, no tip lies on the boundary, and {regular}")
+    for regular in (_regular(subject), _regular_about_its_centre(subject)):
+        if regular is not None:
+            why, proof = regular
+            return Evidence(
+                Verdict.PROVED, "composition", f"{cancelled}, no tip lies on the boundary, and grad g != 0 on it {why}", proof=proof
+            )
+    return None
 
 
 def _interval(subject: FormulaSubject) -> bool:
@@ -75,11 +79,24 @@ def _tame(node: sp.Basic, mark: sp.Symbol) -> bool:
     return bool(node.is_Pow and not node.exp.has(mark) and node.exp.is_positive)
 
 
-def _regular(subject: FormulaSubject) -> str | None:
+def _regular(subject: FormulaSubject) -> tuple[str, Proof | None] | None:
     origin = subject.simple.g.xreplace(dict.fromkeys(subject.simple.forces, sp.S.Zero))
     if curvature(subject.simple.g, subject).convex and subject.positive(-origin):
-        return "grad g != 0 on the boundary because g is convex and negative at the origin"
+        return "because g is convex and negative at the origin", Proof("composition")
     star = subject.star
     if star is not None and not star.lower.free_symbols & set(subject.simple.forces) and subject.positive(star.lower):
-        return "grad g != 0 on the boundary by Euler's relation"
+        return "by Euler's relation", Proof("euler")
     return None
+
+
+def _regular_about_its_centre(subject: FormulaSubject) -> tuple[str, Proof | None] | None:
+    """For a K that has the origin on its boundary or outside."""
+    if not curvature(subject.simple.g, subject).convex or (support := subject.support) is None or not any(support.centre):
+        return None
+    problem = subject.problem
+    centre = dict(zip(problem.forces, support.centre, strict=True))
+    value = subject.law.g.xreplace(centre).xreplace(problem.compressed)
+    if decide(Question(-value, Sense.POSITIVE, problem.given)).holds is not True:
+        return None
+    inside = {x.name: formula(c) for x, c in centre.items()}
+    return f"because g is convex and negative at ({', '.join(inside.values())})", Proof("composition", {"inside": inside})

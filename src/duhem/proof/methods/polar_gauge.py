@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sympy as sp
 
-from duhem.derivation.support_function import support_function
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense, decide
 from duhem.proof.facts.definedness import met_for_all
@@ -17,13 +16,11 @@ __all__ = ["duality"]
 
 def duality(subject: FormulaSubject) -> Evidence | None:
     """Phi is the support function of K: each step is a theorem, its positivity hypotheses decided over the whole domain."""
-    found = support_function(subject.law)
+    found = subject.support
     if found is None:
         reason = "the rules of the polar gauge give this law no closed-form dissipation potential"
         return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
-    swap = {}
-    if subject.law.pressure is not None and subject.problem.magnitude is not None:
-        swap[subject.law.symbols()[subject.law.pressure]] = -subject.problem.magnitude
+    swap = subject.problem.compressed
     # What the potential divides by must not vanish for any admitted parameters, whatever the rules that gave it have asked.
     asked = [o for o in obligations(found.potential.xreplace(swap)) if not o.symbols() & set(found.rates)]
     if not all(met_for_all(subject, subject.problem, o) for o in asked):

@@ -53,6 +53,11 @@ class Problem:
         own = [*(table[name] for name in self.law.parameters), *([] if self.magnitude is None else [self.magnitude])]
         return tuple(s for s in own if s not in self.slice)
 
+    @property
+    def compressed(self) -> dict[sp.Expr, sp.Expr]:
+        """The law's pressure as -N."""
+        return {} if self.magnitude is None or self.law.pressure is None else {self.law.symbols()[self.law.pressure]: -self.magnitude}
+
     def simplest(self) -> Problem:
         """An equivalent slice: outer monotone maps dropped, invariant forces and scaling parameters fixed."""
         plain = replace(self, g=without_outer_map(self.g))

@@ -1,0 +1,51 @@
+"""A formula by its degrees in the forces: what is of degree k becomes r^k times itself at r times the forces, r > 0.
+
+With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler).  Where g = 0 it is the sum of (k - m) G_k as well,
+for every m; one of these sums that is positive everywhere shows that g rises outward on its zeros.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.domain import POSITIVE, StatedDomain
+from duhem.proof.kernel.identity import value, written
+from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
+
+__all__ = ["grows_along_rays"]
+
+_ALIKE = ("abs", "pos", "neg", "norm", "max", "min")
+
+
+def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
+    """Whether d g(r sigma)/dr > 0 at r = 1 wherever g = 0, g being defined everywhere."""
+    parts = _by_degree(g, domain)
+    sums = (sum_of(*(product_of(number(k - m), part) for k, part in parts.items() if k != m)) for m in parts)
+    return any(facts(power, domain).sign == POSITIVE for power in sums)
+
+
+def _by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:
+    """The parts of each degree, multiplied out; NotWritten where something in it has none."""
+    parts: dict[Fraction, Polynomial] = {}
+    for m, c in domain.polynomial(term).items():
+        parts.setdefault(sum((n * _degree(x, domain) for x, n in m), Fraction(0)), {})[m] = c
+    return {k: written(part) for k, part in parts.items()}
+
+
+def _degree(x: Term, domain: StatedDomain) -> Fraction:
+    if domain.constant(x):
+        return Fraction(0)
+    if x.op == "name":
+        return Fraction(1)
+    if x.op == "**" and (p := value(x.args[1], domain)) is not None:
+        return p * _degree_of_all((x.args[0],), domain)
+    if x.op in _ALIKE:
+        return _degree_of_all(x.args, domain)
+    raise NotWritten(f"{x.op} has no degree in the forces")
+
+
+def _degree_of_all(terms: tuple[Term, ...], domain: StatedDomain) -> Fraction:
+    (k,) = {k for term in terms for k in _by_degree(term, domain)}  # ValueError unless there is one
+    return k

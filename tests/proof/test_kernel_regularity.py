@@ -1,0 +1,163 @@
+"""Boundaries that the kernel confirms to be C^1 are so, and kinks that do not cancel are not confirmed."""
+
+from __future__ import annotations
+
+import math
+from random import Random
+from typing import Any
+
+import pytest
+
+from duhem.proof.kernel import regularity
+from duhem.proof.kernel.claims import objection, rules_of
+from duhem.proof.kernel.domain import StatedLaw
+from tests.oracles import drawn_formulas
+
+POSITIVE = {"positive": True}
+UNIT = {"min": "0", "max": "1"}
+
+
+def law(g: str, *, forces: tuple[str, ...] = ("a", "b"), constraints: tuple[str, ...] = (), **parameters: Any) -> StatedLaw:
+    given = {"forces": forces, "pressure": "s", "parameters": parameters, "constraints": constraints, "g": g, "flow": None}
+    return StatedLaw.read(given)
+
+
+def confirmed(stated: StatedLaw, rule: str, evidence: dict[str, Any] | None = None) -> bool:
+    return not objection("smoothness", rule, frozenset(), stated, evidence or {})
+
+
+# -- a point inside, for a K that does not hold the origin inside -------------------------------------------------------
+
+SHIFTED = "norm(a + s, b/m) + s"
+
+
+@pytest.mark.parametrize(
+    ("point", "right"),
+    [
+        ({"a": "-s"}, True),
+        ({"a": "-s", "b": "0"}, True),
+        ({"a": "-s/10**9"}, True),
+        ({}, False),  # on the boundary
+        ({"a": "-2*s"}, False),
+        ({"a": "-s", "b": "m*s"}, False),
+        ({"a": "-s", "b": "m/10**9"}, False),  # not for every pressure
+        ({"a": "-s", "b": "0/(m - m)"}, False),
+        ({"a": "-s", "b": "b"}, False),
+        ({"a": "-s", "b": "unknown"}, False),
+        ({"a": "sqrt(s)"}, False),
+        ({"a": 1}, False),
+        ("a", False),
+    ],
+)
+def test_convex_and_negative_at_a_point(point: Any, right: bool) -> None:
+    assert confirmed(law(SHIFTED, m=POSITIVE), "composition", {"inside": point}) is right
+
+
+def test_a_set_without_inside_has_no_normals() -> None:
+    assert not confirmed(law("a**2 + b**2"), "composition", {"inside": {"a": "0"}})
+    assert not confirmed(law("(a - m)**2 + b**2", m=POSITIVE), "composition", {"inside": {"a": "m"}})
+    assert confirmed(law("(a - m)**2 + b**2 - m**2", m=POSITIVE), "composition", {"inside": {"a": "m"}})
+
+
+# -- Euler's relation --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("stated", "right"),
+    [
+        (law("a**4 + b**4 + c*a**2*b**2 - s**4", c={}), True),  # whatever c: sigma . grad g = 4 s^4 where g = 0
+        (law("a**3*b - a*b**3 - s**4"), True),
+        (law("a**4 + b**4 + c*a**2*b**2 - e*s**4", c={}, e=UNIT), False),  # e may be 0: then 0 is on the boundary
+        (law("a**4 + a*b**3 + a**2*s**2 - s**4"), False),  # two degrees beside the constant
+        (law("a**4 + b**4 + 3*a**2*s**2 - s**4"), True),  # of one sign
+        (law("a**4 + b**4 - a**2*s**2 - s**4"), True),  # 2 a^2 s^2 + 4 s^4
+        (law("a**4 + b**4 - a**2"), False),  # crosses itself at 0
+        (law("abs(a)**3 + (a**2 + b**2)**(3/2) - m", m=POSITIVE), True),
+        (law("(a**2 + b**2)**(3/2) - c*a*abs(a)*pos(b)*abs(b) - m", c={}, m=POSITIVE), False),  # 3/2 of 2, and 4
+        (law("(a**2 + b**2)**(3/2) - c*a*b*pos(a - b) - m", c={}, m=POSITIVE), False),  # a kink where a = b
+        (law("(a**2 + b**2)**(5/2) - c*a*pos(a - b)**4 - m", c={}, m=POSITIVE), True),
+        (law("abs(a)*norm(a, b)**2 + b**3 - m", m=POSITIVE), False),  # a kink at a = 0
+        (law("a*abs(a) + b*abs(b) - m", m=POSITIVE), True),
+        (law("a*abs(b) - m", m=POSITIVE), False),
+        (law("max(a, b)**3 - m", m=POSITIVE), False),
+        (law("a**2/norm(a, b) - m", m=POSITIVE), False),  # undefined at 0
+        (law("a**2 + b**2 - m - n", m=POSITIVE, n={"min": "-1"}), False),
+        (law("a**2 + b**2 - m - n", m=POSITIVE, n={"min": "-1"}, constraints=("n > -m",)), True),
+        (law("a**2 + exp(b) - m", m=POSITIVE), False),  # exp has no degree
+        (law("sqrt(abs(a))**4 + b**2 - m", m=POSITIVE), False),
+        (law("(a**2 + b**2 + c**2)**3 - k*a**2*b**2*c**2 - m**6", forces=("a", "b", "c"), k={}, m=POSITIVE), True),
+    ],
+    ids=lambda value: "" if isinstance(value, bool) else "law",
+)
+def test_g_grows_along_rays(stated: StatedLaw, right: bool) -> None:
+    assert confirmed(stated, "euler") is right
+
+
+# -- drawn laws against differences ------------------------------------------------------------------------------------
+
+PARTS = (
+    "a**2", "b**2", "a*b", "abs(a)", "abs(a)*abs(b)", "pos(a)**2", "neg(b)**2", "pos(a)*neg(b)", "a*abs(a)", "b*abs(a)", "abs(a)**(3/2)",
+    "norm(pos(a), b)", "norm(a, 1)", "norm(a, b)", "abs(a - b)**3", "pos(a - b)*abs(b)", "(a**2 + b**2)**2", "exp(a)", "abs(a)*pos(b)**2",
+    "norm(a, abs(b - 1))", "abs(a*b)", "pos(a)*pos(b)*a", "sqrt(abs(a))*a", "a**3", "norm(a, b)*pos(a)", "abs(tanh(a))**2", "sin(b)",
+)  # fmt: skip
+
+
+def gradient(g: Any, at: dict[str, float], steps: tuple[float, float]) -> list[float]:
+    here = drawn_formulas.value(g, at)
+    return [(drawn_formulas.value(g, {**at, x: at[x] + h}) - here) / h for x, h in zip("ab", steps, strict=True)]
+
+
+def corner(g: Any) -> str | None:
+    """A point of the boundary, on a ray where kinks lie, with slopes on two sides that differ, or with no slope."""
+    for way in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, 1e-9), (0.3, -0.8), (-0.7, 0.4)):
+        ends = [0.0, 0.05]
+        while drawn_formulas.value(g, {"a": way[0] * ends[1], "b": way[1] * ends[1]}) <= 0 and ends[1] < 20:
+            ends = [ends[1], ends[1] * 1.3]
+        if ends[1] >= 20 or drawn_formulas.value(g, {"a": way[0] * ends[0], "b": way[1] * ends[0]}) > 0:
+            continue
+        for _ in range(60):
+            mid = sum(ends) / 2
+            ends = [mid, ends[1]] if drawn_formulas.value(g, {"a": way[0] * mid, "b": way[1] * mid}) <= 0 else [ends[0], mid]
+        at = {"a": way[0] * ends[0], "b": way[1] * ends[0]}
+        slopes = [gradient(g, at, (i * 1e-6, j * 1e-6)) for i in (1, -1) for j in (1, -1)]
+        spread = max(abs(u - v) for one in slopes for two in slopes for u, v in zip(one, two, strict=True))
+        if spread > 0.05 * (1 + math.hypot(*slopes[0])) or math.hypot(*slopes[0]) < 1e-4:
+            return f"{at}: {slopes}"
+    return None
+
+
+def drawn() -> tuple[int, int, str | None]:
+    """How many drawn laws are confirmed, how many have a corner, and one that is both."""
+    rng, shown, cornered = Random(5), 0, 0
+    for _ in range(250):
+        g = (
+            " + ".join(f"{rng.choice((1, 2, 3, '1/2'))}*{rng.choice(PARTS)}" for _ in range(rng.randint(1, 3)))
+            + f" - {rng.choice((1, 2, 3))}"
+        )
+        stated = law(g)
+        holds = any(confirmed(stated, rule) for rule in rules_of("smoothness", stated))
+        fault = corner(stated.g)
+        if holds and fault:
+            return shown, cornered, f"{g}: {fault}"
+        shown, cornered = shown + holds, cornered + (fault is not None)
+    return shown, cornered, None
+
+
+@pytest.mark.slow
+def test_what_is_confirmed_of_drawn_laws_is_smooth() -> None:
+    shown, cornered, wrong = drawn()
+    assert wrong is None
+    assert shown > 20 and cornered > 40  # else nothing was asked
+
+
+WRONG_RULES = {
+    "a tip is never on the boundary": ("_apart", lambda g, tip, domain: True),
+    "all kinks are one": ("_switch", lambda term, domain: frozenset({("kink", 1)})),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", WRONG_RULES)
+def test_a_wrong_rule_is_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(regularity, *WRONG_RULES[name])
+    assert drawn()[2] is not None
