@@ -2,8 +2,10 @@
 
     python -m tests.campaigns.false_proofs 2000
     python -m tests.campaigns.false_proofs 300 --family maps --seed 2 --first 120
+    python -m tests.campaigns.false_proofs 300 --alone
 
 Each is verified in a process of its own, with a minute of processor time.  A wrong verdict is printed with the criterion file.
+``--alone``: every method of a false claim is asked by itself instead, so that no refuter hides what it would say.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import islice
 
-from tests.campaigns.false_proofs.judge import Answered, judge_apart
+from tests.campaigns.false_proofs.judge import Answered, judge, judge_alone, judge_apart
 from tests.campaigns.false_proofs.table import FAMILIES, traps
 
 
@@ -39,12 +41,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--family", action="append", choices=tuple(FAMILIES), help="only this one; may be repeated")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="leave out what comes before this place")
+    parser.add_argument("--alone", action="store_true", help="ask each method by itself")
     asked = parser.parse_args(arguments)
     judged: list[tuple[str, Answered]] = []
     kinds: Counter[str] = Counter()
     families = tuple(asked.family or FAMILIES)
     for place, (family, trap) in enumerate(islice(traps(asked.count, families, asked.seed), asked.first, None), asked.first):
-        found = judge_apart(trap)
+        found = judge_apart(trap, judge_alone if asked.alone else judge)
         judged.append((family, found))
         for claim, text in ({"law": found.failed} if found.failed else found.wrong).items():
             kinds[f"{family}, {claim}, {text.split(':')[0]}"] += 1

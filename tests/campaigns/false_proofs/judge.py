@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import resource
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
@@ -15,10 +15,11 @@ from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.law_text import law_as_text
+from tests.campaigns.false_proofs.alone import false_proofs_alone
 from tests.campaigns.false_proofs.trap import Trap
 from tests.oracles.reevaluation import OpenError, confirmed
 
-__all__ = ["Answered", "judge", "judge_apart"]
+__all__ = ["Answered", "judge", "judge_alone", "judge_apart"]
 
 LEAST_CORNER = 0.02  # degrees: a lesser one is not seen by the second arithmetic, which goes round it in steps
 
@@ -92,10 +93,21 @@ def _holds(law: Criterion, claim: str, witness: Witness) -> bool:
         return True
 
 
-def judge_apart(trap: Trap, seconds: int = 60) -> Answered:
+def judge_alone(trap: Trap) -> Answered:
+    """Every method of a false claim, asked by itself."""
+    start = time.perf_counter()
+    found = false_proofs_alone(trap)
+    false = [claim for claim, holds in trap.truth.items() if not holds]
+    said = {claim: "open" for claim in false} | {
+        claim: f"proved by {', '.join(names)} alone although false" for claim, names in found.items()
+    }
+    return Answered({claim: "open" for claim in false} | wrong, seconds=time.perf_counter() - start)
+
+
+def judge_apart(trap: Trap, how: Callable[[Trap], Answered] = judge, seconds: int = 60) -> Answered:
     """The same in a process of its own, ended when it has used so much processor time."""
     here, there = get_context("fork").Pipe(duplex=False)
-    process = get_context("fork").Process(target=_report, args=(trap, there, seconds))
+    process = get_context("fork").Process(target=_report, args=(trap, how, there, seconds))
     start = time.perf_counter()
     process.start()
     there.close()
@@ -109,9 +121,9 @@ def judge_apart(trap: Trap, seconds: int = 60) -> Answered:
     return found if found.claims or found.seconds else Answered(failed=found.failed, seconds=time.perf_counter() - start)
 
 
-def _report(trap: Trap, there: Connection, seconds: int) -> None:
+def _report(trap: Trap, how: Callable[[Trap], Answered], there: Connection, seconds: int) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     try:
-        there.send(judge(trap))
+        there.send(how(trap))
     except Exception as fault:
         there.send(Answered(failed=f"{type(fault).__name__}: {fault}"))

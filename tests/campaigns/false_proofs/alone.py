@@ -1,0 +1,47 @@
+"""Every method of proof by itself: no refuter comes before it, no other method hides what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from duhem import Criterion, InputError, Verdict
+from duhem.proof.claims import CLAIMS
+from duhem.proof.claims.claim import Consequence, ProofMethod
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.verdict import Evidence
+from tests.campaigns.false_proofs.trap import Trap
+
+__all__ = ["false_proofs_alone", "proofs_alone", "provers"]
+
+_REFUTERS = ("chords", "corners", "sampling")  # modules of methods that prove nothing
+
+
+def provers(claim: str) -> tuple[ProofMethod[FormulaSubject] | Consequence[FormulaSubject], ...]:
+    """The methods that may prove a claim of a law given by a formula."""
+    return tuple(
+        m
+        for m in CLAIMS[claim].methods
+        if m.takes is FormulaSubject and m.run.__module__.rpartition(".")[2] not in _REFUTERS and "refuted" not in m.run.__name__
+    )
+
+
+def proofs_alone(law: Criterion, claim: str, truth: Mapping[str, bool]) -> Iterator[str]:
+    """Methods that prove ``claim`` of ``law``, each on a subject of its own; claims before it are proved where they are true."""
+    settled = {name: Evidence(Verdict.PROVED if truth.get(name) else Verdict.TESTED, "known", "so it is") for name in CLAIMS}
+    for method in provers(claim):
+        subject = FormulaSubject(law)
+        subject.check_defined()
+        if replace(CLAIMS[claim], methods=(method,)).examine(subject, settled).verdict is Verdict.PROVED:
+            yield f"{method.run.__module__.rpartition('.')[2]}.{method.run.__name__}"
+
+
+def false_proofs_alone(trap: Trap) -> dict[str, list[str]]:
+    """The methods that prove a false claim of a trap, or any but the last claim of what is no law."""
+    false = [c for c in CLAIMS if c != "state_laws"] if trap.refused else [c for c, holds in trap.truth.items() if not holds]
+    try:
+        law = trap.law()
+        found = {claim: list(proofs_alone(law, claim, trap.truth)) for claim in false}
+    except InputError:
+        return {}
+    return {claim: names for claim, names in found.items() if names}
