@@ -43,6 +43,12 @@ def test_odd_values_anywhere_are_refused_or_confirm_no_more() -> None:
             assert path[0] == "law" or {row.claim for row in rows if row.confirmed} <= before, (path, value)
 
 
+def test_a_function_of_no_force_is_no_law() -> None:
+    for g in ("-1", "0", "sigma_n", "mu - 1"):
+        with pytest.raises(NotWritten):
+            recheck(changed(("law", "g"), g))
+
+
 @pytest.mark.parametrize("claim", ["claim", "verdict", "rule"])
 def test_what_is_no_text_is_no_claim(claim: str) -> None:
     for value in ([], {}, ["convexity"], 1):

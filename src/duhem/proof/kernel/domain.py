@@ -107,6 +107,8 @@ class StatedLaw(NamedTuple):
             raise NotWritten("the flow has another number of components than there are forces")
         if any(f.op in COMPARISONS or not f.names() <= {*names, "pi"} for f in (g, *flow)):
             raise NotWritten("a name is not declared")
+        if not g.names() & set(forces):
+            raise NotWritten("g depends on no force")
         return law
 
 
