@@ -3,7 +3,7 @@
 from duhem.proof.claims.claim import Claim, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import chords, composition, curve_refutation, curve_signs, implicit, polar, polyhedral, sampling
+from duhem.proof.methods import chords, composition, convex_sums, curve_refutation, curve_signs, implicit, polar, polyhedral, sampling
 
 CLAIM = Claim(
     name="convexity",
@@ -13,7 +13,8 @@ The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex 
 composition (g is quasiconvex by the rules of disciplined convex programming); a quick look for a chord that leaves K;
 polyhedra (K is the intersection of the half-spaces of its faces); polar form (for the gauge gamma of a star-shaped K in
 two forces, gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams included); chords across a dent or a kink so
-found; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch.
+found; sums of squares (v . Hess g v of a polynomial g); implicit form (tangential second derivatives on the boundary);
+Hessian of g branch by branch.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
 boundary points that the curve does not wind around.""",
@@ -24,6 +25,7 @@ boundary points that the curve does not wind around.""",
         ProofMethod(FormulaSubject, polar.convexity),
         ProofMethod(FormulaSubject, chords.convexity_at_dents),
         ProofMethod(FormulaSubject, chords.convexity_at_seams),
+        ProofMethod(FormulaSubject, convex_sums.convexity),
         ProofMethod(FormulaSubject, implicit.convexity),
         ProofMethod(FormulaSubject, implicit.hessian),
         ProofMethod(FormulaSubject, chords.convexity_by_thorough_scouting),

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
+from duhem.proof.kernel.boundary import curves_inward, flows_outward, rises_outward, with_convex_sums
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
@@ -41,8 +42,10 @@ def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:
     return tuple(rule for name, rule in (RULES if isinstance(law, StatedLaw) else CURVE_RULES) if name == claim)
 
 
-def _shape(law: StatedLaw) -> Facts:
-    return facts(law.g, over(law))
+def _shape(law: StatedLaw, evidence: Evidence) -> Facts:
+    """Of g; the sums that ``evidence`` shows to be convex are taken as such."""
+    sums = evidence.get("convex sums")
+    return facts(law.g, with_convex_sums(law, evidence["directions"], sums) if sums else over(law))
 
 
 def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
@@ -65,16 +68,27 @@ def origin(law: StatedLaw, _: Evidence) -> bool:
     return here.defined and not here.sign & POSITIVE
 
 
-def convexity(law: StatedLaw, _: Evidence) -> bool:
+def convexity(law: StatedLaw, evidence: Evidence) -> bool:
     """g is defined everywhere and quasiconvex, so that every {g <= 0} is convex."""
-    shape = _shape(law)
+    shape = _shape(law, evidence)
     return shape.defined and shape.quasiconvex
+
+
+def curved(law: StatedLaw, evidence: Evidence) -> bool:
+    """g is smooth, negative at the origin, and its boundary rises outward and curves inward."""
+    outward, directions, inward = (evidence[part] for part in ("outward", "directions", "inward"))
+    return _inside(law, {}) and rises_outward(law, outward) and curves_inward(law, directions, inward)
 
 
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative."""
-    shape = _shape(law)
+    shape = _shape(law, evidence)
     return shape.defined and shape.convex and _inside(law, evidence) and smooth_near_the_boundary(law.g, over(law))
+
+
+def regular(law: StatedLaw, evidence: Evidence) -> bool:
+    """g is C^1 where g = 0, and rises outward there, so that grad g != 0."""
+    return smooth_near_the_boundary(law.g, over(law)) and rises_outward(law, evidence["outward"])
 
 
 def regular_along_rays(law: StatedLaw, _: Evidence) -> bool:
@@ -85,7 +99,7 @@ def regular_along_rays(law: StatedLaw, _: Evidence) -> bool:
 
 def one_force(law: StatedLaw, evidence: Evidence) -> bool:
     """A convex set on a line that has an inside is bounded by at most two points, each with one normal."""
-    return len(law.forces) == 1 and _shape(law).defined and _inside(law, evidence)
+    return len(law.forces) == 1 and _shape(law, {}).defined and _inside(law, evidence)
 
 
 def associated(law: StatedLaw, _: Evidence) -> bool:
@@ -118,6 +132,11 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
     return law.flow is None and bool(Gauge(law))
 
 
+def power(law: StatedLaw, evidence: Evidence) -> bool:
+    """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0."""
+    return rises_outward(law, evidence["outward"]) if law.flow is None else flows_outward(law, evidence.get("outward", ()))
+
+
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
     """The ``potential`` of the evidence is the support function of K where its forms ``flat`` vanish, in the ``slips`` of the forces."""
     flat = [parse(form) for form in evidence.get("flat", [])]
@@ -147,13 +166,16 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("origin", "polar-form"): (_NONE, star_shaped),
     ("convexity", "composition"): (_NONE, convexity),
     ("convexity", "polar-curvature"): (_ORIGIN, convex_gauge),
+    ("convexity", "implicit-curvature"): (_NONE, curved),
     ("smoothness", "composition"): (_NONE, smoothness),
     ("smoothness", "polar-seams"): (_ORIGIN, smooth_gauge),
     ("smoothness", "euler"): (_NONE, regular_along_rays),
+    ("smoothness", "regular-value"): (_NONE, regular),
     ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force),
     ("normality", "normality-rule"): (frozenset({"convexity"}), associated),
     ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),
     ("dissipation", "euler"): (_ORIGIN, euler),
+    ("dissipation", "boundary-power"): (_NONE, power),
     ("duality", "polar-gauge"): (_NONE, polar_gauge),
     ("state_laws", "symbolic"): (_NONE, quadratic_energy),
 }

@@ -15,6 +15,7 @@ from duhem.proof.kernel.term import Term, minus, number
 __all__ = ["Facts", "facts", "over"]
 
 _HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
+_NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
 
 @dataclass(frozen=True)
@@ -121,6 +122,8 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             return Facts(x.defined and x.sign == POSITIVE, ANY, False, x.concave, x.quasiconvex)
         case "tanh" | "atan":
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
+        case "cos" if all(facts(Term("+", (_NEAR_RIGHT, side)), domain).nonnegative for side in (term.args[0], minus(term.args[0]))):
+            return Facts(x.defined, POSITIVE)
         case "sin" | "cos":
             return Facts(x.defined)
         case "where" if (holds := _decided(term.args[0], domain)) is not None:

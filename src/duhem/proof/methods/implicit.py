@@ -15,7 +15,8 @@ import sympy as sp
 from duhem.expression.branches import Branch, seam, seams
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.verdict import Evidence, Verdict
+from duhem.proof.search.boundary_identities import directions, inward, outward
+from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["convexity", "dissipation", "hessian", "smoothness"]
 
@@ -47,6 +48,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         Verdict.PROVED,
         f"implicit-curvature ({', '.join(sorted(used))})",
         f"K is star-shaped about 0 and its boundary curves inward everywhere{seams_too}",
+        proof=_convex(subject),
     )
 
 
@@ -145,7 +147,9 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
         if subject.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
             return None
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    return Evidence(Verdict.PROVED, f"regular-value ({', '.join(sorted(used))})", f"grad g != 0 wherever g = 0{told}")
+    method = f"regular-value ({', '.join(sorted(used))})"
+    proof = _rising("regular-value", subject)
+    return Evidence(Verdict.PROVED, method, f"grad g != 0 wherever g = 0{told}", proof=proof)
 
 
 def dissipation(subject: FormulaSubject) -> Evidence | None:
@@ -166,7 +170,21 @@ def dissipation(subject: FormulaSubject) -> Evidence | None:
         if answer.holds is not True:
             return None
         used.add(answer.method)
-    return Evidence(Verdict.PROVED, f"boundary-power ({', '.join(sorted(used))})", "force . flow >= 0 wherever g = 0")
+    method = f"boundary-power ({', '.join(sorted(used))})"
+    return Evidence(Verdict.PROVED, method, "force . flow >= 0 wherever g = 0", proof=_rising("boundary-power", subject))
+
+
+def _rising(rule: str, subject: FormulaSubject) -> Proof | None:
+    """What shows that force . flow > 0 wherever g = 0."""
+    return Proof(rule, {"outward": list(outward(subject))}) if outward(subject) else None
+
+
+def _convex(subject: FormulaSubject) -> Proof | None:
+    """What shows that the boundary also curves inward, where g has no kink."""
+    if not outward(subject) or not inward(subject):
+        return None
+    evidence = {"outward": list(outward(subject)), "directions": directions(subject.law), "inward": list(inward(subject))}
+    return Proof("implicit-curvature", evidence)
 
 
 def _regular(subject: FormulaSubject, switch: sp.Expr, where: Sequence[sp.Basic]) -> bool:

@@ -1,0 +1,48 @@
+"""A formula with kinks as smooth pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from duhem.proof.kernel.domain import StatedDomain
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
+
+__all__ = ["pieces"]
+
+_KINKS = ("abs", "pos", "neg", "max", "min")
+_DEEPEST = 6  # kinks one after another: at most this many are opened
+
+
+def pieces(term: Term, domain: StatedDomain, depth: int = 0) -> Iterator[tuple[Term, tuple[Term, ...]]]:
+    """Smooth formulas, each with what is >= 0 where ``term`` is it; these places cover everything.
+
+    Every abs, pos, neg, max and min of forces is opened, wherever it stands the same way; constants stay as they are.
+    """
+    kink = _innermost(term, domain)
+    if kink is None:
+        yield term, ()
+    elif depth == _DEEPEST:
+        raise NotWritten("there are too many kinks")
+    else:
+        for value, sides in _sides(kink):
+            for smooth, more in pieces(term.put({kink: value}), domain, depth + 1):
+                yield smooth, (*sides, *more)
+
+
+def _innermost(term: Term, domain: StatedDomain) -> Term | None:
+    """A kink whose arguments have none; None if there is no kink."""
+    if domain.constant(term):
+        return None
+    within = next((found for a in term.args if (found := _innermost(a, domain)) is not None), None)
+    return within or (term if term.op in _KINKS else None)
+
+
+def _sides(kink: Term) -> list[tuple[Term, tuple[Term, ...]]]:
+    """The values a kink may have, each with what is >= 0 where it has it."""
+    x = kink.args[0]
+    if kink.op in ("max", "min"):
+        return [
+            (u, tuple(sum_of(u, minus(v)) if kink.op == "max" else sum_of(v, minus(u)) for v in kink.args if v is not u)) for u in kink.args
+        ]
+    other = minus(x) if kink.op == "abs" else number(0)
+    return [(x, (x,)), (other, (minus(x),))] if kink.op != "neg" else [(minus(x), (minus(x),)), (other, (x,))]

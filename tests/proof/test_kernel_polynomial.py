@@ -1,0 +1,239 @@
+"""Polynomial identities: what the kernel confirms by them is true, what is changed in them is refused."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from fractions import Fraction
+from random import Random
+from typing import Any
+
+import pytest
+
+from duhem import POSITIVE, Criterion, Domain, verify
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.kernel import claims as kernel_claims
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.law_text import law_as_text
+from duhem.proof.search.boundary_identities import convex_sums, directions, inward, outward
+from duhem.proof.verdict import Verdict
+
+F = Fraction
+
+
+def law(g: str, **given: Any) -> Criterion:
+    return Criterion(name="drawn", g=g, **{"forces": ("a", "b"), "pressure": None, **given})
+
+
+def confirmed(claim: str, rule: str, stated: Criterion, evidence: dict[str, Any]) -> bool:
+    return not kernel_claims.objection(claim, rule, frozenset(), StatedLaw.read(law_as_text(stated)), evidence)
+
+
+def quartic(c: F | str) -> Criterion:
+    return law(f"a**4 + ({c})*a**2*b**2 + b**4 - 1")
+
+
+def convex(stated: Criterion) -> dict[str, Any]:
+    """What the search offers for the convexity of the sums."""
+    return {"directions": directions(stated), "convex sums": list(convex_sums(FormulaSubject(stated)).values())}
+
+
+def curved(stated: Criterion) -> dict[str, Any]:
+    subject = FormulaSubject(stated)
+    return {"outward": list(outward(subject)), "directions": directions(stated), "inward": list(inward(subject))}
+
+
+def is_convex(stated: Criterion, evidence: dict[str, Any]) -> bool:
+    return confirmed("convexity", "composition", stated, evidence)
+
+
+# -- thresholds --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("gap", [F(1, 10**k) for k in (3, 6, 9)])
+def test_the_quartic_is_convex_up_to_six(gap: F) -> None:
+    for c in (6 - gap, F(6), gap, F(0)):
+        assert is_convex(quartic(c), convex(quartic(c)))
+    for c in (6 + gap, -gap):
+        assert convex(quartic(c))["convex sums"] == []
+        for near in (F(6), F(0)):
+            assert not is_convex(quartic(c), convex(quartic(near)))
+
+
+def test_the_quartic_over_a_range_is_convex_up_to_six() -> None:
+    g = "a**4 + c*a**2*b**2 + b**4 - 1"
+    whole = law(g, parameters={"c": Domain.between(0, 6)})
+    assert is_convex(whole, convex(whole))
+    for low, high in (("0", "6.000000001"), ("-0.000000001", "6")):
+        wider = law(g, parameters={"c": Domain.between(low, high)})
+        assert not is_convex(wider, convex(whole))
+    assert convex(wider)["convex sums"] == []
+
+
+def test_a_gram_matrix_that_is_not_positive_by_a_trillionth_is_refused() -> None:
+    """v . Hess g v = z' G z either way; G is semidefinite for c = 6 and not for c = 6 + e."""
+
+    def evidence(c: F) -> dict[str, Any]:
+        one = {"times": [], "of": ["a*v", "b*w"], "gram": [["12", str(2 * c)], [str(2 * c), "12"]]}
+        two = {"times": [], "of": ["a*w", "b*v"], "gram": [[str(2 * c)] * 2] * 2}
+        return {"directions": ["v", "w"], "convex sums": [{"strict": ["the goal"], "sums": [one, two], "multiples": []}]}
+
+    assert is_convex(quartic(F(6)), evidence(F(6)))
+    assert not is_convex(quartic(6 + F(1, 2 * 10**12)), evidence(6 + F(1, 2 * 10**12)))
+
+
+# -- tampering ---------------------------------------------------------------------------------------------------------
+
+
+def changed(value: Any) -> Iterator[Any]:
+    """The value with one thing in it changed: a number, a name, a formula, a part left out."""
+    if isinstance(value, dict):
+        for key, part in value.items():
+            yield from ({**value, key: other} for other in changed(part))
+    elif isinstance(value, list):
+        for i, part in enumerate(value):
+            yield value[:i] + value[i + 1 :]
+            yield from ([*value[:i], other, *value[i + 1 :]] for other in changed(part))
+    elif value.lstrip("-").replace("/", "").isdigit():
+        yield str(F(value) + F(1, 10**9))
+    else:
+        yield from ("the goal", "the boundary", "-1", "1 - a**2", "1/a", "a**(1/2)")
+
+
+BENT = law("a**4 + 9*a**2*b**2 + 4*b**4 + (2*a**2 + b**2)*abs(n)**2 - abs(n)**4", pressure="n")  # convex, g is not
+
+
+def test_what_is_changed_in_an_identity_is_refused() -> None:
+    cases = [
+        ("convexity", "composition", quartic(F(6)), convex(quartic(F(6)))),
+        ("convexity", "implicit-curvature", BENT, curved(BENT)),
+        ("dissipation", "boundary-power", BENT, {"outward": curved(BENT)["outward"]}),
+    ]
+    for claim, rule, stated, evidence in cases:
+        assert confirmed(claim, rule, stated, evidence)
+        others = [other for other in changed(copy.deepcopy(evidence)) if other != evidence]
+        for other in Random(5).sample(others, min(120, len(others))):
+            assert not confirmed(claim, rule, stated, other), other
+
+
+@pytest.mark.parametrize("names", [["v"], ["v", "v"], ["a", "b"], ["v", "b"], ["v", "w", "u"], ["v", "c"], "vw", []])
+def test_directions_have_names_of_their_own(names: Any) -> None:
+    """A direction that is a force, a parameter or one too many would make another quadratic form."""
+    stated = law("a**4 + 7*a**2*b**2 + b**4 + c - 1", parameters={"c": Domain.between(0, "1/2")})
+    offered = [{"strict": ["the goal"], "sums": [], "multiples": []}, *convex(quartic(F(6)))["convex sums"]]
+    assert not is_convex(stated, {"directions": names, "convex sums": offered})
+
+
+# -- premises ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_second_piece_of_k_is_seen() -> None:
+    """Two discs, each convex: the boundary curves inward everywhere, and no ray may leave K twice."""
+    two = law("(a**2 + b**2 - 1)*((a - 5)**2 + b**2 - 1)")
+    offered = curved(two)
+    assert offered["outward"] == []
+    disc = curved(law("a**2 + b**2 - 1"))
+    assert not confirmed("convexity", "implicit-curvature", two, {**offered, "outward": disc["outward"], "inward": disc["inward"]})
+
+
+def test_a_gradient_that_vanishes_on_the_boundary_is_seen() -> None:
+    disc = {"outward": list(outward(FormulaSubject(law("a**2 + b**2 - 1"))))}
+    assert confirmed("smoothness", "regular-value", law("a**2 + b**2 - 1"), disc)
+    for g in ("(a**2 + b**2 - 1)**3", "(a**2 + b**2 - 1)**2", "(a**2 + b**2 - 1)*(a**2 + b**2)"):
+        assert outward(FormulaSubject(law(g))) == ()
+        assert not confirmed("smoothness", "regular-value", law(g), disc)
+
+
+def test_a_boundary_through_the_origin_does_not_rise() -> None:
+    for g in ("a**2 + b**2", "a**2 + b**2 - a", "a**4 + b**4 - a**2"):
+        assert outward(FormulaSubject(law(g))) == ()
+
+
+def test_what_is_undefined_somewhere_proves_nothing() -> None:
+    evidence = convex(quartic(F(6)))
+    assert not is_convex(law("a**5/a + 6*a**2*b**2 + b**4 - 1"), evidence)
+    assert not is_convex(law("a**4 + 6*a**2*b**2 + b**4 - 1 + 0*log(c)", parameters={"c": Domain.between(0, 1)}), evidence)
+
+
+def test_each_piece_must_rise() -> None:
+    """A union of half-planes and a disc; one of the faces has the origin behind it."""
+    for last, holds in (("a + b - 1", True), ("a + b + 1", False)):
+        stated = law(f"min(max(a - 2, -a - 3, b - 4), a**2 + b**2 - 4, {last})")
+        offered = list(outward(FormulaSubject(stated)))
+        assert bool(offered) is holds
+        assert confirmed("dissipation", "boundary-power", stated, {"outward": offered}) is holds
+        if holds:
+            for i in range(len(offered)):
+                assert not confirmed("dissipation", "boundary-power", stated, {"outward": offered[:i] + offered[i + 1 :]})
+
+
+@pytest.mark.parametrize(("end", "holds"), [("3/2", True), ("8/5", False), ("31416/20000", False)])
+def test_a_flow_turned_by_less_than_a_right_angle_dissipates(end: str, holds: bool) -> None:
+    turned = ("a*cos(d) - b*sin(d)", "a*sin(d) + b*cos(d)")
+    for low in (0, "-" + end):
+        stated = law("norm(a, b) - 1", flow=turned, parameters={"d": Domain.between(low, end)})
+        assert confirmed("dissipation", "boundary-power", stated, {}) is holds
+
+
+def test_a_flow_of_its_own_may_need_the_boundary() -> None:
+    """sigma . d = a^4 + b^4 - (1 - e)/2 on the circle, where a^4 + b^4 >= 1/2."""
+    for e, holds in (("0", True), ("1/1000000", True), ("-1/1000000", False)):
+        stated = law("a**2 + b**2 - 1", flow=(f"a**3 - a*(1 - ({e}))/2", f"b**3 - b*(1 - ({e}))/2"))
+        offered = list(outward(FormulaSubject(stated)))
+        assert bool(offered) is holds
+        assert confirmed("dissipation", "boundary-power", stated, {"outward": offered}) is holds
+
+
+# -- against exact chords ----------------------------------------------------------------------------------------------
+
+
+def value(terms: dict[tuple[int, ...], F], point: tuple[F, ...]) -> F:
+    total = F(0)
+    for m, c in terms.items():
+        for x, k in zip(point, m, strict=True):
+            c *= x**k
+        total += c
+    return total
+
+
+def drawn(random: Random, forces: int) -> dict[tuple[int, ...], F]:
+    """A quartic near the edge of convexity: squares of quadratics and some odd terms."""
+    m = [tuple((i == j) + (i == k) for i in range(forces)) for j in range(forces) for k in range(j, forces)]
+    terms: dict[tuple[int, ...], F] = {}
+    for _ in range(3):
+        square = {k: F(random.randint(-4, 4), 2) for k in m}
+        for p, c in square.items():
+            for q, d in square.items():
+                k = tuple(map(int.__add__, p, q))
+                terms[k] = terms.get(k, F(0)) + c * d
+    for i in range(forces):
+        k = tuple(4 * (i == j) for j in range(forces))
+        terms[k] = terms.get(k, F(0)) + random.randint(0, 12)
+    return terms
+
+
+@pytest.mark.slow
+def test_no_chord_leaves_what_is_confirmed() -> None:
+    random, seen = Random(9), {True: 0, False: 0}
+    for forces in (2, 2, 3) * 6:
+        terms, names = drawn(random, forces), "abc"[:forces]
+        text = " + ".join("*".join([f"({c})", *(f"{x}**{k}" for x, k in zip(names, m, strict=True))]) for m, c in terms.items())
+        stated = law(f"{text} - 1", forces=tuple(names))
+        holds = is_convex(stated, convex(stated))
+        seen[holds] += 1
+        for _ in range(200 if holds else 0):
+            p, q = (tuple(F(random.randint(-9, 9), random.randint(1, 4)) for _ in names) for _ in "pq")
+            middle = tuple((x + y) / 2 for x, y in zip(p, q, strict=True))
+            assert 2 * value(terms, middle) <= value(terms, p) + value(terms, q)
+    assert min(seen.values()) > 2
+
+
+# -- as a whole --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_polynomial_law_is_proved_and_checked() -> None:
+    """Three forces and a parameter: the quartic of Gotoh (1977) for steel, of any size."""
+    p = "sx**4 - 2.6*sx**3*sy + 3.75*sx**2*sy**2 - 2.79*sx*sy**3 + 0.99*sy**4 + (6.29*sx**2 - 7.72*sx*sy + 6.33*sy**2)*t**2 + 8.96*t**4"
+    found = verify(law(f"{p} - k**4", forces=("sx", "sy", "t"), parameters={"k": POSITIVE}), claims=["convexity"])["convexity"]
+    assert (found.verdict, found.method, found.trust) == (Verdict.PROVED, "sos-convexity", "checked")
