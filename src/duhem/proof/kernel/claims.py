@@ -11,6 +11,8 @@ from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
 from duhem.proof.kernel.homogeneity import grows_along_rays
+from duhem.proof.kernel.piecewise import polyhedra
+from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.star import Gauge, undefined_at_zero
@@ -78,6 +80,12 @@ def curved(law: StatedLaw, evidence: Evidence) -> bool:
     """g is smooth, negative at the origin, and its boundary rises outward and curves inward."""
     outward, directions, inward = (evidence[part] for part in ("outward", "directions", "inward"))
     return _inside(law, {}) and rises_outward(law, outward) and curves_inward(law, directions, inward)
+
+
+def polyhedral(law: StatedLaw, _: Evidence) -> bool:
+    """g is defined everywhere and piecewise affine; {g <= 0}, a union of polyhedra, is one."""
+    domain = over(law)
+    return facts(law.g, domain).defined and union_is_convex(polyhedra(law.g, law.forces, domain)[0], len(law.forces))
 
 
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
@@ -165,6 +173,7 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("origin", "evaluation"): (_NONE, origin),
     ("origin", "polar-form"): (_NONE, star_shaped),
     ("convexity", "composition"): (_NONE, convexity),
+    ("convexity", "polyhedral"): (_NONE, polyhedral),
     ("convexity", "polar-curvature"): (_ORIGIN, convex_gauge),
     ("convexity", "implicit-curvature"): (_NONE, curved),
     ("smoothness", "composition"): (_NONE, smoothness),

@@ -32,6 +32,6 @@ def is_support_function(potential: Term, dual: Mapping[str, str], flat: Sequence
         try:
             if shape(law.g, potential, law.forces, slips, flat, domain):
                 return True
-        except NotWritten:
+        except (NotWritten, ValueError):
             continue
     return False
