@@ -126,13 +126,14 @@ DECIDER = '''\
 
 import sympy as sp
 
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.polynomials import System
 from duhem.proof.decide.question import Answer
 
 __all__ = ["by_discriminant"]
 
 
-def by_discriminant(system: System, seconds: float) -> Answer:
+def by_discriminant(system: System, budget: Budget) -> Answer:
     """Prove that a quadratic form in two variables is not negative."""
     names = sorted(system.goal.poly.free_symbols, key=str)
     form = sp.Poly(system.goal.poly, *names)

@@ -38,7 +38,7 @@ def result(claim: str, verdict: Verdict) -> ClaimResult:
 def made_up(*verdicts: Verdict) -> Callable[..., Verification]:
     """A verifier that hands out these verdicts."""
 
-    def verify(law: Any, parameters: Any = None, claims: Any = None, *, on_claim: Any = None) -> Verification:
+    def verify(law: Any, parameters: Any = None, claims: Any = None, *, effort: str = "normal", on_claim: Any = None) -> Verification:
         results = tuple(result(claim, verdict) for claim, verdict in zip(CLAIMS, verdicts, strict=False))
         for each in results:
             on_claim(each)
@@ -150,7 +150,7 @@ from duhem.__main__ import main
 from duhem.left_out import LeftOut
 from duhem.proof.verdict import Verdict
 
-def slow(law, parameters=None, claims=None, *, on_claim):
+def slow(law, parameters=None, claims=None, *, effort, on_claim):
     on_claim(verification.ClaimResult("origin", Verdict.PROVED, "by hand", "all parameters", 0.1, "made up", None))
     print("ready", file=sys.stderr, flush=True)
     time.sleep(60)

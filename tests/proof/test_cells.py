@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 
 from duhem.expression import symbol
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.exact import by_exact
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.question import Answer
@@ -22,7 +23,7 @@ def _system(goal: sp.Expr, op: str, *given: tuple[sp.Expr, str]) -> System:
 
 
 def _ask(goal: sp.Expr, op: str, *given: tuple[sp.Expr, str]) -> Answer:
-    return by_exact(_system(goal, op, *given), 10.0)
+    return by_exact(_system(goal, op, *given), Budget(10_000_000))
 
 
 def _poly(rng: random.Random, degree: int) -> sp.Expr:
@@ -87,7 +88,7 @@ def test_z3_does_not_disagree(seed: int) -> None:
     rng = random.Random(f"z3/{seed}")
     goal, op = _poly(rng, 2) + rng.choice([0, 3]) * (x**2 + y**2), rng.choice([">=", ">"])
     given = [(x**2 + rng.randint(1, 3) * y**2 - 1, "==")] if rng.random() < 0.5 else [(x, ">="), (1 - x, ">=")]
-    ours, theirs = _ask(goal, op, *given), by_smt(_system(goal, op, *given), 5.0)
+    ours, theirs = _ask(goal, op, *given), by_smt(_system(goal, op, *given), Budget(5_000_000))
     assert ours.holds is None or theirs.holds is None or ours.holds is theirs.holds
     assert ours.holds is not None or op == ">"
 

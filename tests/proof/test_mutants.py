@@ -24,7 +24,7 @@ import duhem.proof.methods.polar as polar
 import duhem.proof.statement.problem as problem_module
 import duhem.proof.witness.rational_points as witness_module
 from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
-from duhem.proof.decide import Answer, Question, Sense, decide
+from duhem.proof.decide import Answer, Budget, Question, Sense, decide
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.polar_form import PolarForm
 from duhem.proof.facts.regularity import Regularity
@@ -268,15 +268,15 @@ Patch = Callable[[pytest.MonkeyPatch], None]
 
 def _deciding(change: Callable[[Question, Answer], Answer]) -> Patch:
     def patch(monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(subject_module, "decide", lambda question, seconds=5.0: change(question, decide(question, seconds)))
+        monkeypatch.setattr(subject_module, "decide", lambda question, budget=None: change(question, decide(question, budget)))
 
     return patch
 
 
 def _strictness_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    def weaker(question: Question, seconds: float = 5.0) -> Answer:
+    def weaker(question: Question, budget: Budget | None = None) -> Answer:
         sense = Sense.NONNEGATIVE if question.sense is Sense.POSITIVE else question.sense
-        return decide(Question(question.expr, sense, question.given, question.circle), seconds)
+        return decide(Question(question.expr, sense, question.given, question.circle), budget)
 
     monkeypatch.setattr(subject_module, "decide", weaker)
 

@@ -88,9 +88,9 @@ def test_lobes(n: int, e: str, verdict: Verdict) -> None:
 # -- two methods, one answer ------------------------------------------------------------------------------------------
 
 
-def _subject(name: str, at: dict[str, str] | None = None, seconds: float = 8.0) -> FormulaSubject:
+def _subject(name: str, at: dict[str, str] | None = None, steps: int = 8_000_000) -> FormulaSubject:
     subject = FormulaSubject(load(name).fix(at))
-    subject.allow(seconds)
+    subject.allow(steps)
     return subject
 
 
@@ -165,7 +165,7 @@ TRUE = [asked for asked in STATED if KNOWN[asked[0]][asked[2]] is PROVED and ask
 
 def _says(method: ProofMethod, name: str, at: dict[str, str]) -> Verdict | None:
     """In a second: every method is done well before where it decides, and where it does not it spends whatever it is given."""
-    answer = method(_subject(name, at, seconds=1.0))
+    answer = method(_subject(name, at, steps=1_000_000))
     return None if answer is None else answer.verdict
 
 

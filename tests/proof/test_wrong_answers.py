@@ -12,7 +12,7 @@ from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, Verification
 from duhem.expression import Neg, Norm, Pos, Where, symbol
 from duhem.expression.balls import ball, enclose
 from duhem.law.builtin.lobes import lobe_law
-from duhem.proof.decide import Answer, Question, Sense, decide
+from duhem.proof.decide import Answer, Budget, Question, Sense, decide
 from tests.oracles.reevaluation import confirmed
 
 x, y, z = (symbol(name) for name in "xyz")
@@ -82,9 +82,9 @@ def test_slopes_at_a_breakpoint_are_one_sided(right: str, left: str, convex: boo
 # -- 3. delta-sat, unknown and time-outs refute nothing -----------------------------------------------------------------
 
 
-def test_a_question_without_time_stays_open() -> None:
+def test_a_question_without_steps_stays_open() -> None:
     hard = sp.expand((x**2 + y**2 + z**2) ** 3 - 27 * x**2 * y**2 * z**2)
-    assert decide(Question(hard, Sense.NONNEGATIVE), seconds=0).holds is None
+    assert decide(Question(hard, Sense.NONNEGATIVE), Budget(0)).holds is None
 
 
 @pytest.mark.parametrize("reason", ["unknown", "timeout", "delta-sat with a model that is not one"])
@@ -92,7 +92,7 @@ def test_an_open_decider_refutes_nothing(monkeypatch: pytest.MonkeyPatch, reason
     """Whatever the deciders leave open, or suggest by a wrong model, a law that is convex is not refuted."""
     from duhem.proof.facts import subject
 
-    def shrug(question: Question, seconds: float = 0.0) -> Answer:
+    def shrug(question: Question, budget: Budget | None = None) -> Answer:
         if reason.startswith("delta"):
             symbols = question.expr.free_symbols.union(*(r.free_symbols for r in question.given))
             return Answer(False, "delta", point=dict.fromkeys(symbols, sp.S.One))
@@ -198,7 +198,7 @@ def test_even_powers_are_seen_positive(expr: sp.Expr) -> None:
     "expr", [x**2 - sp.Rational(1, 10**6), sp.exp(x) - 1, sp.exp(x**2) - 1 - sp.Rational(1, 10**6), sp.cos(x) - sp.Rational(999, 1000)]
 )
 def test_a_dip_inside_the_box_is_not_missed(expr: sp.Expr) -> None:
-    assert decide(Question(expr, Sense.POSITIVE, (sp.GreaterThan(x, -1), sp.LessThan(x, 2))), seconds=1).holds is not True
+    assert decide(Question(expr, Sense.POSITIVE, (sp.GreaterThan(x, -1), sp.LessThan(x, 2))), Budget(1_000_000)).holds is not True
 
 
 @pytest.mark.parametrize("power", range(1, 9))

@@ -27,8 +27,15 @@ __all__ = ["verify"]
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
 )
 @click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON.")
+@click.option(
+    "--effort",
+    type=click.Choice(["quick", "normal", "thorough"]),
+    default="normal",
+    show_default=True,
+    help="How many steps each claim may cost: an eighth, all, eight times as many.",
+)
 @click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
-def verify(law: str, settings: Sequence[str], claims: str | None, form: str, certificate: str | None, strict: bool) -> int:
+def verify(law: str, settings: Sequence[str], claims: str | None, form: str, certificate: str | None, effort: str, strict: bool) -> int:
     """Prove or refute what is claimed of LAW.
 
     Each claim is decided over the whole parameter domain and for every pressure, unless --set fixes a parameter.  Results
@@ -51,9 +58,12 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, cer
                 decided.append(result)
                 progress.show(f"{len(decided)}: {result.claim} {result.verdict}")
 
-            done = verification.verify(fixed, claims=asked, on_claim=on_claim)
+            done = verification.verify(fixed, claims=asked, effort=effort, on_claim=on_claim)
     except KeyboardInterrupt:
-        say(report_json.interrupted(fixed, decided) if form == "json" else report_text.interrupted(fixed, decided, page()))
+        stopped = (
+            report_json.interrupted(fixed, decided, effort) if form == "json" else report_text.interrupted(fixed, decided, page(), effort)
+        )
+        say(stopped)
         return INTERRUPTED
     say(report_json.complete(done) if form == "json" else report_text.complete(done, page()))
     if certificate is not None:

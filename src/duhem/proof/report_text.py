@@ -27,7 +27,7 @@ def complete(verification: Verification, page: Page = PAGE) -> str:
     """The report of a finished run."""
     return page.report(
         [
-            [*_head(verification.criterion, page)],
+            [*_head(verification.criterion, page, verification.effort)],
             _table(verification.results, page),
             [*_arguments(verification.results, page)],
             [*_conclusion(verification, page)],
@@ -37,13 +37,13 @@ def complete(verification: Verification, page: Page = PAGE) -> str:
     )
 
 
-def interrupted(law: Law, results: Sequence[ClaimResult], page: Page = PAGE) -> str:
+def interrupted(law: Law, results: Sequence[ClaimResult], page: Page = PAGE, effort: str = "normal") -> str:
     """The report of a run that was stopped: the claims decided so far, and no conclusion."""
     note = f"Interrupted after {len(results)} claim{'s' * (len(results) != 1)}: nothing is concluded."
-    return page.report([[*_head(law, page)], _table(results, page), [*_arguments(results, page)], [note]])
+    return page.report([[*_head(law, page, effort)], _table(results, page), [*_arguments(results, page)], [note]])
 
 
-def _head(law: Law, page: Page) -> Iterator[str]:
+def _head(law: Law, page: Page, effort: str) -> Iterator[str]:
     yield from page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)
     yield from page.field(*_stated(law), _FIELD)
     pressure = f"; pressure {law.pressure} <= 0 in compression, frozen" if law.pressure else "; no pressure"
@@ -55,6 +55,8 @@ def _head(law: Law, page: Page) -> Iterator[str]:
     yield from page.field("slip", direction, _FIELD)
     if law.source:
         yield from page.field("source", law.source, _FIELD)
+    if effort != "normal":
+        yield from page.field("effort", effort, _FIELD)
 
 
 def _stated(law: Law) -> tuple[str, str]:

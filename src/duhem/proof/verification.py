@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
+from fractions import Fraction
+from threading import RLock
 from typing import Any
 
 from duhem.errors import InputError
+from duhem.expression.balls import precision
 from duhem.law.catalogue import load
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.left_out import LeftOut
 from duhem.proof.claims import CLAIMS
+from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
@@ -23,6 +28,9 @@ from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
 from duhem.version import __version__
 
 __all__ = ["ClaimResult", "Verification", "verify"]
+
+_TURN = RLock()
+_BITS = 53  # what Arb starts with
 
 
 @dataclass(frozen=True)
@@ -68,6 +76,7 @@ class Verification:
     left_out: tuple[LeftOut, ...]
     remarks: tuple[str, ...]
     rests_on: tuple[ClaimResult, ...] = ()
+    effort: str = "normal"
 
     def __getitem__(self, claim: str) -> ClaimResult:
         for result in self.results:
@@ -98,6 +107,7 @@ class Verification:
             "duhem": __version__,
             "criterion": self.criterion.name,
             "parameters": {name: domain.describe() for name, domain in self.criterion.parameters.items()},
+            **({} if self.effort == "normal" else {"effort": self.effort}),
             "claims": [r.to_dict() for r in self.results],
             "generalized_standard": self.generalized_standard,
             "dissipative": self.dissipative,
@@ -111,25 +121,31 @@ def verify(
     parameters: Mapping[str, Any] | None = None,
     claims: Iterable[str] | None = None,
     *,
+    effort: str = "normal",
     on_claim: Callable[[ClaimResult], None] | None = None,
 ) -> Verification:
     """Prove or refute every claim (or the one or those named) over the law's whole parameter domain and every pressure.
 
     ``parameters`` fixes some values (exactly: decimals are rationals); ``on_claim`` is called as each result is in.
-    Raises InputError for an unknown law, parameter or claim, and for values outside the domain.
+    What a claim may cost is counted in steps, not by a clock; ``effort`` quick, normal or thorough multiplies them.
+    Raises InputError for an unknown law, parameter, claim or effort, and for values outside the domain.
     """
     criterion: Law = load(law).fix(parameters)
     check_domain(criterion)
     wanted = _wanted(claims)
+    if effort not in EFFORTS:
+        raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     needed = _with_needs(wanted)
-    subject = _examined(criterion)
+    with _alone():
+        subject = _examined(criterion, EFFORTS[effort])
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)
     results: dict[bool, list[ClaimResult]] = {True: [], False: []}
     for name in (name for name in CLAIMS if name in needed):
         start = time.perf_counter()
-        settled[name] = evidence = CLAIMS[name].examine(subject, settled)
-        standing = confirmations.of(name, evidence, CLAIMS[name].needs)
+        with _alone():
+            settled[name] = evidence = CLAIMS[name].examine(subject, settled)
+            standing = confirmations.of(name, evidence, CLAIMS[name].needs)
         seconds = time.perf_counter() - start
         found = ClaimResult(
             name,
@@ -149,14 +165,23 @@ def verify(
         *not_needed(criterion, [evidence.verdict for evidence in settled.values()]),
         *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in wanted),
     )
-    return Verification(criterion, tuple(results[True]), parts, remarks(subject), tuple(results[False]))
+    with _alone():
+        said = remarks(subject)
+    return Verification(criterion, tuple(results[True]), parts, said, tuple(results[False]), effort)
 
 
-def _examined(law: Law) -> Subject:
+@contextmanager
+def _alone() -> Iterator[None]:
+    """SymPy's assumptions and Arb's precision belong to the process: a thread has them to itself, as they are at the start."""
+    with _TURN, precision(_BITS):
+        yield
+
+
+def _examined(law: Law, effort: Fraction) -> Subject:
     """The law as the methods take it; a formula that is undefined somewhere in its domain is an InputError."""
     if not isinstance(law, Criterion):
-        return CurveSubject(law)
-    subject = FormulaSubject(law)
+        return CurveSubject(law, effort)
+    subject = FormulaSubject(law, effort)
     subject.check_defined()
     return subject
 

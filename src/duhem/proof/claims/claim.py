@@ -43,7 +43,7 @@ class Consequence(Generic[S]):
 class Claim:
     """``methods`` try in order, each on the kind of law it takes; ``needs`` names the claims to be settled before.
 
-    ``seconds`` is the time the deciders may spend on it; what is then still open stays undecided.
+    ``steps`` is what its methods may cost, whatever other claims cost; what is then still open stays undecided.
     """
 
     name: str
@@ -51,13 +51,13 @@ class Claim:
     theory: str
     methods: tuple[ProofMethod[Any] | Consequence[Any], ...]
     needs: tuple[str, ...] = ()
-    seconds: float = 16.0
+    steps: int = 16_000_000
 
     def examine(self, subject: Subject, settled: Settled) -> Evidence:
         """The first answer, or ``undecided`` when every method passed."""
-        subject.allow(self.seconds)
+        subject.allow(self.steps)
         for method in self.methods:
             found = method.answer(subject, settled)
             if found is not None and (found.verdict is not Verdict.PROVED or subject.may_prove(self.name)):
                 return found
-        return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its time")
+        return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its budget of steps")

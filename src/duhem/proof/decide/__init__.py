@@ -1,6 +1,7 @@
 """Deciders of one question: is an expression >= 0 wherever some relations hold?"""
 
+from duhem.proof.decide.budget import EFFORTS, Budget
 from duhem.proof.decide.deciders import decide
 from duhem.proof.decide.question import Answer, Question, Sense
 
-__all__ = ["Answer", "Question", "Sense", "decide"]
+__all__ = ["EFFORTS", "Answer", "Budget", "Question", "Sense", "decide"]

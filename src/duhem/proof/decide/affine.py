@@ -9,16 +9,19 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Neg, Pos
 from duhem.expression.smt import Reals
+from duhem.proof.decide.budget import Budget
 
 __all__ = ["Affine"]
+
+_STEPS = 200_000  # for one question, whatever z3 then needs of them
 
 
 class Affine:
     """Expressions in some variables made of sums, rational multiples, abs, pos, neg, max and min."""
 
-    def __init__(self, variables: Iterable[sp.Symbol], seconds: float) -> None:
+    def __init__(self, variables: Iterable[sp.Symbol], budget: Budget) -> None:
         self._reals = Reals(variables)
-        self._milliseconds = max(1, int(1000 * seconds))
+        self._budget = budget
 
     def solution(self, *relations: tuple[sp.Expr, str]) -> dict[sp.Symbol, sp.Rational] | bool | None:
         """Values at which ``expr op 0`` for all; False if there are none, None if that stayed open or is not affine."""
@@ -30,8 +33,10 @@ class Affine:
             stated = [self._reals.relation(expr, op) for expr, op in relations]
         except InputError:
             return None
+        if not self._budget.pays(_STEPS):
+            return None
         solver = z3.SolverFor("QF_LRA", ctx=self._reals.context)
-        solver.set("timeout", self._milliseconds)
+        solver.set("rlimit", _STEPS)
         solver.add(*stated)
         result = solver.check()
         if result == z3.unsat:

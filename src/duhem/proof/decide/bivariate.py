@@ -10,6 +10,7 @@ from typing import Any
 import flint
 import sympy as sp
 
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.roots import square_free
 
 __all__ = ["DegenerateError", "Integral", "OpenError", "Poly", "at_rational", "projection", "true"]
@@ -47,7 +48,7 @@ def true(value: int, op: str) -> bool:
     return value >= 0 if op == ">=" else value > 0 if op == ">" else value == 0 if op == "==" else value != 0
 
 
-def projection(curves: Iterable[Poly], pairs: Iterable[tuple[Poly, Poly]], more: Iterable[Poly] = ()) -> Any:
+def projection(curves: Iterable[Poly], pairs: Iterable[tuple[Poly, Poly]], budget: Budget, more: Iterable[Poly] = ()) -> Any:
     """The square-free polynomial in x (``flint.fmpz_poly``) where the roots in y of the curves escape, meet or meet each other's.
 
     ``more`` are polynomials in x alone.  Raises DegenerateError where one of these is identically 0.
@@ -57,6 +58,7 @@ def projection(curves: Iterable[Poly], pairs: Iterable[tuple[Poly, Poly]], more:
     bound = sum(_bound(f, f) for f in bends) + sum(_bound(f, h) for f, h in pairs)
     if bound > _MOST_DEGREE:
         raise OpenError(f"the projection may have degree {bound}")
+    budget.spend(sum(_price(f, f) for f in bends) + sum(_price(f, h) for f, h in pairs))
     resultants = (f.resultant(h, 1) for f, h in pairs)
     return _joined([*more, *(_leading(f) for f in curves), *(f.discriminant(1) for f in bends), *resultants])
 
@@ -65,6 +67,16 @@ def _bound(one: Poly, two: Poly) -> int:
     """Degree in x of the resultant by y, at most (Sylvester's matrix)."""
     (a, b), (c, d) = one.degrees(), two.degrees()
     return int(a * d + c * b)
+
+
+def _price(one: Poly, two: Poly) -> int:
+    """Steps of the resultant by y: its degree times its size in bits times the cube of the larger degree, as measured."""
+    n, m = one.degrees()[1], two.degrees()[1]
+    return 10 + int(_bound(one, two) * (m * _bits(one) + n * _bits(two)) * max(n, m) ** 3) // 1000
+
+
+def _bits(poly: Poly) -> int:
+    return max((int(c).bit_length() for c in poly.coeffs()), default=0) + 2
 
 
 def _leading(poly: Poly) -> Poly:

@@ -8,6 +8,7 @@ import sympy as sp
 
 from duhem.expression import Neg, Pos, Where
 from duhem.expression.branches import TooManyBranchesError, branches
+from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.exact import by_exact
 from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
 from duhem.proof.decide.question import Answer, Question, Sense
@@ -15,16 +16,18 @@ from duhem.proof.decide.smt import by_smt
 
 __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 
-# Asked in turn, each for the time given, about polynomials with all obligations met; an answer that is not open is the last.
-POLYNOMIAL_DECIDERS: tuple[Callable[[System, float], Answer], ...] = (by_exact, by_smt)
+# Asked in turn, each with half of what is left, about polynomials with all obligations met; an answer that is not open is the last.
+POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_exact, by_smt)
+_STEPS = 8_000_000  # for a question that belongs to no claim
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 
 
-def decide(question: Question, seconds: float = 5.0) -> Answer:
-    """Answer the question by the first method that can; the answer names it.
+def decide(question: Question, budget: Budget | None = None) -> Answer:
+    """Answer the question by the first method that can within the budget; the answer names it.
 
     Kinks are opened into branches, products of unrelated factors into their factors; each part must hold.
     """
+    budget = budget or Budget(_STEPS)
     if sp.false in question.given:
         return Answer(True, "vacuous")
     if sp.true in question.given:
@@ -34,22 +37,22 @@ def decide(question: Question, seconds: float = 5.0) -> Answer:
     if quick.holds:
         return quick
     if question.expr.has(*_KINKS) or any(r.has(*_KINKS) for r in question.given):
-        return _by_branches(question, seconds)
+        return _by_branches(question, budget)
     try:
         system = polynomial_system(question)
     except NotAlgebraicError as fault:
-        answer = _by_factors(question, seconds)
+        answer = _by_factors(question, budget)
         if answer.holds is None:
-            answer = _enclosed(question, seconds)
+            answer = _enclosed(question, budget)
         return answer if answer.holds is not None else Answer(None, answer.method, reason=f"{fault}; {answer.reason}")
-    answer = _decide_system(system, seconds)
+    answer = _decide_system(system, budget)
     if answer.holds is None:
-        enclosed = _enclosed(question, seconds / 2)
+        enclosed = _enclosed(question, budget)
         return enclosed if enclosed.holds is not None else answer
     return answer
 
 
-def _by_branches(question: Question, seconds: float) -> Answer:
+def _by_branches(question: Question, budget: Budget) -> Answer:
     """The question on every smooth branch of its expression and hypotheses."""
     parts = sp.Tuple(question.expr, *(sp.Tuple(r.lhs, r.rhs) for r in question.given))
     try:
@@ -60,14 +63,14 @@ def _by_branches(question: Question, seconds: float) -> Answer:
     for piece in pieces:
         expr, *sides = piece.expr
         given = tuple(type(r)(*pair) for r, pair in zip(question.given, sides, strict=True)) + piece.conditions()
-        answer = decide(Question(expr, question.sense, given, question.circle), seconds)
+        answer = decide(Question(expr, question.sense, given, question.circle), budget)
         if answer.holds is not True:
             return answer
         method = answer.method
     return Answer(True, method)
 
 
-def _by_factors(question: Question, seconds: float) -> Answer:
+def _by_factors(question: Question, budget: Budget) -> Answer:
     """A product is >= 0 (or > 0) if each factor is, each under the hypotheses that speak of its symbols alone."""
     factors = sp.Mul.make_args(question.expr)
     if question.sense is Sense.ZERO or len(factors) < 2:
@@ -75,17 +78,17 @@ def _by_factors(question: Question, seconds: float) -> Answer:
     method = ""
     for factor in factors:
         related = tuple(r for r in question.given if r.free_symbols <= factor.free_symbols)
-        answer = decide(Question(factor, question.sense, related, None), seconds)
+        answer = decide(Question(factor, question.sense, related, None), budget)
         if answer.holds is not True:
             return Answer(None, "factors", reason=answer.reason)
         method = answer.method if answer.method != "sign-rules" else method or answer.method
     return Answer(True, method)
 
 
-def _enclosed(question: Question, seconds: float) -> Answer:
+def _enclosed(question: Question, budget: Budget) -> Answer:
     from duhem.proof.decide.enclosure import by_enclosure
 
-    return by_enclosure(question, seconds)
+    return by_enclosure(question, budget.part(budget.left // 2))
 
 
 def by_rules(question: Question) -> Answer:
@@ -106,9 +109,9 @@ def by_rules(question: Question) -> Answer:
     return Answer(None, "sign-rules")
 
 
-def _decide_system(system: System, seconds: float) -> Answer:
+def _decide_system(system: System, budget: Budget) -> Answer:
     for obligation in system.obligations:
-        met = _decide_system(obligation, seconds / 2)
+        met = _decide_system(obligation, budget)
         if met.holds is not True:
             return Answer(None, met.method, reason=f"it is open whether {obligation.goal.poly} {obligation.goal.op} 0")
 
@@ -116,7 +119,10 @@ def _decide_system(system: System, seconds: float) -> Answer:
         part = System(goal, given, (), system.variables, system.circle)
         answer = Answer(None)
         for decider in POLYNOMIAL_DECIDERS:
-            answer = decider(part, seconds)
+            try:
+                answer = decider(part, budget.part(budget.left // 2))
+            except SpentError as fault:
+                answer = Answer(None, reason=str(fault))
             if answer.holds is not None:
                 break
         return answer

@@ -6,7 +6,6 @@ among the hypotheses; a positive variable without a greatest value is covered by
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
@@ -16,15 +15,17 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.balls import ball, enclose
 from duhem.expression.number import fraction, rational
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.question import Answer, Question, Sense
 
 __all__ = ["by_enclosure"]
 
 Box = dict[sp.Symbol, tuple[Fraction, Fraction]]
 _METHOD = "interval"
+_BOX, _NODE = 25, 5  # steps of one box and of each node that is enclosed over it
 
 
-def by_enclosure(question: Question, seconds: float, most: int = 200_000) -> Answer:
+def by_enclosure(question: Question, budget: Budget) -> Answer:
     """Prove the question by subdividing the box of its variables; ``holds`` None when budget or bounds run out."""
     if question.sense is Sense.ZERO:
         return Answer(None, _METHOD, reason="an enclosure cannot prove an equality")
@@ -32,10 +33,10 @@ def by_enclosure(question: Question, seconds: float, most: int = 200_000) -> Ans
         box, angle = _box(question)
     except InputError as fault:
         return Answer(None, _METHOD, reason=fault.what)
-    deadline = time.monotonic() + seconds
+    price = _BOX + _NODE * sum(1 for e in (question.expr, *question.given) for _ in sp.preorder_traversal(e))
     queue, seen = [box], 0
     while queue:
-        if time.monotonic() > deadline or seen > most:
+        if not budget.pays(price):
             return Answer(None, _METHOD, reason=f"{len(queue)} of {seen} boxes still open")
         current = queue.pop()
         seen += 1

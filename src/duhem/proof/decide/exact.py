@@ -3,6 +3,7 @@ plane region."""
 
 from __future__ import annotations
 
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.line_cells import by_cells
 from duhem.proof.decide.plane_curve import by_plane
 from duhem.proof.decide.plane_region import by_region
@@ -15,11 +16,11 @@ __all__ = ["by_exact"]
 _METHOD = "sturm"
 
 
-def by_exact(system: System, seconds: float) -> Answer:
+def by_exact(system: System, budget: Budget) -> Answer:
     """Decide a polynomial question that comes down to two variables at most; ``holds`` is None for any other."""
     used = _METHOD
     for part in parts(system):
-        answer = _decided(part.system, seconds)
+        answer = _decided(part.system, budget)
         if answer.holds is None:
             return answer
         if answer.holds is False:
@@ -28,8 +29,8 @@ def by_exact(system: System, seconds: float) -> Answer:
     return Answer(True, used)
 
 
-def _decided(system: System, seconds: float) -> Answer:
+def _decided(system: System, budget: Budget) -> Answer:
     if len(variables(system)) < 2:
-        return by_cells(system)
+        return by_cells(system, budget)
     along = any(r.op == "==" for r in system.given)
-    return by_plane(system, seconds) if along else by_region(system, seconds)
+    return by_plane(system, budget) if along else by_region(system, budget)

@@ -15,6 +15,7 @@ import sympy as sp
 
 from duhem.expression.balls import certain_sign, precision
 from duhem.expression.number import fraction, rational
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.polynomials import System
 from duhem.proof.decide.question import Answer
 from duhem.proof.decide.reduction import variables
@@ -28,7 +29,7 @@ _BITS = (64, 256, 1024, 4096, 16384)
 Sign = tuple[Any, str]  # a flint.fmpz_poly and its relation to 0
 
 
-def by_cells(system: System) -> Answer:
+def by_cells(system: System, budget: Budget) -> Answer:
     """Decide a question in one variable; ``holds`` is None where there are more."""
     used = variables(system)
     if len(used) > 1:
@@ -38,7 +39,7 @@ def by_cells(system: System) -> Answer:
     goal = (_integral(system.goal.poly, t), system.goal.op)
     for bits in _BITS:
         try:
-            value = _violation(given, goal, bits)
+            value = _violation(given, goal, bits, budget)
         except _OpenError:
             continue
         if value is None:
@@ -58,17 +59,17 @@ def _integral(expr: sp.Expr, t: sp.Symbol) -> Any:
     return flint.fmpz_poly([int(c.p) * (scale // int(c.q)) for c in coefficients])
 
 
-def _violation(given: list[Sign], goal: Sign, bits: int) -> Fraction | None:
+def _violation(given: list[Sign], goal: Sign, bits: int, budget: Budget) -> Fraction | None:
     """A value (at a root: close to it) where every hypothesis holds and the goal fails, or None."""
     factors = _factors([p for p, _ in (*given, goal)])
     product = math.prod(factors, start=flint.fmpz_poly([1]))
-    roots = real_roots(product, bits)
+    roots = real_roots(product, bits, budget)
     for sample in between(roots):
         if _violated(given, goal, lambda p, at=sample: _sign_at(p, at)):
             return sample
     for factor in factors:
         with precision(bits):
-            for root in real_roots(factor, bits):
+            for root in real_roots(factor, bits, budget):
                 if _violated(given, goal, lambda p, f=factor, at=root: _sign_at_root(p, f, at)):
                     middle = root.mid().fmpq()
                     return fraction(middle)

@@ -10,7 +10,6 @@ hold on the arc.  Zero margins are therefore no obstacle, unlike for enclosures.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -23,6 +22,7 @@ import sympy as sp
 from duhem.expression.balls import certain_sign, precision
 from duhem.expression.number import fraction, rational
 from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, projection, true
+from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.question import Answer
 from duhem.proof.decide.reduction import variables
@@ -33,11 +33,12 @@ __all__ = ["by_plane"]
 _METHOD = "plane-cells"
 _BITS = (128, 512, 2048)
 _SHEARS = (0, 1, -1, 2, -2, 3)
+_SIGN = 10  # steps of a polynomial's enclosure in a box
 
 Sign = tuple[Poly, str]
 
 
-def by_plane(system: System, seconds: float = 5.0) -> Answer:
+def by_plane(system: System, budget: Budget) -> Answer:
     """Decide a question in two variables one of whose hypotheses is an equation; ``holds`` None for any other."""
     relations = [r for r in system.given if r.poly != 0]
     used = variables(system)
@@ -48,14 +49,13 @@ def by_plane(system: System, seconds: float = 5.0) -> Answer:
     if len(curve.poly.free_symbols) < 2:
         return Answer(None, _METHOD, reason="no curve among the hypotheses")
     x, y = sorted(used, key=lambda s: (sp.degree(curve.poly, s), str(s)), reverse=True)  # the projection is along the lower degree
-    deadline = time.monotonic() + seconds
     for shear in _SHEARS:
         polys = Integral(x, y, shear)
         try:
-            point = _violation(polys, curve, [r for r in relations if r is not curve], system.goal, deadline)
+            point = _violation(polys, curve, [r for r in relations if r is not curve], system.goal, budget)
         except DegenerateError:
             continue
-        except OpenError as fault:
+        except (OpenError, SpentError) as fault:
             return Answer(None, _METHOD, reason=str(fault))
         if point is None:
             return Answer(True, _METHOD)
@@ -64,7 +64,7 @@ def by_plane(system: System, seconds: float = 5.0) -> Answer:
 
 
 def _violation(
-    polys: Integral, curve: Relation, given: Iterable[Relation], goal: Relation, deadline: float
+    polys: Integral, curve: Relation, given: Iterable[Relation], goal: Relation, budget: Budget
 ) -> tuple[Fraction, Fraction] | None:
     """A point of the curve where every hypothesis holds and the goal fails; None if it is proved that there is none."""
     hypotheses = [(polys(r.poly), r.op) for r in given]
@@ -72,7 +72,7 @@ def _violation(
     _, factors = polys(curve.poly).factor()
     for factor, _ in factors:
         component = _component(polys.ring, factor, hypotheses, wanted)
-        if component is not None and (point := component.violation(deadline)) is not None:
+        if component is not None and (point := component.violation(budget)) is not None:
             return point
     return None
 
@@ -105,37 +105,35 @@ class _Component:
     given: tuple[Sign, ...]
     goal: Sign
 
-    def violation(self, deadline: float) -> tuple[Fraction, Fraction] | None:
+    def violation(self, budget: Budget) -> tuple[Fraction, Fraction] | None:
         others = [(p, self.curve) for p, _ in (*self.given, self.goal) if not p.is_constant()]
-        special = projection([self.curve], others)
+        special = projection([self.curve], others, budget)
         for bits in _BITS:
-            if time.monotonic() > deadline:
-                raise OpenError("time ran out")
             try:
-                return self._beside(special, bits) or self._above(special, bits, deadline)
+                return self._beside(special, bits, budget) or self._above(special, bits, budget)
             except OpenError:
                 if bits == _BITS[-1]:
                     raise
         return None
 
-    def _beside(self, special: Any, bits: int) -> tuple[Fraction, Fraction] | None:
+    def _beside(self, special: Any, bits: int, budget: Budget) -> tuple[Fraction, Fraction] | None:
         """Over one rational x in each cell the signs are exact."""
-        for at in between(real_roots(special, bits)):
+        for at in between(real_roots(special, bits, budget)):
             here = at_rational(self.curve, at)
             others = [(at_rational(p, at), op) for p, op in self.given]
             wanted = at_rational(self.goal[0], at), self.goal[1]
-            for root in real_roots(square_free(here), bits):
+            for root in real_roots(square_free(here), bits, budget):
                 with precision(bits):
                     if all(true(_sign(p(root)), op) for p, op in others) and not true(_sign(wanted[0](root)), wanted[1]):
                         middle = root.mid().fmpq()
                         return at, fraction(middle)
         return None
 
-    def _above(self, special: Any, bits: int, deadline: float) -> tuple[Fraction, Fraction] | None:
+    def _above(self, special: Any, bits: int, budget: Budget) -> tuple[Fraction, Fraction] | None:
         """Over the roots of the projection: balls on the whole line above each."""
         slopes = (self.curve.derivative(0), self.curve.derivative(1))
         strict = all(op in (">", "!=") for _, op in self.given)
-        for root in real_roots(special, bits):
+        for root in real_roots(special, bits, budget):
             with precision(bits):
                 line = _columns(self.curve, root)
                 if line[-1].contains(0):
@@ -149,8 +147,7 @@ class _Component:
                 end = 2.0 ** math.ceil(math.log2(float(bound.upper())) + 0.01)
                 queue, narrowest = [(flint.arb(0), end)], end / 2.0 ** (bits // 3)
                 while queue:
-                    if time.monotonic() > deadline:
-                        raise OpenError("time ran out")
+                    budget.spend(_SIGN * (len(above) + 4))
                     middle, half = queue.pop()
 
                     def on_box(poly: Any, middle: Any = middle, half: float = half) -> Any:

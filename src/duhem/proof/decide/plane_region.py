@@ -7,7 +7,6 @@ vanishes nowhere in the region as well, which is a question along the curve wher
 
 from __future__ import annotations
 
-import time
 from fractions import Fraction
 from itertools import combinations
 
@@ -16,6 +15,7 @@ import sympy as sp
 
 from duhem.expression.number import rational
 from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, projection, true
+from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.plane_curve import by_plane
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.question import Answer
@@ -28,7 +28,7 @@ _METHOD = "plane-cells"
 _BITS = 256
 
 
-def by_region(system: System, seconds: float = 5.0) -> Answer:
+def by_region(system: System, budget: Budget) -> Answer:
     """Decide a question in two variables without equations among the hypotheses; ``holds`` None for any other."""
     used = variables(system)
     op = system.goal.op
@@ -38,16 +38,15 @@ def by_region(system: System, seconds: float = 5.0) -> Answer:
     polys = Integral(x, y)
     given = [(polys(r.poly), r.op) for r in system.given]
     goal = polys(system.goal.poly)
-    deadline = time.monotonic() + seconds
     try:
-        point = _violation(given, goal, deadline)
-    except (DegenerateError, OpenError) as fault:
+        point = _violation(given, goal, budget)
+    except (DegenerateError, OpenError, SpentError) as fault:
         return Answer(None, _METHOD, reason=str(fault) or "degenerate")
     if point is not None:
         return Answer(False, _METHOD, point={s: rational(v) for s, v in zip((x, y), point, strict=True)})
     if op == ">":
         zero = (*system.given, Relation(system.goal.poly, "=="))
-        return by_plane(System(Relation(sp.S.NegativeOne, ">"), zero, (), system.variables, None), seconds)
+        return by_plane(System(Relation(sp.S.NegativeOne, ">"), zero, (), system.variables, None), budget)
     return Answer(True, _METHOD)
 
 
@@ -70,7 +69,7 @@ def _dense(given: tuple[Relation, ...]) -> bool:
     return all(low[x] < high[x] for x in low.keys() & high.keys())
 
 
-def _violation(given: list[tuple[Poly, str]], goal: Poly, deadline: float) -> tuple[Fraction, Fraction] | None:
+def _violation(given: list[tuple[Poly, str]], goal: Poly, budget: Budget) -> tuple[Fraction, Fraction] | None:
     """A point inside a cell where the hypotheses hold and the goal is negative."""
     factors: list[Poly] = []
     for poly in (*(p for p, _ in given), goal):
@@ -78,15 +77,13 @@ def _violation(given: list[tuple[Poly, str]], goal: Poly, deadline: float) -> tu
             factors += [f for f, _ in poly.factor()[1] if f not in factors]
     upright = [f for f in factors if f.degrees()[1] == 0]
     curves = [f for f in factors if f.degrees()[1] > 0]
-    special = projection(curves, combinations(curves, 2), upright)
-    for x in between(real_roots(special, _BITS)):
-        if time.monotonic() > deadline:
-            raise OpenError("time ran out")
+    special = projection(curves, combinations(curves, 2), budget, upright)
+    for x in between(real_roots(special, _BITS, budget)):
         product = flint.fmpz_poly([1])
         for curve in curves:
             product *= at_rational(curve, x)
         conditions, wanted = [(at_rational(p, x), op) for p, op in given], at_rational(goal, x)
-        for y in between(real_roots(product, _BITS)):
+        for y in between(real_roots(product, _BITS, budget)):
             at = flint.fmpq(y.numerator, y.denominator)
             if wanted(at) < 0 and all(true(_sign(p(at)), ">" if op == ">=" else op) for p, op in conditions):
                 return x, y

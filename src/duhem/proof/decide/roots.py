@@ -8,6 +8,7 @@ from typing import Any
 
 from duhem.expression.balls import precision
 from duhem.expression.number import fraction
+from duhem.proof.decide.budget import Budget
 
 __all__ = ["between", "real_roots", "square_free"]
 
@@ -18,10 +19,11 @@ def square_free(poly: Any) -> Any:
     return poly if common.degree() <= 0 else poly // common
 
 
-def real_roots(poly: Any, bits: int) -> list[Any]:
+def real_roots(poly: Any, bits: int, budget: Budget) -> list[Any]:
     """Disjoint balls in ascending order, one real root of a square-free polynomial in each and none left out."""
     if poly.degree() <= 0:
         return []
+    budget.spend(10 + poly.degree() ** 2 * (bits + 100) // 25)
     with precision(bits):
         # Real roots come with an imaginary part that is exactly 0; the others keep clear of the real line.
         found = [root.real for root, _ in poly.complex_roots() if root.imag == 0]

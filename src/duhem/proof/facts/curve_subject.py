@@ -16,7 +16,7 @@ from duhem.expression.vocabulary import Where
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.parameter_domain import simple_points
-from duhem.proof.decide import Answer, Question, Sense
+from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
 from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, normals
 from duhem.proof.facts.parameter_choices import Values, rationals
@@ -24,7 +24,7 @@ from duhem.proof.facts.subject import Subject
 
 __all__ = ["CurveSubject"]
 
-_CURVE_SECONDS = 8.0
+_QUESTION_STEPS = 4_000_000
 _MOST_VARIABLES = 6  # a question with more, radicals included, is beyond the deciders
 
 
@@ -33,8 +33,8 @@ class CurveSubject(Subject):
 
     law: ParametricCriterion
 
-    def __init__(self, law: ParametricCriterion, question_seconds: float = 2.0) -> None:
-        super().__init__(question_seconds)
+    def __init__(self, law: ParametricCriterion, effort: Fraction = EFFORTS["normal"]) -> None:
+        super().__init__(_QUESTION_STEPS, effort)
         self.law = law
         self.cosine, self.sine = sp.Dummy("cos", real=True), sp.Dummy("sin", real=True)
         self._signs: dict[Quantity, str | None] = {}
@@ -190,7 +190,11 @@ class CurveSubject(Subject):
         """How often the flow turns, where it is one field for all parameters."""
         if self.flow is None or any(x.free_symbols & set(self.free) for x in self.flow):
             return None
-        return NumericCurve(self.flow, None, self.cosine, self.sine, self.seconds(_CURVE_SECONDS)).winding(lambda j: j.boundary[0], 0)
+        return NumericCurve(self.flow, None, self.cosine, self.sine, self._share()).winding(lambda j: j.boundary[0], 0)
+
+    def _share(self) -> Budget:
+        """For one look around the curve: half of what is left."""
+        return self.budget.part(self.budget.left // 2)
 
     # -- one choice of parameters --------------------------------------------------------------------------------
 
@@ -199,7 +203,7 @@ class CurveSubject(Subject):
         exact = rationals(values)
         boundary = [x.xreplace(exact) for x in self.boundary]
         flow = None if self.flow is None else [x.xreplace(exact) for x in self.flow]
-        return NumericCurve(boundary, flow, self.cosine, self.sine, self.seconds(_CURVE_SECONDS))
+        return NumericCurve(boundary, flow, self.cosine, self.sine, self._share())
 
     def choices(self, most: int) -> Iterator[Values]:
         """Exact values of the free parameters inside the domain: the plainest first, then at random over decades."""

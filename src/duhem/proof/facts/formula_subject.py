@@ -17,7 +17,7 @@ from duhem.expression.branches import Branch, TooManyBranchesError, branches, th
 from duhem.expression.number import fraction
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
-from duhem.proof.decide import Answer, Question, Sense
+from duhem.proof.decide import EFFORTS, Answer, Question, Sense
 from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, plain_choices, rationals
 from duhem.proof.facts.subject import Subject
@@ -27,14 +27,16 @@ from duhem.proof.statement.star import Star, star_form
 
 __all__ = ["FormulaSubject"]
 
+_QUESTION_STEPS = 8_000_000
+
 
 class FormulaSubject(Subject):
     """``problem`` is the law as stated, ``simple`` an equivalent slice of it (see :class:`duhem.proof.statement.problem.Problem`)."""
 
     law: Criterion
 
-    def __init__(self, law: Criterion, question_seconds: float = 4.0) -> None:
-        super().__init__(question_seconds)
+    def __init__(self, law: Criterion, effort: Fraction = EFFORTS["normal"]) -> None:
+        super().__init__(_QUESTION_STEPS, effort)
         self.law = law
 
     @cached_property

@@ -6,7 +6,6 @@ rounding.  Angles are in units of pi, from -1 to 1.  Where a kink (abs, pos, ...
 
 from __future__ import annotations
 
-import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ import sympy as sp
 
 from duhem.expression.ball_series import compiled, derivatives
 from duhem.expression.balls import ball, certain_sign
+from duhem.proof.decide import Budget
 
 __all__ = ["Ball", "CurveJet", "Greatest", "NumericCurve", "Span", "Vector", "cross", "dot", "normals"]
 
@@ -26,6 +26,7 @@ Ball = Any
 Vector = tuple[Any, Any]
 Span = tuple[Fraction, Fraction]
 _TURN: Span = (Fraction(-1), Fraction(1))
+_NODE = 8  # steps of each node of the formulas over an arc
 _MOST, _NARROWEST = 8192, Fraction(1, 2**40)  # how many arcs are looked at, and how narrow ones, before a question is left open
 
 
@@ -62,10 +63,11 @@ class NumericCurve:
     """
 
     def __init__(
-        self, boundary: Sequence[sp.Expr], flow: Sequence[sp.Expr] | None, cosine: sp.Symbol, sine: sp.Symbol, seconds: float = 8.0
+        self, boundary: Sequence[sp.Expr], flow: Sequence[sp.Expr] | None, cosine: sp.Symbol, sine: sp.Symbol, budget: Budget
     ) -> None:
         self._run = compiled([*boundary, *(flow or ())], (cosine, sine))
-        self._deadline = time.monotonic() + seconds
+        self._budget = budget
+        self._price = _NODE * sum(1 for x in (*boundary, *(flow or ())) for _ in sp.preorder_traversal(x))
 
     def over(self, span: Span, order: int) -> CurveJet:
         """Boundary and flow with derivatives up to ``order``, over the arc."""
@@ -103,7 +105,7 @@ class NumericCurve:
         return True
 
     def _spent(self, span: Span, looked: int) -> bool:
-        return looked > _MOST or span[1] - span[0] < _NARROWEST or time.monotonic() > self._deadline
+        return looked > _MOST or span[1] - span[0] < _NARROWEST or not self._budget.pays(self._price)
 
     def winding(self, vector: Callable[[CurveJet], Vector], order: int) -> int | None:
         """How often a vector that never vanishes turns around 0 while the angle runs once; None if that stays open.
@@ -137,7 +139,7 @@ class NumericCurve:
         while queue:
             kept: list[tuple[Span, Ball]] = []
             for span in queue:
-                if time.monotonic() > self._deadline:
+                if not self._budget.pays(self._price):
                     return found
                 middle = (span[0] + span[1]) / 2
                 here, over = quantity(self.over((middle, middle), order)), quantity(self.over(span, order))

@@ -1,15 +1,15 @@
-"""A law under examination: what is derived from it, each form once, within a time allowance that the verification renews."""
+"""A law under examination: what is derived from it, each form once, within steps that the verification renews."""
 
 from __future__ import annotations
 
-import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from functools import wraps
 from typing import Any, TypeVar
 
 from duhem.law.curve_law import Law
-from duhem.proof.decide import Answer, Question, decide
+from duhem.proof.decide import Answer, Budget, Question, decide
 from duhem.proof.facts.parameter_choices import Values
 
 __all__ = ["Subject", "fact"]
@@ -20,34 +20,25 @@ class Subject(ABC):
 
     law: Law
 
-    def __init__(self, question_seconds: float) -> None:
-        self._question_seconds = question_seconds
-        self._deadline = float("inf")
+    def __init__(self, question_steps: int, effort: Fraction) -> None:
+        self._question_steps, self._effort = int(question_steps * effort), effort
+        self.allow(2 * question_steps)
         self._answers: dict[Question, Answer] = {}
         self.known: dict[object, Any] = {}  # kept by `fact`, which knows the types
 
-    def allow(self, seconds: float) -> None:
-        """What is asked from now on shares this many seconds; what comes after is left open."""
-        self._deadline = time.monotonic() + seconds
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether the time allowed has run out."""
-        return time.monotonic() >= self._deadline
-
-    def seconds(self, most: float) -> float:
-        """What is left of the time allowed, at most ``most``."""
-        return min(most, self._deadline - time.monotonic())
+    def allow(self, steps: int) -> None:
+        """What is asked from now on shares this many steps, times the effort; what comes after is left open."""
+        self.budget = Budget(int(steps * self._effort))
 
     def decided(self, question: Question) -> Answer:
-        """The deciders' answer; one that leaves the question open is not kept."""
-        known = self._answers.get(question)
-        if known is not None and known.holds is not None:
+        """The deciders' answer; where it leaves the question open, it is kept if all the steps of a question were to be had."""
+        if (known := self._answers.get(question)) is not None:
             return known
-        seconds = self.seconds(self._question_seconds)
-        if seconds <= 0:
-            return Answer(None, reason="the claim's time ran out")
-        answer = self._answers[question] = decide(question, seconds)
+        part = self.budget.part(self._question_steps)
+        whole = part.left == self._question_steps
+        answer = decide(question, part)
+        if answer.holds is not None or whole:
+            self._answers[question] = answer
         return answer
 
     def may_prove(self, claim: str) -> bool:
@@ -64,7 +55,7 @@ T = TypeVar("T")
 
 
 def fact(derive: Callable[[S], T]) -> Callable[[S], T]:
-    """A derived form, made at most once for a subject; None says that it was not found in time, and is asked for again."""
+    """A derived form, made at most once for a subject; None says that it was not found within the budget, and is asked for again."""
 
     @wraps(derive)
     def once(subject: S) -> T:

@@ -8,7 +8,7 @@ import sympy as sp
 
 from duhem.expression import Norm
 from duhem.expression.text import formula
-from duhem.proof.decide import Question, Sense, decide
+from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
@@ -96,7 +96,7 @@ def _regular_about_its_centre(subject: FormulaSubject) -> tuple[str, Proof | Non
     problem = subject.problem
     centre = dict(zip(problem.forces, support.centre, strict=True))
     value = subject.law.g.xreplace(centre).xreplace(problem.compressed)
-    if decide(Question(-value, Sense.POSITIVE, problem.given)).holds is not True:
+    if subject.decided(Question(-value, Sense.POSITIVE, problem.given)).holds is not True:
         return None
     inside = {x.name: formula(c) for x, c in centre.items()}
     return f"because g is convex and negative at ({', '.join(inside.values())})", Proof("composition", {"inside": inside})

@@ -28,8 +28,6 @@ def normality(subject: CurveSubject) -> Evidence | None:
     from duhem.proof.search.curve_angles import half_tangent, targets  # numpy, only when something is looked for
 
     for values in subject.choices(12):
-        if subject.exhausted:
-            return None
         if not subject.simple_at(values) or not _deviates(subject, values):
             continue
         curve = subject.at(values)

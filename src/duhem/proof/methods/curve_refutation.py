@@ -19,8 +19,6 @@ __all__ = ["convexity", "dissipation", "normality_of_a_dent", "origin"]
 def origin(subject: CurveSubject) -> Evidence | None:
     """The curve does not meet 0 and does not wind around it."""
     for values in subject.choices(12):
-        if subject.exhausted:
-            return None
         if (witness := origin_outside(subject, values)) is not None:
             return Evidence(Verdict.REFUTED, "winding (interval)", "zero force is outside K", witness)
     return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 
 from duhem.expression.text import formula
-from duhem.proof.decide import Question, Sense, decide
+from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.definedness import met_for_all
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.statement.obligations import obligations
@@ -26,7 +26,7 @@ def duality(subject: FormulaSubject) -> Evidence | None:
     if not all(met_for_all(subject, subject.problem, o) for o in asked):
         return None
     for needed in found.requires:
-        if decide(Question(sp.sympify(needed).xreplace(swap), Sense.POSITIVE, subject.problem.given)).holds is not True:
+        if subject.decided(Question(sp.sympify(needed).xreplace(swap), Sense.POSITIVE, subject.problem.given)).holds is not True:
             return None
     slips = {f: x.name for f, x in zip(subject.law.forces, found.rates, strict=True)}
     told = {"potential": formula(found.potential), "slips": slips, "flat": [formula(form) for form in found.domain]}

@@ -28,7 +28,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     exprs = [p.expr for p in pieces] + [s for p in pieces for s in p.signs]
     if not all(e.is_polynomial(*forces) and sp.Poly(e, *forces).total_degree() <= 1 for e in exprs):
         return None
-    space = Affine(forces, 2.0)
+    space = Affine(forces, subject.budget)
     faces: dict[sp.Expr, None] = {}
     for piece in pieces:
         if not piece.expr.free_symbols:

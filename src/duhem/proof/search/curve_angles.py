@@ -21,6 +21,7 @@ __all__ = ["Dent", "dents", "half_tangent", "least_powers", "targets"]
 _ANGLES = 720
 _STEPS = (40, 20, 10, 5, 2, 1)  # half the width of a dent, in samples
 _BITS = 256
+_CHOICE = 10_000  # steps of the samples at one choice of parameters and the exact looks at what they suggest
 Array = NDArray[np.float64]
 
 
@@ -67,7 +68,7 @@ def targets(subject: CurveSubject, values: Values, angle: float) -> Iterator[Fra
 def _sampled(subject: CurveSubject, most: int) -> Iterator[tuple[Values, _Samples]]:
     formulas = _Formulas(subject)
     for values in subject.choices(most):
-        if subject.exhausted:
+        if not subject.budget.pays(_CHOICE):
             return
         yield values, formulas.at(values)
 

@@ -69,8 +69,6 @@ def kink_chords(subject: FormulaSubject, most: int = 12) -> Iterator[Chord]:
     """Chords across seams where the tangents of the two branches of the boundary point out of K (two forces)."""
     for parameters in subject.choices(most):
         for crossing in crossings(subject, parameters, 80):
-            if subject.exhausted:
-                return
             yield from _across(subject, parameters, crossing)
 
 

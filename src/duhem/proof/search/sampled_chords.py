@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import compiled
@@ -22,13 +23,15 @@ __all__ = ["sampled_chords"]
 
 Array = NDArray[np.float64]
 _ANGLES, _SECTIONS = 720, 24
+_SECTION, _NODE = 10_000, 1_200  # steps of a section, and of each node of the formula over its points
 _RADII = 10.0 ** np.linspace(-6, 6, 144)
 
 
 def sampled_chords(subject: FormulaSubject, most: int = 40) -> Iterator[Chord]:
-    """Chords worth an exact look, one choice of parameters after the other while time lasts."""
+    """Chords worth an exact look, one choice of parameters after the other while steps are left."""
+    price = _sections(len(subject.simple.forces)) * (_SECTION + _NODE * sum(1 for _ in sp.preorder_traversal(subject.simple.g)))
     for parameters in subject.choices(most):
-        if subject.exhausted:
+        if not subject.budget.pays(price):
             return
         yield from _in_choice(subject, parameters)
 
@@ -72,7 +75,7 @@ def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array, Array, 
     d = len(centre)
     yield from _random_pairs(value, d)
     rng = np.random.default_rng(4)
-    for section in range(1 if d <= 2 else _SECTIONS):
+    for section in range(_sections(d)):
         if d == 1:
             directions = np.array([[1.0], [-1.0]])
         else:
@@ -80,6 +83,11 @@ def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array, Array, 
             frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
             directions = np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1])
         yield from _along_rays(value, centre, directions)
+
+
+def _sections(d: int) -> int:
+    """How many plane sections of d forces are looked at."""
+    return 1 if d <= 2 else _SECTIONS
 
 
 def _random_pairs(value: Any, d: int) -> Iterator[tuple[Array, Array, Array, Array]]:

@@ -19,6 +19,7 @@ from duhem.proof.search.suggestion import Point
 __all__ = ["Crossing", "crossings"]
 
 _MOST = 16  # crossings of one seam
+_START = 8_000  # steps from one cell to a crossing, or to none
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Crossing:
 
 
 def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
-    """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain."""
+    """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain; while steps are left."""
     exact, forces = rationals(parameters), subject.simple.forces
     grid = _Grid(forces, subject.formula_at(parameters))
     for seam in seams(subject.pieces or ()):
@@ -44,6 +45,8 @@ def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> 
         for start in starts:
             if any(math.dist(map(float, point), start) < 0.1 * math.hypot(*start) for point in known):
                 continue  # a cell beside one that led here
+            if not subject.budget.pays(_START):
+                return
             if (point := _newton(system, jacobian, forces, start, digits)) is not None:
                 known.append(point)
                 yield Crossing(seam, point)
