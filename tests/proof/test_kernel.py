@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -21,6 +19,7 @@ from duhem.proof.kernel.certificate import CLAIMS
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
+from tests.campaigns.certificates import rechecked
 from tests.campaigns.tampering import tampering
 from tests.oracles import drawn_formulas
 from tests.proof.test_adversary import CLAIMS as LETTERS
@@ -238,7 +237,7 @@ def test_the_flagship_rests_on_the_kernel_alone(certificates: dict[str, dict[str
 def test_most_proofs_of_the_built_in_laws_are_confirmed(certificates: dict[str, dict[str, Any]]) -> None:
     proofs = [c["trust"] for made in certificates.values() for c in made["claims"] if c["verdict"] == "proved"]
     assert len(proofs) > 100
-    assert proofs.count("checked") >= 0.85 * len(proofs)
+    assert proofs.count("checked") >= 0.95 * len(proofs)
 
 
 @pytest.mark.slow
@@ -267,24 +266,9 @@ def test_a_fixed_law_is_certified_with_its_values() -> None:
     assert {c["trust"] for c in made["claims"] if c["claim"] != "duality"} == {"checked"}
 
 
-ALONE = """
-import sys
-for name in ("sympy", "z3", "flint", "numpy", "cvxpy", "mpmath", "scipy"):
-    sys.modules[name] = None
-import json
-from duhem.proof.kernel.certificate import recheck
-rows = recheck(json.load(sys.stdin))
-print(json.dumps([[r.claim, r.confirmed] for r in rows]))
-"""
-
-
 @pytest.mark.slow
 def test_the_kernel_needs_nothing_but_itself(certificates: dict[str, dict[str, Any]]) -> None:
-    for name in ("antoni2007", "superellipse", "limacon"):
-        made = certificates[name]
-        done = subprocess.run([sys.executable, "-c", ALONE], input=json.dumps(made), capture_output=True, text=True, timeout=60)
-        assert done.returncode == 0, done.stderr
-        found = dict(json.loads(done.stdout))
+    for made, found in zip(certificates.values(), rechecked(list(certificates.values())), strict=True):
         assert {c["claim"] for c in made["claims"] if c["trust"] == "checked"} == {c for c, holds in found.items() if holds}
 
 
