@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import re
+from fractions import Fraction
+
 import pytest
+import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, Verdict, verify
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.parameter_choices import rationals
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
 
 
-def law(g: str, forces: tuple[str, ...] = ("a", "b"), flow: tuple[str, ...] | None = None, **parameters: Domain) -> Criterion:
-    return Criterion(name="law", g=g, forces=forces, pressure="p" if "p" in g else None, flow=flow, parameters=parameters)
+def law(
+    g: str,
+    forces: tuple[str, ...] = ("a", "b"),
+    flow: tuple[str, ...] | None = None,
+    constraints: tuple[str, ...] = (),
+    **parameters: Domain,
+) -> Criterion:
+    pressure = "p" if "(p)" in g else None
+    return Criterion(name="law", g=g, forces=forces, pressure=pressure, flow=flow, constraints=constraints, parameters=parameters)
 
 
 # -- one force ----------------------------------------------------------------------------------------------------------
@@ -69,3 +82,48 @@ def test_a_potential_that_divides_by_what_may_vanish_is_not_proved(g: str) -> No
     """At e = 0 the set is a strip or a band, and its support function infinite in one direction."""
     assert verify(law(g, e=Domain.between(0, 1)), claims=["duality"])["duality"].verdict is not PROVED
     assert verify(law(g, e=Domain.between("1/2", 1)), claims=["duality"])["duality"].verdict is PROVED
+
+
+# -- what was tested ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "constraints", [("e < m", "m < e + 1e-6"), ("3*e <= 2*m", "2*m <= 3*e"), ("m**2 < 2*e**2", "2*e**2 < m**2 + 1e-9")]
+)
+def test_parameters_are_drawn_inside_thin_constraints(constraints: tuple[str, ...]) -> None:
+    unit = Domain.between(0, 1)
+    subject = FormulaSubject(law("norm(a, b) - e*tanh(a) - m", constraints=constraints, e=unit, m=unit))
+    drawn = list(subject.choices(8))
+    e = subject.law.symbols()["e"]
+    assert len({values[e] for values in drawn}) >= 6
+    assert max(values[e] for values in drawn) > Fraction(1, 4)
+    assert all(c.subs(rationals(values)) == sp.true for c in subject.law.constraints for values in drawn)
+
+
+def test_sampling_says_what_it_looked_at() -> None:
+    found = verify(law("abs(a) + a**2*b**2*tanh(b) - b"), claims=["dissipation"])["dissipation"]
+    assert found.verdict is Verdict.TESTED
+    assert re.match(r"no violation at \d\d+ boundary points of 1 parameter choice ", found.detail)  # 0 is an apex of K
+
+
+def test_without_a_boundary_point_nothing_was_tested() -> None:
+    found = verify(law("tanh(a**2)*cos(a) + 1", ("a",)), claims=["convexity", "dissipation"])
+    assert {r.verdict for r in found.results} == {Verdict.UNDECIDED}
+
+
+# -- ends of the run ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "g",
+    [
+        "abs(a**3 - b) + exp(exp(exp(a/10)*b)) - 3",  # Newton's method leaps to where no number can be written out
+        "max(norm(a, b) - 1, norm(a, b)*log(1 - abs(p)))",
+        "norm(a, b) - sqrt(1 - abs(p))",
+        "max(norm(a, b) - 1, 1/(a*b))",
+        "max(where(a > 1, 1, -1), where(b > 1, 1, -1))",
+    ],
+)
+def test_no_formula_ends_the_run(g: str) -> None:
+    claims = ["smoothness"] if "exp" in g else ["origin", "convexity", "smoothness"]
+    assert not [r for r in verify(law(g), claims=claims).results if r.claim == "smoothness" and r.verdict is PROVED]

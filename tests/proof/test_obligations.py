@@ -26,6 +26,8 @@ def law(g: str, forces: tuple[str, ...] = ("a", "b"), flow: tuple[str, ...] | No
         ("norm(a, b) - 1 + 0/(exp(q) - 1)", UNIT, r"divides by exp\(q\) - 1, which is 0 at q = 0"),
         ("norm(a, b) - 2**(1/q)", UNIT, "divides by q, which is 0 at q = 0"),
         ("norm(a, b) - 1 - q**(q - 1/2)", UNIT, "takes a power of q, which is 0 at q = 0"),
+        ("norm(a, b) - 1 - abs(tan(2*q))", UNIT, r"divides by cos\(2\*q\), which is 0 somewhere between q = "),
+        ("norm(a, b) - 1/(q**2 - 1/2)", UNIT, r"divides by q\*\*2 - 1/2, which is 0 somewhere between q = "),
         ("where(q > 1/2, norm(a, b), norm(a, b)/q) - 1", UNIT, "divides by q, which is 0 at q = 0"),
     ],
 )

@@ -21,6 +21,8 @@ from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
 __all__ = ["compiled", "constant", "digits", "evaluate", "number", "table"]
 
+_MOST_BITS = 4096  # before the point, of what stands under an exponential or a wave
+
 
 def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> Any:
     """The formula at a point as an ``mpf``, computed with ``dps`` decimal digits (not all of them correct).
@@ -86,9 +88,18 @@ def table(context: Any) -> Table[Any]:
     def power(_: Any, base: Any, exponent: Any) -> Any:
         if base == 0 and exponent < 0:
             return context.inf
-        if base < 0 and not context.isint(exponent):
+        if (base < 0 and not context.isint(exponent)) or beyond(exponent):
             return nan
         return base**exponent
+
+    def beyond(x: Any) -> bool:  # exp of exp of exp: mpmath would write out every digit before the point
+        return bool(context.mag(x) > _MOST_BITS)
+
+    def exponential(_: Any, x: Any) -> Any:
+        return context.exp(x) if not beyond(x) else context.inf if x > 0 else zero
+
+    def wave(f: Callable[[Any], Any]) -> Callable[..., Any]:
+        return lambda _, x: nan if beyond(x) else f(x)
 
     def total(_: Any, *x: Any) -> Any:
         return reduce(operator.add, x)
@@ -110,12 +121,12 @@ def table(context: Any) -> Table[Any]:
         sp.Mul: lambda _, *x: reduce(operator.mul, x),
         sp.Pow: power,
         sp.Abs: lambda _, x: abs(x),
-        sp.exp: lambda _, x: context.exp(x),
+        sp.exp: exponential,
         sp.log: lambda _, x: nan if x < 0 else context.log(x),
-        sp.sin: lambda _, x: context.sin(x),
-        sp.cos: lambda _, x: context.cos(x),
-        sp.tan: lambda _, x: context.tan(x),
-        sp.tanh: lambda _, x: context.tanh(x),
+        sp.sin: wave(context.sin),
+        sp.cos: wave(context.cos),
+        sp.tan: wave(context.tan),
+        sp.tanh: lambda _, x: context.sign(x) if beyond(x) else context.tanh(x),
         sp.atan: lambda _, x: context.atan(x),
         sp.Min: least,
         sp.Max: greatest,

@@ -48,7 +48,10 @@ def _everywhere(subject: Subject, problem: Problem, obligation: Obligation) -> b
     own = tuple(r for r in problem.given if r.free_symbols & symbols)
     if alone and not _plain(obligation):
         names = tuple(x for x in problem.parameters if x in symbols.union(*(r.free_symbols for r in own)))
-        _check(problem, obligation, own, map(rationals, islice(plain_choices(names, own), _MOST_POINTS)))
+        tried = map(rationals, islice(plain_choices(names, own), _MOST_POINTS))
+        points = [point for point in tried if all(r.subs(point) == sp.true for r in own)]
+        _check(problem, obligation, own, points)
+        _check_between(problem, obligation, points)
     answer = _answer(subject, problem, obligation)
     if alone and answer.holds is False and answer.point is not None:
         _check(problem, obligation, problem.given, [dict(answer.point)])
@@ -68,6 +71,22 @@ def _check(problem: Problem, obligation: Obligation, given: tuple[sp.Basic, ...]
             at = ", ".join(f"{x} = {point[x]}" for x in problem.parameters if x in obligation.symbols())
             fault = "0" if obligation.expr.subs(point).is_zero else "negative"
             what = f"g {obligation.does} {formula(obligation.expr)}, which is {fault} at {at}"
+            raise InputError(what, where=problem.law.name, remedy=_REMEDY)
+
+
+def _check_between(problem: Problem, obligation: Obligation, points: Iterable[Point]) -> None:
+    """A divisor of both signs over a product of intervals is 0 in between."""
+    symbols = obligation.symbols()
+    if obligation.sense is not Sense.ZERO or obligation.given or any(c.free_symbols & symbols for c in problem.law.constraints):
+        return
+    above: Point | None = None
+    below: Point | None = None
+    for point in points:
+        value = obligation.expr.subs(point)
+        above, below = point if value.is_positive else above, point if value.is_negative else below
+        if above is not None and below is not None:
+            ends = " and ".join(", ".join(f"{x} = {end[x]}" for x in problem.parameters if x in symbols) for end in (above, below))
+            what = f"g {obligation.does} {formula(obligation.expr)}, which is 0 somewhere between {ends}"
             raise InputError(what, where=problem.law.name, remedy=_REMEDY)
 
 

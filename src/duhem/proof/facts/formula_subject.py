@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from itertools import combinations, islice
+from itertools import chain, combinations, count, islice
 from typing import Any
 
 import sympy as sp
@@ -14,12 +14,12 @@ from duhem.derivation.potential import SupportFunction
 from duhem.derivation.support_function import support_function
 from duhem.expression import Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
-from duhem.expression.number import fraction
+from duhem.expression.number import fraction, rational
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Question, Sense
 from duhem.proof.facts.definedness import met_at_zero, open_obligations
-from duhem.proof.facts.parameter_choices import Values, plain_choices, rationals
+from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.obligations import Obligation, obligations
 from duhem.proof.statement.problem import Problem, state
@@ -127,20 +127,62 @@ class FormulaSubject(Subject):
         return positive and all(relation.subs(exact) in (sp.true, True) for relation in self.problem.given)
 
     def choices(self, most: int, hints: Sequence[Mapping[sp.Symbol, Any]] = ()) -> Iterator[Values]:
-        """Exact parameter values inside the domain at which g is defined: hints first, then ``most`` others, the plainest first."""
-        free, zero = self.simple.parameters, (Fraction(0),) * len(self.simple.forces)
-        seen: set[tuple[Fraction, ...]] = set()
+        """Exact parameter values inside the domain at which g is defined: hints first, then ``most`` others, the plainest first.
 
-        def admitted(values: Values) -> bool:
-            key = tuple(values.values())
-            if key in seen or not self.admits(self.values_at(values, zero)) or self.formula_at(values).has(sp.nan, sp.zoo, sp.oo):
-                return False
-            seen.add(key)
-            return True
+        Where constraints leave few plain ones, the rest are found step by step from solutions of the constraints.
+        """
+        free = self.simple.parameters
+        hinted = [{x: fraction(hint[x]) for x in free} for hint in hints if all(x in hint for x in free)]
+        told = [values for values in hinted if self._admits_choice(values)]
+        yield from told
+        yield from (values for values in islice(self._admitted(), most) if values not in told)
 
-        hinted = ({x: fraction(hint[x]) for x in free} for hint in hints if all(x in hint for x in free))
-        yield from filter(admitted, hinted)
-        yield from islice(filter(admitted, plain_choices(free, self.simple.given)), most)
+    def _admitted(self) -> Iterator[Values]:
+        """Those without hints, each looked for once."""
+        known, rest = self._choices
+        for i in count():
+            if i == len(known):
+                if (found := next(rest, None)) is None:
+                    return
+                known.append(found)
+            yield known[i]
+
+    @cached_property
+    def _choices(self) -> tuple[list[Values], Iterator[Values]]:
+        return [], self._sought()
+
+    def _sought(self) -> Iterator[Values]:
+        free, seen = self.simple.parameters, set[tuple[Fraction, ...]]()
+        for values in chain(plain_choices(free, self.simple.given), self._in_constraints()):
+            if (key := tuple(values[x] for x in free)) not in seen:
+                seen.add(key)
+                if self._admits_choice(values):
+                    yield values
+
+    def _in_constraints(self) -> Iterator[Values]:
+        """Solutions of the constraints with each parameter high or low in its range, and what lies around them."""
+        free, given = self.simple.parameters, self.simple.given
+        tied = [x for x in free if any(x in r.free_symbols for r in given if len(r.free_symbols) > 1)]
+        if not tied:
+            return
+        starts = []
+        plain = next(plain_choices(free, tuple(r for r in given if len(r.free_symbols) == 1)))
+        halves = [half(x, rational(middle_of(x, given))) for x in tied for half in (sp.GreaterThan, sp.LessThan)]
+        for half in (sp.true, *halves):
+            point = self.ask(-sp.S.One, Sense.NONNEGATIVE, *(() if half == sp.true else (half,))).point or {}
+            values = {x: fraction(point[x]) if x in point else plain[x] for x in free}
+            if self._admits_choice(values) and values not in starts:
+                starts.append(values)
+        if starts:
+            yield from walk(starts, self._admits_choice)
+
+    def _admits_choice(self, values: Values) -> bool:
+        if not self.admits(self.values_at(values, (Fraction(0),) * len(self.simple.forces))):
+            return False
+        try:
+            return not self.formula_at(values).has(sp.nan, sp.zoo, sp.oo, sp.I)
+        except (ValueError, TypeError):  # SymPy compares something with nan
+            return False
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""

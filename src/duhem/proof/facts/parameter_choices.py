@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import product
+from itertools import combinations, product
 from math import prod
 
 import sympy as sp
 
 from duhem.expression.number import fraction, rational
 
-__all__ = ["Values", "plain_choices", "rationals"]
+__all__ = ["Values", "middle_of", "plain_choices", "rationals", "walk"]
 
 _SCALES = (Fraction(1), Fraction(1, 2), Fraction(2), Fraction(1, 10), Fraction(10), Fraction(1, 100), Fraction(100))
 _SHARES = (Fraction(0), Fraction(1), *(Fraction(k, 100) for k in (50, 1, 99, 25, 75, 90)))
@@ -39,13 +39,48 @@ def plain_choices(free: Sequence[sp.Symbol], given: Sequence[sp.Basic]) -> Itera
         yield dict(zip(free, combination, strict=True))
 
 
-def _grid(x: sp.Symbol, given: Sequence[sp.Basic]) -> list[Fraction]:
+def walk(starts: Sequence[Values], admits: Callable[[Values], bool], most: int = 200) -> Iterator[dict[sp.Symbol, Fraction]]:
+    """``starts``, what lies between two of them, and where random steps lead (fixed seed), as long as may be: inside however thin a set.
+
+    At most so many values are tried, those between two starts first.
+    """
+    yield from map(dict, starts)
+    for one, two in combinations(starts, 2):
+        middle = {x: (one[x] + two[x]) / 2 for x in one}
+        if admits(middle):
+            yield middle
+    rng = random.Random(8)
+    for here in map(dict, starts):
+        left = most // len(starts)
+        while left > 0:
+            way = {x: rng.choice((-1, 0, 1)) for x in here}
+            for k in range(0, 40, 4):
+                left -= 1
+                there = {x: value + max(abs(value), Fraction(1)) * way[x] / 2**k for x, value in here.items()}
+                if any(way.values()) and admits(there):
+                    here = there
+                    yield dict(here)
+                    break
+
+
+def middle_of(x: sp.Symbol, given: Sequence[sp.Basic]) -> Fraction:
+    """A value well inside the range of a symbol, by the relations that speak of it alone."""
+    low, high = _range(x, given)
+    return _grid(x, given)[2] if low is not None and high is not None else _grid(x, given)[0]
+
+
+def _range(x: sp.Symbol, given: Sequence[sp.Basic]) -> tuple[Fraction | None, Fraction | None]:
     low = high = None
     for relation in given:
         if getattr(relation, "gts", None) == x and relation.lts.is_Rational:
             low = fraction(relation.lts) if low is None else max(low, fraction(relation.lts))
         if getattr(relation, "lts", None) == x and relation.gts.is_Rational:
             high = fraction(relation.gts) if high is None else min(high, fraction(relation.gts))
+    return low, high
+
+
+def _grid(x: sp.Symbol, given: Sequence[sp.Basic]) -> list[Fraction]:
+    low, high = _range(x, given)
     if low is not None and high is not None:
         return [low + s * (high - low) for s in _SHARES]
     if low is None and high is None:

@@ -35,16 +35,24 @@ class BoundaryScout:
             directions = np.stack([np.cos(turn), np.sin(turn)], axis=1)
         else:
             directions = rng.standard_normal((_DIRECTIONS, d))
-        self.centre = self._centre(rng, d)
-        self.directions, self.low = self._ends(np.round(directions, 6))
+        rays = np.round(directions, 6)
+        self.centre = np.zeros(d) if self.value(np.zeros(d)) <= 0 else self._lowest(rng, d)
+        self.directions, self.low = self._ends(rays)
+        if not len(self.low) and self.centre is not None and not self.centre.any():  # 0 may be the apex of a cone
+            self.centre = self._lowest(rng, d)
+            self.directions, self.low = self._ends(rays)
         self.boundary = np.zeros((0, d)) if self.centre is None else self.centre + self.low[:, None] * self.directions
 
     def value(self, points: Any) -> Any:
         return self._g(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
 
-    def _centre(self, rng: np.random.Generator, d: int) -> Any:
-        if self.value(np.zeros(d)) <= 0:
-            return np.zeros(d)
+    @property
+    def found(self) -> int:
+        """How many different boundary points were found."""
+        return len(np.unique(np.round(self.boundary, 12), axis=0))
+
+    def _lowest(self, rng: np.random.Generator, d: int) -> Any:
+        """The point of K with the least g among random ones of many sizes."""
         points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-2, 2, (4000, 1))
         heights = self.value(points)
         best = points[int(np.argmin(np.where(np.isfinite(heights), heights, np.inf)))]
