@@ -36,6 +36,7 @@ def verdicts(verification):
     return [(r.claim, r.verdict, r.method, r.scope, r.detail, r.witness) for r in verification.results]
 
 
+@pytest.mark.slow
 def test_a_law_verifies_alike_in_another_process(pool, tmp_path):
     (tmp_path / "shifted.toml").write_text(FILE)
     for law in ("coulomb", duhem.load("radial-flow"), duhem.load(tmp_path / "shifted.toml"), known_here_only):

@@ -139,6 +139,7 @@ def test_reference_path_agrees_with_the_disk() -> None:
         assert max(abs(a - b) for a, b in zip(driven.stress[-1], expected, strict=True)) <= mpmath.mpf(10) ** -18
 
 
+@pytest.mark.slow
 def test_reference_path_agrees_with_collocation() -> None:
     """Across a seam of the quarter ellipses; the other way is Gauss collocation on the criterion as it is printed."""
     points = [[0.0, 0.0], [0.25, -0.05], [0.3, 0.15]]
@@ -250,6 +251,7 @@ def test_json_has_every_row_with_its_spread(increments: WorkPrecision) -> None:
             assert 0 < seconds["least"] <= seconds["median"] <= seconds["most"] and seconds["repeats"] == 2
 
 
+@pytest.mark.slow
 def test_path_errors_fall_with_the_order_of_the_integrator() -> None:
     law = coulomb()
     result = bench(law, scenes=("path",), repeats=1, steps=(64, 256))

@@ -136,6 +136,7 @@ def test_arguments(case: str, tmp_path: Path, complaint: Refused) -> None:
     refused_arguments(case, tmp_path, complaint)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", PROCESSES)
 def test_in_a_process_of_its_own(case: str, tmp_path: Path) -> None:
     (refused_file if case in FILES else refused_arguments)(case, tmp_path, complaint_of_a_process)

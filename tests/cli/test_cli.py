@@ -161,6 +161,7 @@ sys.exit(main())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for one process")
 @pytest.mark.parametrize("form", ["text", "json"])
 def test_ctrl_c_prints_what_was_decided(form: str) -> None:
@@ -235,6 +236,7 @@ def test_list_names_every_law(run: Run) -> None:
     assert tuple(line.split()[0] for line in out.splitlines()) == catalogue.names()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["text", "latex", "markdown"])
 def test_derive_prints_the_derivation(run: Run, form: str) -> None:
     code, out, _ = run("derive", "coulomb", "--format", form)
@@ -320,6 +322,7 @@ def test_completion_knows_the_laws_without_importing_sympy() -> None:
     assert done.stderr == "False\n"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="POSIX pipes")
 @pytest.mark.parametrize(("arguments", "code"), [(["list"], 0), (["verify", "box", "--claims", "smoothness"], 1)], ids=["list", "verify"])
 def test_a_reader_that_goes_away_changes_no_exit_code(arguments: list[str], code: int) -> None:

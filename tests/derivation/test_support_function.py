@@ -242,6 +242,7 @@ def test_a_potential_slightly_off_is_caught(name: str, factor: str) -> None:
     assert defects(law, replace(found, potential=found.potential * off))
 
 
+@pytest.mark.slow
 def test_swapped_coefficients_and_false_maximisers_are_caught() -> None:
     law = load("antoni2007")
     found = support_function(law)

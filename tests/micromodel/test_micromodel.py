@@ -208,6 +208,7 @@ def test_the_proved_statements_hold_at_exact_points(profile: dict[str, Fraction]
 # -- derivation -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_derivation_computes_what_it_prints(tmp_path: Path) -> None:
     derived = derivation.derive()
     at = {s: sp.Rational(EXACT[s.name]) for s in (*facets.SLOPE.values(), *facets.MU.values())}

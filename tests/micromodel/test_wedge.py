@@ -335,6 +335,7 @@ def run(*arguments: str) -> tuple[int, str]:
     return (done.return_value if done.exception is None else 2), done.output + str(done.exception or "")
 
 
+@pytest.mark.slow
 def test_verify_and_list_on_the_command_line() -> None:
     code, said = run("verify", "wedge", *SETTINGS, "--claims", "dissipation,normality", "--strict")
     assert code == 1 and "2.41905 degrees" in said

@@ -240,6 +240,7 @@ def test_where_k_is_one_point_every_slip_goes(
     assert (done.multiplier > 0).all() and np.isfinite(done.multiplier).all()
 
 
+@pytest.mark.slow
 def test_multipliers_where_k_is_one_point() -> None:
     """At the tip of a cone the dissipation potential at unit pressure; where g has no slope, the length of the slip."""
     trial = np.array([[0.3, -0.4], [-2.0, 30.0]])

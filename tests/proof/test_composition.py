@@ -120,6 +120,7 @@ def _samples(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> tuple[Any, Any, An
     return values[0], values[1], values[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_samples_do_not_contradict_the_rules(name: str) -> None:
     forces = _subject(name).simple.forces
@@ -135,6 +136,7 @@ def test_samples_do_not_contradict_the_rules(name: str) -> None:
         assert not facts.nonpositive or np.all(p <= slack), node
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_what_cvxpy_proves_is_not_refuted(name: str) -> None:
     """And what the composition method proves neither, by the search for chords."""

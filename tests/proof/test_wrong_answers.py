@@ -194,6 +194,7 @@ def test_even_powers_are_seen_positive(expr: sp.Expr) -> None:
     assert decide(Question(expr, Sense.POSITIVE, bounds)).holds is True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "expr", [x**2 - sp.Rational(1, 10**6), sp.exp(x) - 1, sp.exp(x**2) - 1 - sp.Rational(1, 10**6), sp.cos(x) - sp.Rational(999, 1000)]
 )

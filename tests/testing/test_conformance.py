@@ -46,6 +46,7 @@ def accepted(report: Report) -> None:
     assert report.flagged == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("check", checks_for("coulomb"))
 def test_one_test_a_check_as_a_user_writes_it(check: object) -> None:
     def update(trial: Array, pressure: Array, stiffness: Array, mu: float) -> Array:
@@ -153,6 +154,7 @@ def test_an_answer_now_and_then_is_judged() -> None:
 # -- how a failure is told ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_failure_says_what_where_and_how_to_see_it_again() -> None:
     with pytest.raises(AssertionError) as caught:
         assert_conforms("orthotropic", nothing, ELLIPSE, checks=["feasibility"], seconds=2.0)
@@ -170,6 +172,7 @@ def test_a_failure_is_shrunk() -> None:
     assert np.hypot(*case.trial[0]) == pytest.approx(0.6)  # twice as far as the boundary
 
 
+@pytest.mark.slow
 def test_the_reproducer_runs() -> None:
     (failure,) = conformance("orthotropic", nothing, ELLIPSE, checks=["feasibility"], max_examples=20, seconds=0.3).failures
     code = failure.reproducer().replace(f"from {__name__} import nothing as update", "update = lambda trial, pressure, stiffness: trial")

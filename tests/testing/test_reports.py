@@ -28,6 +28,7 @@ def found() -> Report:
     return report
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("copied", [pickled, copy.deepcopy], ids=["pickle", "deepcopy"])
 def test_a_copy_says_the_same(copied: Callable[[Report], Report]) -> None:
     report, back = found(), copied(found())
