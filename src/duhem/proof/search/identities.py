@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 from itertools import combinations, islice, product
-from math import comb
+from math import comb, lcm
 from typing import Any
 
 import sympy as sp
@@ -107,7 +107,7 @@ class _Classes:
             if c is stated[0] or not free or len(c.poly) > 1 or sum(base) != 1:
                 parities += differences if c.op == "==" else list(c.poly)
         null = sp.Matrix(gaps).nullspace() if gaps else []
-        weights = tuple(tuple(int(x) for x in v * sp.ilcm(*(sp.Rational(x).q for x in v))) for v in null)
+        weights = tuple(tuple(int(x) for x in v * lcm(*(int(sp.Rational(x).q) for x in v))) for v in null)
         flips = tuple(s for s in product((0, 1), repeat=n) if any(s) and all(_dot(s, m) % 2 == 0 for m in parities))
         return cls(weights, flips)
 
