@@ -152,24 +152,43 @@ from duhem.proof.verdict import Verdict
 
 def slow(law, parameters=None, claims=None, *, effort, on_claim):
     on_claim(verification.ClaimResult("origin", Verdict.PROVED, "by hand", "all parameters", 0.1, "made up", None))
+    work()
+
+def ready():
     print("ready", file=sys.stderr, flush=True)
+
+def sleep():
+    ready()
     time.sleep(60)
 
+def solve():
+    import sympy as sp, z3
+    from duhem.proof.decide import Budget
+    from duhem.proof.decide.polynomials import Relation, System
+    from duhem.proof.decide.smt import by_smt
+    names = x, y, z, w = sp.symbols("x y z w", real=True)
+    means = sp.expand((x**2 + y**2 + z**2 + w**2)**4 - 256*x**2*y**2*z**2*w**2 + x*y*z**3*w**3/1000)  # z3 takes minutes
+    check = z3.Solver.check
+    z3.Solver.check = lambda solver: [ready(), check(solver)][1]
+    by_smt(System(Relation(means, ">="), (), (), names, None), Budget(10**9))
+
+work = {"sleep": sleep, "solve": solve}[sys.argv[1]]
 verification.verify = slow
-sys.argv = ["duhem", "verify", "coulomb", *sys.argv[1:]]
+sys.argv = ["duhem", "verify", "coulomb", *sys.argv[2:]]
 sys.exit(main())
 """
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for one process")
-@pytest.mark.parametrize("form", ["text", "json"])
-def test_ctrl_c_prints_what_was_decided(form: str) -> None:
+@pytest.mark.parametrize(("work", "form"), [("sleep", "text"), ("sleep", "json"), ("solve", "text")])
+def test_ctrl_c_prints_what_was_decided(work: str, form: str) -> None:
     with subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTED, "--format", form], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [sys.executable, "-c", INTERRUPTED, work, "--format", form], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
         assert process.stderr is not None
         assert process.stderr.readline() == "ready\n"
+        time.sleep(0.5)  # by now z3 is at work
         start = time.monotonic()
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
