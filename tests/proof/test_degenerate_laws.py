@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
+from typing import Any
 
 import pytest
 import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, Verdict, verify
+from duhem.proof.claims import Claim
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import rationals
+from duhem.proof.report_text import complete
+from duhem.proof.verdict import Evidence
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
 
@@ -82,6 +86,57 @@ def test_a_potential_that_divides_by_what_may_vanish_is_not_proved(g: str) -> No
     """At e = 0 the set is a strip or a band, and its support function infinite in one direction."""
     assert verify(law(g, e=Domain.between(0, 1)), claims=["duality"])["duality"].verdict is not PROVED
     assert verify(law(g, e=Domain.between("1/2", 1)), claims=["duality"])["duality"].verdict is PROVED
+
+
+# -- sets that are hardly what was meant --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("g", "said", "vacuous"),
+    [
+        ("norm(a, b) - m*p", "K is empty: g > 0 for all forces (p <= 0 in compression: write abs(p))", True),
+        ("norm(a, b) + m*abs(p)", "K is empty: g > 0 for all forces", True),
+        ("-m - a**2 - b**2", "K is everything: g <= 0 for all forces", True),
+        ("m*norm(a, b)", "K is the point 0: g > 0 elsewhere", True),
+        ("m*(a - b)**2", "K is a line without inside", True),
+        ("(a - 1)**2 + m*b**2", "K has no inside: g >= 0 for all forces", False),
+        ("abs(a - b) - m*abs(p)", "K is unbounded: g does not change along 1 direction of the forces", False),
+        ("abs(a) - m*b", "K is unbounded: g <= 0 at a = 0, b = t for all t > 0", False),
+        ("norm(a, b) - abs(p)", "g does not depend on m", False),
+        ("norm(a, b) - a/a - m", "g may be undefined for some forces: it divides by a; ", False),
+    ],
+)
+def test_an_odd_law_is_named_first(g: str, said: str, vacuous: bool) -> None:
+    stated = Criterion(name="law", g=g, forces=("a", "b"), pressure="p" if "p" in g else None, parameters={"m": POSITIVE})
+    found = verify(stated, claims=["origin", "dissipation"])
+    assert found.remarks[0].startswith(said) and (said.endswith("; ") or found.remarks[0] == said)
+    assert found.vacuous is vacuous
+    assert found.dissipative is not True or not vacuous
+    assert not vacuous or "dissipative: vacuous" in complete(found)
+
+
+def test_an_ordinary_law_is_not_called_odd() -> None:
+    for name in ("antoni2007", "quartic"):
+        found = verify(name, claims=["origin"])
+        assert not found.vacuous and not [r for r in found.remarks if r.startswith(("K ", "g "))]
+    for g in ("norm(q*a, b) - 1", "norm(a, b) - q"):  # odd at q = 0 alone
+        assert not [r for r in verify(law(g, q=Domain.between(0, 1)), claims=["origin"]).remarks if r.startswith("K ")]
+
+
+def test_a_proof_that_a_refuter_disagrees_with_is_a_defect(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A prover that lies: what rests on it is not proved either, and the report says that something is wrong."""
+    astroid = law("sqrt(abs(a)) + sqrt(abs(b)) - 1")
+    honest = Claim.examine
+
+    def lying(self: Claim, subject: Any, settled: Any) -> Evidence:
+        return Evidence(PROVED, "spoilt", "") if self.name == "convexity" else honest(self, subject, settled)
+
+    monkeypatch.setattr(Claim, "examine", lying)
+    found = verify(astroid, claims=["convexity", "normality"])
+    assert found["convexity"].verdict is Verdict.UNDECIDED and found["convexity"].trust is None
+    assert "spoilt proved it and witness-chord refutes it" in found["convexity"].detail
+    assert found["normality"].verdict is not PROVED
+    assert found.remarks[0].startswith("convexity: spoilt proved it")
 
 
 # -- what was tested ----------------------------------------------------------------------------------------------------

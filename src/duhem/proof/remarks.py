@@ -1,20 +1,23 @@
-"""What is said beside the verdicts: what each ranges over, which parts a law does not need, what holds with an exception."""
+"""What is said beside the verdicts: what each ranges over, which parts a law does not need, what is odd about it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 import sympy as sp
 
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.left_out import LeftOut
+from duhem.proof.facts.extent import extent
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
 from duhem.proof.facts.subject import Subject
-from duhem.proof.verdict import Verdict
+from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
-__all__ = ["not_needed", "remarks", "scope"]
+__all__ = ["not_needed", "remarks", "scope", "vacuous"]
+
+_STEPS = 8_000_000  # for what is asked here and in no claim
 
 
 def scope(law: Law, verdict: Verdict) -> str:
@@ -42,19 +45,46 @@ def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
         yield LeftOut("numerical search", "every examined claim was settled by proof")
 
 
-def remarks(subject: Subject) -> tuple[str, ...]:
-    """Statements often made of such laws that hold only with an exception."""
+def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[str, ...]:
+    """What a reader should know first: defects, what is odd about the law, and what holds of it with an exception."""
+    found = [f"{claim}: {evidence.detail}" for claim, evidence in settled.items() if evidence.method == CONTRADICTION]
     if not isinstance(subject, FormulaSubject):
-        return ()
+        return tuple(found)
+    subject.allow(_STEPS)
+    return (*found, *_oddities(subject), *_tips(subject))
+
+
+def _oddities(subject: FormulaSubject) -> Iterator[str]:
+    law = subject.law
+    if subject.doubtful:
+        first = subject.doubtful[0]
+        part = formula(_stated(subject, first.expr))
+        yield (
+            f"g may be undefined for some forces: it {first.does} {part}; where it is, the point is not in K, "
+            "and of such a formula nothing is proved"
+        )
+    if (odd := extent(subject)) is not None:
+        yield odd.what
+    used = law.g.free_symbols.union(*(c.free_symbols for c in law.flow or ()))
+    if unused := [name for name, x in law.symbols().items() if x not in used]:
+        yield f"g does not depend on {', '.join(unused)}"
+
+
+def vacuous(subject: Subject) -> bool:
+    """Whether K has no boundary point but 0, so that nothing is said when nothing is found to dissipate less than 0."""
+    return isinstance(subject, FormulaSubject) and (odd := extent(subject)) is not None and not odd.boundary
+
+
+def _tips(subject: FormulaSubject) -> Iterator[str]:
     problem, law = subject.problem, subject.law
     facts = regularity(problem.g, subject)
     tips = sorted({formula(_stated(subject, tip)) for tip in facts.tips}) if facts.known and not facts.kinks else []
     if not tips:
-        return ()
-    at_zero = problem.g.xreplace(dict.fromkeys(problem.forces, sp.S.Zero))
+        return
+    certain = subject.at_origin is not None and subject.at_origin.is_negative
     place = f"where {', '.join(tips)} = 0"
-    inside = "; that point is inside K for sigma_n < 0, so the boundary is not touched" if law.pressure and at_zero.is_negative else ""
-    return (f"'g is differentiable' holds with one exception: not {place}{inside}",)
+    inside = "; that point is inside K for sigma_n < 0, so the boundary is not touched" if law.pressure and certain else ""
+    yield f"'g is differentiable' holds with one exception: not {place}{inside}"
 
 
 def _stated(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:

@@ -124,7 +124,10 @@ def _conclusion(verification: Verification, page: Page) -> Iterator[str]:
     found = {r.claim: r for r in verification.results}
     yield "Conclusion"
     yield from page.item(_answer("generalized standard", verification.generalized_standard, found, _STANDARD))
-    yield from page.item(_answer("dissipative", verification.dissipative, found, ("dissipation",)))
+    if verification.vacuous:
+        yield from page.item("dissipative: vacuous (no boundary point at which anything could slip: see the remarks)")
+    else:
+        yield from page.item(_answer("dissipative", verification.dissipative, found, ("dissipation",)))
 
 
 def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], claims: Sequence[str]) -> str:

@@ -54,6 +54,10 @@ class Confirmations:
         self.standings[claim] = found
         return found
 
+    def withdraw(self, claim: str) -> None:
+        """The proof turned out to be none."""
+        del self.standings[claim]
+
     def _confirmed(self, claim: str, offered: Proof | None) -> Proof | None:
         if self._stated is None:
             return None

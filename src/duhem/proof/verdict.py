@@ -14,7 +14,10 @@ from typing import Any
 
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["Evidence", "Proof", "Trust", "Verdict", "Witness"]
+__all__ = ["CONTRADICTION", "Evidence", "Proof", "Trust", "Verdict", "Witness"]
+
+
+CONTRADICTION = "contradiction"  # the method of a claim that one method proved and another refutes
 
 
 class Verdict(StrEnum):

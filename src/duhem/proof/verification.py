@@ -22,7 +22,7 @@ from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
-from duhem.proof.remarks import not_needed, remarks, scope
+from duhem.proof.remarks import not_needed, remarks, scope, vacuous
 from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
 from duhem.version import __version__
@@ -68,7 +68,8 @@ class ClaimResult:
 class Verification:
     """Everything found about ``criterion`` (with the asked parameters fixed).
 
-    ``rests_on`` holds the claims that were not asked for, and that those asked for rest on.
+    ``rests_on`` holds the claims that were not asked for, and that those asked for rest on.  ``vacuous`` where K has no boundary
+    point at which anything could dissipate: a remark says why.
     """
 
     criterion: Law
@@ -77,6 +78,7 @@ class Verification:
     remarks: tuple[str, ...]
     rests_on: tuple[ClaimResult, ...] = ()
     effort: str = "normal"
+    vacuous: bool = False
 
     def __getitem__(self, claim: str) -> ClaimResult:
         for result in self.results:
@@ -91,8 +93,9 @@ class Verification:
 
     @property
     def dissipative(self) -> bool | None:
-        """Dissipation proved; False if refuted; None if open or not asked."""
-        return self._together("dissipation")
+        """Dissipation proved; False if refuted; None if open, not asked or ``vacuous``."""
+        answer = self._together("dissipation")
+        return None if answer and self.vacuous else answer
 
     def _together(self, *claims: str) -> bool | None:
         verdicts = {r.claim: r.verdict for r in self.results}
@@ -146,6 +149,11 @@ def verify(
         with _alone():
             settled[name] = evidence = CLAIMS[name].examine(subject, settled)
             standing = confirmations.of(name, evidence, CLAIMS[name].needs)
+            doubted = standing is not None and standing.trust is not Trust.CHECKED
+            if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:
+                settled[name] = evidence = against
+                standing = None
+                confirmations.withdraw(name)
         seconds = time.perf_counter() - start
         found = ClaimResult(
             name,
@@ -166,8 +174,8 @@ def verify(
         *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in wanted),
     )
     with _alone():
-        said = remarks(subject)
-    return Verification(criterion, tuple(results[True]), parts, said, tuple(results[False]), effort)
+        said, empty = remarks(subject, settled), vacuous(subject)
+    return Verification(criterion, tuple(results[True]), parts, said, tuple(results[False]), effort, empty)
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from duhem.proof.facts.subject import Subject
-from duhem.proof.verdict import Evidence, Verdict
+from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["Claim", "Consequence", "ProofMethod"]
 
@@ -44,6 +44,7 @@ class Claim:
     """``methods`` try in order, each on the kind of law it takes; ``needs`` names the claims to be settled before.
 
     ``steps`` is what its methods may cost, whatever other claims cost; what is then still open stays undecided.
+    ``refuters`` are the cheap ones among its methods; they look after a proof too where nobody else has confirmed it.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Claim:
     methods: tuple[ProofMethod[Any] | Consequence[Any], ...]
     needs: tuple[str, ...] = ()
     steps: int = 16_000_000
+    refuters: tuple[ProofMethod[Any], ...] = ()
 
     def examine(self, subject: Subject, settled: Settled) -> Evidence:
         """The first answer, or ``undecided`` when every method passed."""
@@ -61,3 +63,16 @@ class Claim:
             if found is not None and (found.verdict is not Verdict.PROVED or subject.may_prove(self.name)):
                 return found
         return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its budget of steps")
+
+    def contradiction(self, subject: Subject, settled: Settled) -> Evidence | None:
+        """What is left of a proof that a refuter disagrees with: one of the two is wrong, and who reads it is told so."""
+        subject.allow(self.steps)
+        for method in self.refuters:
+            found = method.answer(subject, settled)
+            if found is not None and found.witness is not None:
+                where = {**found.witness.parameters, **{role: dict(point) for role, point in found.witness.points.items()}}
+                detail = (
+                    f"{settled[self.name].method} proved it and {found.method} refutes it at {where}: a defect of duhem, please report it"
+                )
+                return Evidence(Verdict.UNDECIDED, CONTRADICTION, detail)
+        return None

@@ -33,4 +33,8 @@ boundary points that the curve does not wind around.""",
         ProofMethod(CurveSubject, curve_signs.convexity),
         ProofMethod(CurveSubject, curve_refutation.convexity),
     ),
+    refuters=(
+        ProofMethod(FormulaSubject, chords.convexity_by_scouting),
+        ProofMethod(FormulaSubject, chords.convexity_at_seams),
+    ),
 )

@@ -35,4 +35,5 @@ For a boundary curve T with flow d it is the sign of T . d all around, in balls 
         ProofMethod(CurveSubject, curve_refutation.dissipation),
     ),
     needs=("origin", "normality"),
+    refuters=(ProofMethod(FormulaSubject, flow.dissipation_refuted),),
 )

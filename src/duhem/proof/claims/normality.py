@@ -39,4 +39,5 @@ boundary points at exact angles show the violation.""",
         ProofMethod(CurveSubject, curve_refutation.normality_of_a_dent),
     ),
     needs=("convexity",),
+    refuters=(ProofMethod(FormulaSubject, flow.normality_refuted),),
 )

@@ -22,4 +22,5 @@ balls, or T . d > 0, so that T turns as often as the flow d does.""",
         ProofMethod(CurveSubject, curve_signs.origin),
         ProofMethod(CurveSubject, curve_refutation.origin),
     ),
+    refuters=(ProofMethod(FormulaSubject, evaluation.origin_refuted),),
 )

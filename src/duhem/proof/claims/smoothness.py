@@ -22,4 +22,5 @@ A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in 
         ProofMethod(FormulaSubject, implicit.smoothness),
         ProofMethod(CurveSubject, curve_signs.smoothness),
     ),
+    refuters=(ProofMethod(FormulaSubject, corners.smoothness),),
 )

@@ -56,7 +56,8 @@ class FormulaSubject(Subject):
 
     def check_defined(self) -> None:
         """Raise InputError where g is undefined for admitted parameter values, whatever the forces."""
-        _ = self.doubtful
+        self.allow(4 * self._question_steps)
+        _ = self.doubtful, self.at_origin
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
