@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -11,6 +11,7 @@ from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
 from duhem.proof.kernel.homogeneity import grows_along_rays
+from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.piecewise import polyhedra
 from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
@@ -33,9 +34,31 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     needed, check = rules[claim, rule]
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
+    reasons = set[str]()
+    try:
+        for form in _forms(law):
+            reasons.add(_objection(rule, check, form, evidence))
+            if "" in reasons:
+                return ""
+    except _UNREADABLE:
+        pass  # there is no simpler form
+    return max(reasons)
+
+
+def _forms(law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
+    """The law as written; with the same K, the same boundary and a simpler g, if there is one."""
+    yield law
+    if isinstance(law, StatedLaw) and (simpler := without_outer_map(law)) != law:
+        yield simpler
+
+
+_UNREADABLE = (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+
+
+def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
     try:
         return "" if check(law, evidence) else f"the rule {rule!r} does not show it"
-    except (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as fault:
+    except _UNREADABLE as fault:
         return f"its evidence cannot be read ({type(fault).__name__})"
 
 

@@ -60,7 +60,7 @@ def facts(term: Term, domain: StatedDomain) -> Facts:
         if plain is not term:  # its value is simpler; what must be defined is what was written
             known = replace(facts(plain, domain), defined=known.defined)
         if domain.constant(term):
-            sign = _sharpened(term, domain) if term.op in ("+", "*") and known.sign not in (NEGATIVE, ZERO, POSITIVE) else ANY
+            sign = _sharpened(term, domain) if term.op in ("+", "*", "name") and known.sign not in (NEGATIVE, ZERO, POSITIVE) else ANY
             known = Facts(known.defined, known.sign & sign, True, True, True)
         domain.shown[term] = known
     found: Facts = domain.shown[term]

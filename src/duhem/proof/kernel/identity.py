@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from duhem.proof.kernel.domain import StatedDomain
+from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.term import Term, number, product_of, sum_of
+from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = ["multiplied_out", "value", "vanishes", "written"]
 
@@ -42,11 +43,18 @@ def written(poly: Polynomial) -> Term:
 
 def _root(x: Term, domain: StatedDomain) -> tuple[Term, Fraction] | None:
     """(y, e) where x = y**e, y >= 0 unless e is whole; a size is the root of a square, a norm that of a sum of squares."""
-    if x.op == "**" and (e := value(x.args[1], domain)) is not None:
-        return x.args[0], e
     if x.op in ("abs", "norm"):
         return sum_of(*(product_of(a, a) for a in x.args)), Fraction(1, 2)
-    return None
+    if x.op != "**" or (e := value(x.args[1], domain)) is None:
+        return None
+    y = x.args[0]
+    if y.op == "**" and (k := value(y.args[1], domain)) is not None:  # (z**k)**e is z**(k e) for z >= 0
+        sign = facts(y.args[0], domain).sign
+        if not sign & NEGATIVE:
+            return y.args[0], k * e
+        if not sign & POSITIVE and k % 2 == 0:
+            return minus(y.args[0]), k * e
+    return y, e
 
 
 def _undone(x: Term, n: int, domain: StatedDomain) -> bool:
@@ -54,8 +62,8 @@ def _undone(x: Term, n: int, domain: StatedDomain) -> bool:
     found = _root(x, domain)
     if found is None:
         return False
-    _, e = found
-    plain = x.op != "**" or x.args[1].op == "number"
+    y, e = found
+    plain = x.op != "**" or x.args == (y, number(e))
     return not plain or e < 0 or (e.denominator > 1 and not (e.numerator == 1 and 0 <= n < e.denominator))
 
 

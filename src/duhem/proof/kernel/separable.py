@@ -32,7 +32,30 @@ def supports_separable(
     dual, radius = dict(zip(forces, slips, strict=True)), minus(still)
     if not set(forces) <= gauge.names() or facts(radius, domain).sign != POSITIVE or not vanishes(offset, domain):
         return False
+    gauge, radius = _with_root(gauge, radius, domain)
     return _polar(gauge, other, radius, dual, domain)
+
+
+def _with_root(gauge: Term, radius: Term, domain: StatedDomain) -> tuple[Term, Term]:
+    """{sum of c_i f_i^p <= R} as {(sum of (c_i^(1/p) f_i)^p)^(1/p) <= R^(1/p)}; anything else as it is."""
+    split = [[[f for f in factors(a) if domain.constant(f) is c] for c in (False, True)] for a in gauge.args]
+    if gauge.op != "+" or any([f.op for f in moving] != ["**"] for moving, _ in split):
+        return gauge, radius
+    p = split[0][0][0].args[1]
+    if facts(p, domain).sign != POSITIVE or not all(vanishes(sum_of(x.args[1], minus(p)), domain) for (x,), _ in split):
+        return gauge, radius
+    out = Term("**", (p, number(-1)))
+    parts = (product_of(_raised(product_of(*still), out, domain), x.args[0]) for (x,), still in split)
+    return Term("**", (Term("+", tuple(Term("**", (part, p)) for part in parts)), out)), _raised(radius, out, domain)
+
+
+def _raised(term: Term, power: Term, domain: StatedDomain) -> Term:
+    """A constant > 0 to a power, factor by factor where each is > 0."""
+    poly = domain.polynomial(term)
+    parts = [number(c) for c in poly.values() if c != 1] + [Term("**", (x, number(n))) for m in poly for x, n in m]
+    if len(poly) != 1 or not all(facts(part, domain).sign == POSITIVE for part in parts):
+        parts = [term]
+    return product_of(*(Term("**", (part, power)) for part in parts))
 
 
 def _parted(term: Term, where: Callable[[Term], bool]) -> tuple[Term, Term]:
