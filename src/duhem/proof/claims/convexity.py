@@ -10,22 +10,22 @@ CLAIM = Claim(
     statement="K(sigma_n) = {g <= 0} is convex for every sigma_n < 0",
     theory="""\
 The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex and its set is.  Methods, in order:
-composition (g is quasiconvex by the rules of disciplined convex programming); a quick look for a chord that leaves K;
+composition (g is quasiconvex by the rules of disciplined convex programming); sums of squares (v . Hess g v of a
+polynomial g, unless a polar form is at hand); a quick look for a chord that leaves K;
 polyhedra (K is the intersection of the half-spaces of its faces); polar form (for the gauge gamma of a star-shaped K in
 two forces, gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams included); chords across a dent or a kink so
-found; sums of squares (v . Hess g v of a polynomial g); implicit form (tangential second derivatives on the boundary);
-Hessian of g branch by branch.
+found; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
 boundary points that the curve does not wind around.""",
     methods=(
         ProofMethod(FormulaSubject, composition.convexity),
+        ProofMethod(FormulaSubject, convex_sums.convexity),
         ProofMethod(FormulaSubject, chords.convexity_by_scouting),
         ProofMethod(FormulaSubject, polyhedral.convexity),
         ProofMethod(FormulaSubject, polar.convexity),
         ProofMethod(FormulaSubject, chords.convexity_at_dents),
         ProofMethod(FormulaSubject, chords.convexity_at_seams),
-        ProofMethod(FormulaSubject, convex_sums.convexity),
         ProofMethod(FormulaSubject, implicit.convexity),
         ProofMethod(FormulaSubject, implicit.hessian),
         ProofMethod(FormulaSubject, chords.convexity_by_thorough_scouting),

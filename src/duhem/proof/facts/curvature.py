@@ -6,7 +6,7 @@ through increasing maps (Agrawal, Boyd 2020): a set {g <= 0} is convex when g is
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -48,9 +48,12 @@ class Curvature:
 _UNKNOWN = Curvature()
 
 
-def curvature(expr: sp.Expr, subject: FormulaSubject) -> Curvature:
-    """Facts about ``expr`` over the forces of the subject's simple problem, for every parameter of its domain."""
-    return _CurvatureRules(subject).of(expr)
+def curvature(expr: sp.Expr, subject: FormulaSubject, convex: Container[sp.Expr] = ()) -> Curvature:
+    """Facts about ``expr`` over the forces of the subject's simple problem, for every parameter of its domain.
+
+    The sums in ``convex`` are known to be convex, though not by these rules.
+    """
+    return _CurvatureRules(subject, convex).of(expr)
 
 
 def _used(*shapes: Curvature, rule: str = "") -> tuple[str, ...]:
@@ -58,8 +61,8 @@ def _used(*shapes: Curvature, rule: str = "") -> tuple[str, ...]:
 
 
 class _CurvatureRules:
-    def __init__(self, subject: FormulaSubject) -> None:
-        self.subject = subject
+    def __init__(self, subject: FormulaSubject, convex: Container[sp.Expr]) -> None:
+        self.subject, self.convex = subject, convex
         self.forces = set(subject.simple.forces)
         self.table: dict[type, Callable[..., Curvature]] = {
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Abs: self.absolute, sp.exp: self.exponential,
@@ -108,7 +111,9 @@ class _CurvatureRules:
             nonpositive=all(t.nonpositive for t in terms),
             rules=_used(*terms),
         )
-        if not convex and (form := self._quadratic(node)):
+        if not convex and node in self.convex:
+            facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule="a polynomial is convex by sums of squares"))
+        elif not convex and (form := self._quadratic(node)):
             facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule=form))
         return self.signed(node, facts)
 

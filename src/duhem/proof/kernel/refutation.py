@@ -6,21 +6,22 @@ A product of conditions h > 0, plus sums of squares times products of conditions
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
 from typing import Any
 
 from duhem.proof.kernel.curvature import facts
-from duhem.proof.kernel.domain import Bounds, StatedDomain, exact
+from duhem.proof.kernel.domain import ANY, POSITIVE, ZERO, Sign, StatedDomain, exact
 from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, sum_of
+from duhem.proof.kernel.term import NotWritten, parse
 
 __all__ = ["Condition", "Identity", "shown"]
 
 Condition = tuple[Polynomial, str]  # and how it stands to 0: ">", ">=" or "=="
 Identity = Mapping[str, Any]
 _GOAL = "the goal"  # no formula: it names what is to be refuted
+_ENOUGH = {">": ((">",), POSITIVE), ">=": ((">", ">="), POSITIVE | ZERO), "==": (("==",), ZERO)}  # conditions, or signs
 
 
 def shown(poly: Polynomial, sense: str, given: Mapping[str, Condition], identities: Sequence[Identity], domain: StatedDomain) -> bool:
@@ -30,55 +31,40 @@ def shown(poly: Polynomial, sense: str, given: Mapping[str, Condition], identiti
 
 
 def _refuted(conditions: Mapping[str, Condition], identity: Identity, domain: StatedDomain) -> bool:
-    """Whether the conditions and those of the domain cannot hold together, the identity being checked.
+    """Whether the conditions cannot hold together anywhere in the domain, the identity being checked.
 
-    It speaks of a condition by its name in ``conditions`` or by its formula: ``strict`` lists those of the first product;
-    each of ``sums`` those it is multiplied by (``times``), the formulas ``of`` its squares and their ``gram`` matrix; each
-    of ``multiples`` what is 0 (``of``) and the formula it is multiplied ``by``.
+    It speaks of a condition by its name in ``conditions`` or by its formula; formulas whose sign the domain shows are
+    conditions too.  ``strict`` lists those of the first product; each of ``sums`` those it is multiplied by (``times``), the
+    formulas ``of`` its squares and their ``gram`` matrix; each of ``multiples`` what is 0 (``of``) and the formula ``by``
+    which it is multiplied.
     """
-    stated = [*conditions.values(), *_of_domain(domain)]
 
-    def condition(text: str, *ops: str) -> Polynomial:
-        poly = conditions[text][0] if text in conditions else _read(text, domain)
-        if not any(own == poly and op in ops for own, op in stated):
-            raise NotWritten(f"{text} is no condition")
+    def condition(text: str, op: str) -> Polynomial:
+        poly, sign = (conditions[text][0], ANY) if text in conditions else _read(text, domain)
+        ops, signs = _ENOUGH[op]
+        if not any(own == poly and stands in ops for own, stands in conditions.values()) and (not sign or sign & ~signs):
+            raise NotWritten(f"{text} {op} 0 is no condition")
         return poly
 
     parts = [reduce(times, (condition(text, ">") for text in identity["strict"]), ONE)]
     for entry in identity["sums"]:
-        squares = [_read(text, domain) for text in entry["of"]]
+        squares = [_read(text, domain)[0] for text in entry["of"]]
         gram = [[exact(x) for x in row] for row in entry["gram"]]
         if len(gram) != len(squares) or not _positive_semidefinite(gram):
             return False
         rows = (total(*(times({(): x}, z) for x, z in zip(row, squares, strict=True))) for row in gram)
         form = total(*(times(z, row) for z, row in zip(squares, rows, strict=True)))
-        parts.append(reduce(times, (condition(text, ">", ">=") for text in entry["times"]), form))
-    parts += [times(condition(entry["of"], "=="), _read(entry["by"], domain)) for entry in identity["multiples"]]
+        parts.append(reduce(times, (condition(text, ">=") for text in entry["times"]), form))
+    parts += [times(condition(entry["of"], "=="), _read(entry["by"], domain)[0]) for entry in identity["multiples"]]
     return not total(*parts)
 
 
-def _of_domain(domain: StatedDomain) -> Iterator[Condition]:
-    """What the parameters and the pressure satisfy."""
-    law = domain.law
-    ranges = {**law.parameters, **({law.pressure: Bounds(None, Fraction(0))} if law.pressure else {})}
-    for name, (low, high, away) in ranges.items():
-        x = Term("name", name=name)
-        if low is not None:
-            yield domain.polynomial(sum_of(x, number(-low))), ">" if away else ">="
-        if high is not None:
-            yield domain.polynomial(sum_of(number(high), minus(x))), ">" if name == law.pressure else ">="
-    for c in law.constraints:
-        gap = sum_of(c.args[0], minus(c.args[1]))
-        if facts(gap, domain).defined:
-            yield domain.polynomial(gap if c.op[0] == ">" else minus(gap)), c.op.replace("<", ">")
-
-
-def _read(text: str, domain: StatedDomain) -> Polynomial:
-    """A formula that is defined everywhere."""
-    term = parse(text)
-    if not facts(term, domain).defined:
+def _read(text: str, domain: StatedDomain) -> tuple[Polynomial, Sign]:
+    """A formula that is defined everywhere, and the signs it may have."""
+    known = facts(term := parse(text), domain)
+    if not known.defined:
         raise NotWritten(f"{text} is not defined everywhere")
-    return domain.polynomial(term)
+    return domain.polynomial(term), known.sign
 
 
 def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:

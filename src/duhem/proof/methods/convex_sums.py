@@ -6,6 +6,7 @@ solver and are made exact: what proves it is an identity of fractions.
 
 from __future__ import annotations
 
+from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_identities import convex_sums, directions
 from duhem.proof.verdict import Evidence, Proof, Verdict
@@ -14,9 +15,16 @@ __all__ = ["convexity"]
 
 
 def convexity(subject: FormulaSubject) -> Evidence | None:
-    """K is convex if g is a convex polynomial in the forces."""
-    law = subject.law
-    if (known := convex_sums(subject).get(law.g.subs(law.settled()))) is None:
+    """K is convex if g is quasiconvex by composition, polynomials in it being convex by sums of squares.
+
+    Where the polar form applies it says more, dents included; where forces drop out of the simple problem it is not the stated law.
+    """
+    law, forces = subject.law, subject.law.force_symbols()
+    if set(forces) != set(subject.simple.forces) or (len(forces) == 2 and subject.star is not None) or not (sums := convex_sums(subject)):
         return None
-    proof = Proof("composition", {"directions": directions(law), "convex sums": [known]})
-    return Evidence(Verdict.PROVED, "sos-convexity", "g is convex: v . Hess g v is a sum of squares, exactly", proof=proof)
+    shape = curvature(law.g.subs(law.settled()), subject, sums)
+    if not shape.quasiconvex:
+        return None
+    kind = "convex" if shape.convex else "quasiconvex"
+    proof = Proof("composition", {"directions": directions(law), "convex sums": list(sums.values())})
+    return Evidence(Verdict.PROVED, "sos-convexity", f"g is {kind}: " + "; ".join(shape.rules), proof=proof)

@@ -6,16 +6,18 @@ They speak of the law as stated, not of an equivalent slice of it.  Where the fo
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
-from duhem.expression.text import formula
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
-from duhem.proof.search.identities import Condition, identity
+from duhem.proof.search.identities import Condition, identity, text
+from duhem.proof.search.squares import Polynomial
 
 __all__ = ["convex_sums", "directions", "inward", "outward"]
 
@@ -27,46 +29,48 @@ Identities = tuple[Mapping[str, Any], ...]
 @fact
 def outward(subject: FormulaSubject) -> Identities:
     """For every piece of g, why force . flow > 0 (>= 0 for a flow of the law's own) wherever it is 0; none where one is missing."""
-    law, found = subject.law, list[Mapping[str, Any]]()
+    forms, law, found = _Forms.of(subject.law), subject.law, list[Mapping[str, Any]]()
+    sense = ">=" if law.flow is None else ">"
     by_formula: dict[sp.Basic, list[Branch]] = {}
-    for branch in _pieces(sp.Tuple(_settled(law, law.g), *(_settled(law, d) for d in law.flow or ()))):
+    for branch in _pieces(sp.Tuple(forms.settled(law.g), *(forms.settled(d) for d in law.flow or ()))):
         by_formula.setdefault(branch.expr, []).append(branch)
     for (g, *flow), where in by_formula.items():
-        power = _along(law.force_symbols(), flow or [sp.diff(g, x) for x in law.force_symbols()])
-        goal, given = Condition(_GOAL, -power, ">" if flow else ">="), [Condition(_BOUNDARY, g, "=="), *_domain(law)]
-        if (anywhere := identity(goal, given)) is not None:  # as if the piece were g everywhere
-            found.append(anywhere)
+        boundary, components = forms.form(g), [forms.form(d) for d in flow]
+        if boundary is None or None in components:
+            return ()
+        power = forms.along(forms.forces, components or [boundary.diff(x) for x in forms.forces])
+        known = forms.refuted(-power, sense, {_BOUNDARY: boundary})  # as if the piece were g everywhere
+        if known is not None:
+            found.append(known)
             continue
         for branch in where:
-            if not branch.signs or (here := identity(goal, [*_sides(branch), *given])) is None:
+            sides = [forms.form(sign * switch) for switch, sign in branch.signs.items()]
+            if not sides or None in sides or (known := forms.refuted(-power, sense, {_BOUNDARY: boundary}, sides)) is None:
                 return ()
-            found.append(here)
+            found.append(known)
     return tuple(found)
 
 
 @fact
 def inward(subject: FormulaSubject) -> Identities:
     """Why the second derivative of g along every tangent is >= 0 on the boundary; none where that was not found."""
-    law, forces = subject.law, subject.law.force_symbols()
-    g, v = _settled(law, law.g), _components(law)
-    if not g.is_polynomial(*forces):
+    forms = _Forms.of(subject.law)
+    if (g := forms.form(forms.settled(subject.law.g))) is None:
         return ()
-    tangent = _along(v, [sp.diff(g, x) for x in forces])
-    given = [Condition(_BOUNDARY, g, "=="), Condition(_TANGENT, tangent, "=="), *_domain(law)]
-    known = identity(Condition(_GOAL, -_along(v, [sp.diff(tangent, x) for x in forces]), ">"), given)
+    tangent, bend = forms.derivatives(g)
+    known = forms.refuted(-bend, ">", {_BOUNDARY: g, _TANGENT: tangent})
     return () if known is None else (known,)
 
 
 @fact
 def convex_sums(subject: FormulaSubject) -> Mapping[sp.Expr, Mapping[str, Any]]:
-    """The sums in g that are convex polynomials in the forces though no composition, each with its identity."""
-    law, forces, v = subject.law, subject.law.force_symbols(), _components(subject.law)
-    found = {}
-    for f in sorted(_settled(law, law.g).atoms(sp.Add), key=sp.default_sort_key):
-        if not f.is_polynomial(*forces) or sp.Poly(f, *forces).total_degree() < 2 or sp.Poly(f, *forces).length() > _MOST_MONOMIALS:
-            continue
-        bend = _along(v, [sp.diff(_along(v, [sp.diff(f, x) for x in forces]), x) for x in forces])
-        if (known := identity(Condition(_GOAL, -bend, ">"), _domain(law))) is not None:
+    """The sums in g that are convex polynomials in the forces, though perhaps no composition, each with its identity."""
+    forms, found = _Forms.of(subject.law), {}
+    for f in sorted(forms.settled(subject.law.g).atoms(sp.Add), key=sp.default_sort_key):
+        if (form := forms.form(f)) is None or len(form.terms()) > _MOST_MONOMIALS or _degree(form, forms) % 2:
+            continue  # of odd degree it is convex only if it is affine
+        _, bend = forms.derivatives(form)
+        if not bend.is_zero and (known := forms.refuted(-bend, ">", {})) is not None:
             found[f] = known
     return found
 
@@ -79,10 +83,6 @@ def directions(law: Criterion) -> list[str]:
     return [prefix + x for x in law.forces]
 
 
-def _settled(law: Criterion, expr: sp.Expr) -> sp.Expr:
-    return expr.subs(law.settled())
-
-
 def _pieces(expr: sp.Basic) -> Sequence[Branch]:
     try:
         return thick(branches(expr, _MOST_PIECES))
@@ -90,28 +90,75 @@ def _pieces(expr: sp.Basic) -> Sequence[Branch]:
         return ()
 
 
-def _along(v: Sequence[sp.Expr], gradient: Sequence[sp.Expr]) -> sp.Expr:
-    return sp.Add(*(x * d for x, d in zip(v, gradient, strict=True)))
+@dataclass(frozen=True)
+class _Forms:
+    """A law's formulas as polynomials in ``generators``: forces, components of a direction, then pressure and free parameters.
+
+    A positive parameter that divides stands there as 1/x.
+    """
+
+    law: Criterion
+    forces: tuple[sp.Symbol, ...]
+    generators: tuple[sp.Expr, ...]
+
+    @classmethod
+    def of(cls, law: Criterion) -> _Forms:
+        table, forces = law.symbols(), law.force_symbols()
+        free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
+        divisors = {p.base for p in law.g.atoms(sp.Pow) if p.exp.is_negative and p.base.is_positive}
+        rest = [*([table[law.pressure]] if law.pressure else []), *(1 / x if x in divisors else x for x in free)]
+        return cls(law, forces, (*forces, *(sp.Symbol(name, real=True) for name in directions(law)), *rest))
+
+    def settled(self, expr: sp.Expr) -> sp.Expr:
+        """With the fixed parameters put in place."""
+        return expr.subs(self.law.settled())
+
+    def form(self, expr: sp.Expr) -> sp.Poly | None:
+        """As a polynomial; None where it is none with rational coefficients."""
+        poly = sp.Poly(expr, *self.generators) if expr.is_polynomial(*self.forces) else None
+        return poly if poly is not None and poly.get_domain() in (sp.ZZ, sp.QQ) else None
+
+    def along(self, v: Sequence[sp.Symbol], components: Sequence[sp.Poly | None]) -> sp.Poly:
+        """Their scalar product."""
+        zero = sp.Poly(0, *self.generators)
+        return sum((sp.Poly(x, *self.generators) * d for x, d in zip(v, components, strict=True)), zero)
+
+    def derivatives(self, f: sp.Poly) -> tuple[sp.Poly, sp.Poly]:
+        """v . grad f and v . Hess f v."""
+        v = self.generators[len(self.forces) : 2 * len(self.forces)]
+        first = self.along(v, [f.diff(x) for x in self.forces])
+        return first, self.along(v, [first.diff(x) for x in self.forces])
+
+    def refuted(
+        self, goal: sp.Poly, op: str, zero: Mapping[str, sp.Poly], sides: Sequence[sp.Poly | None] = ()
+    ) -> Mapping[str, Any] | None:
+        """Why ``goal`` is never ``op`` 0 in the law's domain where ``zero`` is 0 and ``sides`` are >= 0."""
+        names = [x.name if x.is_Symbol else f"(1/{(1 / x).name})" for x in self.generators]
+        bounds = [*((side, ">=") for side in sides), *((self.form(gap), op) for gap, op in self._domain())]
+        given = [Condition(name, _terms(poly), "==") for name, poly in zero.items()]
+        given += [Condition(text(_terms(poly), names), _terms(poly), op) for poly, op in bounds if poly is not None]
+        return identity(names, Condition(_GOAL, _terms(goal), op), given)
+
+    def _domain(self) -> Iterator[tuple[sp.Expr, str]]:
+        """What is > 0 or >= 0 of the pressure and the free parameters."""
+        for x in self.generators[2 * len(self.forces) :]:
+            if x.is_nonpositive or x.is_positive:
+                yield (x, ">") if x.is_positive else (-x, ">")
+        for name, domain in self.law.parameters.items():
+            x = self.law.symbols()[name]
+            if domain.value is None and x in self.generators:
+                if domain.low is not None and not (x.is_positive and domain.low == 0):
+                    yield x - domain.low, ">="
+                if domain.high is not None:
+                    yield domain.high - x, ">="
+        for c in self.law.constraints:
+            yield c.gts - c.lts, ">" if isinstance(c, sp.StrictGreaterThan | sp.StrictLessThan) else ">="
 
 
-def _components(law: Criterion) -> list[sp.Symbol]:
-    return [sp.Symbol(name, real=True) for name in directions(law)]
+def _degree(poly: sp.Poly, forms: _Forms) -> int:
+    """In the forces."""
+    return max(sum(m[: len(forms.forces)]) for m in poly.monoms())
 
 
-def _sides(branch: Branch) -> Iterator[Condition]:
-    for switch, sign in branch.signs.items():
-        yield Condition(formula(sign * switch), sign * switch, ">=")
-
-
-def _domain(law: Criterion) -> list[Condition]:
-    """What the parameters and the pressure satisfy, as the kernel has it."""
-    table, found = law.symbols(), []
-    if law.pressure is not None:
-        found.append((-table[law.pressure], ">"))
-    for name, domain in law.parameters.items():
-        x = table[name]
-        if domain.value is None:
-            found += [(x, ">")] if domain.positive else [] if domain.low is None else [(x - domain.low, ">=")]
-            found += [] if domain.high is None else [(domain.high - x, ">=")]
-    found += [(c.gts - c.lts, ">" if isinstance(c, sp.StrictGreaterThan | sp.StrictLessThan) else ">=") for c in law.constraints]
-    return [Condition(formula(poly), poly, op) for poly, op in found]
+def _terms(poly: sp.Poly) -> Polynomial:
+    return {tuple(map(int, m)): Fraction(int(c.p), int(c.q)) for m, c in poly.terms() if c}

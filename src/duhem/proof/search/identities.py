@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 from itertools import combinations, islice, product
-from math import comb, lcm
+from math import comb
 from typing import Any
-
-import sympy as sp
 
 from duhem.proof.search.squares import Balance, Block, Exponents, Multiples, Polynomial, balanced, times
 
-__all__ = ["Condition", "identity"]
+__all__ = ["Condition", "identity", "text"]
 
 _ONE = Fraction(1)
 _MOST_TERMS = 20_000  # that a block may be chosen from
@@ -31,33 +29,33 @@ class Condition:
     """``poly`` ``op`` 0, with op one of ">", ">=", "=="; ``name`` is how the checker is told of it."""
 
     name: str
-    poly: sp.Expr
-    op: str
-
-
-@dataclass(frozen=True)
-class _Stated:
-    """A condition as a polynomial in the variables."""
-
-    name: str
     poly: Polynomial
     op: str
 
     @property
     def degree(self) -> int:
+        """The greatest of a term."""
         return max(map(sum, self.poly))
 
+    def uses(self) -> set[int]:
+        """The places of the variables in it."""
+        return {i for m in self.poly for i, k in enumerate(m) if k}
 
-def identity(first: Condition, others: Sequence[Condition]) -> dict[str, Any] | None:
+    def over(self, places: Sequence[int]) -> Condition:
+        """The same in these variables alone."""
+        return Condition(self.name, {tuple(m[i] for i in places): c for m, c in self.poly.items()}, self.op)
+
+
+def identity(names: Sequence[str], first: Condition, others: Sequence[Condition]) -> dict[str, Any] | None:
     """That ``first`` and ``others`` cannot hold together; None where no identity of low degree was found.
 
-    Each identity has ``first`` in it: alone among the strict ones if it is strict, else multiplied by a square.
+    ``names`` are the variables as the checker spells them.  Each identity has ``first`` in it: alone among the strict ones if
+    it is strict, else multiplied by a square.  Only conditions in variables of its own and of the equations are used.
     """
-    variables = _connected(first, others)
-    read = [_read(c, variables) for c in (first, *others) if c.poly.free_symbols <= set(variables)]
-    if any(c is None or not c.poly for c in read):
+    places = sorted(first.uses().union(*(c.uses() for c in others if c.op == "==")))
+    stated = [c.over(places) for c in (first, *others) if c.uses() <= set(places)]
+    if any(not c.poly for c in stated):
         return None
-    stated = [c for c in read if c is not None]
     strict = [c for c in stated[1:] if c.op == ">" and len(c.poly) == 1]
     bounded = sum(c.op != "==" for c in stated[1:])
     tried = list[Any]()
@@ -68,24 +66,9 @@ def identity(first: Condition, others: Sequence[Condition]) -> dict[str, Any] | 
                 start, blocks, multiples = _posed(stated, chosen, degree + degree % 2, width, classes)
                 size = (chosen, classes, tuple(len(b.squares) for b in blocks), tuple(len(m.by) for m in multiples))
                 if size not in tried and (found := balanced(start, blocks, multiples)) is not None:
-                    return _as_text(chosen, found, variables)
+                    return _as_text(chosen, found, [names[i] for i in places])
                 tried.append(size)
     return None
-
-
-def _connected(first: Condition, others: Sequence[Condition]) -> tuple[sp.Symbol, ...]:
-    """The variables of the first condition and of the equations."""
-    whole = set(first.poly.free_symbols).union(*(c.poly.free_symbols for c in others if c.op == "=="))
-    return tuple(sorted(whole, key=str))
-
-
-def _read(condition: Condition, variables: Sequence[sp.Symbol]) -> _Stated | None:
-    """None where it is no polynomial with rational coefficients."""
-    poly = sp.Poly(condition.poly, *variables) if condition.poly.is_polynomial(*variables) and variables else None
-    if poly is None or poly.get_domain() not in (sp.ZZ, sp.QQ):
-        return None
-    terms = {tuple(map(int, m)): Fraction(int(c.p), int(c.q)) for m, c in poly.terms() if c}
-    return _Stated(condition.name, terms, condition.op)
 
 
 @dataclass(frozen=True)
@@ -96,7 +79,7 @@ class _Classes:
     flips: tuple[tuple[int, ...], ...]
 
     @classmethod
-    def of(cls, stated: Sequence[_Stated], free: bool) -> _Classes:
+    def of(cls, stated: Sequence[Condition], free: bool) -> _Classes:
         """``free``: a condition x > 0 or x >= 0 is not to be used as a factor, so that the sign of x may be turned."""
         n = len(next(iter(stated[0].poly)))
         gaps, parities = list[Exponents](), list[Exponents]()
@@ -106,8 +89,7 @@ class _Classes:
             gaps += differences
             if c is stated[0] or not free or len(c.poly) > 1 or sum(base) != 1:
                 parities += differences if c.op == "==" else list(c.poly)
-        null = sp.Matrix(gaps).nullspace() if gaps else []
-        weights = tuple(tuple(int(x) for x in v * lcm(*(int(sp.Rational(x).q) for x in v))) for v in null)
+        weights = _null_space(list(dict.fromkeys(gaps)), n)
         flips = tuple(s for s in product((0, 1), repeat=n) if any(s) and all(_dot(s, m) % 2 == 0 for m in parities))
         return cls(weights, flips)
 
@@ -118,11 +100,19 @@ class _Classes:
         return tuple(_dot(s, m) % 2 for s in self.flips)
 
 
+def _null_space(rows: Sequence[Exponents], n: int) -> tuple[tuple[int, ...], ...]:
+    """Whole vectors that span what is orthogonal to the rows."""
+    import flint
+
+    vectors, rank = flint.fmpz_mat(len(rows), n, [x for row in rows for x in row]).nullspace()
+    return tuple(tuple(int(vectors[i, j]) for i in range(n)) for j in range(rank))
+
+
 def _dot(a: Sequence[int], b: Sequence[int]) -> int:
     return sum(map(int.__mul__, a, b))
 
 
-def _first_products(first: _Stated, strict: Sequence[_Stated], degree: int, classes: _Classes) -> Iterator[tuple[_Stated, ...]]:
+def _first_products(first: Condition, strict: Sequence[Condition], degree: int, classes: _Classes) -> Iterator[tuple[Condition, ...]]:
     """Products of conditions > 0 to begin with, the longest first: the first condition if it is strict, and variables of one sign.
 
     Where it is not strict, they have its weight, so that it may be taken times a number.
@@ -152,7 +142,7 @@ def _exponents(n: int, total: int) -> Iterator[Exponents]:
 
 
 def _posed(
-    stated: Sequence[_Stated], chosen: Sequence[_Stated], degree: int, width: int, classes: _Classes
+    stated: Sequence[Condition], chosen: Sequence[Condition], degree: int, width: int, classes: _Classes
 ) -> tuple[Polynomial, list[Block], list[Multiples]]:
     """What is to be balanced for an identity that begins with the product of ``chosen``, with products of at most ``width`` bounds."""
     n = len(next(iter(stated[0].poly)))
@@ -187,20 +177,19 @@ def _posed(
     return start, blocks, multiples
 
 
-def _as_text(chosen: Sequence[_Stated], found: Balance, variables: Sequence[sp.Symbol]) -> dict[str, Any]:
-    names = [x.name for x in variables]
+def _as_text(chosen: Sequence[Condition], found: Balance, names: Sequence[str]) -> dict[str, Any]:
     return {
         "strict": [c.name for c in chosen],
         "sums": [
-            {"times": [c.name for c in b.name], "of": [_text(q, names) for q in b.squares], "gram": [[str(x) for x in row] for row in gram]}
+            {"times": [c.name for c in b.name], "of": [text(q, names) for q in b.squares], "gram": [[str(x) for x in row] for row in gram]}
             for b, gram in found.sums
         ],
-        "multiples": [{"of": c.name, "by": _text(p, names)} for c, p in found.multiples],
+        "multiples": [{"of": c.name, "by": text(p, names)} for c, p in found.multiples],
     }
 
 
-def _text(p: Polynomial, names: Sequence[str]) -> str:
-    """3/2*a**2*b - 1*c as the vocabulary spells it."""
+def text(p: Polynomial, names: Sequence[str]) -> str:
+    """3/2*a**2*b + (-1*c) as the vocabulary spells it."""
     parts = []
     for m, c in p.items():
         powers = [x if k == 1 else f"{x}**{k}" for x, k in zip(names, m, strict=True) if k]
