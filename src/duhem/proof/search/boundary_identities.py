@@ -115,8 +115,11 @@ class _Forms:
 
     def form(self, expr: sp.Expr) -> sp.Poly | None:
         """As a polynomial; None where it is none with rational coefficients."""
-        poly = sp.Poly(expr, *self.generators) if expr.is_polynomial(*self.forces) else None
-        return poly if poly is not None and poly.get_domain() in (sp.ZZ, sp.QQ) else None
+        try:
+            poly = sp.Poly(expr, *self.generators)
+        except sp.PolynomialError:  # a force or a parameter in a root or a word
+            return None
+        return poly if poly.get_domain() in (sp.ZZ, sp.QQ) else None
 
     def along(self, v: Sequence[sp.Symbol], components: Sequence[sp.Poly | None]) -> sp.Poly:
         """Their scalar product."""

@@ -20,7 +20,7 @@ Exponents = tuple[int, ...]
 Polynomial = Mapping[Exponents, Fraction]
 Gram = tuple[tuple[Fraction, ...], ...]
 _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
-_MOST_COLUMNS, _MOST_ROWS = 2500, 700
+_MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _FLAT = (1e-4, 1e-5, 1e-6)  # an eigenvalue that small, relative to the greatest, is taken for 0
 
 
