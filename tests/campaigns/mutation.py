@@ -1,0 +1,153 @@
+"""Small faults in the program's own text, a sample of them: which do the tests of proofs let live?
+
+    pip install "duhem[mutation]"
+    python -m tests.campaigns.mutation 200
+    python -m tests.campaigns.mutation 60 --room kernel --seed 2 --slow
+
+Cosmic Ray makes the mutants, one in each of so many places drawn at random, in a copy of the tree.  A mutant is killed where
+a test fails or uses up its processor time.  Who survives is printed, to be judged: the same program, a weaker one that is
+sound, or a hole in the tests.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import difflib
+import os
+import random
+import resource
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).resolve().parents[2]
+PROOF = "tests/proof/test_"
+TESTS: Mapping[str, tuple[str, ...]] = {
+    "kernel": ("kernel", "kernel_*", "tampering", "false_proofs", "composition"),
+    "decide": ("cells", "wrong_answers", "methods", "composition", "obligations", "prover_mutants", "values"),
+    "methods": ("methods", "composition", "obligations", "prover_mutants", "wrong_answers", "degenerate_laws", "values"),
+}
+SECONDS = 120  # of processor time, a run of the tests
+
+
+class Mutant(NamedTuple):
+    """A module with one place changed."""
+
+    module: Path
+    before: str
+    after: str
+
+    def diff(self) -> str:
+        """The change, line by line."""
+        lines = difflib.unified_diff(self.before.splitlines(), self.after.splitlines(), str(self.module), "", lineterm="", n=1)
+        return "\n".join(line for line in lines if not line.startswith("+++"))
+
+
+def places(modules: Sequence[Path]) -> dict[tuple[Path, tuple[int, int]], list[tuple[str, int]]]:
+    """Where Cosmic Ray can change something: by place, the operators and the number of the place among theirs."""
+    from cosmic_ray.commands import init
+    from cosmic_ray.work_db import WorkDB
+
+    work = WorkDB(":memory:", WorkDB.Mode.create)
+    init(modules, work, {})
+    found: dict[tuple[Path, tuple[int, int]], list[tuple[str, int]]] = {}
+    for item in work.work_items:
+        for m in item.mutations:
+            found.setdefault((m.module_path, m.start_pos), []).append((m.operator_name, m.occurrence))
+    return found
+
+
+def mutants(modules: Sequence[Path], seed: int) -> Iterator[Mutant]:
+    """Mutants in all places, in a random order, one a place; what changes only annotations and docstrings is none."""
+    from cosmic_ray.mutating import mutate_code
+    from cosmic_ray.plugins import get_operator
+
+    rng, found = random.Random(seed), places(modules)
+    for module, start in rng.sample(sorted(found), len(found)):
+        operator, occurrence = rng.choice(found[module, start])
+        before = module.read_text(encoding="utf-8")
+        after = mutate_code(before, get_operator(operator)(), occurrence)
+        if after is not None and meaning(after) != meaning(before):
+            yield Mutant(module, before, after)
+
+
+def meaning(code: str) -> str:
+    """The program without what it does not do."""
+    tree = ast.parse(code)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.arg | ast.AnnAssign):
+            node.annotation = ast.Constant(None)
+        if isinstance(node, ast.FunctionDef):
+            node.returns = None
+    return ast.dump(tree)
+
+
+def killed(tests: Sequence[str], marks: str) -> bool:
+    """Whether the tests fail on the tree as it is, in a process of their own."""
+    child = os.fork()
+    if child == 0:
+        quiet = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(quiet, 1)
+        os.dup2(quiet, 2)
+        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+        import pytest
+
+        os._exit(int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-m", marks, *tests])))
+    return os.waitpid(child, 0)[1] != 0
+
+
+def files(room: str) -> list[str]:
+    """The test files of a room, in the order in which they are run."""
+    return [str(f) for name in TESTS[room] for f in sorted(Path().glob(f"{PROOF}{name}.py"))]
+
+
+def main() -> int:
+    """Run the sample; 1 if fewer than 85 % are killed."""
+    parser = argparse.ArgumentParser(prog="python -m tests.campaigns.mutation", description=(__doc__ or "").split("\n", 1)[0])
+    parser.add_argument("count", type=int, nargs="?", default=200)
+    parser.add_argument("--room", action="append", choices=tuple(TESTS), help="only this one; may be repeated")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--slow", action="store_true", help="ask the tests marked slow as well, where the others pass")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as copy:
+        for part in ("src", "tests", "pyproject.toml"):
+            (shutil.copytree if (HERE / part).is_dir() else shutil.copy)(HERE / part, Path(copy) / part)
+        os.chdir(copy)
+        sys.path[:0] = [f"{copy}/src", copy]
+        sys.dont_write_bytecode = True
+        return sample(asked.room or list(TESTS), asked.count, asked.seed, ("not slow", "slow") if asked.slow else ("not slow",))
+
+
+def sample(rooms: Sequence[str], count: int, seed: int, marks: Sequence[str]) -> int:
+    """``count`` mutants, the rooms in turn."""
+    import numpy  # noqa: F401 - what every run needs is imported once, before it forks
+    import sympy  # noqa: F401
+
+    for room in rooms:
+        if killed(files(room), "not slow"):
+            raise SystemExit(f"the tests of {room} fail without a mutant")
+    drawn = {room: mutants(sorted(Path("src/duhem/proof", room).glob("*.py")), seed) for room in rooms}
+    dead = dict.fromkeys(rooms, 0)
+    asked = dict.fromkeys(rooms, 0)
+    for i in range(count):
+        room = rooms[i % len(rooms)]
+        if (mutant := next(drawn[room], None)) is None:
+            continue
+        mutant.module.write_text(mutant.after, encoding="utf-8")
+        died = any(killed(files(room), mark) for mark in marks)
+        mutant.module.write_text(mutant.before, encoding="utf-8")
+        asked[room] += 1
+        dead[room] += died
+        if not died:
+            print(f"SURVIVED {room}\n{mutant.diff()}\n", flush=True)
+    for room in rooms:
+        print(f"{room}: {dead[room]} of {asked[room]} killed")
+    return int(sum(dead.values()) < 0.85 * sum(asked.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
