@@ -52,6 +52,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for claim, text in ({"law": found.failed} if found.failed else found.wrong).items():
             kinds[f"{family}, {claim}, {text.split(':')[0]}"] += 1
             print(f"WRONG {family} {place} {claim}: {text}\n{trap.toml()}", flush=True)
+        if len(judged) % 100 == 0:
+            print(table(judged), flush=True)
     print(table(judged))
     print(*(f"{n:5} {kind}" for kind, n in kinds.most_common()), sep="\n")
     return int(bool(kinds))
