@@ -11,10 +11,11 @@ from collections import Counter
 import pytest
 
 from duhem import InputError
-from tests.campaigns.false_proofs.judge import kernel_confirms
+from tests.campaigns.false_proofs.judge import judge, kernel_confirms
 from tests.campaigns.false_proofs.table import FAMILIES, traps
 
 BY_THE_KERNEL = 120
+VERIFIED = 12
 
 
 @pytest.mark.slow
@@ -30,6 +31,14 @@ def test_the_kernel_confirms_nothing_false() -> None:
         assert not false, f"{false} of\n{trap.toml()}"
         shown[family] += sum(trap.truth.get(claim, False) for claim in confirmed)
     assert set(shown) == set(FAMILIES)  # it is not silent about what is true
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", range(VERIFIED))
+def test_no_verdict_is_wrong(place: int) -> None:
+    *_, (_, trap) = traps(place + 1, seed=3)
+    answered = judge(trap)
+    assert not answered.wrong, trap.toml()
 
 
 def test_each_family_has_claims_of_both_kinds() -> None:

@@ -22,6 +22,7 @@ import duhem.proof.methods.polar_gauge as polar_gauge
 import duhem.proof.methods.polyhedral as polyhedral
 import duhem.proof.statement.problem as problem
 from duhem import POSITIVE, Criterion, Domain, Verdict
+from duhem.derivation.potential import SupportFunction
 from duhem.proof.claims import dissipation, normality
 from duhem.proof.decide import Answer, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -30,7 +31,7 @@ from duhem.proof.facts.regularity import Regularity
 from duhem.proof.kernel.certificate import CLAIMS
 from duhem.proof.methods import evaluation, flow
 from duhem.proof.trust import Confirmations
-from duhem.proof.verdict import Evidence, Trust
+from duhem.proof.verdict import Evidence, Proof, Trust
 
 Method = Callable[[FormulaSubject], Evidence | None]
 Patch = Callable[[pytest.MonkeyPatch], None]
@@ -148,26 +149,20 @@ def every_power_convex(self: Any, node: Any, base: Any, exponent: Any) -> Any:
     return replace(_power(self, node, base, exponent), convex=base.convex, quasiconvex=base.quasiconvex)
 
 
-def half_of_it(subject: FormulaSubject) -> Any:
-    """The support function of K, by half."""
-    found = _support(subject if isinstance(subject, Criterion) else subject.law)
-    return None if found is None else replace(found, potential=found.potential / 2, requires=())
+def half_of_it(found: SupportFunction) -> SupportFunction:
+    return replace(found, potential=found.potential / 2, requires=())
 
 
-def without_requirements(subject: Any) -> Any:
-    found = _support(subject)
-    return None if found is None else replace(found, requires=())
+def without_requirements(found: SupportFunction) -> SupportFunction:
+    return replace(found, requires=())
 
 
-def turned_round(subject: Any) -> Any:
-    """The support function with the two senses of every slip exchanged."""
-    found = _support(subject)
-    if found is None:
-        return None
+def turned_round(found: SupportFunction) -> SupportFunction:
+    """With the two senses of every slip exchanged."""
     return replace(found, potential=found.potential.xreplace({d: -d for d in found.rates}), requires=())
 
 
-_support = polar_gauge.support_function
+_support = FormulaSubject.support.func
 
 
 def no_outer_power(g: sp.Expr) -> sp.Expr:
@@ -227,8 +222,13 @@ def flowing(g: str, *flow: str) -> Criterion:
     return law(g, flow=flow)
 
 
-def duality(change: Callable[[Any], Any]) -> Patch:
-    return put(polar_gauge, "support_function", change)
+def duality(change: Callable[[SupportFunction], SupportFunction]) -> Patch:
+    """The support function of K, changed."""
+
+    def support(subject: FormulaSubject) -> SupportFunction | None:
+        return None if (found := _support(subject)) is None else change(found)
+
+    return put(FormulaSubject, "support", property(support))
 
 
 LIES = (
@@ -293,7 +293,10 @@ LIES = (
         "smoothness", composition.smoothness, law("norm(abs(a - 1) + abs(b), b) - 3")),
     Lie("tips not looked at", put(composition, "_off_boundary", lambda *_: True),
         "smoothness", composition.smoothness, law("norm(a - 1, b)/2 + a - 1")),
-    Lie("a regular value without a look", put(composition, "_regular", lambda subject: "so it is said"),
+    Lie("a regular value without a look", put(composition, "_regular", lambda subject: ("so it is said", Proof("euler"))),
+        "smoothness", composition.smoothness, CROSS),
+    Lie("inside at a point that is not",
+        put(composition, "_regular", lambda subject: ("so it is said", Proof("composition", {"inside": {"a": "0", "b": "1"}}))),
         "smoothness", composition.smoothness, CROSS),
     Lie("sums of quasiconvex functions", put(_rules, "add", sums_of_quasiconvex),
         "convexity", composition.convexity, law("sqrt(abs(a)) + sqrt(abs(b)) - 1")),
