@@ -138,3 +138,19 @@ def test_one_ray_in_many_digits(way: tuple[float, float], digits: int) -> None:
     assert abs(reach(context, level, [0, 0], ray, bits) / end - 1) < context.mpf(2) ** -bits
     assert reach(context, lambda x: -1, [0, 0], ray, bits) is None
     assert reach(context, lambda x: 1, [0, 0], ray, bits) is None
+
+
+@pytest.mark.parametrize("digits", [15, 40])
+@pytest.mark.parametrize("power", [1, 2, 9])
+def test_one_ray_ends_though_more_digits_are_asked_for_than_there_are(digits: int, power: int) -> None:
+    """To neighbouring numbers but a few, also where the level is flat at the end and false position crawls."""
+    context, asked = mpmath.MPContext(), []
+    context.dps = digits
+
+    def level(x: list[mpmath.mpf]) -> mpmath.mpf:
+        asked.append(x)
+        far = context.hypot(*x) - 1
+        return far**power if far > 0 else context.mpf(-1)
+
+    end = reach(context, level, [0, 0], [3, 4], 900)
+    assert abs(5 * end - 1) < 8 * context.eps and len(asked) < 40 + 2 * context.prec

@@ -28,7 +28,8 @@ def reach(context: Any, level: Callable[[list[Any]], Any], start: Sequence[Any],
         low, f_low, high = high, f_high, 2 * high
         if high > context.ldexp(1, _FARTHEST):
             return None
-    least, allowed, before = context.ldexp(high - low, -bits), 16 * (high - low), None
+    least = max(context.ldexp(high - low, -bits), 2 * context.eps * high)  # the context may have fewer digits than are asked for
+    allowed, before = 16 * (high - low), None
     while high - low > least:
         t, rise = (low + high) / 2, f_high - f_low
         if high - low <= allowed and context.isfinite(rise):
