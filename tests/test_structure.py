@@ -57,6 +57,7 @@ HALVED = {
     "proof.facts.numeric_curve.greatest": "arcs of a boundary curve",
     "proof.kernel.curve._turn": "boxes that cover the circle",
     "proof.methods.curve_deviation._place": "the angle of the greatest deviation",
+    "proof.facts.parameter_choices.walk": "no halving: what lies between two values",
     "path.straight_step._exit": "no halving: a point between two seams",
     "path.straight_step._solved": "a scalar equation in time",
     "proof.search.sampled_chords._along_rays": "no halving: midpoints of chords",
