@@ -15,8 +15,7 @@ from tests.campaigns.false_proofs.judge import judge, kernel_confirms
 from tests.campaigns.false_proofs.table import FAMILIES, traps
 
 BY_THE_KERNEL = 120
-VERIFIED = 10
-QUICK = tuple(family for family in FAMILIES if family != "ends")  # its constraints make questions in three variables
+VERIFIED = 12
 
 
 @pytest.mark.slow
@@ -37,7 +36,7 @@ def test_the_kernel_confirms_nothing_false() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("place", range(VERIFIED))
 def test_no_verdict_is_wrong(place: int) -> None:
-    *_, (_, trap) = traps(place + 1, QUICK, seed=3)
+    *_, (_, trap) = traps(place + 1, seed=3)
     answered = judge(trap)
     assert not answered.wrong, trap.toml()
 

@@ -1,0 +1,139 @@
+"""Places where a small fault in the kernel would not show in the laws that are known: each is looked at by itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from random import Random
+from typing import Any
+
+import pytest
+
+from duhem.proof.kernel.arcs import Value, arcs
+from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.positivity import RAY, nonnegative, without_content
+from duhem.proof.kernel.term import NotWritten, Term, number, parse
+from tests.oracles import drawn_formulas
+
+F = Fraction
+
+
+def domain(*constraints: str, **parameters: Mapping[str, Any]) -> StatedDomain:
+    law = {"forces": ("a", "b"), "pressure": "s", "parameters": parameters, "constraints": list(constraints), "g": "a", "flow": None}
+    return over(StatedLaw.read(law))
+
+
+# -- curvature ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["a**b", "pos(a)**b", "abs(a)**a", "norm(a, b)**b", "neg(a)**(b**2)", "(a*b)**a"])
+def test_a_power_that_varies_needs_a_base_above_zero(text: str) -> None:
+    assert not facts(parse(text), domain()).defined
+    assert facts(parse(f"(1 + abs({text.split('**')[0]}))**b"), domain()).defined
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sqrt((abs(a)**(1/2))**2 + b**2)", "sqrt(min(abs(a), abs(b))**2 + 1)", "(pos(a)**3 - abs(b)**3)**(1/3)", "sqrt((a*b)**2 + b**2)",
+        "sqrt((1 - norm(a, b))**2 + b**2)", "(abs(a)**3 + abs(b)**2)**(1/3)", "(abs(a)**(1/2) + abs(b)**(1/2))**2",
+    ],
+)  # fmt: skip
+def test_what_is_no_norm_of_convex_sizes_is_not_convex(text: str) -> None:
+    assert not facts(parse(text), domain()).convex
+
+
+@pytest.mark.parametrize("text", ["abs(a)**q", "norm(a, b)**q", "norm(a, b)**(3/2)", "exp(norm(a, b))**q", "(pos(a) + neg(b))**(q + 1)"])
+def test_a_power_of_one_or_more_keeps_what_is_convex(text: str) -> None:
+    assert facts(parse(text), domain(q={"min": "1", "max": "3"})).convex
+    assert "q" not in text or "+ 1" in text or not facts(parse(text), domain(q={"min": "999/1000", "max": "3"})).convex
+
+
+# -- constants -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_constant_that_may_be_zero_is_not_divided_out() -> None:
+    for text, allowed in (("q**(-1)*b0", False), ("q**(-2)*b0", False), ("m**(-1)*b0", True), ("m**(-3)*b0", True)):
+        here = domain(q={"min": "-1", "max": "1"}, m={"positive": True}, b0={})
+        poly = here.polynomial(parse(text))
+        if allowed:
+            assert without_content(poly, here) == here.polynomial(parse("b0"))
+        else:
+            with pytest.raises(NotWritten):
+                without_content(poly, here)
+
+
+@pytest.mark.parametrize(
+    ("text", "holds"),
+    [
+        ("sin(q)", False), ("-sin(q)", False), ("1 + sin(q)", False), ("sin(q)**2", True), ("exp(q)", True), ("-exp(q)", False),
+        ("q", False), ("exp(q)*q**2", True), ("cos(q) + 2", False), ("tanh(q)", False), ("-tanh(q)", False), ("tanh(m)", True),
+        ("-tanh(m)", False), ("log(2 + m)", False), ("m - exp(q)", False), ("exp(q) - m", False),
+    ],
+)  # fmt: skip
+def test_a_constant_reaches_as_far_as_its_sign_says(text: str, holds: bool) -> None:
+    """A question on the line whose only other variable is a constant of known or unknown sign."""
+    here = domain(q={"min": "-2", "max": "2"}, m={"positive": True}, t2={"min": "0"})
+    for asked in (text, f"({text})*m", f"({text})*t2"):
+        poly = here.polynomial(parse(asked))
+        along = {tuple(sorted((RAY, 2) if x.name == "t2" else (x, n) for x, n in m)): c for m, c in poly.items()}
+        try:
+            assert holds or not nonnegative(along, (F(-1), F(1)), here)
+        except NotWritten:
+            continue
+
+
+# -- along the rays --------------------------------------------------------------------------------------------------------
+
+
+def drawn(rng: Random, depth: int) -> str:
+    if depth == 0:
+        return rng.choice(("a", "b", "a + b", "a - 2*b", "-a", "3*b", "a - b/2"))
+    one, two = (f"({drawn(rng, depth - 1)})" for _ in range(2))
+    return rng.choice((
+        f"abs{one}", f"pos{one}", f"neg{one}", f"norm{one}", f"norm({one}, {two})", f"max({one}, {two})", f"min({one}, {two})",
+        f"{one} + {two}", f"{one} - {two}", f"{one}*{two}", f"{one}**2", f"{one}**3", f"-2*{one}", f"where({one} > 0, {one}, {two})",
+        f"where({one} <= {two}, {two}, 0)", f"norm({one}, 0)", f"norm(0, {one}, {two})",
+    ))  # fmt: skip
+
+
+def value(found: Value, t: float) -> float:
+    def of(poly: Any) -> float:
+        return sum(float(c) * math.prod(t**n for _, n in m) for m, c in (poly.items() if isinstance(poly, dict) else poly))
+
+    return of(found.poly) * math.prod(of(base) ** float(n) for base, n in found.powers.items())
+
+
+@pytest.mark.slow
+def test_a_formula_along_a_ray_has_the_formula_s_value() -> None:
+    rng, here, compared = Random(5), domain(), 0
+    for _ in range(150):
+        text = drawn(rng, rng.choice((1, 2, 2, 3)))
+        term: Term = parse(text)
+        try:
+            sides = list(arcs((term,), ("a", "b"), here))
+        except NotWritten:
+            continue
+        for arc, (found,) in (pair for side in sides for pair in side):
+            for share in (0.21, 0.5, 0.83):
+                t = float(arc.start[1]) + share * float(arc.stop[0] - arc.start[1])
+                at = {"a": arc.side * (1 - t * t), "b": arc.side * 2 * t}
+                honest = _honest(term, at)
+                assert value(found, t) == pytest.approx(honest, rel=1e-9, abs=1e-9), (text, at)
+                compared += 1
+    assert compared > 500
+
+
+def _honest(term: Term, at: Mapping[str, float]) -> float:
+    """The value, branches of ``where`` chosen here."""
+    if term.op == "where":
+        condition, then, otherwise = term.args
+        left, right = (_honest(x, at) for x in condition.args)
+        gap = 0.0 if math.isclose(left, right, abs_tol=1e-12) else left - right
+        holds = {"<": gap < 0, "<=": gap <= 0, ">": gap > 0, ">=": gap >= 0}[condition.op]
+        return _honest(then if holds else otherwise, at)
+    if term.op in ("number", "name"):
+        return drawn_formulas.value(term, at)
+    return drawn_formulas.value(term._replace(args=tuple(number(F(_honest(x, at))) for x in term.args)), at)
