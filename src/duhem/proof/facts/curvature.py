@@ -6,7 +6,7 @@ through increasing maps (Agrawal, Boyd 2020): a set {g <= 0} is convex when g is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +14,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression import Neg, Norm, Pos, Where, fold
+from duhem.law.frozen_mapping import FrozenMapping
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 
@@ -40,6 +41,11 @@ class Curvature:
         """Both convex and concave."""
         return self.convex and self.concave
 
+    @property
+    def by_a_matrix(self) -> bool:
+        """Whether the matrix of a quadratic form was looked at, which is more than composition."""
+        return any("quadratic" in rule for rule in self.rules)
+
     def negated(self) -> Curvature:
         """Facts of the opposite."""
         return Curvature(self.constant, self.concave, self.convex, self.concave, self.nonpositive, self.nonnegative, self.rules)
@@ -48,10 +54,10 @@ class Curvature:
 _UNKNOWN = Curvature()
 
 
-def curvature(expr: sp.Expr, subject: FormulaSubject, convex: Container[sp.Expr] = ()) -> Curvature:
+def curvature(expr: sp.Expr, subject: FormulaSubject, convex: Mapping[sp.Expr, bool] = FrozenMapping()) -> Curvature:
     """Facts about ``expr`` over the forces of the subject's simple problem, for every parameter of its domain.
 
-    The sums in ``convex`` are known to be convex, though not by these rules.
+    The sums in ``convex`` are known to be convex, though not by these rules; true of those that are >= 0 as well.
     """
     return _CurvatureRules(subject, convex).of(expr)
 
@@ -61,7 +67,7 @@ def _used(*shapes: Curvature, rule: str = "") -> tuple[str, ...]:
 
 
 class _CurvatureRules:
-    def __init__(self, subject: FormulaSubject, convex: Container[sp.Expr]) -> None:
+    def __init__(self, subject: FormulaSubject, convex: Mapping[sp.Expr, bool]) -> None:
         self.subject, self.convex = subject, convex
         self.forces = set(subject.simple.forces)
         self.table: dict[type, Callable[..., Curvature]] = {
@@ -111,8 +117,9 @@ class _CurvatureRules:
             nonpositive=all(t.nonpositive for t in terms),
             rules=_used(*terms),
         )
-        if not convex and node in self.convex:
-            facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule="a polynomial is convex by sums of squares"))
+        if node in self.convex:
+            facts = replace(facts, convex=True, quasiconvex=True, nonnegative=facts.nonnegative or self.convex[node])
+            facts = replace(facts, rules=_used(facts, rule="a polynomial is convex by sums of squares"))
         elif not convex and (form := self._quadratic(node)):
             facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule=form))
         return self.signed(node, facts)

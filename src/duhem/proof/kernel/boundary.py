@@ -12,7 +12,7 @@ from dataclasses import replace
 from fractions import Fraction
 
 from duhem.proof.kernel.curvature import facts, over
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.pieces import pieces
 from duhem.proof.kernel.polynomial import Polynomial, slope, times, total
 from duhem.proof.kernel.refutation import Condition, Identity, shown
@@ -51,13 +51,16 @@ def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Sequenc
 
 
 def with_convex_sums(law: StatedLaw, directions: Sequence[str], identities: Sequence[Identity]) -> StatedDomain:
-    """The domain of the law, knowing which sums in g are convex: v . Hess f v >= 0 for all v."""
+    """The domain of the law, knowing which sums f in g are >= 0, and which are convex: v . Hess f v >= 0 for all v."""
     domain, wider = over(law), _wider(law, directions)
     for f in _sums(law.g):
         known = facts(f, domain)
         with suppress(NotWritten):  # a sum with a kink, a root or a word
+            if known.defined and not known.nonnegative and shown(wider.polynomial(f), ">=", {}, identities, wider):
+                known = replace(known, sign=known.sign & ~NEGATIVE)
             if known.defined and not known.convex and shown(_bend(directions, f, wider), ">=", {}, identities, wider):
-                domain.shown[f] = replace(known, convex=True, quasiconvex=True)
+                known = replace(known, convex=True, quasiconvex=True)
+        domain.shown[f] = known
     return domain
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from duhem.proof.kernel.boundary import curves_inward, flows_outward, rises_outward, with_convex_sums
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.homogeneity import grows_along_rays
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.piecewise import polyhedra
@@ -67,10 +67,15 @@ def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:
     return tuple(rule for name, rule in (RULES if isinstance(law, StatedLaw) else CURVE_RULES) if name == claim)
 
 
-def _shape(law: StatedLaw, evidence: Evidence) -> Facts:
-    """Of g; the sums that ``evidence`` shows to be convex are taken as such."""
+def _over(law: StatedLaw, evidence: Evidence) -> StatedDomain:
+    """The law's domain; the sums in g that ``evidence`` shows to be convex, or >= 0, are taken as such."""
     sums = evidence.get("convex sums")
-    return facts(law.g, with_convex_sums(law, evidence["directions"], sums) if sums else over(law))
+    return with_convex_sums(law, evidence["directions"], sums) if sums else over(law)
+
+
+def _shape(law: StatedLaw, evidence: Evidence) -> Facts:
+    """Of g."""
+    return facts(law.g, _over(law, evidence))
 
 
 def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
@@ -100,9 +105,10 @@ def convexity(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def curved(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is smooth, negative at the origin, and its boundary rises outward and curves inward."""
-    outward, directions, inward = (evidence[part] for part in ("outward", "directions", "inward"))
-    return _inside(law, {}) and rises_outward(law, outward) and curves_inward(law, directions, inward)
+    """g is negative at the origin, rises outward where it is 0, and is smooth there and curves inward unless K is an interval."""
+    if not (_inside(law, {}) and rises_outward(law, evidence["outward"])):
+        return False
+    return len(law.forces) == 1 or curves_inward(law, evidence["directions"], evidence["inward"])
 
 
 def polyhedral(law: StatedLaw, _: Evidence) -> bool:
@@ -122,9 +128,9 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
     return smooth_near_the_boundary(law.g, over(law)) and rises_outward(law, evidence["outward"])
 
 
-def regular_along_rays(law: StatedLaw, _: Evidence) -> bool:
+def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and rises outward there, so that grad g != 0."""
-    domain = over(law)
+    domain = _over(law, evidence)
     return facts(law.g, domain).defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
 
 

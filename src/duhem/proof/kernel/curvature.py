@@ -208,9 +208,15 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
         return Facts(defined, sign, base.convex, False, base.quasiconvex)
     if exponent.sign == POSITIVE:
         below_one = not facts(Term("+", (_ONE, minus(term.args[1]))), domain).sign & NEGATIVE
-        convex = _minkowski(term, domain)
+        convex = _minkowski(term, domain) or _root_of_quadratic(term, domain)
         return Facts(defined, sign, convex, base.concave and below_one, base.quasiconvex or convex)
     return Facts(defined, sign)
+
+
+def _root_of_quadratic(term: Term, domain: StatedDomain) -> bool:
+    """sqrt(x . A x + b . x + c), what is under the root being >= 0: a seminorm of (x, 1)."""
+    degrees = [[n if x.op == "name" else 3 for x, n in m if not domain.constant(x)] for m in domain.polynomial(term.args[0])]
+    return domain.polynomial(term.args[1]) == {(): Fraction(1, 2)} and all(min(d, default=0) >= 0 and sum(d) <= 2 for d in degrees)
 
 
 def _minkowski(term: Term, domain: StatedDomain) -> bool:

@@ -12,6 +12,7 @@ from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
+from duhem.proof.search.boundary_identities import composed_of_sums
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["convexity", "smoothness"]
@@ -23,7 +24,8 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     if not facts.quasiconvex:
         return None
     kind = "convex" if facts.convex else "quasiconvex"
-    return Evidence(Verdict.PROVED, "composition", f"g is {kind}: " + "; ".join(facts.rules or ("g is affine",)))
+    proof = Proof("composition", composed_of_sums(subject) if facts.by_a_matrix else {})
+    return Evidence(Verdict.PROVED, "composition", f"g is {kind}: " + "; ".join(facts.rules or ("g is affine",)), proof=proof)
 
 
 def smoothness(subject: FormulaSubject) -> Evidence | None:
@@ -81,17 +83,21 @@ def _tame(node: sp.Basic, mark: sp.Symbol) -> bool:
 
 def _regular(subject: FormulaSubject) -> tuple[str, Proof | None] | None:
     origin = subject.simple.g.xreplace(dict.fromkeys(subject.simple.forces, sp.S.Zero))
-    if curvature(subject.simple.g, subject).convex and subject.positive(-origin):
-        return "because g is convex and negative at the origin", Proof("composition")
+    shape = curvature(subject.simple.g, subject)
+    if shape.convex and subject.positive(-origin):
+        proof = Proof("composition", composed_of_sums(subject) if shape.by_a_matrix else {})
+        return "because g is convex and negative at the origin", proof
     star = subject.star
     if star is not None and not star.lower.free_symbols & set(subject.simple.forces) and subject.positive(star.lower):
-        return "by Euler's relation", Proof("euler")
+        rooted = any(p.base.is_Add and not p.exp.is_Integer for p in subject.law.g.atoms(sp.Pow))
+        return "by Euler's relation", Proof("euler", composed_of_sums(subject) if rooted else {})
     return None
 
 
 def _regular_about_its_centre(subject: FormulaSubject) -> tuple[str, Proof | None] | None:
     """For a K that has the origin on its boundary or outside."""
-    if not curvature(subject.simple.g, subject).convex or (support := subject.support) is None or not any(support.centre):
+    shape = curvature(subject.simple.g, subject)
+    if not shape.convex or (support := subject.support) is None or not any(support.centre):
         return None
     problem = subject.problem
     centre = dict(zip(problem.forces, support.centre, strict=True))
@@ -99,4 +105,5 @@ def _regular_about_its_centre(subject: FormulaSubject) -> tuple[str, Proof | Non
     if subject.decided(Question(-value, Sense.POSITIVE, problem.given)).holds is not True:
         return None
     inside = {x.name: formula(c) for x, c in centre.items()}
-    return f"because g is convex and negative at ({', '.join(inside.values())})", Proof("composition", {"inside": inside})
+    proof = Proof("composition", {"inside": inside, **(composed_of_sums(subject) if shape.by_a_matrix else {})})
+    return f"because g is convex and negative at ({', '.join(inside.values())})", proof

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.boundary_identities import convex_sums, directions
+from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["convexity"]
@@ -22,9 +22,9 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     law, forces = subject.law, subject.law.force_symbols()
     if set(forces) != set(subject.simple.forces) or (len(forces) == 2 and subject.star is not None) or not (sums := convex_sums(subject)):
         return None
-    shape = curvature(law.g.subs(law.settled()), subject, sums)
+    shape = curvature(law.g.subs(law.settled()), subject, {f: len(why) > 1 for f, why in sums.items()})
     if not shape.quasiconvex:
         return None
     kind = "convex" if shape.convex else "quasiconvex"
-    proof = Proof("composition", {"directions": directions(law), "convex sums": list(sums.values())})
+    proof = Proof("composition", composed_of_sums(subject))
     return Evidence(Verdict.PROVED, "sos-convexity", f"g is {kind}: " + "; ".join(shape.rules), proof=proof)

@@ -30,7 +30,8 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     if pieces is None or len(pieces) > (8 if len(forces) == 2 else 1) or not subject.continuous or not _star(subject, pieces):
         return None
     if len(forces) == 1:
-        return Evidence(Verdict.PROVED, "implicit-curvature", "K is an interval: star-shaped about 0 on a line")
+        detail = "K is an interval: star-shaped about 0 on a line"
+        return Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=_rising("implicit-curvature", subject))
     used: set[str] = set()
     for piece in pieces:
         bend, tangential = _bend(piece.expr, forces)

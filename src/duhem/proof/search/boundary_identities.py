@@ -19,7 +19,7 @@ from duhem.proof.facts.subject import fact
 from duhem.proof.search.identities import Condition, identity, text
 from duhem.proof.search.squares import Polynomial
 
-__all__ = ["convex_sums", "directions", "inward", "outward"]
+__all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward"]
 
 _GOAL, _BOUNDARY, _TANGENT = "the goal", "the boundary", "the tangent"
 _MOST_PIECES, _MOST_MONOMIALS = 64, 150
@@ -63,16 +63,26 @@ def inward(subject: FormulaSubject) -> Identities:
 
 
 @fact
-def convex_sums(subject: FormulaSubject) -> Mapping[sp.Expr, Mapping[str, Any]]:
-    """The sums in g that are convex polynomials in the forces, though perhaps no composition, each with its identity."""
-    forms, found = _Forms.of(subject.law), {}
-    for f in sorted(forms.settled(subject.law.g).atoms(sp.Add), key=sp.default_sort_key):
+def convex_sums(subject: FormulaSubject) -> Mapping[sp.Expr, Identities]:
+    """The sums in g that are convex polynomials in the forces, though perhaps no composition: why, and why >= 0 if a root is taken."""
+    forms, found = _Forms.of(subject.law), dict[sp.Expr, Identities]()
+    g = forms.settled(subject.law.g)
+    under_roots = {p.base for p in g.atoms(sp.Pow) if not p.exp.is_Integer}
+    for f in sorted(g.atoms(sp.Add), key=sp.default_sort_key):
         if (form := forms.form(f)) is None or len(form.terms()) > _MOST_MONOMIALS or _degree(form, forms) % 2:
             continue  # of odd degree it is convex only if it is affine
         _, bend = forms.derivatives(form)
-        if not bend.is_zero and (known := forms.refuted(-bend, ">", {})) is not None:
-            found[f] = known
+        if bend.is_zero or (known := forms.refuted(-bend, ">", {})) is None:
+            continue
+        above = forms.refuted(-form, ">", {}) if f in under_roots else None
+        found[f] = (known,) if above is None else (known, above)
     return found
+
+
+def composed_of_sums(subject: FormulaSubject) -> Mapping[str, Any]:
+    """Evidence for a composition: the convex sums in g."""
+    identities = [known for both in convex_sums(subject).values() for known in both]
+    return {"directions": directions(subject.law), "convex sums": identities} if identities else {}
 
 
 def directions(law: Criterion) -> list[str]:
