@@ -119,28 +119,19 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
         case "exp":
             return Facts(x.defined, POSITIVE, x.convex, False, x.quasiconvex)
         case "log":
-            return Facts(x.defined and x.sign == POSITIVE, ANY, False, x.concave, x.quasiconvex)
+            above_one = facts(Term("+", (term.args[0], number(-1))), domain).sign
+            return Facts(x.defined and x.sign == POSITIVE, above_one, False, x.concave, x.quasiconvex)
         case "tanh" | "atan":
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
         case "cos" if all(facts(Term("+", (_NEAR_RIGHT, side)), domain).nonnegative for side in (term.args[0], minus(term.args[0]))):
             return Facts(x.defined, POSITIVE)
         case "sin" | "cos":
             return Facts(x.defined)
-        case "where" if (holds := _decided(term.args[0], domain)) is not None:
-            return replace(parts[1 if holds else 2], defined=defined)
+        case "where":
+            return Facts(defined and domain.decided(term.args[0]) is not None)  # what is chosen; else it may jump
         case "<" | "<=" | ">" | ">=":
             return Facts(defined)
-    return Facts()  # tan has poles, and where may jump: no rule
-
-
-def _decided(comparison: Term, domain: StatedDomain) -> bool | None:
-    """Whether a comparison of constants holds, where their signs tell."""
-    if not domain.constant(comparison):
-        return None
-    left, right = comparison.args if comparison.op in (">", ">=") else comparison.args[::-1]
-    sign = facts(Term("+", (left, minus(right))), domain).sign
-    holds = POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
-    return True if not sign & ~holds else False if not sign & holds else None
+    return Facts()  # tan has poles: no rule
 
 
 def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:

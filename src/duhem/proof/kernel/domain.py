@@ -182,6 +182,13 @@ class StatedDomain:
         """The ends of a variable's range, 0 for lower and 1 for upper; measuring from a lower end 0 changes nothing."""
         return [(end, i) for i, end in enumerate(self._bounds[x.name][:2]) if end is not None] or [(Fraction(0), 0)]
 
+    def decided(self, comparison: Term) -> bool | None:
+        """Whether a comparison of constants holds, where their signs tell."""
+        if not self.constant(comparison):
+            return None
+        sign, holds = self._sign(_gap(comparison), self), POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
+        return True if not sign & ~holds else False if not sign & holds else None
+
     def polynomial(self, term: Term) -> Polynomial:
         """Sums, products and whole powers multiplied out, sizes of known sign undone; anything else is a variable of its own."""
         term = self.plain(term)
@@ -207,7 +214,12 @@ class StatedDomain:
         return {((term, 1),): Fraction(1)}
 
     def plain(self, term: Term) -> Term:
-        """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0 is its size."""
+        """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0 is its size.
+
+        A choice that is decided is what is chosen.
+        """
+        if term.op == "where" and (holds := self.decided(term.args[0])) is not None:
+            return self.plain(term.args[1 if holds else 2])
         if term.op not in ("norm", "abs", "pos", "neg") or not self.constant(term):
             return term
         left = [a for a in term.args if self._sign(a, self) != ZERO] or [number(0)]
