@@ -197,6 +197,17 @@ SIGNED = {"min": "-1", "max": "1"}
         ("abs(a)**p + abs(b)**p - 1", "(abs(x)**(p/(p - 1)) + abs(y)**(p/(p - 1)))**((p - 1)/p)", {"p": {"min": "1"}}, False),
         ("abs(a)**p + abs(b)**p - 2", "(abs(x)**(p/(p - 1)) + abs(y)**(p/(p - 1)))**((p - 1)/p)", {"p": {"min": "2"}}, False),
         ("abs(a)**p + abs(b)**2 - 1", "norm(x, y)", {"p": {"min": "2"}}, False),
+        ("abs(a + e*b) + abs(a) - 1", "max(abs(x - y/e), abs(y)/e)", {"e": POSITIVE}, True),
+        ("abs(a + e*b) + abs(a) - 1", "max(abs(x - y/e), abs(y/e))", {"e": {"min": "1/9", "max": "2"}}, True),
+        ("abs(a + e*b) + abs(a) - 1", "max(abs(x - y/e), abs(y/e))", {"e": UNIT}, False),  # a strip at e = 0
+        ("abs(a + e*b) + abs(a) - 1", "max(abs(x + y/e), abs(y/e))", {"e": POSITIVE}, False),
+        ("abs(a + e*b) + abs(a) - 1", "max(abs(x - y/e), 2*abs(y/e))", {"e": POSITIVE}, False),
+        ("abs(a + e*b) + abs(2*a) - 1", "max(abs(x - y/e)/2, abs(y/e))", {"e": POSITIVE}, True),
+        ("max(pos(a + e*b)/2 + neg(a + e*b), abs(a)) - 1", "2*pos(y/e) + neg(y/e) + abs(x - y/e)", {"e": POSITIVE}, True),
+        ("max(pos(a + e*b)/2 + neg(a + e*b), abs(a)) - 1", "2*neg(y/e) + pos(y/e) + abs(x - y/e)", {"e": POSITIVE}, False),
+        ("max(pos(a - e*b)/2 + neg(a - e*b), abs(a)) - 1", "2*neg(y/e) + pos(y/e) + abs(x + y/e)", {"e": POSITIVE}, True),
+        ("max(abs(a + e*b), abs(a + b)) - 1", "abs((x - y)/(1 - e)) + abs((y - e*x)/(1 - e))", {"e": {"min": "2"}}, True),
+        ("max(abs(a + e*b), abs(a + b)) - 1", "abs((x - y)/(1 - e)) + abs((y - e*x)/(1 - e))", {"e": POSITIVE}, False),
         ("(a**3 + b**3)**(1/3) - 1", "(abs(x)**(3/2) + abs(y)**(3/2))**(2/3)", {}, False),  # undefined
         ("(abs(a)**p + abs(b)**p)**(1/p) - 1", "(abs(x)**(p/(p - 1)) + abs(y)**(p/(p - 1)))**((p - 1)/p)", {"p": {"min": "2"}}, True),
         ("(abs(a)**p + abs(b)**p)**(1/p) - 1", "(abs(x)**(p/(p - 1)) + abs(y)**(p/(p - 1)))**((p - 1)/p)", {"p": {"min": "1"}}, False),
@@ -214,6 +225,16 @@ SIGNED = {"min": "-1", "max": "1"}
 )
 def test_what_must_be_shown_over_the_whole_domain(g: str, potential: str, parameters: dict[str, Any], right: bool) -> None:
     assert confirmed(g, potential, **parameters) is right
+
+
+def test_a_constant_inside_is_not_passed_over() -> None:
+    for one in ("", " + 1", " - 1", " + m"):
+        g, potential = f"norm(abs(a) + abs(b){one}, c) - 3", "3*norm(max(abs(x), abs(y)), z)"
+        assert confirmed(g, potential, "abc", m=POSITIVE) is (one == ""), one
+        g, potential = f"max(norm(a, b){one}, abs(c)) - 3", f"3*(norm(x, y){one} + abs(z))"
+        assert confirmed(g, potential, "abc", m=POSITIVE) is (one == ""), one
+        g, potential = "norm(norm(a, b), c) - 3", f"3*norm(x, y, z){one}"
+        assert not confirmed(g, potential, "abc", m=POSITIVE) or one == "", one
 
 
 MISES, ROOT = "norm(a - b, b - c, c - a) - m", "m*norm(x, y, z)/sqrt(3)"

@@ -8,16 +8,17 @@ it has c . d more (Rockafellar 1970, sections 13 and 15).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.forms import affine, at
+from duhem.proof.kernel.forms import Row, affine, at
 from duhem.proof.kernel.identity import value, vanishes
+from duhem.proof.kernel.polynomial import Monomial
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["supports_separable"]
+__all__ = ["supports_separable", "supports_separable_in_forms"]
 
 
 def supports_separable(
@@ -26,14 +27,72 @@ def supports_separable(
     """Whether ``potential`` = sup {sigma . d : g <= 0} for all d."""
     if flat or not all(facts(term, domain).defined for term in (g, potential)):
         return False
+    gauge, other, radius = _about_its_centre(g, potential, forces, slips, domain)
+    return _polar(gauge, other, radius, dict(zip(forces, slips, strict=True)), domain)
+
+
+def supports_separable_in_forms(
+    g: Term, potential: Term, forces: Sequence[str], slips: Sequence[str], flat: Sequence[Term], domain: StatedDomain
+) -> bool:
+    """The same where the variables are linear forms l of the forces, and m of the slips, with l_i . m_j = 0 for i != j.
+
+    Then x . d is the sum of (l_i . x)(m_i . d)/(l_i . m_i), and both sets of forms are independent.
+    """
+    if flat or not all(facts(term, domain).defined for term in (g, potential)):
+        return False
+    gauge, other, radius = _about_its_centre(g, potential, forces, slips, domain)
+    gauge, rows = _in_forms(gauge, forces, "form", domain)
+    other, columns = _in_forms(other, slips, "dual form", domain)
+    if not len(rows) == len(columns) == len(forces):
+        return False
+    dual = dict[str, str]()
+    for x, row in rows.items():
+        products = {y: sum_of(*map(product_of, row, column)) for y, column in columns.items()}
+        (y,) = (y for y, scale in products.items() if not vanishes(scale, domain))  # ValueError unless there is one
+        if facts(products[y], domain).sign not in (NEGATIVE, POSITIVE):
+            return False
+        other = at(other, [y], [product_of(products[y], Term("name", name=y))])
+        dual[x] = y
+    wide = over(domain.law._replace(forces=(*domain.law.forces, *rows, *columns)))
+    return len(set(dual.values())) == len(dual) and _polar(gauge, other, radius, dual, wide)
+
+
+def _about_its_centre(
+    g: Term, potential: Term, forces: Sequence[str], slips: Sequence[str], domain: StatedDomain
+) -> tuple[Term, Term, Term]:
+    """(gauge, other, radius): {g <= 0} is {gauge <= radius} moved by c, the potential c . d and the other term."""
     straight, other = _parted(potential, lambda t: _is_affine(t, slips, domain))
     centre, offset = affine(straight, slips, domain)
     still, gauge = _parted(at(g, forces, [sum_of(Term("name", name=f), c) for f, c in zip(forces, centre, strict=True)]), domain.constant)
-    dual, radius = dict(zip(forces, slips, strict=True)), minus(still)
+    radius = minus(still)
     if not set(forces) <= gauge.names() or facts(radius, domain).sign != POSITIVE or not vanishes(offset, domain):
-        return False
+        raise NotWritten("g is no gauge and radius")
     gauge, radius = _with_root(gauge, radius, domain)
-    return _polar(gauge, other, radius, dual, domain)
+    return gauge, other, radius
+
+
+def _in_forms(term: Term, names: Sequence[str], kind: str, domain: StatedDomain) -> tuple[Term, dict[str, Row]]:
+    """A term in its linear forms, each under a name, and their rows; multiples by a number are one form."""
+    forms, swap = dict[frozenset[tuple[Monomial, Fraction]], tuple[str, Row]](), dict[Term, Term]()
+    for part in _linear_parts(term, names, domain):
+        poly = domain.polynomial(part)
+        first = poly[min(poly)]
+        key = frozenset((m, c / first) for m, c in poly.items())
+        row = affine(product_of(number(1 / first), part), names, domain)[0]
+        name, _ = forms.setdefault(key, (f"{kind} {len(forms)}", row))  # no name of a law has blanks
+        swap[part] = product_of(number(first), Term("name", name=name))
+    return term.put(swap), dict(forms.values())
+
+
+def _linear_parts(term: Term, names: Sequence[str], domain: StatedDomain) -> Iterator[Term]:
+    """The largest parts that are linear in the names."""
+    if domain.constant(term):
+        return
+    if _is_affine(term, names, domain) and vanishes(affine(term, names, domain)[1], domain):
+        yield term
+    else:
+        for a in term.args:
+            yield from _linear_parts(a, names, domain)
 
 
 def _with_root(gauge: Term, radius: Term, domain: StatedDomain) -> tuple[Term, Term]:
@@ -99,8 +158,14 @@ def _norm(term: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
     """(1/p, parts) of a p-norm of parts that are >= 0."""
     if term.op == "norm":
         return number(Fraction(1, 2)), [_size(a, domain) for a in term.args]
-    if term.op in ("+", "max"):
-        return number(term.op == "+"), [a for a in term.args if term.op == "max" or domain.polynomial(a)]
+    if term.op == "max":
+        return number(0), list(term.args)
+    if term.op == "+":
+        groups: dict[frozenset[str], list[Term]] = {}
+        for a in term.args:
+            if domain.polynomial(a):
+                groups.setdefault(a.names() & set(domain.law.forces), []).append(a)
+        return number(1), [parts[0] if len(parts) == 1 else Term("+", tuple(parts)) for parts in groups.values()]
     if term.op == "**":
         (base, out), parts = term.args, list[Term]()
         for a in base.args if base.op == "+" else (base,):

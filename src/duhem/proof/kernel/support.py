@@ -8,7 +8,7 @@ from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.polytope import supports_polytope
 from duhem.proof.kernel.quadric import supports_quadric
-from duhem.proof.kernel.separable import supports_separable
+from duhem.proof.kernel.separable import supports_separable, supports_separable_in_forms
 from duhem.proof.kernel.term import NotWritten, Term
 
 __all__ = ["is_support_function"]
@@ -28,7 +28,7 @@ def is_support_function(potential: Term, dual: Mapping[str, str], flat: Sequence
     domain = over(law._replace(forces=(*law.forces, *slips)))  # in which the slips are no constants either
     if not all(facts(form, domain).defined for form in flat):
         return False
-    for shape in (supports_separable, supports_quadric, supports_polytope):
+    for shape in (supports_separable, supports_quadric, supports_polytope, supports_separable_in_forms):
         try:
             if shape(law.g, potential, law.forces, slips, flat, domain):
                 return True
