@@ -36,13 +36,14 @@ def between(roots: list[Any]) -> list[Fraction]:
     """One plain rational strictly between each pair of neighbouring roots, and one beyond each end."""
     if not roots:
         return [Fraction(0)]
-    ends = [(_exact(r.lower()), _exact(r.upper())) for r in roots]
+    ends = [(middle - radius, middle + radius) for middle, radius in map(_exact, roots)]
     inner = [_plain(a[1], b[0]) for a, b in pairwise(ends)]
     return [Fraction(ends[0][0] // 1 - 1), *inner, Fraction(-((-ends[-1][1]) // 1) + 1)]
 
 
-def _exact(end: Any) -> Fraction:
-    return fraction(end.fmpq())
+def _exact(ball: Any) -> tuple[Fraction, Fraction]:
+    """Middle and radius: ends rounded to the working precision would merge roots that lie close together."""
+    return fraction(ball.mid().fmpq()), fraction(ball.rad().fmpq())
 
 
 def _plain(low: Fraction, high: Fraction) -> Fraction:
