@@ -13,7 +13,7 @@ import sympy as sp
 from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.roots import square_free
 
-__all__ = ["DegenerateError", "Integral", "OpenError", "Poly", "at_rational", "projection", "true"]
+__all__ = ["DegenerateError", "Integral", "OpenError", "Poly", "at_rational", "factors", "projection", "true"]
 
 _MOST_DEGREE = 400  # of a projection: beyond, it costs more than the other deciders
 
@@ -46,6 +46,14 @@ class Integral:
 def true(value: int, op: str) -> bool:
     """Truth of ``value op 0``."""
     return value >= 0 if op == ">=" else value > 0 if op == ">" else value == 0 if op == "==" else value != 0
+
+
+def factors(poly: Poly) -> list[Poly]:
+    """The distinct irreducible factors that are no numbers."""
+    try:
+        return [factor for factor, _ in poly.factor()[1]]
+    except OverflowError:  # python-flint 0.9 sorts factors alike in shape by coefficients that it takes for C integers
+        raise OpenError("its factors have large coefficients") from None
 
 
 def projection(curves: Iterable[Poly], pairs: Iterable[tuple[Poly, Poly]], budget: Budget, more: Iterable[Poly] = ()) -> Any:

@@ -21,7 +21,7 @@ import sympy as sp
 
 from duhem.expression.balls import certain_sign, precision
 from duhem.expression.number import fraction, rational
-from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, projection, true
+from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, factors, projection, true
 from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.question import Answer
@@ -69,8 +69,7 @@ def _violation(
     """A point of the curve where every hypothesis holds and the goal fails; None if it is proved that there is none."""
     hypotheses = [(polys(r.poly), r.op) for r in given]
     wanted = (polys(goal.poly), goal.op)
-    _, factors = polys(curve.poly).factor()
-    for factor, _ in factors:
+    for factor in factors(polys(curve.poly)):
         component = _component(polys.ring, factor, hypotheses, wanted)
         if component is not None and (point := component.violation(budget)) is not None:
             return point

@@ -14,7 +14,7 @@ import flint
 import sympy as sp
 
 from duhem.expression.number import rational
-from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, projection, true
+from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, factors, projection, true
 from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.plane_curve import by_plane
 from duhem.proof.decide.polynomials import Relation, System
@@ -71,12 +71,12 @@ def _dense(given: tuple[Relation, ...]) -> bool:
 
 def _violation(given: list[tuple[Poly, str]], goal: Poly, budget: Budget) -> tuple[Fraction, Fraction] | None:
     """A point inside a cell where the hypotheses hold and the goal is negative."""
-    factors: list[Poly] = []
+    found: list[Poly] = []
     for poly in (*(p for p, _ in given), goal):
         if not poly.is_constant():
-            factors += [f for f, _ in poly.factor()[1] if f not in factors]
-    upright = [f for f in factors if f.degrees()[1] == 0]
-    curves = [f for f in factors if f.degrees()[1] > 0]
+            found += [f for f in factors(poly) if f not in found]
+    upright = [f for f in found if f.degrees()[1] == 0]
+    curves = [f for f in found if f.degrees()[1] > 0]
     special = projection(curves, combinations(curves, 2), budget, upright)
     for x in between(real_roots(special, _BITS, budget)):
         product = flint.fmpz_poly([1])
