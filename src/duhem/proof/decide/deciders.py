@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import sympy as sp
 
@@ -60,6 +61,9 @@ def _by_branches(question: Question, budget: Budget) -> Answer:
     except TooManyBranchesError as fault:
         return Answer(None, "branches", reason=str(fault))
     method = ""
+    for hidden in question.hidden(piece.expr[0] for piece in pieces):
+        if (answer := decide(hidden, budget)).holds is not True:
+            return Answer(None, answer.method, reason=f"it is open whether {hidden.expr} {hidden.sense.value} 0")
     for piece in pieces:
         expr, *sides = piece.expr
         given = tuple(type(r)(*pair) for r, pair in zip(question.given, sides, strict=True)) + piece.conditions()
@@ -94,8 +98,8 @@ def _enclosed(question: Question, budget: Budget) -> Answer:
 def by_rules(question: Question) -> Answer:
     """Sign rules: sums and products of quantities whose sign is known from the declared domains."""
     expr = question.expr
-    if any(p.exp.could_extract_minus_sign() and p.base.is_nonzero is not True for p in expr.atoms(sp.Pow)):
-        return Answer(None, "sign-rules", reason="a denominator may vanish")
+    if not all(map(_meaningful, expr.atoms(sp.Pow, sp.log, sp.tan))):
+        return Answer(None, "sign-rules", reason="a part of it may be undefined")
     for form in (expr, sp.factor_terms(expr)):
         plain = (
             form.is_nonnegative
@@ -107,6 +111,13 @@ def by_rules(question: Question) -> Answer:
         if plain:
             return Answer(True, "sign-rules")
     return Answer(None, "sign-rules")
+
+
+def _meaningful(node: Any) -> bool:
+    """Whether signs show that a power, a logarithm or a tangent is a number: SymPy has |log(x)| >= 0 for all x."""
+    if node.is_Pow:
+        return bool(node.is_extended_real and (node.exp.is_nonnegative or node.base.is_nonzero))
+    return bool(node.is_real)
 
 
 def _decide_system(system: System, budget: Budget) -> Answer:

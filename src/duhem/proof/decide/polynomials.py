@@ -116,8 +116,11 @@ class _Quotient:
     den: tuple[PolyElement, ...]
 
 
-def _quotient(expr: sp.Expr, ring: PolyRing) -> _Quotient:
-    """``expr`` (rational in the generators) as one numerator over a tuple of denominator factors."""
+def _quotient(expr: sp.Expr, ring: PolyRing, divisors: dict[PolyElement, None]) -> _Quotient:
+    """``expr`` (rational in the generators) as one numerator over a tuple of denominator factors.
+
+    ``divisors`` receives all that is divided by, also what 1/(1/x + 1) = x/(1 + x) no longer shows.
+    """
 
     def times(factors: Iterable[PolyElement]) -> PolyElement:
         product = ring.one
@@ -154,6 +157,7 @@ def _quotient(expr: sp.Expr, ring: PolyRing) -> _Quotient:
         turned = times(base.den) ** -n
         if base.num.is_ground:
             return _Quotient(turned * (1 / base.num.LC) ** -n, ())
+        divisors.setdefault(base.num)
         return _Quotient(turned, (base.num,) * -n)
 
     def leaf(node: Any) -> _Quotient:
@@ -177,54 +181,59 @@ def polynomial_system(question: Question) -> System:
         symbols |= radicand.free_symbols | {rho}
     ordered = tuple(sorted(symbols, key=lambda s: (isinstance(s, sp.Dummy), s.name)))
     given += [(x, ">" if x.is_positive else ">=") for x in ordered if x.is_nonnegative and not isinstance(x, sp.Dummy)]
-    clear = _Clearing(PolyRing(ordered, sp.QQ, lex), roots)
+    ring = PolyRing(ordered, sp.QQ, lex)
+    clear = _Clearing(ring, roots)
     relations = [clear.relation(expr, op) for expr, op in given]
     if question.circle is not None:
         relations.append(Relation(question.circle[0] ** 2 + question.circle[1] ** 2 - 1, "=="))
     obligations: list[System] = []
+
+    def oblige(*goals: Relation) -> None:
+        obligations.extend(System(wanted, tuple(relations), (), ordered, question.circle) for wanted in goals)
+
     for (radicand, q), rho in roots.found.items():
-        if not _nonnegative(radicand):
-            obligations.append(System(clear.relation(radicand, ">="), tuple(relations), (), ordered, question.circle))
-        relations += [clear.definition(rho, radicand, q), Relation(rho, ">=")]
+        inner = _Clearing(ring, roots)
+        radical, definition = inner.relation(radicand, ">="), inner.definition(rho, radicand, q)
+        # before the root is defined: rho**2 * x = 1 would show that x is not 0
+        oblige(*() if _nonnegative(radicand) else (radical,), *inner.doubtful())
+        relations += [definition, Relation(rho, ">=")]
     wanted = clear.relation(goal, question.sense.value)
-    hypotheses = tuple(relations)
-    obligations += [System(Relation(d, "!="), hypotheses, (), ordered, question.circle) for d in clear.doubtful]
-    return System(wanted, hypotheses, tuple(obligations), ordered, question.circle)
+    oblige(*clear.doubtful())
+    return System(wanted, tuple(relations), tuple(obligations), ordered, question.circle)
 
 
 class _Clearing:
-    """Clears quotients within one ring, remembering every denominator whose sign is not plain."""
+    """Clears quotients within one ring, remembering all that is divided by."""
 
     def __init__(self, ring: PolyRing, roots: _Roots) -> None:
         self.ring, self.roots = ring, roots
-        self.doubtful: dict[sp.Expr, None] = {}
+        self.divisors: dict[PolyElement, None] = {}
+
+    def doubtful(self) -> list[Relation]:
+        """That the divisors whose sign is not plain are not 0."""
+        return [Relation(d.as_expr(), "!=") for d in self.divisors if not _positive(d)]
 
     def relation(self, expr: sp.Expr, op: str) -> Relation:
         """``expr op 0`` with denominators multiplied out, each odd one together with its sign."""
-        form = _quotient(expr, self.ring)
+        form = _quotient(expr, self.ring, self.divisors)
         num = form.num
         for factor in set(form.den):
-            if _positive(factor):
-                continue
-            self.doubtful.setdefault(factor.as_expr())
-            if form.den.count(factor) % 2 and op in (">=", ">"):
+            if not _positive(factor) and form.den.count(factor) % 2 and op in (">=", ">"):
                 num = num * factor
         return Relation(self.roots.on_circle(self._reduced(num).as_expr()), op)
 
     def definition(self, rho: sp.Symbol, radicand: sp.Expr, q: int) -> Relation:
         """rho**q = radicand, cleared."""
-        form = _quotient(radicand, self.ring)
+        form = _quotient(radicand, self.ring, self.divisors)
         scale = self.ring.one
         for factor in form.den:
-            if not _positive(factor):
-                self.doubtful.setdefault(factor.as_expr())
             scale = scale * factor
         return Relation((scale * self.ring.gens[self.ring.symbols.index(rho)] ** q - form.num).as_expr(), "==")
 
     def _reduced(self, num: PolyElement) -> PolyElement:
         """Powers rho**q replaced by the radicand, last root first, where the radicand is a polynomial."""
         for (radicand, q), rho in reversed(self.roots.found.items()):
-            form = _quotient(radicand, self.ring)
+            form = _quotient(radicand, self.ring, self.divisors)
             if form.den:
                 continue
             i = self.ring.symbols.index(rho)

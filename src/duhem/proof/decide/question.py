@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
 import sympy as sp
 
+from duhem.expression import Where
+
 __all__ = ["Answer", "Question", "Sense"]
+
+_UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)
 
 
 class Sense(StrEnum):
@@ -36,6 +40,7 @@ class Question:
         """The same with symbols that the relations make 0 put in place; on the circle the other coordinate is then 1 or -1.
 
         None at all if the relations contradict each other; only itself if the formula is undefined there or nothing is 0.
+        What is hidden then is asked about as well: SymPy has 0/y = 0 and 1/(1/0) = 0.
         """
         zero = self._zeros()
         if not zero:
@@ -49,11 +54,21 @@ class Question:
         found = []
         for place in places:
             expr, given = self.expr.xreplace(place), tuple(dict.fromkeys(r.xreplace(place) for r in self.given))
-            if any(e.has(sp.nan, sp.zoo, sp.oo, -sp.oo) for e in (expr, *given)):
+            needs = [Question(q.expr.xreplace(place), q.sense, tuple(r.xreplace(place) for r in q.given)) for q in _needs(self.expr)]
+            if any(e.has(*_UNDEFINED) for e in (expr, *given, *(need.expr for need in needs))):
                 return (self,)
             if sp.false not in given:
-                found.append(Question(expr, self.sense, tuple(r for r in given if r is not sp.true), circle))
+                kept, shown = tuple(r for r in given if r is not sp.true), set(_needs(expr))
+                hidden = (need for need in dict.fromkeys(needs) if need not in shown)
+                found += [Question(q.expr, q.sense, (*kept, *q.given), circle) for q in (Question(expr, self.sense), *hidden)]
         return tuple(found)
+
+    def hidden(self, shown: Iterable[sp.Expr]) -> tuple[Question, ...]:
+        """What its formula needs to be defined and some other form of it no longer shows, as abs(x)/x does not when it is 1."""
+        needs = dict.fromkeys(_needs(self.expr))
+        common = set(needs).intersection(*map(_needs, shown))
+        lost = (need for need in needs if need not in common)
+        return tuple(Question(need.expr, need.sense, (*self.given, *need.given), self.circle) for need in lost)
 
     def _zeros(self) -> set[sp.Symbol]:
         """Symbols with s = 0 among the relations, or both s >= 0 and -s >= 0."""
@@ -73,6 +88,26 @@ class Question:
             if side is not None and side.is_Symbol:
                 found.add(side)
         return zero | (above & below)
+
+
+def _needs(expr: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Question]:
+    """What must hold for an expression to be defined: divisors are not 0, radicands not negative, logarithms of what is positive."""
+    if isinstance(expr, Where):
+        condition, then, otherwise = expr.args
+        yield from _needs(condition, given)
+        yield from _needs(then, (*given, condition))
+        yield from _needs(otherwise, (*given, sp.Not(condition)))
+        return
+    for part in expr.args:
+        yield from _needs(part, given)
+    if isinstance(expr, sp.log):
+        yield Question(expr.args[0], Sense.POSITIVE, given)
+    elif isinstance(expr, sp.tan):
+        yield Question(sp.cos(expr.args[0]) ** 2, Sense.POSITIVE, given)
+    elif isinstance(expr, sp.Pow) and not expr.exp.is_Integer:
+        yield Question(expr.base, Sense.NONNEGATIVE if expr.exp.is_positive else Sense.POSITIVE, given)
+    elif isinstance(expr, sp.Pow) and expr.exp.is_negative:
+        yield Question(expr.base**2, Sense.POSITIVE, given)
 
 
 @dataclass(frozen=True)

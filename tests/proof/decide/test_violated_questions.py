@@ -1,0 +1,56 @@
+"""No decider says "holds" of a question that is violated at a known point, and each says it often enough of those that hold.
+
+Truth is exact evaluation at the point the question was built around; no decider is the measure of another.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from duhem.proof.decide import Question, Sense
+from tests.proof.decide.alone import OF_QUESTIONS, OF_SYSTEMS
+from tests.proof.decide.questions import GOALS, SYMBOLS, as_system, in_a_box, is_polynomial, true_ones, violated_ones
+
+VIOLATED = [
+    as_system(one.question)
+    for most in (1, 2, 2, 3)
+    for one in violated_ones(f"systems/{most}", 25, "polynomial", most)
+    if is_polynomial(one.question)
+]
+TRUE = [as_system(question) for most in (1, 2, 3) for question in true_ones(f"true/{most}", 20, most)]
+
+
+@pytest.mark.parametrize("kind", GOALS)
+def test_all_deciders_together(kind: str) -> None:
+    assert [one for one in violated_ones(f"all/{kind}", 20, kind) if OF_QUESTIONS["all"](one.question).holds is True] == []
+
+
+@pytest.mark.parametrize("kind", GOALS)
+@pytest.mark.parametrize("name", ["rules", "enclosure"])
+def test_questions_by_itself(name: str, kind: str) -> None:
+    boxed = (in_a_box(one.question, one.point) for one in violated_ones(f"alone/{kind}", 12, kind))
+    assert [question for question in boxed if OF_QUESTIONS[name](question).holds is True] == []
+
+
+@pytest.mark.parametrize("name", OF_SYSTEMS)
+def test_systems_by_itself(name: str) -> None:
+    answers = Counter(OF_SYSTEMS[name](system).holds for system in VIOLATED)
+    assert answers[True] == 0
+    assert answers[False] >= {"exact": 75, "cells": 60, "curve": 3, "region": 5, "smt": 75}[name]
+
+
+@pytest.mark.parametrize("name", OF_SYSTEMS)
+def test_what_holds(name: str) -> None:
+    """Each says so of enough, and denies it of none."""
+    answers = Counter(OF_SYSTEMS[name](system).holds for system in TRUE)
+    assert answers[False] == 0
+    assert answers[True] >= {"exact": 50, "cells": 30, "curve": 1, "region": 0, "smt": 50}[name]
+
+
+def test_what_holds_with_a_margin_in_a_box() -> None:
+    """An enclosure proves it."""
+    asked = [q for q in true_ones("margins", 40, 2) if q.sense is Sense.NONNEGATIVE]
+    answers = [OF_QUESTIONS["enclosure"](in_a_box(Question(q.expr + 1, q.sense, q.given), SYMBOLS[:2])).holds for q in asked]
+    assert answers.count(True) >= len(asked) // 2 and False not in answers
