@@ -19,7 +19,7 @@ from duhem.proof.decide.reduction import parts
 from tests.proof.decide.questions import GOALS, Violated, as_system, is_polynomial, violated_ones
 from tests.proof.decide.truth import Point, UndefinedError, UnsuitedError, system_violated, value, violated
 
-MANY = [one for kind in GOALS for one in violated_ones(f"glue/{kind}", 16, kind)]
+MANY = [one for kind in GOALS for one in violated_ones(f"glue/{kind}", 10, kind)]
 
 
 def _with_roots(system: System, at: Point) -> dict[sp.Symbol, Fraction]:
