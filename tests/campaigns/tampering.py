@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from random import Random
 from typing import Any, NamedTuple
@@ -20,6 +20,7 @@ from duhem import Criterion, Domain, InputError, Verdict, verify
 from duhem.proof.certificate import certificate
 from duhem.proof.kernel.certificate import Rechecked, digest, recheck
 from duhem.proof.kernel.term import NotWritten, parse
+from tests.campaigns.families.table import trials
 from tests.oracles import drawn_formulas
 
 LAWS = ("antoni2007", "coulomb", "superellipse", "shifted-ellipse", "limacon", "radial-flow", "capped", "drucker1949", "quartic")
@@ -34,11 +35,11 @@ class Tampering(NamedTuple):
     wrong: tuple[str, ...]
 
 
-def tampering(made: Mapping[str, dict[str, Any]], count: int, seed: int) -> Tampering:
-    """``count`` certificates of LAWS, each changed in one place."""
+def tampering(made: Mapping[str, dict[str, Any]], count: int, seed: int, laws: Sequence[str] = LAWS) -> Tampering:
+    """``count`` certificates of some of the laws, each changed in one place."""
     rng, refused, other_laws, harmless, wrong = Random(seed), 0, 0, 0, list[str]()
     for _ in range(count):
-        original = made[rng.choice(LAWS)]
+        original = made[rng.choice(laws)]
         copy = tampered(original, rng)
         try:
             rows = recheck(copy)
@@ -147,8 +148,14 @@ def _domain(entry: dict[str, Any]) -> Domain:
     return Domain(Domain.between(0).low, high, positive=True) if entry.get("positive") else Domain.between(entry.get("min"), high)
 
 
+def drawn() -> Iterator[Criterion]:
+    """Laws whose certificates have evidence of other kinds: identities, points inside, polyhedra."""
+    yield from (trial.law for trial in trials(18, 2) if trial.family in ("even quartic", "shifted ellipse", "polygon", "two ellipses"))
+
+
 if __name__ == "__main__":
-    certificates = {name: certificate(verify(name)) for name in LAWS}
-    found = tampering(certificates, int(sys.argv[1]) if len(sys.argv) > 1 else 2000, 1)
+    certificates = {name: certificate(verify(name)) for name in (*LAWS, "polygon", "tresca", "von-mises", "hosford", "lobes")}
+    certificates |= {law.name: certificate(verify(law)) for law in drawn()}
+    found = tampering(certificates, int(sys.argv[1]) if len(sys.argv) > 1 else 2000, 1, tuple(certificates))
     print(f"refused {found.refused}, about another law {found.other_laws}, nothing false {found.harmless}, wrong {len(found.wrong)}")
     print(*found.wrong, sep="\n")

@@ -8,6 +8,7 @@ from dataclasses import replace
 from duhem import Criterion, InputError, Verdict
 from duhem.proof.claims import CLAIMS
 from duhem.proof.claims.claim import Consequence, ProofMethod
+from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence
 from tests.campaigns.false_proofs.trap import Trap
@@ -26,22 +27,22 @@ def provers(claim: str) -> tuple[ProofMethod[FormulaSubject] | Consequence[Formu
     )
 
 
-def proofs_alone(law: Criterion, claim: str, truth: Mapping[str, bool]) -> Iterator[str]:
+def proofs_alone(law: Criterion, claim: str, truth: Mapping[str, bool], effort: str = "normal") -> Iterator[str]:
     """Methods that prove ``claim`` of ``law``, each on a subject of its own; claims before it are proved where they are true."""
     settled = {name: Evidence(Verdict.PROVED if truth.get(name) else Verdict.TESTED, "known", "so it is") for name in CLAIMS}
     for method in provers(claim):
-        subject = FormulaSubject(law)
+        subject = FormulaSubject(law, EFFORTS[effort])
         subject.check_defined()
         if replace(CLAIMS[claim], methods=(method,)).examine(subject, settled).verdict is Verdict.PROVED:
             yield f"{method.run.__module__.rpartition('.')[2]}.{method.run.__name__}"
 
 
-def false_proofs_alone(trap: Trap) -> dict[str, list[str]]:
+def false_proofs_alone(trap: Trap, effort: str = "normal") -> dict[str, list[str]]:
     """The methods that prove a false claim of a trap, or any but the last claim of what is no law."""
     false = [c for c in CLAIMS if c != "state_laws"] if trap.refused else [c for c, holds in trap.truth.items() if not holds]
     try:
         law = trap.law()
-        found = {claim: list(proofs_alone(law, claim, trap.truth)) for claim in false}
+        found = {claim: list(proofs_alone(law, claim, trap.truth, effort)) for claim in false}
     except InputError:
         return {}
     return {claim: names for claim, names in found.items() if names}
