@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.line import Line, divides, joined, parts, roots, sign_inside
-from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
-from duhem.proof.kernel.positivity import RAY, in_powers, negated, nonnegative, on_the_line, without_content
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, times, total
+from duhem.proof.kernel.positivity import RAY, negated, nonnegative, on_the_line, without_content
 from duhem.proof.kernel.term import NotWritten, Term
 
 __all__ = ["CIRCLE", "Arc", "Value", "arcs", "difference", "exponent", "positive_power", "product"]

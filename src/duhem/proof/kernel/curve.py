@@ -103,7 +103,7 @@ class StatedCurve(NamedTuple):
         if term.op == "number":
             return _constant(Enclosure.between(term.value, term.value))
         if term.op == "name" and term.name in self.parameters:
-            low, high, _ = self.parameters[term.name]
+            low, high, *_ = self.parameters[term.name]
             if low is None or high is None:
                 raise NotWritten("a parameter has no bounds")
             return _constant(Enclosure.between(low, high))

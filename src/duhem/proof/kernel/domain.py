@@ -12,54 +12,13 @@ from itertools import islice, product
 from typing import Any, NamedTuple
 from unicodedata import normalize
 
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign, exact, sharpened
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
 
 __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedLaw", "declared", "exact", "inhabited"]
 
-Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
-NEGATIVE, ZERO, POSITIVE = 1, 2, 4
-ANY = NEGATIVE | ZERO | POSITIVE
 _MOST_POWER, _MOST_CHOICES = 12, 64
-
-
-class Bounds(NamedTuple):
-    """Where a parameter lies; None is no end, ``open`` leaves the end 0 of a positive one out."""
-
-    low: Fraction | None
-    high: Fraction | None
-    open: bool = False
-
-    @classmethod
-    def read(cls, entry: Mapping[str, Any]) -> Bounds:
-        """``{"value": v}``, ``{"positive": true, "max": …}`` or ``{"min": …, "max": …}``, numbers as text."""
-        ends = {key: None if end is None else exact(end) for key, end in entry.items() if key != "positive"}
-        match sorted(entry):
-            case ["value"] if ends["value"] is not None:
-                return cls(ends["value"], ends["value"])
-            case ["positive"] | ["max", "positive"] if entry["positive"] is True:
-                return cls(Fraction(0), ends.get("max"), True)
-            case [] | ["max"] | ["min"] | ["max", "min"]:
-                return cls(ends.get("min"), ends.get("max"))
-        raise NotWritten("a domain is none")
-
-    def sign(self) -> Sign:
-        """The signs in it."""
-        below = NEGATIVE if self.low is None or self.low < 0 else 0
-        above = POSITIVE if self.high is None or self.high > 0 else 0
-        touches = not self.open and (self.low is None or self.low <= 0) and (self.high is None or self.high >= 0)
-        return below | above | (ZERO if touches else 0)
-
-    def holds(self, x: Fraction) -> bool:
-        """Whether ``x`` lies in it."""
-        return (self.low is None or x > self.low or (x == self.low and not self.open)) and (self.high is None or x <= self.high)
-
-
-def exact(text: object) -> Fraction:
-    """The number in ``text``; no exponents, for a few letters of them make a number that fills the memory."""
-    if not isinstance(text, str) or "e" in text.lower():
-        raise NotWritten("a number is not given as text")
-    return Fraction(text)
 
 
 Declared = tuple[tuple[str, ...], dict[str, Bounds], tuple[Term, ...], dict[Term, Term]]
@@ -119,8 +78,10 @@ class StatedDomain:
         """``sign`` gives that of a constant which is no sum, product or whole power."""
         self.law, self._sign = law, sign
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
-        self._bounds = dict(law.parameters)
-        self.gaps = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
+        self.bounds = dict(law.parameters)
+        self._gaps = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
+        self.bounds = sharpened(self.bounds, self._gaps)
+        self.shown.clear()
 
     def constant(self, term: Term) -> bool:
         """Whether no force enters."""
@@ -132,7 +93,7 @@ class StatedDomain:
             return self._sign(atom, self)
         if atom.name in ("pi", self.law.pressure):
             return POSITIVE if atom.name == "pi" else NEGATIVE
-        return ANY if atom.name in self.law.forces else self._bounds[atom.name].sign()
+        return ANY if atom.name in self.law.forces else self.bounds[atom.name].sign()
 
     def nonnegative(self, term: Term, strict: bool = False) -> bool:
         """Whether a constant is >= 0, or > 0, over the domain."""
@@ -142,7 +103,7 @@ class StatedDomain:
         if any(self._by_terms(moved, strict) for moved in self._measured(poly)):
             return True
         for m, c in poly.items() if constraints else ():
-            for known, sharp in self.gaps:
+            for known, sharp in self._gaps:
                 for n, d in known.items():
                     share = joined(m, tuple((x, -k) for x, k in n))
                     if (sign := self._of_term(share, c / d)) & NEGATIVE or not sign:
@@ -168,19 +129,19 @@ class StatedDomain:
     def _measured(self, poly: Polynomial) -> Iterator[Polynomial]:
         """The polynomial with its variables measured from ends of their ranges, by distances that are >= 0."""
         powers = {(x, n > 0) for m in poly for x, n in m}
-        turned = sorted(x for x, above in powers if above and x.name in self._bounds and (x, False) not in powers)
+        turned = sorted(x for x, above in powers if above and x.name in self.bounds and (x, False) not in powers)
         for choice in islice(product(*(self._ends(x) for x in turned)), _MOST_CHOICES):
             moved = poly
             for x, (end, i) in zip(turned, choice, strict=True):
                 if end != 0 or i:
                     step = Term("name", name=f"{x.name} from end {i}")  # no name of a law has blanks
-                    self._bounds[step.name] = Bounds(Fraction(0), None, self._bounds[x.name].open and not i)
+                    self.bounds[step.name] = Bounds(Fraction(0), None, (self.bounds[x.name].open, self.bounds[x.name].open_high)[i])
                     moved = replaced(moved, x, total({(): end}, {((step, 1),): Fraction(1 - 2 * i)}))
             yield moved
 
     def _ends(self, x: Term) -> list[tuple[Fraction, int]]:
         """The ends of a variable's range, 0 for lower and 1 for upper; measuring from a lower end 0 changes nothing."""
-        return [(end, i) for i, end in enumerate(self._bounds[x.name][:2]) if end is not None] or [(Fraction(0), 0)]
+        return [(end, i) for i, end in enumerate(self.bounds[x.name][:2]) if end is not None] or [(Fraction(0), 0)]
 
     def decided(self, comparison: Term) -> bool | None:
         """Whether a comparison of constants holds, where their signs tell."""

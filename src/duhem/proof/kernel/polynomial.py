@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.term import NotWritten, Term
 
-__all__ = ["ONE", "Monomial", "Polynomial", "joined", "replaced", "slope", "times", "total"]
+__all__ = ["ONE", "Monomial", "Polynomial", "in_powers", "joined", "replaced", "slope", "times", "total"]
 
 Monomial = tuple[tuple[Term, int], ...]
 Polynomial = dict[Monomial, Fraction]
@@ -55,3 +55,11 @@ def replaced(poly: Polynomial, x: Term, inner: Polynomial) -> Polynomial:
 def slope(poly: Polynomial, x: Term) -> Polynomial:
     """The derivative by ``x``."""
     return {tuple((y, n - (y == x)) for y, n in m if n != (y == x)): c * dict(m)[x] for m, c in poly.items() if x in dict(m)}
+
+
+def in_powers(poly: Polynomial, x: Term) -> list[Polynomial]:
+    """The coefficients by powers of ``x``, that of 1 first."""
+    found: list[Polynomial] = [{} for _ in range(1 + max((dict(m).get(x, 0) for m in poly), default=0))]
+    for m, c in poly.items():
+        found[dict(m).get(x, 0)][tuple((y, n) for y, n in m if y != x)] = c
+    return found

@@ -12,13 +12,14 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import NamedTuple
 
+from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.line import Line, line
 from duhem.proof.kernel.line import nonnegative as nonnegative_on_the_line
-from duhem.proof.kernel.polynomial import Polynomial, joined, times, total
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, times, total
 from duhem.proof.kernel.term import NotWritten, Term
 
-__all__ = ["RAY", "in_powers", "negated", "nonnegative", "on_the_line", "without_content"]
+__all__ = ["RAY", "negated", "nonnegative", "on_the_line", "without_content"]
 
 RAY = Term("name", name="the ray's")  # no name of a law has blanks
 _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
@@ -38,14 +39,6 @@ class Reach(NamedTuple):
 def negated(poly: Polynomial) -> Polynomial:
     """-P."""
     return {m: -c for m, c in poly.items()}
-
-
-def in_powers(poly: Polynomial, x: Term) -> list[Polynomial]:
-    """The coefficients by powers of ``x``, that of 1 first."""
-    found: list[Polynomial] = [{} for _ in range(1 + max((dict(m).get(x, 0) for m in poly), default=0))]
-    for m, c in poly.items():
-        found[dict(m).get(x, 0)][tuple((y, n) for y, n in m if y != x)] = c
-    return found
 
 
 def without_content(poly: Polynomial, domain: StatedDomain) -> Polynomial:
@@ -102,22 +95,10 @@ def _shares(coefficients: list[Polynomial], reach: Reach) -> list[Polynomial]:
 
 
 def _reaches(x: Term, domain: StatedDomain) -> Iterator[Reach]:
-    """Where a constant may lie, its own bounds and constraints taken in; what has no end is cut at 0."""
-    known, sign = domain.law.parameters.get(x.name) if x.op == "name" else None, domain.of(x)
-    if known is not None:
-        (low, high, low_open), high_open = known, False
-    else:
-        low, low_open = None if sign & NEGATIVE else Fraction(0), not sign & ZERO
-        high, high_open = None if sign & POSITIVE else Fraction(0), not sign & ZERO
-    for gap, sharp in domain.gaps:  # a x + b >= 0 or > 0
-        factor = gap.get(((x, 1),), Fraction(0))
-        if not factor or not set(gap) <= {((x, 1),), ()}:
-            continue
-        end = -gap.get((), Fraction(0)) / factor
-        if factor > 0 and (low is None or (end, sharp) > (low, low_open)):
-            low, low_open = end, sharp
-        if factor < 0 and (high is None or (-end, sharp) > (-high, high_open)):
-            high, high_open = end, sharp
+    """Where a constant may lie, what has no end is cut at 0."""
+    sign = domain.of(x)
+    others = Bounds(None if sign & NEGATIVE else Fraction(0), None if sign & POSITIVE else Fraction(0), not sign & ZERO, not sign & ZERO)
+    low, high, low_open, high_open = domain.bounds.get(x.name, others)
     if low is not None and high is not None and low < high:
         yield Reach(low, low_open, high, high_open)
     elif low is not None:

@@ -1,0 +1,118 @@
+"""Where a parameter lies: as it is declared, and what the constraints leave of that."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from math import isqrt
+from typing import Any, NamedTuple
+
+from duhem.proof.kernel.polynomial import Polynomial, in_powers
+from duhem.proof.kernel.term import NotWritten, Term
+
+__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "exact", "sharpened"]
+
+Sign = int  # which of < 0, = 0, > 0 are possible; 0 for a part with no value
+NEGATIVE, ZERO, POSITIVE = 1, 2, 4
+ANY = NEGATIVE | ZERO | POSITIVE
+_PASSES = 3
+
+
+class Bounds(NamedTuple):
+    """Where a parameter lies; None is no end, ``open`` leaves the lower end out, ``open_high`` the upper one."""
+
+    low: Fraction | None
+    high: Fraction | None
+    open: bool = False
+    open_high: bool = False
+
+    @classmethod
+    def read(cls, entry: Mapping[str, Any]) -> Bounds:
+        """``{"value": v}``, ``{"positive": true, "max": …}`` or ``{"min": …, "max": …}``, numbers as text."""
+        ends = {key: None if end is None else exact(end) for key, end in entry.items() if key != "positive"}
+        match sorted(entry):
+            case ["value"] if ends["value"] is not None:
+                return cls(ends["value"], ends["value"])
+            case ["positive"] | ["max", "positive"] if entry["positive"] is True:
+                return cls(Fraction(0), ends.get("max"), True)
+            case [] | ["max"] | ["min"] | ["max", "min"]:
+                return cls(ends.get("min"), ends.get("max"))
+        raise NotWritten("a domain is none")
+
+    def sign(self) -> Sign:
+        """The signs in it."""
+        below = NEGATIVE if self.low is None or self.low < 0 else 0
+        above = POSITIVE if self.high is None or self.high > 0 else 0
+        return below | above | (ZERO if self.holds(Fraction(0)) else 0)
+
+    def holds(self, x: Fraction) -> bool:
+        """Whether ``x`` lies in it."""
+        beyond_low = self.low is None or x > self.low or (x == self.low and not self.open)
+        return beyond_low and (self.high is None or x < self.high or (x == self.high and not self.open_high))
+
+    def above(self, end: Fraction, left_out: bool) -> Bounds:
+        """What of it is >= ``end``, or > it."""
+        return self if self.low is not None and (self.low, self.open) >= (end, left_out) else self._replace(low=end, open=left_out)
+
+    def below(self, end: Fraction, left_out: bool) -> Bounds:
+        """What of it is <= ``end``, or < it."""
+        if self.high is not None and (-self.high, self.open_high) >= (-end, left_out):
+            return self
+        return self._replace(high=end, open_high=left_out)
+
+
+def exact(text: object) -> Fraction:
+    """The number in ``text``; no exponents, for a few letters of them make a number that fills the memory."""
+    if not isinstance(text, str) or "e" in text.lower():
+        raise NotWritten("a number is not given as text")
+    return Fraction(text)
+
+
+def sharpened(bounds: Mapping[str, Bounds], gaps: Sequence[tuple[Polynomial, bool]]) -> dict[str, Bounds]:
+    """Bounds and what ``gaps`` >= 0, or > 0, leave of them: what is linear in a parameter bounds it by the ends of the others.
+
+    So does what is of the second degree in one alone, by its roots.
+    """
+    found = dict(bounds)
+    for _ in range(_PASSES):
+        for gap, sharp in gaps:
+            for x in {x for m in gap for x, _ in m if x.name in found and all(n > 0 for m in gap for _, n in m)}:
+                found[x.name] = _left(x, in_powers(gap, x), sharp, found)
+    for known in found.values():
+        if known.low is not None and known.high is not None and not (known.low < known.high or known.holds(known.high)):
+            raise NotWritten("the domain is empty")
+    return found
+
+
+def _left(x: Term, parts: list[Polynomial], sharp: bool, bounds: Mapping[str, Bounds]) -> Bounds:
+    """What a constraint, by powers of the parameter, leaves of where it lies."""
+    known = bounds[x.name]
+    if len(parts) == 2:
+        (_, most), (least, greatest) = (_span(part, bounds) for part in parts)
+        if most is None or least is None or greatest is None or not (least > 0 or greatest < 0):
+            return known
+        ends = [-most / f for f in (least, greatest)]
+        return known.above(min(ends), sharp) if least > 0 else known.below(max(ends), sharp)
+    if len(parts) == 3 and all(set(part) <= {()} for part in parts):
+        c, b, a = (part.get((), Fraction(0)) for part in parts)
+        if a < 0 and (square := b * b - 4 * a * c) >= 0:
+            root = Fraction(isqrt(square.numerator * square.denominator), square.denominator)
+            inexact = root * root != square
+            root += Fraction(inexact, square.denominator)
+            sharp = sharp and not inexact
+            return known.above((root - b) / (2 * a), sharp).below((-root - b) / (2 * a), sharp)
+    return known
+
+
+def _span(poly: Polynomial, bounds: Mapping[str, Bounds]) -> tuple[Fraction | None, Fraction | None]:
+    """Numbers between which a polynomial of degree 1 lies; None where there is none."""
+    low: Fraction | None = Fraction(0)
+    high: Fraction | None = Fraction(0)
+    for m, c in poly.items():
+        if m and (len(m) > 1 or m[0][1] != 1 or m[0][0].name not in bounds):
+            return None, None
+        ends = bounds[m[0][0].name][:2] if m else (Fraction(1), Fraction(1))
+        first, last = ends if c > 0 else ends[::-1]
+        low = None if low is None or first is None else low + c * first
+        high = None if high is None or last is None else high + c * last
+    return low, high
