@@ -28,6 +28,7 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
 from duhem.projection.result import Projection, Status
+from tests.long import mostly_long
 
 FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}
 Run = Callable[..., tuple[int, str, str]]
@@ -202,18 +203,18 @@ def test_an_interrupted_run_keeps_what_is_done() -> None:
     assert "Interrupted" in text(result)
 
 
+OPEN_CASES = [
+    ("regularised", {"mu": "0.2", "c": "0.1"}, "load"),
+    ("regularised", {"mu": "0.2", "c": "1"}, "load"),
+    ("regularised", {"mu": "0.2", "c": "0.1"}, "special values"),
+    ("capped", {"mu": "0.2", "c": "0.3"}, "special values"),
+    ("cohesive", {"mu": "0.2", "c": "0.1"}, "load"),
+    ("shifted-ellipse", {"mu_a": "0.1", "mu_b": "0.2", "shift": "0.05"}, "aspect of K"),
+]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "values", "axis"),
-    [
-        ("regularised", {"mu": "0.2", "c": "0.1"}, "load"),
-        ("regularised", {"mu": "0.2", "c": "1"}, "load"),
-        ("regularised", {"mu": "0.2", "c": "0.1"}, "special values"),
-        ("capped", {"mu": "0.2", "c": "0.3"}, "special values"),
-        ("cohesive", {"mu": "0.2", "c": "0.1"}, "load"),
-        ("shifted-ellipse", {"mu_a": "0.1", "mu_b": "0.2", "shift": "0.05"}, "aspect of K"),
-    ],
-)
+@pytest.mark.parametrize(("name", "values", "axis"), mostly_long(OPEN_CASES, OPEN_CASES[0], OPEN_CASES[3], OPEN_CASES[5]))
 def test_a_case_without_reference_is_said_and_the_rest_is_kept(name: str, values: dict[str, str], axis: str) -> None:
     law = formula(name, **{key: value for key, value in values.items() if key in duhem.load(name).parameters})
     law = law.fix({key: "0.3" for key, domain in law.parameters.items() if domain.value is None})

@@ -26,6 +26,7 @@ pytest.importorskip("matplotlib")
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Sheet
 
+from tests.long import mostly_long
 from tests.oracles.legible import faults
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
@@ -155,14 +156,16 @@ POINTS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize(
+    "name", mostly_long(RUNS, "README", "one force", "six forces", "long names", "1e-300", "changing pressure", "nothing happens")
+)
 def test_runs_are_legible(name: str) -> None:
     places = RUNS[name]().plot()
     assert len(places) == 3 and faults(places[0].figure) == []
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", BENCHES)
+@pytest.mark.parametrize("name", mostly_long(BENCHES, "bench", "bench, long names", "bench, nothing", "stress, nine methods"))
 def test_benchmarks_are_legible(name: str) -> None:
     assert faults(draw(BENCHES[name]())[0].figure) == []
 
@@ -184,7 +187,7 @@ SETTINGS = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "settings"), SETTINGS, ids=[f"{n} {s}" for n, s in SETTINGS])
+@pytest.mark.parametrize(("name", "settings"), mostly_long(SETTINGS, *SETTINGS[::2]))
 def test_the_figures_of_the_paper_are_legible(name: str, settings: dict[str, float]) -> None:
     from duhem.micromodel.figures.drawing import draw as drawn
 
