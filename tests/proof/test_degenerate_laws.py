@@ -49,6 +49,7 @@ def test_an_interval_with_an_inside_has(g: str) -> None:
 # -- flows --------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flow", [("0*a", "0*b"), ("a*pos(a)", "b*pos(a)"), ("a*abs(a - b)", "b*abs(a - b)")])
 def test_a_flow_that_vanishes_has_no_direction(flow: tuple[str, ...]) -> None:
     assert verify(law("norm(a, b) - 1", flow=flow), claims=["normality"])["normality"].verdict is not PROVED
@@ -60,6 +61,7 @@ QUARTIC = "(a**4 + b**4 + c*a**2*b**2 - 1)"
 OUTER = ("max({f}, 2*{f})", "{f} + abs({f})/2", "where({f} > 0, 3*{f}, {f})", "2*{f} + pos({f})", "{f} - neg({f})")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("outer", OUTER)
 def test_a_boundary_along_a_seam_is_asked_about(outer: str) -> None:
     """Convex if and only if 0 <= c <= 6 (the sign of the curvature at 45 degrees and on the axes)."""
@@ -72,6 +74,7 @@ def test_a_boundary_along_a_seam_is_asked_about(outer: str) -> None:
 # -- closed forms that divide -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [

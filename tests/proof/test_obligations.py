@@ -70,6 +70,7 @@ CANCELLED = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", CANCELLED)
 def test_nothing_is_proved_of_a_formula_that_is_undefined_at_some_forces(g: str) -> None:
     proved = {r.claim for r in verify(law(g)).results if r.verdict is Verdict.PROVED}
@@ -82,6 +83,7 @@ def test_a_witness_lies_where_the_formula_is_defined(g: str) -> None:
     assert not [r.claim for r in verify(law(g), claims=["convexity"]).results if r.verdict is Verdict.REFUTED]
 
 
+@pytest.mark.slow
 def test_zero_over_zero_at_zero_force_is_taken_by_closure() -> None:
     """A quotient of equal degrees in the forces: what it is at zero force alone does not matter."""
     found = verify(law("max(a**2/(a**2 + b**2) - 1, norm(a, b) - abs(p))"))
@@ -89,6 +91,7 @@ def test_zero_over_zero_at_zero_force_is_taken_by_closure() -> None:
     assert verify(law("norm(a, b)**3/norm(a, b)**2 - abs(p)"), claims=["convexity"])["convexity"].verdict is Verdict.PROVED
 
 
+@pytest.mark.slow
 def test_a_flow_that_is_undefined_somewhere_proves_nothing() -> None:
     found = verify(law("norm(a, b) - 1", flow=("a*log(b)**2", "b*log(b)**2")), claims=["normality", "dissipation"])
     assert not [r.claim for r in found.results if r.verdict is Verdict.PROVED]
