@@ -166,6 +166,14 @@ def test_convex_up_to_the_threshold_and_not_beyond(g: str, forces: tuple[str, ..
         assert judged(law(g, forces=forces or ("a", "b"), mu=POSITIVE, e=span(*ends))) == (convex, True)
 
 
+@pytest.mark.parametrize(
+    ("constraint", "convex"),
+    [("e + f <= 1/2", True), ("(e - 1/4)**2 <= 1/16", True), ("e + f <= 500001/1000000", False), ("e*(1 + f) < 2", False)],
+)
+def test_a_threshold_said_by_a_constraint(constraint: str, convex: bool) -> None:
+    assert judged(law(LIMACON, constraint, "e < 1", mu=POSITIVE, e=span(0, 7), f=span(0, 1))) == (convex, True)
+
+
 def test_an_irrational_threshold() -> None:  # norm(m a, b) r^-1 <= 1 on the circle bends inward for m^2 > 2 and m^2 < 1/2
     assert judged(law(MATCHSTICK, e=span("70711/100000", "141421/100000"))) == (True, True)
     assert judged(law(MATCHSTICK, e=span(1, "141422/100000"))) == (False, True)
