@@ -40,8 +40,8 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
     if question.expr.has(*_KINKS) or any(r.has(*_KINKS) for r in question.given):
         return _by_branches(question, budget)
     try:
-        system = polynomial_system(question)
-    except NotAlgebraicError as fault:
+        system = polynomial_system(question, budget.part(budget.left // 4))
+    except (NotAlgebraicError, SpentError) as fault:
         answer = _by_factors(question, budget)
         if answer.holds is None:
             answer = _enclosed(question, budget)
@@ -139,7 +139,7 @@ def _decide_system(system: System, budget: Budget) -> Answer:
         return answer
 
     used = ""
-    for goal, away in _factors(system):
+    for goal, away in _factors(system, budget):
         answer = answered(goal, system.given)
         if answer.holds is False and away:  # perhaps only where a factor that was left out vanishes
             answer = answered(goal, (*system.given, *away))
@@ -149,7 +149,7 @@ def _decide_system(system: System, budget: Budget) -> Answer:
     return Answer(True, used or "identity")
 
 
-def _factors(system: System) -> tuple[tuple[Relation, tuple[Relation, ...]], ...]:
+def _factors(system: System, budget: Budget) -> tuple[tuple[Relation, tuple[Relation, ...]], ...]:
     """Goals that together are the system's, each with what may be assumed for it.
 
     Factors whose sign is plain are left out of the core; where one of them vanishes the core may have any sign (if the goal
@@ -158,7 +158,7 @@ def _factors(system: System) -> tuple[tuple[Relation, tuple[Relation, ...]], ...
     goal = system.goal
     if goal.poly.is_number:
         return () if goal.holds() else ((goal, ()),)
-    if goal.op in ("==", "!="):
+    if goal.op in ("==", "!=") or not budget.part(budget.left // 8).pays(_factoring(goal.poly)):
         return ((goal, ()),)
     coefficient, factors = sp.factor_list(goal.poly)
     core, away = sp.Integer(sp.sign(coefficient)), []
@@ -174,3 +174,9 @@ def _factors(system: System) -> tuple[tuple[Relation, tuple[Relation, ...]], ...
     if main.poly.is_number and main.holds():
         return extra
     return (*extra, (main, tuple(away)))
+
+
+def _factoring(poly: sp.Expr) -> int:
+    """Steps of the factors of a polynomial, by its terms, degree and variables."""
+    form = sp.Poly(poly)
+    return 10 * len(form.terms()) * form.total_degree() * len(form.gens)

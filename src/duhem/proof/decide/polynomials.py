@@ -16,13 +16,18 @@ from sympy.polys.rings import PolyElement, PolyRing
 from duhem.errors import InputError
 from duhem.expression import Norm, fold
 from duhem.expression.inert_number import MOST_ROOT
+from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.question import Question
 
 __all__ = ["NotAlgebraicError", "Relation", "System", "polynomial_system"]
 
 
+_TERM = 2  # steps of the product of two terms
+_MOST_TERMS = 3_000  # of a polynomial: one with more is beyond the deciders, and to read it alone takes long
+
+
 class NotAlgebraicError(Exception):
-    """The question involves something else than polynomials, quotients and roots."""
+    """The question involves something else than polynomials of a size to be handled, quotients and roots."""
 
 
 @dataclass(frozen=True)
@@ -116,23 +121,37 @@ class _Quotient:
     den: tuple[PolyElement, ...]
 
 
-def _quotient(expr: sp.Expr, ring: PolyRing, divisors: dict[PolyElement, None]) -> _Quotient:
+class _Products:
+    """Products in a ring, each paid for before it is made."""
+
+    def __init__(self, ring: PolyRing, budget: Budget) -> None:
+        self.ring, self.budget = ring, budget
+
+    def of(self, factors: Iterable[PolyElement]) -> PolyElement:
+        """All factors together."""
+        product = self.ring.one
+        for factor in factors:
+            self.budget.spend(_TERM * len(product) * len(factor))
+            product = product * factor
+        return product
+
+    def power(self, base: PolyElement, n: int) -> PolyElement:
+        """The n-th power, n >= 0."""
+        return base**n if len(base) < 2 else self.of([base] * n)
+
+
+def _quotient(expr: sp.Expr, products: _Products, divisors: dict[PolyElement, None]) -> _Quotient:
     """``expr`` (rational in the generators) as one numerator over a tuple of denominator factors.
 
     ``divisors`` receives all that is divided by, also what 1/(1/x + 1) = x/(1 + x) no longer shows.
     """
-
-    def times(factors: Iterable[PolyElement]) -> PolyElement:
-        product = ring.one
-        for factor in factors:
-            product = product * factor
-        return product
+    ring = products.ring
 
     def missing(all_: list[PolyElement], have: tuple[PolyElement, ...]) -> PolyElement:
         rest = list(all_)
         for factor in have:
             rest.remove(factor)
-        return times(rest)
+        return products.of(rest)
 
     def add(node: sp.Basic, *terms: _Quotient) -> _Quotient:
         common: list[PolyElement] = []
@@ -143,18 +162,18 @@ def _quotient(expr: sp.Expr, ring: PolyRing, divisors: dict[PolyElement, None]) 
                     left.remove(factor)
                 else:
                     common.append(factor)
-        return _Quotient(sum((t.num * missing(common, t.den) for t in terms), ring.zero), tuple(common))
+        return _Quotient(sum((products.of((t.num, missing(common, t.den))) for t in terms), ring.zero), tuple(common))
 
     def mul(node: sp.Basic, *terms: _Quotient) -> _Quotient:
-        return _Quotient(times(t.num for t in terms), tuple(f for t in terms for f in t.den))
+        return _Quotient(products.of(t.num for t in terms), tuple(f for t in terms for f in t.den))
 
     def power(node: Any, base: _Quotient, _: _Quotient) -> _Quotient:
         n = int(node.exp)
         if n >= 0:
-            return _Quotient(base.num**n, base.den * n)
+            return _Quotient(products.power(base.num, n), base.den * n)
         if not base.num:
             raise NotAlgebraicError("division by zero")
-        turned = times(base.den) ** -n
+        turned = products.power(products.of(base.den), -n)
         if base.num.is_ground:
             return _Quotient(turned * (1 / base.num.LC) ** -n, ())
         divisors.setdefault(base.num)
@@ -171,18 +190,18 @@ def _quotient(expr: sp.Expr, ring: PolyRing, divisors: dict[PolyElement, None]) 
 _OPS = {sp.GreaterThan: ">=", sp.StrictGreaterThan: ">", sp.LessThan: ">=", sp.StrictLessThan: ">", sp.Eq: "==", sp.Ne: "!="}
 
 
-def polynomial_system(question: Question) -> System:
-    """The question over polynomials; raises NotAlgebraicError where it is not algebraic."""
+def polynomial_system(question: Question, budget: Budget) -> System:
+    """The question over polynomials; NotAlgebraicError where it is not algebraic, SpentError where they grow too large."""
     roots = _Roots(question.circle)
     goal = roots.rewrite(question.expr)
     given = [(roots.rewrite(_gap(r)), _OPS[type(r)]) for r in question.given if r is not sp.true]
     symbols: set[sp.Symbol] = set(question.circle or ()).union(goal.free_symbols, *(e.free_symbols for e, _ in given))
     for (radicand, _), rho in roots.found.items():
         symbols |= radicand.free_symbols | {rho}
-    ordered = tuple(sorted(symbols, key=lambda s: (isinstance(s, sp.Dummy), s.name)))
+    ordered = tuple(sorted(symbols, key=lambda s: (isinstance(s, sp.Dummy), s.name, getattr(s, "dummy_index", 0))))
     given += [(x, ">" if x.is_positive else ">=") for x in ordered if x.is_nonnegative and not isinstance(x, sp.Dummy)]
-    ring = PolyRing(ordered, sp.QQ, lex)
-    clear = _Clearing(ring, roots)
+    products = _Products(PolyRing(ordered, sp.QQ, lex), budget)
+    clear = _Clearing(products, roots)
     relations = [clear.relation(expr, op) for expr, op in given]
     if question.circle is not None:
         relations.append(Relation(question.circle[0] ** 2 + question.circle[1] ** 2 - 1, "=="))
@@ -192,7 +211,7 @@ def polynomial_system(question: Question) -> System:
         obligations.extend(System(wanted, tuple(relations), (), ordered, question.circle) for wanted in goals)
 
     for (radicand, q), rho in roots.found.items():
-        inner = _Clearing(ring, roots)
+        inner = _Clearing(products, roots)
         radical, definition = inner.relation(radicand, ">="), inner.definition(rho, radicand, q)
         # before the root is defined: rho**2 * x = 1 would show that x is not 0
         oblige(*() if _nonnegative(radicand) else (radical,), *inner.doubtful())
@@ -205,8 +224,8 @@ def polynomial_system(question: Question) -> System:
 class _Clearing:
     """Clears quotients within one ring, remembering all that is divided by."""
 
-    def __init__(self, ring: PolyRing, roots: _Roots) -> None:
-        self.ring, self.roots = ring, roots
+    def __init__(self, products: _Products, roots: _Roots) -> None:
+        self.products, self.ring, self.roots = products, products.ring, roots
         self.divisors: dict[PolyElement, None] = {}
 
     def doubtful(self) -> list[Relation]:
@@ -215,35 +234,47 @@ class _Clearing:
 
     def relation(self, expr: sp.Expr, op: str) -> Relation:
         """``expr op 0`` with denominators multiplied out, each odd one together with its sign."""
-        form = _quotient(expr, self.ring, self.divisors)
+        form = _quotient(expr, self.products, self.divisors)
         num = form.num
-        for factor in set(form.den):
+        for factor in dict.fromkeys(form.den):
             if not _positive(factor) and form.den.count(factor) % 2 and op in (">=", ">"):
-                num = num * factor
-        return Relation(self.roots.on_circle(self._reduced(num).as_expr()), op)
+                num = self.products.of((num, factor))
+        return Relation(_expression(self._reduced(num)), op)
 
     def definition(self, rho: sp.Symbol, radicand: sp.Expr, q: int) -> Relation:
         """rho**q = radicand, cleared."""
-        form = _quotient(radicand, self.ring, self.divisors)
-        scale = self.ring.one
-        for factor in form.den:
-            scale = scale * factor
-        return Relation((scale * self.ring.gens[self.ring.symbols.index(rho)] ** q - form.num).as_expr(), "==")
+        form = _quotient(radicand, self.products, self.divisors)
+        scale = self.products.of(form.den)
+        return Relation(_expression(scale * self.ring.gens[self.ring.symbols.index(rho)] ** q - form.num), "==")
 
     def _reduced(self, num: PolyElement) -> PolyElement:
-        """Powers rho**q replaced by the radicand, last root first, where the radicand is a polynomial."""
+        """Powers rho**q replaced by the radicand, last root first, where the radicand is a polynomial; y**2 on the circle too."""
         for (radicand, q), rho in reversed(self.roots.found.items()):
-            form = _quotient(radicand, self.ring, self.divisors)
-            if form.den:
-                continue
-            i = self.ring.symbols.index(rho)
-            result = self.ring.zero
-            for monom, coeff in num.terms():
-                rest = list(monom)
-                rest[i] = monom[i] % q
-                result += self.ring.term_new(tuple(rest), coeff) * form.num ** (monom[i] // q)
-            num = result
+            form = _quotient(radicand, self.products, self.divisors)
+            if not form.den:
+                num = self._put(num, rho, q, form.num)
+        if self.roots.circle is not None:
+            x, y = self.roots.circle
+            num = self._put(num, y, 2, 1 - self.ring.gens[self.ring.symbols.index(x)] ** 2)
         return num
+
+    def _put(self, num: PolyElement, x: sp.Symbol, q: int, value: PolyElement) -> PolyElement:
+        """x**q replaced by a polynomial, by Horner's rule."""
+        i = self.ring.symbols.index(x)
+        parts: dict[int, dict[tuple[int, ...], Any]] = {}
+        for monom, coefficient in num.terms():
+            whole, rest = divmod(monom[i], q)
+            parts.setdefault(whole, {})[(*monom[:i], rest, *monom[i + 1 :])] = coefficient
+        found = self.ring.zero
+        for k in range(max(parts, default=0), -1, -1):
+            found = self.products.of((found, value)) + self.ring.from_dict(parts.get(k, {}))
+        return found
+
+
+def _expression(poly: PolyElement) -> sp.Expr:
+    if len(poly) > _MOST_TERMS:
+        raise NotAlgebraicError(f"a polynomial has {len(poly)} terms")
+    return poly.as_expr()
 
 
 def _gap(relation: Any) -> sp.Expr:
