@@ -200,8 +200,12 @@ def _homogeneous(term: Term, names: Sequence[str], domain: StatedDomain) -> bool
 
 
 def _is_affine(term: Term, names: Sequence[str], domain: StatedDomain) -> bool:
-    """Whether it is affine in the names."""
+    """Whether it is written as sums and products, and affine in the names."""
     try:
-        return bool(affine(term, names, domain))
+        return _is_plain(term, domain) and bool(affine(term, names, domain))
     except NotWritten:
         return False
+
+
+def _is_plain(term: Term, domain: StatedDomain) -> bool:
+    return domain.constant(term) or term.op == "name" or (term.op in ("+", "*") and all(_is_plain(a, domain) for a in term.args))
