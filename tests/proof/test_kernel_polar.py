@@ -19,7 +19,7 @@ from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.line import line, nonnegative, parts, roots
 from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
-from duhem.proof.kernel.star import Gauge, undefined_at_zero
+from duhem.proof.kernel.star import StarGauge, undefined_at_zero
 from duhem.proof.kernel.term import NotWritten, Term, parse
 
 F = Fraction
@@ -39,7 +39,7 @@ def law(g: str, *constraints: str, forces: tuple[str, ...] = ("a", "b"), flow: A
 def judged(stated: StatedLaw) -> tuple[bool, bool] | None:
     """Convex, smooth; None where the law is not shown to be star-shaped."""
     try:
-        gauge = Gauge(stated)
+        gauge = StarGauge(stated)
         return gauge.convex(), gauge.smooth()
     except NotWritten:
         return None

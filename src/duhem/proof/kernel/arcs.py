@@ -21,7 +21,7 @@ from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, times, tot
 from duhem.proof.kernel.positivity import RAY, negated, nonnegative, on_the_line, without_content
 from duhem.proof.kernel.term import NotWritten, Term
 
-__all__ = ["CIRCLE", "Arc", "Value", "arcs", "difference", "exponent", "positive_power", "product"]
+__all__ = ["CIRCLE", "DirectionArc", "Value", "arcs", "difference", "exponent", "positive_power", "product"]
 
 End = tuple[Fraction, Fraction]  # a t between two numbers, known exactly where they are one
 Base = tuple[tuple[Any, Fraction], ...]  # a polynomial > 0, as its terms in order
@@ -44,7 +44,7 @@ class _Turns(Exception):
 
 
 @dataclass(frozen=True)
-class Arc:
+class DirectionArc:
     """The rays on one ``side`` with t from ``start`` to ``stop``, or one ray; ``switches`` has no root strictly between."""
 
     domain: StatedDomain
@@ -79,7 +79,7 @@ class Arc:
         return sign_inside(plain, self.start[1], self.stop[0])
 
 
-def arcs(terms: Sequence[Term], forces: tuple[str, str], domain: StatedDomain) -> Iterator[list[tuple[Arc, list[Value]]]]:
+def arcs(terms: Sequence[Term], forces: tuple[str, str], domain: StatedDomain) -> Iterator[list[tuple[DirectionArc, list[Value]]]]:
     """The terms along all rays, one side after the other: arcs that meet at their ends, all in the direction of t.
 
     Where a ``where`` may jump, the rays at the ends of arcs stand between them.
@@ -87,7 +87,7 @@ def arcs(terms: Sequence[Term], forces: tuple[str, str], domain: StatedDomain) -
     jumps = any(_has_where(term) for term in terms)
     for side in (1, -1):
         switches: Line = (1,)
-        found: list[tuple[Arc, list[Value]]] = []
+        found: list[tuple[DirectionArc, list[Value]]] = []
         while not found:
             try:
                 found = [(arc, [_read(term, arc) for term in terms]) for arc in _cut(side, switches, jumps, forces, domain)]
@@ -96,23 +96,23 @@ def arcs(terms: Sequence[Term], forces: tuple[str, str], domain: StatedDomain) -
         yield found
 
 
-def _cut(side: int, switches: Line, singles: bool, forces: tuple[str, str], domain: StatedDomain) -> Iterator[Arc]:
+def _cut(side: int, switches: Line, singles: bool, forces: tuple[str, str], domain: StatedDomain) -> Iterator[DirectionArc]:
     ends = [(Fraction(-1), Fraction(-1)), *roots(switches, Fraction(-1), Fraction(1)), (Fraction(1), Fraction(1))]
     if len(ends) > _MOST_ARCS or any(a[1] >= b[0] for a, b in pairwise(ends)) or (singles and any(a != b for a, b in ends)):
         raise NotWritten("the arcs are too many, or their ends too near or not exact")
     for start, stop in pairwise(ends):
         if singles:
-            yield Arc(domain, forces, side, start, start, switches)
-        yield Arc(domain, forces, side, start, stop, switches)
+            yield DirectionArc(domain, forces, side, start, start, switches)
+        yield DirectionArc(domain, forces, side, start, stop, switches)
     if singles:
-        yield Arc(domain, forces, side, ends[-1], ends[-1], switches)
+        yield DirectionArc(domain, forces, side, ends[-1], ends[-1], switches)
 
 
 def _has_where(term: Term) -> bool:
     return term.op == "where" or any(map(_has_where, term.args))
 
 
-def _read(term: Term, arc: Arc) -> Value:
+def _read(term: Term, arc: DirectionArc) -> Value:
     if arc.domain.constant(term):
         if not facts(term, arc.domain).defined:
             raise NotWritten("a constant may be undefined")
@@ -181,11 +181,11 @@ def _raised(value: Value, n: int) -> Value:
     return product([value] * n)
 
 
-def _power(value: Value, n: Fraction, arc: Arc) -> Value:
+def _power(value: Value, n: Fraction, arc: DirectionArc) -> Value:
     return _raised(value, int(n)) if n.denominator == 1 and n >= 0 else positive_power(value, n, arc)
 
 
-def positive_power(value: Value, n: Fraction, arc: Arc) -> Value:
+def positive_power(value: Value, n: Fraction, arc: DirectionArc) -> Value:
     """value^n for a value that is shown to be > 0, without a polynomial of its own; powers of 1 + t^2 are kept apart."""
     if not arc.nonnegative(value.poly, strict=True):
         raise NotWritten("what is divided by or under a root may be <= 0")
@@ -222,7 +222,7 @@ def _total(values: Iterable[Value]) -> Value:
     return Value(poly, {base: n for base, n in shared.items() if n})
 
 
-def difference(one: Value, two: Value, arc: Arc) -> Polynomial:
+def difference(one: Value, two: Value, arc: DirectionArc) -> Polynomial:
     """A polynomial with the sign of one - two: of their powers, free of roots, where both are >= 0."""
     apart = [one.powers.get(base, Fraction(0)) - two.powers.get(base, Fraction(0)) for base in {*one.powers, *two.powers}]
     whole = lcm(*(n.denominator for n in apart))

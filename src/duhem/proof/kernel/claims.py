@@ -16,7 +16,7 @@ from duhem.proof.kernel.piecewise import polyhedra
 from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from duhem.proof.kernel.star import Gauge, undefined_at_zero
+from duhem.proof.kernel.star import StarGauge, undefined_at_zero
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
 
@@ -151,22 +151,22 @@ def fenchel(law: StatedLaw, _: Evidence) -> bool:
 
 def star_shaped(law: StatedLaw, _: Evidence) -> bool:
     """K is star-shaped about 0, and closed where the formula divides by 0."""
-    return undefined_at_zero(law) and bool(Gauge(law))
+    return undefined_at_zero(law) and bool(StarGauge(law))
 
 
 def convex_gauge(law: StatedLaw, _: Evidence) -> bool:
     """K = {gamma <= 1} with a convex gauge gamma."""
-    return Gauge(law).convex()
+    return StarGauge(law).convex()
 
 
 def smooth_gauge(law: StatedLaw, _: Evidence) -> bool:
     """The boundary is {gamma = 1} with gamma of class C^1 and positive."""
-    return Gauge(law).smooth()
+    return StarGauge(law).smooth()
 
 
 def euler(law: StatedLaw, _: Evidence) -> bool:
     """On g = 0 every gradient of g = A - B from one side has sigma . grad g = (a - b) A > 0."""
-    return law.flow is None and bool(Gauge(law))
+    return law.flow is None and bool(StarGauge(law))
 
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:

@@ -15,21 +15,21 @@ from collections.abc import Iterator
 from fractions import Fraction
 from itertools import islice, pairwise
 
-from duhem.proof.kernel.arcs import CIRCLE, Arc, Value, arcs, difference, exponent, positive_power, product
+from duhem.proof.kernel.arcs import CIRCLE, DirectionArc, Value, arcs, difference, exponent, positive_power, product
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.polynomial import ONE, Polynomial, replaced, slope, times, total
 from duhem.proof.kernel.positivity import RAY, Interval, negated, nonnegative
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
-__all__ = ["Gauge", "undefined_at_zero"]
+__all__ = ["StarGauge", "undefined_at_zero"]
 
 _ALIKE = ("+", "abs", "pos", "neg", "max", "min", "norm", "where", "<", "<=", ">", ">=")  # of one degree in all arguments
 _MOST_TERMS = 200
 _TWO_T: Polynomial = {((RAY, 1),): Fraction(2)}
 
 
-class Gauge:
+class StarGauge:
     """The gauge of a star-shaped law; NotWritten for a law that is not shown to have one."""
 
     def __init__(self, law: StatedLaw) -> None:
@@ -73,7 +73,7 @@ def _rise(before: _Quotient, after: _Quotient) -> Polynomial:
 class _Piece:
     """psi on an arc: a product of positive polynomials, each to a power."""
 
-    def __init__(self, upper: Value, lower: Value, order: Fraction, arc: Arc) -> None:
+    def __init__(self, upper: Value, lower: Value, order: Fraction, arc: DirectionArc) -> None:
         self.arc = arc
         self._psi = product((positive_power(upper, 1 / order, arc), positive_power(lower, -1 / order, arc)))
         bases = [(dict(base), n) for base, n in self._psi.powers.items() if any(RAY in dict(m) for m, _ in base)]
