@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 import duhem
+from tests.campaigns.determinism import in_processes
 
 LAWS = ("antoni2007", "coulomb", "orthotropic", "box", "shifted-ellipse")
 
@@ -21,3 +22,9 @@ def test_threads_say_what_one_says_alone() -> None:
     with ThreadPoolExecutor(8) as pool:
         together = list(pool.map(verdicts, LAWS * 3))
     assert together == [alone[name] for name in LAWS * 3]
+
+
+@pytest.mark.slow
+def test_processes_with_other_hashes_say_the_same() -> None:
+    one, two = in_processes(("1", "7"), ("coulomb", "box"))
+    assert one == two and set(one) == {"coulomb", "box"}
