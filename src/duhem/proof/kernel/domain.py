@@ -18,7 +18,7 @@ from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus,
 
 __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedLaw", "declared", "exact", "inhabited"]
 
-_MOST_POWER, _MOST_CHOICES = 12, 64
+_MOST_POWER, _MOST_STEPS, _MOST_CHOICES = 12, 400_000, 64
 
 
 Declared = tuple[tuple[str, ...], dict[str, Bounds], tuple[Term, ...], dict[Term, Term]]
@@ -76,7 +76,7 @@ class StatedDomain:
 
     def __init__(self, law: StatedLaw, sign: Callable[[Term, StatedDomain], Sign]) -> None:
         """``sign`` gives that of a constant which is no sum, product or whole power."""
-        self.law, self._sign = law, sign
+        self.law, self._sign, self._steps = law, sign, 0
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
         self.bounds = dict(law.parameters)
         self._gaps = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
@@ -160,19 +160,26 @@ class StatedDomain:
         if term.op == "*":
             found = ONE
             for a in term.args:
-                found = times(found, self.polynomial(a))
+                found = self._times(found, self.polynomial(a))
             return found
         if term.op == "**" and term.args[1].op == "number" and term.args[1].value.denominator == 1:
             n, base = int(term.args[1].value), self.polynomial(term.args[0])
             if 0 <= n <= _MOST_POWER:
                 found = ONE
                 for _ in range(n):
-                    found = times(found, base)
+                    found = self._times(found, base)
                 return found
             if -_MOST_POWER <= n < 0 and len(base) == 1:
                 ((monomial, c),) = base.items()
                 return {tuple((x, k * n) for x, k in monomial): c**n}
         return {((term, 1),): Fraction(1)}
+
+    def _times(self, one: Polynomial, two: Polynomial) -> Polynomial:
+        """The product; NotWritten where all products together have become too many to go on."""
+        self._steps += len(one) * len(two)
+        if self._steps > _MOST_STEPS:
+            raise NotWritten("there is too much to multiply out")
+        return times(one, two)
 
     def plain(self, term: Term) -> Term:
         """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0 is its size.

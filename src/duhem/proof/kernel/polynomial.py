@@ -35,7 +35,12 @@ def times(one: Polynomial, two: Polynomial) -> Polynomial:
     """The product; NotWritten where it is too long to be worth checking."""
     if len(one) * len(two) > _MOST_TERMS:
         raise NotWritten("a product has too many terms")
-    found = total(*({joined(m, n): c * d} for m, c in one.items() for n, d in two.items()))
+    found: Polynomial = {}
+    for m, c in one.items():
+        for n, d in two.items():
+            power = joined(m, n)
+            found[power] = found.get(power, Fraction(0)) + c * d
+    found = {m: c for m, c in found.items() if c}
     if any(max(c.numerator.bit_length(), c.denominator.bit_length()) > _MOST_BITS for c in found.values()):
         raise NotWritten("a number is too long")
     return found
