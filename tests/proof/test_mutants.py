@@ -251,7 +251,7 @@ def _faults() -> Iterator[str]:
             assert result.witness is not None
             good = not row.true and confirmed(row.law, row.claim, result.witness)
         else:
-            good = row.hard
+            good = row.hard and result.method != "contradiction"  # what the refuters stopped was a false proof all the same
         if not good:
             yield f"{row.law.name}: {row.claim} {result.verdict} by {result.method}"
     if implicit.convexity(FormulaSubject(_law(APART))) is not None:  # the scouts never let such a claim reach this method
