@@ -1,7 +1,7 @@
 """Interval branch and bound with Arb balls: every box must show the goal, or lie outside a hypothesis.
 
 Directed rounding makes each answer sound; a zero margin cannot be decided this way.  Variables need finite bounds
-among the hypotheses; a positive variable without a greatest value is covered by x in (0, 1] and 1/x in (0, 1].
+among the hypotheses.
 """
 
 from __future__ import annotations
