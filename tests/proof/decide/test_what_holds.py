@@ -21,6 +21,8 @@ HOLDS: list[tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]] = [
     (x / y + y / x - 2, N, (sp.Gt(x, 0), sp.Gt(y, 0))),
     (1 / x**3 + 1 / x, P, (sp.Gt(x, 0),)),
     ((x - p) ** 2 / p, N, ()),
+    (1 / (1 / (x - 1) - 1 / (x + 1)) - (x**2 - 1) / 2, Z, (sp.Gt(x, 1),)),
+    (sp.pi - x**2, P, BOX),
     (x * y / (x**2 + y**2) + sp.S.Half, N, (sp.Ne(x, 0),)),
     (sp.sqrt(x**2 + 1) - 1, N, ()),
     (sp.sqrt(x), N, (sp.Ge(x, 0),)),
@@ -109,6 +111,11 @@ def test_undefined_somewhere(expr: sp.Expr, given: tuple[sp.Basic, ...]) -> None
     question = Question(expr, P, given)
     assert decide(question, Budget(100_000)).holds is not True
     assert not all(decide(part, Budget(100_000)).holds is True for part in question.pinned())
+
+
+def test_a_quotient_of_quotients_keeps_its_factor() -> None:
+    """(x**2 - 1)/2 is less than x**2 - 1, and twice that more."""
+    assert decide(Question(1 / (1 / (x - 1) - 1 / (x + 1)) - (x**2 - 1), N, (sp.Gt(x, 1),))).holds is False
 
 
 def test_pinned_puts_in_place() -> None:
