@@ -92,7 +92,8 @@ def _read(subject: FormulaSubject, chord: Witness) -> tuple[Values, list[Fractio
 def normality_refuted(subject: FormulaSubject) -> Evidence | None:
     """A boundary point whose flow points towards another point of K, the worst direction first.
 
-    The other point is first sought all along the boundary, then close by, at the scale of the deviation itself.
+    The other point is first sought all along the boundary, then it is zero force, towards which a flow of negative power
+    points, then close by, at the scale of the deviation itself.
     """
     if subject.simple.flow is None:
         return None
@@ -102,7 +103,9 @@ def normality_refuted(subject: FormulaSubject) -> Evidence | None:
         scout = BoundaryScout(subject, parameters)
         if len(scout.boundary) < 2:
             continue
-        for exit, target in itertools.chain(scout.far_targets(), _on_the_boundary(subject, scout)):
+        zero = (Fraction(0),) * len(subject.simple.forces)
+        at_rest = ((exit, zero) for exit in scout.least_power(5))
+        for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout)):
             if witness := _leans_towards(subject, exit, target):
                 return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
     return None
