@@ -323,7 +323,13 @@ def test_a_fine_texture_is_not_missed() -> None:
 
 @pytest.mark.parametrize(
     "factor",
-    ["(sigma_a + 1/2)", "where(sigma_a > 0, 1, -1)", "where(sigma_a > -1/2, 1, -1)", "(sigma_a + 1 - 1/10**9)", "where(sigma_b > 9/10, -1, 1)"],
+    [
+        "(sigma_a + 1/2)",
+        "where(sigma_a > 0, 1, -1)",
+        "where(sigma_a > -1/2, 1, -1)",
+        "(sigma_a + 1 - 1/10**9)",
+        "where(sigma_b > 9/10, -1, 1)",
+    ],
 )
 def test_where_power_is_lost_the_slip_is_not_normal(factor: str) -> None:
     law = _law("norm(sigma_a, sigma_b) - 1", pressure=None, flow=(f"sigma_a*{factor}", f"sigma_b*{factor}"))

@@ -1,6 +1,7 @@
 """Dissipation never negative."""
 
 from collections.abc import Mapping
+from functools import partial
 
 from duhem.proof.claims.claim import Claim, Consequence, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
@@ -35,5 +36,5 @@ For a boundary curve T with flow d it is the sign of T . d all around, in balls 
         ProofMethod(CurveSubject, curve_refutation.dissipation),
     ),
     needs=("origin", "normality"),
-    refuters=(ProofMethod(FormulaSubject, flow.dissipation_refuted),),
+    refuters=(ProofMethod(FormulaSubject, partial(flow.dissipation_refuted, choices=2)),),
 )

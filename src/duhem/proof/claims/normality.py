@@ -1,6 +1,7 @@
 """Flow in the normal cone."""
 
 from collections.abc import Mapping
+from functools import partial
 
 from duhem.proof.claims.claim import Claim, Consequence, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
@@ -39,5 +40,5 @@ boundary points at exact angles show the violation.""",
         ProofMethod(CurveSubject, curve_refutation.normality_of_a_dent),
     ),
     needs=("convexity",),
-    refuters=(ProofMethod(FormulaSubject, flow.normality_refuted),),
+    refuters=(ProofMethod(FormulaSubject, partial(flow.normality_refuted, choices=2, near=False)),),
 )

@@ -89,23 +89,23 @@ def _read(subject: FormulaSubject, chord: Witness) -> tuple[Values, list[Fractio
     return parameters, points[0], points[1], points[2]
 
 
-def normality_refuted(subject: FormulaSubject) -> Evidence | None:
+def normality_refuted(subject: FormulaSubject, choices: int = 12, near: bool = True) -> Evidence | None:
     """A boundary point whose flow points towards another point of K, the worst direction first.
 
     The other point is first sought all along the boundary, then it is zero force, towards which a flow of negative power
-    points, then close by, at the scale of the deviation itself.
+    points, then (if ``near``) close by, at the scale of the deviation itself; at so many choices of the parameters.
     """
     if subject.simple.flow is None:
         return None
     from duhem.proof.search.boundary_points import BoundaryScout  # numpy, only when something is looked for
 
-    for parameters in subject.choices(12):
+    for parameters in subject.choices(choices):
         scout = BoundaryScout(subject, parameters)
         if len(scout.boundary) < 2:
             continue
         zero = (Fraction(0),) * len(subject.simple.forces)
         at_rest = ((exit, zero) for exit in scout.least_power(5))
-        for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout)):
+        for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
             if witness := _leans_towards(subject, exit, target):
                 return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
     return None
@@ -131,8 +131,8 @@ def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witnes
     )
 
 
-def dissipation_refuted(subject: FormulaSubject) -> Evidence | None:
-    """A boundary point where force . flow < 0."""
+def dissipation_refuted(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
+    """A boundary point where force . flow < 0, at so many choices of the parameters."""
     from duhem.proof.search.boundary_points import BoundaryScout
 
     problem = subject.simple
@@ -141,7 +141,7 @@ def dissipation_refuted(subject: FormulaSubject) -> Evidence | None:
         flow = problem.flow or enclosed_normal(subject, point)
         return None if flow is None else sp.Add(*(x * d for x, d in zip(problem.forces, flow, strict=True)))
 
-    for parameters in subject.choices(12):
+    for parameters in subject.choices(choices):
         scout = BoundaryScout(subject, parameters)
         for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5)):
             if witness := violation(subject, parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
