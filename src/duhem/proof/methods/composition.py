@@ -42,8 +42,8 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
     cancelled = (
         "every kink lies where the function under it vanishes" if g.has(sp.Abs) or "Pos" in str(g) or "Neg" in str(g) else "g has no kink"
     )
-    for regular in (_regular(subject), _regular_about_its_centre(subject)):
-        if regular is not None:
+    for look in (_regular, _regular_about_its_centre):
+        if (regular := look(subject)) is not None:
             why, proof = regular
             return Evidence(
                 Verdict.PROVED, "composition", f"{cancelled}, no tip lies on the boundary, and grad g != 0 on it {why}", proof=proof
