@@ -220,6 +220,7 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
 CURVE_RULES: Mapping[tuple[str, str], tuple[frozenset[str], Callable[[StatedCurve, Evidence], bool]]] = {
     ("origin", "winding"): (_NONE, lambda curve, _: curve.around_zero()),
     ("convexity", "turning-tangent"): (_NONE, lambda curve, _: curve.convex()),
+    ("smoothness", "convex-curve"): (frozenset({"convexity"}), lambda curve, _: True),  # T' x T'' > 0, so that T' is never 0
     ("smoothness", "regular-curve"): (_NONE, lambda curve, _: curve.convex() or curve.star_shaped()),
     ("normality", "normality-rule"): (frozenset({"convexity"}), lambda curve, _: curve.flow is None),
     ("dissipation", "power"): (_NONE, lambda curve, _: curve.powered() if curve.flow else curve.star_shaped()),

@@ -22,6 +22,7 @@ __all__ = ["StatedCurve"]
 _MOST_BOXES, _NARROWEST = 4096, Fraction(1, 2**24)  # in t; what is not shown there hardly ever is in narrower boxes
 _ZERO, _ONE = Enclosure(0, 0), Enclosure.between(Fraction(1), Fraction(1))
 Vector = tuple[AngleJet, AngleJet]
+Steps = tuple[list[tuple[Term, tuple[int, ...]]], list[int]]  # each part with the places of its arguments; where the formulas end
 Box = tuple[int, Fraction, Fraction]  # which half of the circle, and t from where to where
 
 
@@ -66,11 +67,11 @@ class StatedCurve(NamedTuple):
 
     def _turn(self, vector: Callable[[_OnBox], Pair] | None, positive: Callable[[_OnBox], Enclosure] | None = None) -> int | None:
         """How often a vector turns (0 for none), where ``positive`` is > 0 and the vector is not 0 all around; None if not shown."""
-        quadrants: list[int] = []
+        steps, quadrants = self._steps(), list[int]()
         boxes: list[Box] = [(-1, Fraction(-1), Fraction(1)), (1, Fraction(-1), Fraction(1))]  # the first one last
         while boxes:
             half, low, high = boxes.pop()
-            found = self._half_plane(_circle(half, low, high), vector, positive)
+            found = self._half_plane(steps, _circle(half, low, high), vector, positive)
             if found is not None:
                 quadrants.append(found)
                 continue
@@ -78,15 +79,33 @@ class StatedCurve(NamedTuple):
                 return None
             middle = (low + high) / 2
             boxes += [(half, middle, high), (half, low, middle)]
-        steps = [(after - before + 1) % 4 - 1 for before, after in pairwise([*quadrants, quadrants[0]])]
-        return sum(steps) // 4 if max(map(abs, steps)) <= 1 else None
+        turned = [(after - before + 1) % 4 - 1 for before, after in pairwise([*quadrants, quadrants[0]])]
+        return sum(turned) // 4 if max(map(abs, turned)) <= 1 else None
+
+    def _steps(self) -> Steps:
+        """Every part of boundary and flow once, after its arguments; the angle enters through its cosine and sine only."""
+        here = (Term("name", name=self.angle),)
+        steps, places = list[tuple[Term, tuple[int, ...]]](), dict[Term, int]()
+
+        def enter(term: Term) -> int:
+            if term not in places:
+                parts = () if term.op in ("cos", "sin") and term.args == here else tuple(enter(a) for a in term.args)
+                steps.append((term, parts))
+                places[term] = len(steps) - 1
+            return places[term]
+
+        return steps, [enter(term) for term in (*self.boundary, *(self.flow or ()))]
 
     def _half_plane(
-        self, circle: Vector, vector: Callable[[_OnBox], Pair] | None, positive: Callable[[_OnBox], Enclosure] | None
+        self, steps: Steps, circle: Vector, vector: Callable[[_OnBox], Pair] | None, positive: Callable[[_OnBox], Enclosure] | None
     ) -> int | None:
         """0 to 3 where the vector's x > 0, y > 0, x < 0, y < 0 over a box; None where nothing is shown."""
         try:
-            place = _OnBox(*(None if v is None else tuple(self._jet(x, circle) for x in v) for v in (self.boundary, self.flow)))
+            jets: list[AngleJet] = []
+            for term, arguments in steps[0]:
+                jets.append(self._jet(term, [jets[i] for i in arguments], circle))
+            found = [jets[i] for i in steps[1]]
+            place = _OnBox(tuple(found[:2]), tuple(found[2:]))
             if positive is not None and positive(place).sign != POSITIVE:
                 return None
             x, y = (_ONE, _ZERO) if vector is None else vector(place)
@@ -97,9 +116,8 @@ class StatedCurve(NamedTuple):
                 return i
         return None
 
-    def _jet(self, term: Term, circle: Vector) -> AngleJet:
-        """A term over a box of angles and all values of the parameters; NotWritten for a word that may have a kink."""
-        here = Term("name", name=self.angle)
+    def _jet(self, term: Term, parts: list[AngleJet], circle: Vector) -> AngleJet:
+        """A term from its arguments, over a box of angles and all values of the parameters; NotWritten for what may have a kink."""
         if term.op == "number":
             return _constant(Enclosure.between(term.value, term.value))
         if term.op == "name" and term.name in self.parameters:
@@ -107,14 +125,12 @@ class StatedCurve(NamedTuple):
             if low is None or high is None:
                 raise NotWritten("a parameter has no bounds")
             return _constant(Enclosure.between(low, high))
-        if term.op in ("cos", "sin") and term.args == (here,):
+        if term.op in ("cos", "sin") and not parts:
             return circle[term.op == "sin"]
         if term.op == "**" and term.args[1].op == "number":
-            return _power(self._jet(term.args[0], circle), term.args[1].value)
+            return _power(parts[0], term.args[1].value)
         if term.op in ("+", "*", "norm"):
-            first, *rest = (self._jet(a, circle) for a in term.args)
-            if term.op == "norm":
-                first, *rest = (x.times(x) for x in (first, *rest))
+            first, *rest = (x.times(x) for x in parts) if term.op == "norm" else parts
             for x in rest:
                 first = first.times(x) if term.op == "*" else first.plus(x)
             return first.root() if term.op == "norm" else first

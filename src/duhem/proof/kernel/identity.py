@@ -11,7 +11,7 @@ from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = ["multiplied_out", "value", "vanishes", "written"]
 
-_MOST_STEPS = 60
+_MOST_STEPS, _HIGHEST = 60, 64
 
 
 def multiplied_out(term: Term, domain: StatedDomain) -> Term:
@@ -45,16 +45,21 @@ def _root(x: Term, domain: StatedDomain) -> tuple[Term, Fraction] | None:
     """(y, e) where x = y**e, y >= 0 unless e is whole; a size is the root of a square, a norm that of a sum of squares."""
     if x.op in ("abs", "norm"):
         return sum_of(*(product_of(a, a) for a in x.args)), Fraction(1, 2)
-    if x.op != "**" or (e := value(x.args[1], domain)) is None:
+    if x.op != "**" or (e := value(x.args[1], domain)) is None or _high(e):
         return None
     y = x.args[0]
-    if y.op == "**" and (k := value(y.args[1], domain)) is not None:  # (z**k)**e is z**(k e) for z >= 0
+    if y.op == "**" and (k := value(y.args[1], domain)) is not None and not _high(k * e):  # (z**k)**e is z**(k e) for z >= 0
         sign = facts(y.args[0], domain).sign
         if not sign & NEGATIVE:
             return y.args[0], k * e
         if not sign & POSITIVE and k % 2 == 0:
             return minus(y.args[0]), k * e
     return y, e
+
+
+def _high(e: Fraction) -> bool:
+    """Whether an exponent is beyond what is multiplied out."""
+    return max(abs(e.numerator), e.denominator) > _HIGHEST
 
 
 def _undone(x: Term, n: int, domain: StatedDomain) -> bool:
