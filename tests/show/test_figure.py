@@ -211,8 +211,11 @@ def spoiled() -> Iterator[tuple[str, Callable[[Sheet], object]]]:
     yield "legend covers", lambda s: first(s).legend(loc="center", framealpha=1.0, labelspacing=8.0)
 
 
+SPOILED = [*spoiled()]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(("said", "spoil"), [*spoiled()])
+@pytest.mark.parametrize(("said", "spoil"), mostly_long(SPOILED, *SPOILED[::2]))
 def test_a_spoiled_picture_is_caught(said: str, spoil: Callable[[Sheet], object]) -> None:
     sheet = scene().plot()[0].figure
     spoil(sheet)
