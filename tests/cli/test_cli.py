@@ -357,7 +357,7 @@ VERIFY = ["verify", "coulomb", "--claims", "origin"]
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="POSIX streams")
-@pytest.mark.parametrize("closed", [(1,), (2,), (1, 2)], ids=str)
+@pytest.mark.parametrize("closed", [(1,), (2,), pytest.param((1, 2), marks=pytest.mark.long)], ids=str)
 @pytest.mark.parametrize(("arguments", "code"), [(VERIFY, 0), (["list"], 0), (["verify", "colomb"], 2), (["verify"], 2)], ids=str)
 def test_a_stream_that_is_closed_changes_no_exit_code(arguments: list[str], code: int, closed: tuple[int, ...]) -> None:
     shell = f'exec "$@" {" ".join(f"{number}>&-" for number in closed)}'

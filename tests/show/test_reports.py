@@ -23,6 +23,7 @@ from duhem.projection import report as increment
 from duhem.proof import report_text
 from duhem.show.page import Page
 from duhem.show.printing import draw, latex, markdown, text
+from tests.long import mostly_long
 
 WIDTHS = (60, 96, 200)
 COORDINATE = re.compile(r"\w+ [=~] -?[\d.]+(E-?\d+)?( = -?[\d/]+)?(?=,|$)")
@@ -83,7 +84,7 @@ REPORTS: dict[str, Callable[[], Callable[[Page], str]]] = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", REPORTS)
+@pytest.mark.parametrize("name", mostly_long(REPORTS, *[*REPORTS][::2]))
 def test_a_report_keeps_to_its_width_and_loses_nothing(name: str) -> None:
     shown = REPORTS[name]()
     said = {width: shown(Page(width)) for width in (None, *WIDTHS)}
