@@ -24,6 +24,7 @@ __all__ = ["RULES", "objection", "rules_of"]
 
 Evidence = Mapping[str, Any]
 Rule = Callable[[StatedLaw, Evidence], bool]
+_UNREADABLE = (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
 def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
@@ -50,9 +51,6 @@ def _forms(law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
     yield law
     if isinstance(law, StatedLaw) and (simpler := without_outer_map(law)) != law:
         yield simpler
-
-
-_UNREADABLE = (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
@@ -129,7 +127,7 @@ def regular(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is C^1 where g = 0, and rises outward there, so that grad g != 0."""
+    """g is C^1 where g = 0, and d g(r sigma)/dr > 0 there, as its degrees in the forces show."""
     domain = _over(law, evidence)
     return facts(law.g, domain).defined and grows_along_rays(law.g, domain) and smooth_near_the_boundary(law.g, domain)
 

@@ -1,6 +1,6 @@
 """Intervals between whole multiples of 2^-96, rounded outward: sums, products, quotients, roots; jets of them along an angle.
 
-R. E. Moore (1966), Enclosure analysis.
+R. E. Moore (1966), Interval analysis.
 """
 
 from __future__ import annotations

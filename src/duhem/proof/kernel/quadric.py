@@ -2,7 +2,7 @@
 
 About its centre m, K = {y . A y <= R} with R > 0, A positive semidefinite.  By Cauchy-Schwarz the greatest of y . d, d = A z, is
 sqrt(R z . A z); it is infinite for other d.  So it is sqrt(d . B d) with any B for which A B A = R A (Rockafellar 1970,
-section 12), and A B/R projects on the range of A: the trace of A B is R product_of the rank of A.
+section 12), and A B/R projects on the range of A: the trace of A B is R times the rank of A.
 """
 
 from __future__ import annotations
