@@ -23,6 +23,7 @@ __all__ = ["by_enclosure"]
 Box = dict[sp.Symbol, tuple[Fraction, Fraction]]
 _METHOD = "interval"
 _BOX, _NODE = 25, 5  # steps of one box and of each node that is enclosed over it
+_LEAST = 2.0**-50  # relative width of a box: what is open there has no margin, and halves of it would be open for ever
 
 
 def by_enclosure(question: Question, budget: Budget) -> Answer:
@@ -49,7 +50,7 @@ def by_enclosure(question: Question, budget: Budget) -> Answer:
             continue
         if goal is False and all(v is True for v in verdicts):
             return Answer(False, _METHOD, point={x: rational(v) for x, v in _middle(current, question, angle).items()})
-        if not current:
+        if not current or max(_widths(current).values()) < _LEAST:
             return Answer(None, _METHOD, reason="the margin is below the working precision")
         queue.extend(_halves(current))
     return Answer(True, _METHOD, reason=f"{seen} boxes")
@@ -122,9 +123,15 @@ def _middle(box: Box, question: Question, angle: sp.Symbol | None) -> dict[sp.Sy
     return middle
 
 
+def _widths(box: Box) -> dict[sp.Symbol, float]:
+    """Of each side, relative to the size of the variable."""
+    return {x: float(high - low) / (1 + abs(float(low))) for x, (low, high) in box.items()}
+
+
 def _halves(box: Box) -> list[Box]:
-    """The box cut across its widest side, widths compared relative to the size of the variable."""
-    widest = max(box, key=lambda x: float(box[x][1] - box[x][0]) / (1 + abs(float(box[x][0]))))
+    """The box cut across its widest side."""
+    widths = _widths(box)
+    widest = max(widths, key=widths.__getitem__)
     low, high = box[widest]
     middle = (low + high) / 2
     return [{**box, widest: (low, middle)}, {**box, widest: (middle, high)}]
