@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import flint
@@ -335,3 +336,13 @@ def test_where_power_is_lost_the_slip_is_not_normal(factor: str) -> None:
     law = _law("norm(sigma_a, sigma_b) - 1", pressure=None, flow=(f"sigma_a*{factor}", f"sigma_b*{factor}"))
     found = verify(law, claims=["normality", "dissipation"])
     assert _refuted(found, "dissipation") and _refuted(found, "normality")
+
+
+@pytest.mark.parametrize("turn", ["1/10", "1/1000000000", "3/2"])
+def test_a_refuted_normality_says_by_how_much_the_flow_turns_away(turn: str) -> None:
+    witness = verify("rotated-flow", {"delta": turn}, claims=["normality"])["normality"].witness
+    assert witness is not None
+    a, b = (float(Fraction(witness.points["inside"][force])) for force in ("sigma_a", "sigma_b"))
+    angle = math.radians(witness.measures["slip_angle_degrees"]) - math.atan2(b, a)
+    assert math.isclose(math.radians(witness.measures["deviation_degrees"]), float(Fraction(turn)), rel_tol=1e-6)
+    assert math.isclose(math.remainder(angle, math.tau), float(Fraction(turn)), abs_tol=1e-9)

@@ -156,8 +156,9 @@ def _angles(subject: FormulaSubject, point: EnclosedPoint) -> dict[str, float]:
     if normal is None or flow is None:
         return {}
     n, d = ([float(over_box(c, subject, point).mid()) for c in vector] for vector in (normal, flow))
-    cosine = sum(a * b for a, b in zip(n, d, strict=True)) / (math.hypot(*n) * math.hypot(*d))
-    measures = {"deviation_degrees": math.degrees(math.acos(max(-1.0, min(1.0, cosine))))}
+    n_size, d_size = math.hypot(*n), math.hypot(*d)
+    apart, along = (math.hypot(*(a / n_size + way * b / d_size for a, b in zip(n, d, strict=True))) for way in (-1, 1))
+    measures = {"deviation_degrees": math.degrees(2 * math.atan2(apart, along))}  # exact for small angles too (Kahan 2006)
     if len(d) == 2:
         measures["slip_angle_degrees"] = math.degrees(math.atan2(d[1], d[0]))
     return measures
