@@ -281,6 +281,16 @@ def test_sets_that_are_not_convex_end_in_stationary_points_or_failures():
     np.testing.assert_allclose((got.stress + got.slip)[kept], trial[kept], atol=1e-11)
 
 
+def test_a_set_without_points_and_one_of_a_single_point():
+    empty = Criterion("empty", "norm(a, b) + 1", forces=("a", "b"), pressure=None)
+    trials = np.array([[0.0, 0.0], [1.0, 0.0], [0.3, -0.4]])
+    assert (duhem.project(empty, trials, None, 1.0).status == Status.FAILED).all()
+    point = Criterion("point", "norm(a - 1, b)", forces=("a", "b"), pressure=None)
+    found = duhem.project(point, trials, None, 1.0)
+    np.testing.assert_array_equal(found.stress, [[1.0, 0.0]] * 3)
+    np.testing.assert_array_equal(found.slip, trials - [1.0, 0.0])
+
+
 def test_projection_does_not_expand_and_is_its_own_fixed_point():
     rng = np.random.default_rng(6)
     trial = rng.standard_normal((60, 3))

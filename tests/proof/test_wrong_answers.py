@@ -346,3 +346,10 @@ def test_a_refuted_normality_says_by_how_much_the_flow_turns_away(turn: str) -> 
     angle = math.radians(witness.measures["slip_angle_degrees"]) - math.atan2(b, a)
     assert math.isclose(math.radians(witness.measures["deviation_degrees"]), float(Fraction(turn)), rel_tol=1e-6)
     assert math.isclose(math.remainder(angle, math.tau), float(Fraction(turn)), abs_tol=1e-9)
+
+
+def test_a_flow_without_a_value_at_boundary_points_is_looked_at_elsewhere() -> None:
+    law = Criterion("half a flow", "norm(a, b) - 1", forces=("a", "b"), flow=("a/(b - abs(b))", "b"))
+    found = verify(law, claims=["dissipation"])["dissipation"]  # b < 0: a^2/(2 b) + b^2 < 0 beside b = 0
+    assert found.verdict is Verdict.REFUTED
+    assert found.witness is not None and confirmed(law, "dissipation", found.witness)

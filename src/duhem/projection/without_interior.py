@@ -41,8 +41,9 @@ def shrunk(increment: Increment, at: Index, solve: Callable[[Increment], Solutio
     k = body(formula, forces, asked.pressure, power_of_two(np.max(np.abs(trial), axis=1)), whitening(asked)[1])
     found = _nearest(k, trial / k.size[:, None])
     away = trial / k.size[:, None] - found.x
-    share = np.linalg.norm(found.x, axis=1) / np.linalg.norm(away, axis=1)
-    nearer = _nearest(k, found.x + np.minimum(share, 1.0)[:, None] * away)  # the same, without the rounding of far trials
+    near, far = np.linalg.norm(found.x, axis=1), np.linalg.norm(away, axis=1)
+    share = np.divide(near, far, out=np.ones_like(far), where=far > near)
+    nearer = _nearest(k, found.x + share[:, None] * away)  # the same, without the rounding of far trials
     stress = np.where(found.failed | nearer.failed, found.x.T, nearer.x.T).T * k.size[:, None]
     slip = np.asarray(np.linalg.solve(asked.stiffness, (trial - stress).T).T)
     scale = np.max(np.abs(slip), axis=1, initial=0.0)

@@ -67,14 +67,16 @@ class BoundaryScout:
         return directions[keep], last[keep]
 
     def unit_flow(self) -> Any:
+        """The flow at the boundary points, of length 1; 0 where it has no value or none in doubles."""
         flow = self.subject.simple.flow
         if flow is None:
             slips = self._gradient()
         else:
             exact = rationals(self.parameters)
-            slips = np.stack(
-                [np.broadcast_to(compiled(c.subs(exact), self.forces)(*self.boundary.T), len(self.boundary)) for c in flow], axis=1
-            )
+            with np.errstate(all="ignore"):
+                columns = [compiled(c.subs(exact), self.forces)(*self.boundary.T) for c in flow]
+            slips = np.stack([np.broadcast_to(c, len(self.boundary)) for c in columns], axis=1)
+        slips = np.where(np.isfinite(slips).all(axis=1, keepdims=True), slips, 0.0)
         return slips / (np.linalg.norm(slips, axis=1, keepdims=True) + 1e-300)
 
     def _gradient(self) -> Any:
