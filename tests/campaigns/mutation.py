@@ -28,7 +28,8 @@ HERE = Path(__file__).resolve().parents[2]
 TESTS: Mapping[str, str] = {
     "kernel": "test_kernel_edges test_kernel test_kernel_* test_tampering test_false_proofs",
     "decide": "decide/test_* test_cells test_wrong_answers test_methods test_composition test_obligations test_prover_mutants",
-    "methods": "test_methods test_composition test_obligations test_wrong_answers test_degenerate_laws test_values test_verdicts",
+    "methods": "test_methods test_composition test_obligations test_wrong_answers test_degenerate_laws test_values test_verdicts"
+    " ../micromodel/test_wedge",
 }
 
 SECONDS = 120  # of processor time, a run of the tests
@@ -144,6 +145,8 @@ def sample(rooms: Sequence[str], count: int, seed: int, marks: Sequence[str]) ->
         dead[room] += died
         if not died:
             print(f"SURVIVED {room}\n{mutant.diff()}\n", flush=True)
+        if (i + 1) % 20 == 0:
+            print(", ".join(f"{room}: {dead[room]} of {asked[room]} killed" for room in rooms), flush=True)
     for room in rooms:
         print(f"{room}: {dead[room]} of {asked[room]} killed")
     return int(sum(dead.values()) < 0.85 * sum(asked.values()))
