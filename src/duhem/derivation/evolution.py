@@ -33,6 +33,9 @@ def evolution_equations(names: Names, found: Pieces | None) -> Iterator[Equation
     law, forces = names.law, names.forces
     point = sp.Tuple(*forces)
     inside = sp.LessThan(law.g, 0, evaluate=False)
+    for i, (name, value) in enumerate(law.defined().items(), 1):
+        note = f"as defined: {name} = {' '.join(law.define[name].split())}"
+        yield Equation(f"D0.{i}", f"definition_{name}", equal(sp.Symbol(name, real=True), value), note, CRITERION)
     yield Equation("35", "criterion", equal(sp.Symbol("g"), law.g), "the limit criterion, as declared", CRITERION)
     if found is not None and len(found.values) > 1:
         yield Equation(

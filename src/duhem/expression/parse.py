@@ -10,7 +10,7 @@ import ast
 import re
 import unicodedata
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from keyword import iskeyword
 
@@ -18,7 +18,9 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
+from duhem.expression.abbreviations import NONE, Abbreviations, WrittenOut
 from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, unacceptable
+from duhem.expression.invariants import INVARIANTS
 from duhem.expression.number import DECIMAL, exact_number, ratio
 from duhem.expression.vocabulary import WORDS
 
@@ -45,14 +47,17 @@ _COMPARISONS: dict[type[ast.cmpop], type[Relational]] = {
 }  # fmt: skip
 
 
-def parse_expression(text: str, known: Mapping[str, sp.Symbol], *, where: str = "formula", line: int = 1, column: int = 0) -> sp.Expr:
+def parse_expression(
+    text: str, known: Mapping[str, sp.Symbol], *, where: str = "formula", line: int = 1, column: int = 0, short: Abbreviations = NONE
+) -> sp.Expr:
     """The formula ``text`` over the symbols ``known``, as a real SymPy expression.
 
-    ``where``, ``line`` (from 1) and ``column`` (from 0) say where the text begins, for the messages.
+    ``where``, ``line`` (from 1) and ``column`` (from 0) say where the text begins, for the messages; ``short`` holds the
+    abbreviations it may use.
     Decimals are exact rationals.  Raises InputError for anything outside the language, for values that are not
     real and finite (``log(0)``, ``sqrt(-1)``), and for what would be too large to compute.
     """
-    reader = _Reader.over(text, known, _Place(where, line, column, text))
+    reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
     tree = reader.syntax()
     value = reader.value(tree, 0)
     if fault := unacceptable(value, set(known.values())):
@@ -69,9 +74,16 @@ def parse_as_written(text: str, known: Mapping[str, sp.Expr]) -> sp.Expr:
     return reader.value(reader.syntax(), 0)
 
 
-def parse_relation(text: str, known: Mapping[str, sp.Symbol], *, where: str = "constraint", line: int = 1, column: int = 0) -> Relational:
+def written_out(text: str, short: Abbreviations) -> str:
+    """The formula without its abbreviations; for a text that :func:`parse_expression` accepts with them."""
+    return short.written_out(text, lambda what, at, remedy: InputError(what, remedy=remedy), MOST_CHARACTERS).text
+
+
+def parse_relation(
+    text: str, known: Mapping[str, sp.Symbol], *, where: str = "constraint", line: int = 1, column: int = 0, short: Abbreviations = NONE
+) -> Relational:
     """One comparison such as ``e < mu_b``.  One that always holds is kept as written; one that never does raises InputError."""
-    reader = _Reader.over(text, known, _Place(where, line, column, text))
+    reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
     tree = reader.syntax()
     if not isinstance(tree, ast.Compare):
         raise reader.place.error(f"{reader.quote(tree)} is no comparison", remedy="compare two expressions with < <= > or >=")
@@ -92,8 +104,11 @@ class _Place:
     line: int
     column: int
     text: str
+    made: WrittenOut | None = None  # what is read instead of it, abbreviations written out
 
     def error(self, what: str, *, at: int = 0, remedy: str = "") -> InputError:
+        """A fault at an offset in what is read."""
+        at = self.made.origin(at) if self.made else at
         before = self.text[:at]
         row = before.count("\n")
         column = at - (before.rfind("\n") + 1) + (self.column if row == 0 else 0)
@@ -102,25 +117,31 @@ class _Place:
 
 @dataclass(frozen=True)
 class _Reader:
-    """One text with its names; ``known`` is keyed as Python's parser spells names (NFKC)."""
+    """One text without abbreviations, with its names; ``known`` is keyed as Python's parser spells names (NFKC)."""
 
     text: str
     known: Mapping[str, sp.Expr]
     place: _Place
     starts: tuple[int, ...]
     build: Building
+    short: Abbreviations
 
     @classmethod
-    def over(cls, text: str, known: Mapping[str, sp.Expr], place: _Place, build: Building = EVALUATED) -> _Reader:
+    def over(
+        cls, text: str, known: Mapping[str, sp.Expr], place: _Place, build: Building = EVALUATED, short: Abbreviations = NONE
+    ) -> _Reader:
         text = text.replace("\r", " ")  # line ends of other systems; offsets stay as they are
         if len(text) > MOST_CHARACTERS:
             raise place.error(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
         for name in known:
-            if name in WORDS or name == "pi" or iskeyword(name):
+            if name in WORDS or name in short.words() or name == "pi" or iskeyword(name):
                 raise place.error(f"the name {name!r} already means something", remedy="choose another name for the force or parameter")
         names = {unicodedata.normalize("NFKC", name): symbol for name, symbol in known.items()}
+        if short != NONE:
+            made = short.written_out(text, lambda what, at, remedy: place.error(what, at=at, remedy=remedy), MOST_CHARACTERS)
+            text, place = made.text, replace(place, made=made)
         starts = [0, *(m.end() for m in re.finditer("\n", text))]
-        return cls(text, names, place, tuple(starts), build)
+        return cls(text, names, place, tuple(starts), build, short)
 
     # -- tokens ------------------------------------------------------------------------------------------------
 
@@ -170,7 +191,7 @@ class _Reader:
         """Operands and operators alternate."""
         if previous is not None and _ends_operand(previous):
             if not (token.lastgroup == "operator" and token[0] != "(") and not (token[0] == "(" and previous.lastgroup == "name"):
-                near = f"{token[0][:24]!r} after {previous[0][:24]!r}"
+                near = f"{self.given(token)!r} after {self.given(previous)!r}"
                 raise self.place.error(f"unexpected {near}", at=token.start(), remedy="put an operator between them, such as *")
         elif token.lastgroup == "operator" and token[0] not in ("-", "+", "("):
             raise self.place.error(f"unexpected {token[0]!r}", at=token.start(), remedy="put a number, a name or a bracket before it")
@@ -178,16 +199,26 @@ class _Reader:
     def check_name(self, token: re.Match[str]) -> None:
         name, at = token[0], token.start()
         called = self.text[token.end() :].lstrip().startswith("(")
+        if called and name in INVARIANTS:
+            remedy = 'declare stress = { name = "sigma", kind = "3d" }'
+            raise self.place.error(f"{name} is of a stress, and none is declared", at=at, remedy=remedy)
         if called and name not in WORDS:
             remedy = f"write {name}*(...)" if name in self.known else self.suggest(name, [*WORDS], "functions")
             raise self.place.error(f"{name[:40]!r} is not a function of the language", at=at, remedy=remedy)
         if not called and name in WORDS:
             raise self.place.error(f"{name!r} needs its arguments in brackets", at=at, remedy=f"write {name}(...)")
         if not called and name != "pi" and unicodedata.normalize("NFKC", name) not in self.known:
+            if self.place.made and (short := self.place.made.abbreviation(at)):
+                what, remedy = f"{short[:40]!r} stands for a formula of {name!r}", f"known here: {', '.join(self.known) or 'nothing'}"
+                raise self.place.error(f"{what}, which is not known here", at=at, remedy=remedy)
             raise self.place.error(f"unknown name {name[:40]!r}", at=at, remedy=self.suggest(name, [*self.known], "declare it, or use"))
 
+    def given(self, token: re.Match[str]) -> str:
+        """The token, or the abbreviation in whose formula it stands."""
+        return ((self.place.made and self.place.made.abbreviation(token.start())) or token[0])[:24]
+
     def suggest(self, name: str, among: list[str], title: str) -> str:
-        near = get_close_matches(name[:40], [*among, *WORDS, "pi"], n=1)
+        near = get_close_matches(name[:40], [*among, *self.short.formulas, *sorted(self.short.words()), *WORDS, "pi"], n=1)
         return f"did you mean {near[0]!r}?" if near else f"{title}: {', '.join(among) or 'nothing'}"
 
     # -- syntax ------------------------------------------------------------------------------------------------
@@ -203,16 +234,23 @@ class _Reader:
             raise self.place.error("the formula is nested too deeply", remedy="split it into smaller parts") from None
 
     def start(self, node: ast.expr) -> int:
-        row = self.text.split("\n")[node.lineno - 1]
-        shift = node.lineno == 1
-        characters = len(row.encode()[: max(node.col_offset - shift, 0)].decode(errors="ignore"))
-        return self.starts[node.lineno - 1] + characters
+        return self.offset(node.lineno, node.col_offset)
+
+    def offset(self, line: int, byte: int) -> int:
+        """Of a place that Python's parser names, which has read one bracket more at the beginning."""
+        row = self.text.split("\n")[line - 1]
+        characters = len(row.encode()[: max(byte - (line == 1), 0)].decode(errors="ignore"))
+        return self.starts[line - 1] + characters
 
     def segment(self, node: ast.expr) -> str:
         return ast.get_source_segment(f"({self.text}\n)", node) or ""
 
     def quote(self, node: ast.expr) -> str:
-        segment = " ".join(self.segment(node).split())
+        """The node as it stands in the text that was given."""
+        segment = self.segment(node)
+        if self.place.made and node.end_lineno is not None and node.end_col_offset is not None:
+            segment = self.place.made.segment(self.start(node), self.offset(node.end_lineno, node.end_col_offset))
+        segment = " ".join(segment.split())
         return repr(segment if len(segment) <= 40 else segment[:37] + "...")
 
     # -- values ------------------------------------------------------------------------------------------------

@@ -169,6 +169,15 @@ g = "norm((sigma_a - shift*abs(sigma_n))/mu_a, sigma_b/mu_b) - abs(sigma_n)"
 # Relations between parameters, part of their domain (optional).
 constraints = ["shift < mu_a"]
 
+# A stress instead of forces: kind = "3d" (sigma_xx yy zz yz xz xy), "plane" (sigma_xx yy xy) or "principal" (sigma_1 2 3).
+# With it I1(sigma) J2(sigma) J3(sigma) tr det cos3theta(sigma) principal(sigma, 1) are words too.  Each shear stress stands once;
+# its slip is the engineering shear 2 epsilon_xy, so that sums over the forces are inner products of tensors.
+# stress = { name = "sigma", kind = "3d" }
+
+# Local names, each in terms of those above it, for everything that is given as a formula.
+# [define]
+# size = "norm(sigma_a, sigma_b)"
+
 [parameters]                              # verified for every value of these domains
 mu_a = { positive = true }                # every positive real; {} is every real
 mu_b = { value = 0.15 }                   # one value

@@ -14,7 +14,10 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
-from duhem.expression.parse import parse_expression, parse_relation
+from duhem.expression.abbreviations import Abbreviations
+from duhem.expression.invariants import Stress
+from duhem.expression.parse import parse_expression, parse_relation, written_out
+from duhem.law.definitions import Definitions, PlacedFormula, definitions
 from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion
 from duhem.law.parameter_domain import check_domain
@@ -23,7 +26,7 @@ from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
 __all__ = ["read", "reads"]
 
 MOST_BYTES = 1_000_000
-_CRITERION = ("name", "summary", "source", "forces", "pressure", "g", "constraints")
+_CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "constraints")
 _PARAMETER = ("positive", "min", "max", "value")
 
 
@@ -55,21 +58,23 @@ class _CriterionReader:
         return self.toml.document
 
     def criterion(self) -> Criterion:
-        self.keys("", self.document, ("criterion", "parameters", "flow"))
+        self.keys("", self.document, ("criterion", "define", "parameters", "flow"))
         head = self.table("criterion")
         self.keys("criterion", head, _CRITERION)
         name = self.line("criterion", "name")
-        forces = self.names()
+        stress = self.stress()
+        forces = self.names() if stress is None else list(stress.components)
         pressure = self.pressure()
         domains = {p: self.domain(p, entry) for p, entry in self.table("parameters", required=False).items()}
-        self.check_names([*forces, *([pressure] if pressure else [])], domains)
+        self.check_names([*forces, *([pressure] if pressure else [])], domains, Abbreviations(stress=stress).words())
         parameters = {p: domain.symbol(p) for p, domain in domains.items()}
         known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {}) | parameters
-        g = self.expression("criterion", "g", known)
+        define = self.definitions(known, stress)
+        g = self.expression("criterion", "g", known, define)
         if not g.free_symbols & {known[f] for f in forces}:
             raise self.error("g does not depend on any force", "criterion", "g", remedy=f"use at least one of {', '.join(forces)}")
-        constraints = self.constraints(parameters)
-        flow = self.flow(forces, known)
+        constraints = self.constraints(parameters, define)
+        flow = self.flow(forces, known, define)
         try:
             law = Criterion(
                 name=name,
@@ -81,7 +86,9 @@ class _CriterionReader:
                 flow=flow,
                 summary=self.line("criterion", "summary", required=False),
                 source=self.line("criterion", "source", required=False),
-                written=self.string("criterion", "g"),
+                written=written_out(self.formula("criterion", "g", value=self.string("criterion", "g"))[0], define.short),
+                stress=stress,
+                define=define,
             )
         except InputError as fault:
             raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None
@@ -96,6 +103,26 @@ class _CriterionReader:
             raise self.error("forces is not a list of names", "criterion", "forces", remedy='write forces = ["sigma_a", "sigma_b"]')
         return given
 
+    def stress(self) -> Stress | None:
+        head, example = self.document["criterion"], 'write stress = { name = "sigma", kind = "3d" }'
+        if (given := head.get("stress")) is None:
+            return None
+        if "forces" in head:
+            raise self.error("forces and stress are both declared", "criterion", "stress", remedy="leave them out: they are its components")
+        if not (isinstance(given, dict) and {*given} == {"name", "kind"} and all(isinstance(x, str) for x in given.values())):
+            raise self.error("stress is not a table of name and kind", "criterion", "stress", remedy=example)
+        try:
+            return Stress(**given)
+        except InputError as fault:
+            raise self.error(fault.what, "criterion", "stress", remedy=fault.remedy) from None
+
+    def definitions(self, known: Mapping[str, sp.Symbol], stress: Stress | None) -> Definitions:
+        placed = {}
+        for name in self.table("define", required=False):
+            text, line, column = self.formula("define", name, value=self.string("define", name))
+            placed[name] = PlacedFormula(text, self.where, line, column, self.place("define", name))
+        return definitions(placed, known, stress)
+
     def pressure(self) -> str | None:
         given = self.document["criterion"].get("pressure", PRESSURE)
         if given is False:
@@ -106,12 +133,12 @@ class _CriterionReader:
             )
         return given
 
-    def check_names(self, axes: Sequence[str], domains: Mapping[str, Domain]) -> None:
+    def check_names(self, axes: Sequence[str], domains: Mapping[str, Domain], invariants: frozenset[str]) -> None:
         for name in [*axes, *domains]:
             section, key = ("parameters", name) if name in domains else ("criterion", "pressure" if name == axes[-1] else "forces")
             if not name.isidentifier():
                 raise self.error(f"{name!r} is not a name", section, key, remedy="use letters, digits and underscores")
-            if name in WORDS or name == "pi" or keyword.iskeyword(name):
+            if name in WORDS or name in invariants or name == "pi" or keyword.iskeyword(name):
                 raise self.error(f"the name {name!r} already means something", section, key, remedy="choose another")
             if [*axes, *domains].count(name) > 1:
                 raise self.error(f"{name!r} is declared twice", section, key, remedy="give each force and parameter a name of its own")
@@ -136,16 +163,17 @@ class _CriterionReader:
         except InputError as fault:
             raise self.error(f"{name}: {fault.what}", "parameters", name, remedy=fault.remedy) from None
 
-    def constraints(self, parameters: Mapping[str, sp.Symbol]) -> tuple[Relational, ...]:
+    def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions) -> tuple[Relational, ...]:
         given = self.document["criterion"].get("constraints", [])
         if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
             raise self.error(
                 "constraints is not a list of comparisons", "criterion", "constraints", remedy='write constraints = ["e < mu_b"]'
             )
         placed = [self.formula("criterion", "constraints", i, value=value) for i, value in enumerate(given)]
-        return tuple(parse_relation(t, parameters, where=self.where, line=line, column=column) for t, line, column in placed)
+        short = define.short
+        return tuple(parse_relation(t, parameters, where=self.where, line=line, column=column, short=short) for t, line, column in placed)
 
-    def flow(self, forces: Sequence[str], known: Mapping[str, sp.Symbol]) -> tuple[sp.Expr, ...] | None:
+    def flow(self, forces: Sequence[str], known: Mapping[str, sp.Symbol], define: Definitions) -> tuple[sp.Expr, ...] | None:
         if "flow" not in self.document:
             return None
         self.keys("flow", self.table("flow"), ("direction",))
@@ -161,11 +189,12 @@ class _CriterionReader:
                 f"the flow direction has {counts}", "flow", "direction", remedy=f"give one expression for each of {', '.join(forces)}"
             )
         placed = [self.formula("flow", "direction", i, value=value) for i, value in enumerate(given)]
-        return tuple(parse_expression(t, known, where=self.where, line=line, column=column) for t, line, column in placed)
+        short = define.short
+        return tuple(parse_expression(t, known, where=self.where, line=line, column=column, short=short) for t, line, column in placed)
 
-    def expression(self, section: str, key: str, known: Mapping[str, sp.Symbol]) -> sp.Expr:
+    def expression(self, section: str, key: str, known: Mapping[str, sp.Symbol], define: Definitions) -> sp.Expr:
         text, line, column = self.formula(section, key, value=self.string(section, key))
-        return parse_expression(text, known, where=self.where, line=line, column=column)
+        return parse_expression(text, known, where=self.where, line=line, column=column, short=define.short)
 
     # -- tables and values -------------------------------------------------------------------------------------
 

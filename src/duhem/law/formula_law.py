@@ -17,9 +17,12 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import symbol
+from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.inert_number import inert_exponent
-from duhem.expression.parse import parse_expression, parse_relation
+from duhem.expression.invariants import Stress
+from duhem.expression.parse import parse_expression, parse_relation, written_out
 from duhem.expression.verbatim import Verbatim
+from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
@@ -39,6 +42,9 @@ class Criterion(Verbatim):
     expression per force; None means associated (normality rule, Antoni et al. 2007, Eq. 36).  ``closed_form`` states the
     shape of K where the slip increment onto it has one.  ``written`` is g as it was given, where that was text: an expression
     is simplified as it is built, and who checks a proof wants the formula that was stated.
+
+    ``stress`` declares a stress instead of ``forces``: its components are the forces, and its invariants are words.  ``define``
+    maps local names to formulas, each in terms of those above it, for everything that is given as text.
     """
 
     name: str
@@ -52,27 +58,43 @@ class Criterion(Verbatim):
     source: str = ""
     closed_form: Shape | None = None
     written: str = field(default="", repr=False, compare=False)
+    stress: Stress | None = None
+    define: Mapping[str, str] = Definitions()
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "forces", tuple(self.forces))
+        put(self, "stress", _stress(self.stress, self.name))
+        put(self, "forces", tuple(self.forces) if self.stress is None else self._components(self.stress))
         put(self, "parameters", Domains(self.parameters))
         self._check_names()
         put(self, "_symbols", self._declared())
         known = self.symbols()
-        if isinstance(self.g, str):
-            put(self, "written", self.g)
-        put(self, "g", _expression(self.g, known, f"g of {self.name}"))
-        put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}") for c in self.constraints))
+        define = self.define if isinstance(self.define, Definitions) else Definitions.of(self.define, known, self.stress, self.name)
+        put(self, "define", define)
+        short = define.short
+        given, g = self.g, _expression(self.g, known, f"g of {self.name}", short)
+        put(self, "g", g)
+        if isinstance(given, str):
+            put(self, "written", written_out(given, short))
+        put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}", short) for c in self.constraints))
         if self.flow is not None:
-            put(self, "flow", tuple(_expression(c, known, f"flow of {self.name}") for c in self.flow))
+            put(self, "flow", tuple(_expression(c, known, f"flow of {self.name}", short) for c in self.flow))
         if self.closed_form is not None:
-            put(self, "closed_form", converted(self.closed_form, lambda x: _expression(x, known, f"closed form of {self.name}")))
+            put(self, "closed_form", converted(self.closed_form, lambda x: _expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
 
     def __hash__(self) -> int:
         return hash((self.name, self.g, self.forces, self.pressure, self.parameters, self.constraints, self.flow))
+
+    def _components(self, stress: Stress) -> tuple[str, ...]:
+        if tuple(self.forces) not in (FORCES, stress.components):
+            raise InputError(
+                f"forces and a stress {stress.name!r} are both declared",
+                where=self.name,
+                remedy="leave them out: they are its components",
+            )
+        return stress.components
 
     def _check_names(self) -> None:
         names = [*self.forces, *([self.pressure] if self.pressure else []), *self.parameters]
@@ -125,6 +147,11 @@ class Criterion(Verbatim):
         """The symbols of the forces, in order."""
         return tuple(symbol(name) for name in self.forces)
 
+    def defined(self) -> dict[str, sp.Expr]:
+        """What each definition stands for, over :meth:`symbols`."""
+        assert isinstance(self.define, Definitions)  # since __post_init__
+        return {name: parse_expression(name, self.symbols(), short=self.define.short) for name in self.define}
+
     def settled(self) -> dict[sp.Symbol, sp.Expr]:
         """The fixed parameters with the numbers to put in their places; exponents as numbers that SymPy leaves alone."""
         exponents = {x for power in self.g.atoms(sp.Pow) for x in power.exp.free_symbols}
@@ -155,12 +182,22 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     )
 
 
-def _expression(given: Any, known: Mapping[str, sp.Symbol], where: str) -> sp.Expr:
-    return parse_expression(given, known, where=where) if isinstance(given, str) else sp.sympify(given, strict=True)
+def _expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
+    return parse_expression(given, known, where=where, short=short) if isinstance(given, str) else sp.sympify(given, strict=True)
 
 
-def _relation(given: Any, known: Mapping[str, sp.Symbol], where: str) -> Relational:
-    return parse_relation(given, known, where=where) if isinstance(given, str) else given
+def _relation(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> Relational:
+    return parse_relation(given, known, where=where, short=short) if isinstance(given, str) else given
+
+
+def _stress(given: Any, law: str) -> Stress | None:
+    """A declared stress; a table of its name and kind will do."""
+    if given is None or isinstance(given, Stress):
+        return given
+    try:
+        return Stress(**given)
+    except TypeError:
+        raise InputError(f"{given!r} declares no stress", where=law, remedy='write {"name": "sigma", "kind": "3d"}') from None
 
 
 @overload
@@ -178,6 +215,8 @@ def criterion(
     flow: Sequence[Any] | None = None,
     source: str = "",
     closed_form: Shape | None = None,
+    stress: Stress | Mapping[str, str] | None = None,
+    define: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[..., Any]], Criterion]: ...
 
 
@@ -192,32 +231,41 @@ def criterion(
     flow: Sequence[Any] | None = None,
     source: str = "",
     closed_form: Shape | None = None,
+    stress: Stress | Mapping[str, str] | None = None,
+    define: Mapping[str, str] | None = None,
 ) -> Criterion | Callable[[Callable[..., Any]], Criterion]:
     """Turn a function of the declared names into a registered :class:`Criterion`.
 
     The function receives SymPy symbols by the names of its arguments and returns g; its docstring's first line
     becomes the summary.  The law's name is the function's, underscores as hyphens, unless given.  Parameters that are
-    arguments but not declared are positive.
+    arguments but not declared are positive.  An argument that names a definition receives what it stands for.
     """
 
     def build(f: Callable[..., Any]) -> Criterion:
-        arguments = list(inspect.signature(f).parameters)
-        fixed_names = {*forces, pressure}
+        arguments, named = list(inspect.signature(f).parameters), name or f.__name__.replace("_", "-")
+        of = _stress(stress, named)
+        axes = tuple(forces) if of is None else of.components
+        fixed_names = {*axes, pressure, *(define or ())}
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
-        shell = {n: symbol(n) for n in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
+        domains |= {n: d for n, d in declared.items() if define and n not in domains}  # for what is defined
+        shell = {n: symbol(n) for n in axes} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
         shell |= {n: d.symbol(n) for n, d in domains.items()}
+        local = Definitions.of(define or {}, shell, of, named)
+        values = shell | {n: parse_expression(n, shell, short=local.short) for n in local}
         law = Criterion(
-            name=name or f.__name__.replace("_", "-"),
-            g=f(*(shell[a] for a in arguments)),
+            name=named,
+            g=f(*(values[a] for a in arguments)),
             parameters=domains,
-            forces=tuple(forces),
+            forces=axes,
             pressure=pressure,
             constraints=tuple(constraints),
             flow=None if flow is None else tuple(flow),
             summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
             source=source,
             closed_form=closed_form,
+            stress=of,
+            define=local,
         )
         register(law.name, law)
         return law

@@ -1,0 +1,109 @@
+"""Invariants of a stress as formulas of its components: against the tensor itself, exactly."""
+
+from __future__ import annotations
+
+from itertools import permutations
+
+import pytest
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression import symbol
+from duhem.expression.abbreviations import Abbreviations
+from duhem.expression.invariants import INVARIANTS, KINDS, Stress
+from duhem.expression.parse import parse_expression
+
+R = sp.Rational
+POINTS = {
+    "3d": [(3, -1, 2, R(1, 2), -2, 1), (0, 0, 0, 1, 2, 3), (1, 1, 1, 0, 0, 0)],
+    "plane": [(3, -1, 2), (0, 0, 1), (-2, -2, 0)],
+    "principal": [(3, -1, 2), (1, 1, 5), (-4, 0, R(1, 3))],
+}
+CASES = [(kind, point) for kind, points in POINTS.items() for point in points]
+
+
+def _tensor(kind: str, point: tuple[sp.Rational, ...]) -> sp.Matrix:
+    if kind == "principal":
+        return sp.diag(*point)
+    xx, yy, zz, yz, xz, xy = point if kind == "3d" else (point[0], point[1], 0, 0, 0, point[2])
+    return sp.Matrix([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _value(text: str, kind: str, point: tuple[sp.Rational, ...]) -> sp.Expr:
+    stress = Stress("s", kind)
+    known = {name: symbol(name) for name in stress.components}
+    return parse_expression(text, known, short=Abbreviations(stress=stress)).subs(dict(zip(known.values(), point, strict=True)))
+
+
+@pytest.mark.parametrize(("kind", "point"), CASES)
+def test_invariants_are_those_of_the_tensor(kind: str, point: tuple[sp.Rational, ...]) -> None:
+    tensor = _tensor(kind, point)
+    deviator = tensor - tensor.trace() / 3 * sp.eye(3)
+    assert _value("I1(s)", kind, point) == _value("tr(s)", kind, point) == tensor.trace()
+    j2 = (deviator * deviator).trace() / 2
+    assert _value("J2(s)", kind, point) == j2
+    assert _value("J3(s)", kind, point) == deviator.det()
+    if kind != "plane":
+        assert _value("det(s)", kind, point) == tensor.det()
+    if j2:
+        assert sp.simplify(_value("cos3theta(s)", kind, point) - 3 * sp.sqrt(3) / 2 * deviator.det() / j2 ** R(3, 2)) == 0
+
+
+@pytest.mark.parametrize("point", POINTS["plane"])
+def test_principal_stresses_in_the_plane(point: tuple[sp.Rational, ...]) -> None:
+    xx, yy, xy = point
+    one, two = (_value(f"principal(s, {i})", "plane", point) for i in (1, 2))
+    assert sp.simplify(one + two - xx - yy) == 0 == sp.simplify(one * two - xx * yy + xy**2)
+    assert one >= two
+
+
+@pytest.mark.parametrize("point", [*permutations((3, -1, 2)), (1, 1, 5)])
+def test_principal_stresses_in_order(point: tuple[sp.Rational, ...]) -> None:
+    assert [_value(f"principal(s, {i})", "principal", point) for i in (1, 2, 3)] == sorted(point, reverse=True)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_shear_stands_once_and_counts_twice(kind: str) -> None:
+    """The inner product of tensors is the sum over the listed components, where a shear's conjugate is twice the tensor's."""
+    point = POINTS[kind][0]
+    tensor = _tensor(kind, point)
+    conjugate = [x * (2 if shear else 1) for x, shear in zip(point, Stress("s", kind).shears, strict=True)]
+    assert sum(x * e for x, e in zip(point, conjugate, strict=True)) == (tensor * tensor).trace()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("J2", "write J2\\(s\\)"),
+        ("J2(t)", "write J2\\(s\\)"),
+        ("J2(s, 1)", "write J2\\(s\\)"),
+        ("J2(2*s)", "write J2\\(s\\)"),
+        ("principal(s)", "write principal\\(s, 1\\)"),
+        ("principal(s, 0)", "no principal stress 0"),
+        ("principal(s, 4)", "no principal stress 4"),
+        ("principal(s, x)", "write principal\\(s, 1\\)"),
+        ("s", "unknown name 's'"),
+        ("s_zz", "unknown name 's_zz'"),
+        ("principal(s, 3)", "plane stress is 0"),
+        ("det(s)", "s_xx\\*s_yy - s_xy\\*\\*2"),
+    ],
+)
+def test_what_is_no_invariant(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        _value(text, "plane", (1, 2, 3))
+
+
+@pytest.mark.parametrize("word", INVARIANTS)
+def test_without_a_stress_they_are_names_like_others(word: str) -> None:
+    x = symbol(word)
+    assert parse_expression(f"2*{word}", {word: x}) == 2 * x
+    with pytest.raises(InputError, match="declare stress"):
+        parse_expression(f"{word}(sigma)", {})
+    with pytest.raises(InputError, match="already means something"):
+        parse_expression("1", {word: x}, short=Abbreviations(stress=Stress("s", "3d")))
+
+
+@pytest.mark.parametrize(("name", "kind"), [("s", "2d"), ("a b", "3d"), ("", "3d")])
+def test_what_is_no_stress(name: str, kind: str) -> None:
+    with pytest.raises(InputError):
+        Stress(name, kind)
