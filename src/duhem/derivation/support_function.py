@@ -48,7 +48,8 @@ def fixed(law: Criterion, parameters: Mapping[str, Any] | None = None) -> Criter
     values = law.settled()
     if not values:
         return law
-    return replace(law, g=law.g.xreplace(values), flow=None if law.flow is None else tuple(c.xreplace(values) for c in law.flow))
+    flow = None if law.flow is None else tuple(c.xreplace(values) for c in law.flow)
+    return replace(law, g=law.g.xreplace(values), flow=flow, potential=None)
 
 
 def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None) -> SupportFunction | None:

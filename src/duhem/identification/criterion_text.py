@@ -26,7 +26,9 @@ def criterion_text(law: Criterion) -> str:
     if law.constraints:
         lines += [f"constraints = [{', '.join(_quoted(formula(c)) for c in law.constraints)}]"]
     lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in law.parameters.items())]
-    if law.flow is not None:
+    if law.potential is not None:
+        lines.insert(lines.index(""), f"potential = {_quoted(law.potential)}")
+    elif law.flow is not None:
         lines += ["", "[flow]", f"direction = [{', '.join(_quoted(formula(c)) for c in law.flow)}]"]
     return "\n".join(lines) + "\n"
 

@@ -183,7 +183,8 @@ mu_a = { positive = true }                # every positive real; {} is every rea
 mu_b = { value = 0.15 }                   # one value
 shift = { min = 0, max = 0.5 }            # a closed interval; either end may be left out
 
-# The slip direction, one expression per force.  Left out, it is normal to g = 0 (associated law).
+# The slip direction, one expression per force, or in [criterion] a potential, whose gradient it is: potential = "...".
+# Left out, it is normal to g = 0 (associated law).
 # [flow]
 # direction = ["sigma_a", "sigma_b"]
 """

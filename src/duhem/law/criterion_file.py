@@ -15,6 +15,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import Abbreviations
+from duhem.expression.gradient import gradient
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation, written_out
 from duhem.law.definitions import Definitions, PlacedFormula, definitions
@@ -26,7 +27,7 @@ from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
 __all__ = ["read", "reads"]
 
 MOST_BYTES = 1_000_000
-_CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "constraints")
+_CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints")
 _PARAMETER = ("positive", "min", "max", "value")
 
 
@@ -74,7 +75,7 @@ class _CriterionReader:
         if not g.free_symbols & {known[f] for f in forces}:
             raise self.error("g does not depend on any force", "criterion", "g", remedy=f"use at least one of {', '.join(forces)}")
         constraints = self.constraints(parameters, define)
-        flow = self.flow(forces, known, define)
+        flow, potential = self.flow(forces, known, define), self.potential(forces, known, define)
         try:
             law = Criterion(
                 name=name,
@@ -89,6 +90,7 @@ class _CriterionReader:
                 written=written_out(self.formula("criterion", "g", value=self.string("criterion", "g"))[0], define.short),
                 stress=stress,
                 define=define,
+                potential=potential,
             )
         except InputError as fault:
             raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None
@@ -191,6 +193,21 @@ class _CriterionReader:
         placed = [self.formula("flow", "direction", i, value=value) for i, value in enumerate(given)]
         short = define.short
         return tuple(parse_expression(t, known, where=self.where, line=line, column=column, short=short) for t, line, column in placed)
+
+    def potential(self, forces: Sequence[str], known: Mapping[str, sp.Symbol], define: Definitions) -> str | None:
+        if "potential" not in self.document["criterion"]:
+            return None
+        if "flow" in self.document:
+            raise self.error("[flow] and potential are both given", "criterion", "potential", remedy="leave one of them out")
+        value = self.expression("criterion", "potential", known, define)
+        try:
+            flow = gradient(value, [known[f] for f in forces])
+        except InputError as fault:
+            raise self.error(fault.what, "criterion", "potential", remedy=fault.remedy) from None
+        if not any(flow):
+            remedy = f"use at least one of {', '.join(forces)}"
+            raise self.error("the potential does not depend on any force", "criterion", "potential", remedy=remedy)
+        return written_out(self.formula("criterion", "potential", value=self.string("criterion", "potential"))[0], define.short)
 
     def expression(self, section: str, key: str, known: Mapping[str, sp.Symbol], define: Definitions) -> sp.Expr:
         text, line, column = self.formula(section, key, value=self.string(section, key))

@@ -18,6 +18,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import Abbreviations
+from duhem.expression.gradient import gradient
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation, written_out
@@ -44,7 +45,8 @@ class Criterion(Verbatim):
     is simplified as it is built, and who checks a proof wants the formula that was stated.
 
     ``stress`` declares a stress instead of ``forces``: its components are the forces, and its invariants are words.  ``define``
-    maps local names to formulas, each in terms of those above it, for everything that is given as text.
+    maps local names to formulas, each in terms of those above it, for everything that is given as text.  ``potential`` is a formula
+    whose gradient by the forces is the flow, instead of ``flow``; at a kink of it the flow is any mean of the gradients that meet there.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Criterion(Verbatim):
     written: str = field(default="", repr=False, compare=False)
     stress: Stress | None = None
     define: Mapping[str, str] = Definitions()
+    potential: str | None = None
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -80,6 +83,9 @@ class Criterion(Verbatim):
         put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}", short) for c in self.constraints))
         if self.flow is not None:
             put(self, "flow", tuple(_expression(c, known, f"flow of {self.name}", short) for c in self.flow))
+        if self.potential is not None:
+            put(self, "flow", self._gradient(self.potential, short))
+            put(self, "potential", written_out(self.potential, short))
         if self.closed_form is not None:
             put(self, "closed_form", converted(self.closed_form, lambda x: _expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
@@ -107,6 +113,24 @@ class Criterion(Verbatim):
         for name in names:
             if spelled.count(normalize("NFKC", name)) > 1:
                 raise InputError(f"{name!r} is declared twice", where=self.name, remedy="give each force and parameter a name of its own")
+
+    def _gradient(self, potential: Any, short: Abbreviations) -> tuple[sp.Expr, ...]:
+        """The flow that a potential gives; InputError beside another one."""
+        if not isinstance(potential, str):
+            raise InputError("the potential is no text", where=self.name, remedy="write its formula as text")
+        where = f"potential of {self.name}"
+        value = parse_expression(potential, self.symbols(), where=where, short=short)
+        try:
+            flow = gradient(value, self.force_symbols())
+        except InputError as fault:
+            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
+        if not any(flow):
+            raise InputError(
+                "the potential does not depend on any force", where=where, remedy=f"use at least one of {', '.join(self.forces)}"
+            )
+        if self.flow is not None and self.flow != flow:
+            raise InputError("a flow and a potential are both given", where=self.name, remedy="leave one of them out")
+        return flow
 
     def _check_content(self) -> None:
         known = set(self.symbols().values())
@@ -177,7 +201,7 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         g=moved(law.g),
         parameters=domains,
         constraints=tuple(c for c in map(moved, law.constraints) if c != sp.true),
-        flow=None if law.flow is None else tuple(moved(c) for c in law.flow),
+        flow=None if law.flow is None or law.potential else tuple(moved(c) for c in law.flow),
         closed_form=None if law.closed_form is None else converted(law.closed_form, moved),
     )
 
@@ -217,6 +241,7 @@ def criterion(
     closed_form: Shape | None = None,
     stress: Stress | Mapping[str, str] | None = None,
     define: Mapping[str, str] | None = None,
+    potential: str | None = None,
 ) -> Callable[[Callable[..., Any]], Criterion]: ...
 
 
@@ -233,6 +258,7 @@ def criterion(
     closed_form: Shape | None = None,
     stress: Stress | Mapping[str, str] | None = None,
     define: Mapping[str, str] | None = None,
+    potential: str | None = None,
 ) -> Criterion | Callable[[Callable[..., Any]], Criterion]:
     """Turn a function of the declared names into a registered :class:`Criterion`.
 
@@ -266,6 +292,7 @@ def criterion(
             closed_form=closed_form,
             stress=of,
             define=local,
+            potential=potential,
         )
         register(law.name, law)
         return law

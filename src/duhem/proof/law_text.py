@@ -30,8 +30,14 @@ def law_as_text(law: Law) -> dict[str, Any]:
         "parameters": {name: _domain(domain) for name, domain in law.parameters.items()},
         "constraints": [formula(c) for c in law.constraints],
         **bound,
-        "flow": None if law.flow is None else [formula(c) for c in law.flow],
+        "flow": _flow(law),
     }
+
+
+def _flow(law: Law) -> Any:
+    if isinstance(law, Criterion) and law.potential is not None:
+        return {"potential": law.potential}
+    return None if law.flow is None else [formula(c) for c in law.flow]
 
 
 def admitted_values(law: Law) -> Mapping[str, str] | None:

@@ -63,6 +63,10 @@ def _oddities(subject: FormulaSubject) -> Iterator[str]:
             f"g may be undefined for some forces: it {first.does} {part}; where it is, the point is not in K, "
             "and of such a formula nothing is proved"
         )
+    elif subject.doubtful_flow:
+        first = subject.doubtful_flow[0]
+        part = formula(_stated(subject, first.expr))
+        yield f"the flow may be undefined on the boundary: it {first.does} {part}; nothing is proved of such a flow"
     if (odd := extent(subject)) is not None:
         yield odd.what
     used = law.g.free_symbols.union(*(c.free_symbols for c in law.flow or ()))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from duhem.expression.text import formula
 from duhem.law.curve_law import ParametricCriterion
+from duhem.law.formula_law import Criterion
 from duhem.proof.verdict import Trust, Verdict, Witness
 from duhem.show.page import PAGE, Page, tied
 
@@ -51,12 +52,17 @@ def _head(law: Law, page: Page, effort: str) -> Iterator[str]:
     yield from page.field("parameters", ", ".join(_in_domain(n, d.describe()) for n, d in law.parameters.items()) or "none", _FIELD)
     if law.constraints:
         yield from page.field("with", ", ".join(formula(c) for c in law.constraints), _FIELD)
-    direction = "normal to the boundary (associated)" if law.flow is None else f"({', '.join(formula(c) for c in law.flow)})"
-    yield from page.field("slip", direction, _FIELD)
+    yield from page.field("slip", _direction(law), _FIELD)
     if law.source:
         yield from page.field("source", law.source, _FIELD)
     if effort != "normal":
         yield from page.field("effort", effort, _FIELD)
+
+
+def _direction(law: Law) -> str:
+    if isinstance(law, Criterion) and law.potential is not None:
+        return f"gradient of {' '.join(law.potential.split())}"
+    return "normal to the boundary (associated)" if law.flow is None else f"({', '.join(formula(c) for c in law.flow)})"
 
 
 def _stated(law: Law) -> tuple[str, str]:

@@ -30,15 +30,19 @@ _REMEDY = "keep its domain away from there (positive = true, or a least value ab
 _MOST_POINTS = 64
 
 
-def open_obligations(subject: Subject, problem: Problem) -> tuple[Obligation, ...]:
-    """Those of g, and of a flow of the law's own, that are not shown to be met for all forces but zero.
+def open_obligations(subject: Subject, problem: Problem, trees: Iterable[sp.Basic], on_boundary: bool = False) -> tuple[Obligation, ...]:
+    """Those of formulas of the law that are not shown to be met for all forces but zero, or where g = 0.
 
     Raises InputError where one is broken by admitted parameter values, whatever the forces and the pressure.
     """
     if problem.g.has(*_UNDEFINED):
         raise InputError(f"{formula(problem.law.g)} is undefined at the fixed values", where=problem.law.name, remedy=_REMEDY)
-    needed = dict.fromkeys(o for tree in (problem.stated, *(problem.flow or ())) for o in obligations(tree))
-    return tuple(o for o in needed if not _everywhere(subject, problem, o))
+    needed = dict.fromkeys(o for tree in trees for o in obligations(tree))
+    found = tuple(o for o in needed if not _everywhere(subject, problem, o))
+    if not (found and on_boundary):
+        return found
+    here = sp.Eq(problem.g, 0, evaluate=False)
+    return tuple(o for o in found if not _everywhere(subject, problem, o._replace(given=(*o.given, here))))
 
 
 def _everywhere(subject: Subject, problem: Problem, obligation: Obligation) -> bool:

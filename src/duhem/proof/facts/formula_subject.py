@@ -28,6 +28,7 @@ from duhem.proof.statement.star import Star, star_form
 __all__ = ["FormulaSubject"]
 
 _QUESTION_STEPS = 8_000_000
+_OF_THE_FLOW = ("normality", "dissipation")  # the claims that speak of it
 
 
 class FormulaSubject(Subject):
@@ -52,16 +53,22 @@ class FormulaSubject(Subject):
     @cached_property
     def doubtful(self) -> tuple[Obligation, ...]:
         """What the formula as written asks of its parts and is not shown for all forces but zero: nothing is proved then."""
-        return open_obligations(self, self.problem)
+        return open_obligations(self, self.problem, (self.problem.stated,))
+
+    @cached_property
+    def doubtful_flow(self) -> tuple[Obligation, ...]:
+        """The same of a flow of the law's own, of which only the boundary counts."""
+        own = (self.problem.potential, *(self.problem.flow or ()))
+        return open_obligations(self, self.problem, (tree for tree in own if tree is not None), on_boundary=not self.doubtful)
 
     def check_defined(self) -> None:
         """Raise InputError where g is undefined for admitted parameter values, whatever the forces."""
         self.allow(4 * self._question_steps)
-        _ = self.doubtful, self.at_origin
+        _ = self.doubtful, self.doubtful_flow, self.at_origin
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
-        return claim == "state_laws" or not self.doubtful
+        return claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
 
     @cached_property
     def star(self) -> Star | None:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from unicodedata import normalize
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign, exact, sharpened
+from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
 
@@ -58,14 +59,17 @@ class StatedLaw(NamedTuple):
         pressure, flow_text = given["pressure"], given["flow"]
         if isinstance(flow_text, str):
             raise NotWritten("a text stands where a list should")
+        by_potential = isinstance(flow_text, Mapping)  # {"potential": "..."}, the flow being its gradient
+        texts = [flow_text["potential"]] if by_potential else flow_text or []
         forces, parameters, constraints, fixed = declared(given, () if pressure is None else (pressure,))
         names = {*forces, pressure, *parameters}
-        g, *flow = (parse(text).put(fixed) for text in (given["g"], *(flow_text or ())))
-        law = cls(forces, pressure, g, None if flow_text is None else tuple(flow), parameters, constraints)
-        if flow_text is not None and len(flow) != len(forces):
-            raise NotWritten("the flow has another number of components than there are forces")
+        g, *flow = (parse(text).put(fixed) for text in (given["g"], *texts))
         if any(f.op in COMPARISONS or not f.names() <= {*names, "pi"} for f in (g, *flow)):
             raise NotWritten("a name is not declared")
+        slips = gradient(flow[0], forces) if by_potential else tuple(flow)
+        law = cls(forces, pressure, g, None if flow_text is None else slips, parameters, constraints)
+        if flow_text is not None and len(slips) != len(forces):
+            raise NotWritten("the flow has another number of components than there are forces")
         if not g.names() & set(forces):
             raise NotWritten("g depends on no force")
         return law

@@ -31,7 +31,8 @@ class Problem:
     """``g`` over ``forces`` and ``magnitude`` (N = |sigma_n| > 0, None without pressure); ``given`` bounds the rest.
 
     ``stated`` is the formula's tree as it was written: g is what it becomes where all of its parts are defined.
-    ``slice`` holds what the simplifications fixed: symbols of the law set to a number.
+    ``slice`` holds what the simplifications fixed: symbols of the law set to a number.  ``potential`` is the tree of the formula whose
+    gradient the flow is.
     """
 
     law: Criterion
@@ -42,6 +43,7 @@ class Problem:
     given: tuple[sp.Basic, ...]
     flow: tuple[sp.Expr, ...] | None
     slice: Mapping[sp.Symbol, sp.Rational]
+    potential: sp.Expr | None = None
 
     def __hash__(self) -> int:
         return hash((self.g, self.forces, self.given, self.flow))
@@ -101,15 +103,17 @@ def state(law: Criterion) -> Problem:
         swap[table[law.pressure]] = -magnitude
     free = [(table[n], d) for n, d in law.parameters.items() if d.value is None]
     given = [r for x, d in free for r in d.relations(x)] + [c.subs(fixed) for c in law.constraints]
+    values = {name: swap.get(x, x) for name, x in table.items()}
     return Problem(
         law=law,
-        stated=_tree(law, {name: swap.get(x, x) for name, x in table.items()}),
+        stated=_tree(law, values),
         g=algebraic_angles(law.g.subs(swap)),
         forces=law.force_symbols(),
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
         flow=None if law.flow is None else tuple(c.subs(swap) for c in law.flow),
         slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
+        potential=None if law.potential is None else parse_as_written(law.potential, values),
     )
 
 

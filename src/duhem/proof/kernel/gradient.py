@@ -1,0 +1,75 @@
+"""The gradient of a potential, part by part; nothing is simplified but what is multiplied by 0.
+
+At a kink the pieces stand behind a ``where``: what is shown of that holds for the gradient of each piece.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
+
+__all__ = ["gradient"]
+
+_ZERO = number(0)
+
+
+def gradient(potential: Term, forces: Sequence[str]) -> tuple[Term, ...]:
+    """The derivatives by ``forces``, each defined only where the potential is; NotWritten for a word without one here."""
+    nothing = product_of(_ZERO, potential)
+    return tuple(sum_of(_slope(potential, x), nothing) for x in forces)
+
+
+def _slope(term: Term, x: str) -> Term:
+    if x not in term.names():
+        return _ZERO
+    if term.op == "name":
+        return number(1)
+    parts = [_ZERO if a.op in COMPARISONS else _slope(a, x) for a in term.args]
+    u, du = term.args[0], parts[0]
+    match term.op:
+        case "+":
+            return sum_of(*(p for p in parts if p != _ZERO))
+        case "*":
+            rest = [[a for j, a in enumerate(term.args) if j != i] for i in range(len(parts))]
+            return sum_of(*(product_of(p, *rest[i]) for i, p in enumerate(parts) if p != _ZERO))
+        case "**" if parts[1] == _ZERO:
+            exponent = term.args[1]
+            less = number(exponent.value - 1) if exponent.op == "number" else sum_of(exponent, number(-1))
+            return product_of(exponent, Term("**", (u, less)), du)
+        case "norm":
+            return product_of(sum_of(*(product_of(a, p) for a, p in zip(term.args, parts, strict=True))), Term("**", (term, number(-1))))
+        case "exp":
+            return product_of(term, du)
+        case "log":
+            return product_of(du, Term("**", (u, number(-1))))
+        case "sin":
+            return product_of(Term("cos", (u,)), du)
+        case "cos":
+            return minus(product_of(Term("sin", (u,)), du))
+        case "tan":
+            return product_of(sum_of(number(1), product_of(term, term)), du)
+        case "tanh":
+            return product_of(sum_of(number(1), minus(product_of(term, term))), du)
+        case "atan":
+            return product_of(du, Term("**", (sum_of(number(1), product_of(u, u)), number(-1))))
+        case "abs":
+            return _either(u, _ZERO, du, minus(du))
+        case "pos":
+            return _either(u, _ZERO, du, _ZERO)
+        case "neg":
+            return _either(u, _ZERO, _ZERO, minus(du))
+        case "max" | "min" if len(term.args) == 1:
+            return du
+        case "max" | "min":
+            rest_of = Term(term.op, term.args[1:])
+            one, two = (u, rest_of) if term.op == "max" else (rest_of, u)
+            return Term("where", (Term(">=", (one, two)), du, _slope(rest_of, x)))
+        case "where":
+            return Term("where", (u, parts[1], parts[2]))
+    raise NotWritten(f"{term.op} has no derivative here")
+
+
+def _either(u: Term, v: Term, above: Term, below: Term) -> Term:
+    """``above`` where u >= v, else ``below``."""
+    return Term("where", (Term(">=", (u, v)), above, below))
