@@ -131,8 +131,8 @@ def test_a_proof_that_a_refuter_disagrees_with_is_a_defect(monkeypatch: pytest.M
     astroid = law("sqrt(abs(a)) + sqrt(abs(b)) - 1")
     honest = Claim.examine
 
-    def lying(self: Claim, subject: Any, settled: Any) -> Evidence:
-        return Evidence(PROVED, "spoilt", "") if self.name == "convexity" else honest(self, subject, settled)
+    def lying(self: Claim, subject: Any, settled: Any, *confirmed: Any) -> Evidence:
+        return Evidence(PROVED, "spoilt", "") if self.name == "convexity" else honest(self, subject, settled, *confirmed)
 
     monkeypatch.setattr(Claim, "examine", lying)
     found = verify(astroid, claims=["convexity", "normality"])

@@ -61,7 +61,7 @@ def _oddities(subject: FormulaSubject) -> Iterator[str]:
         part = formula(_stated(subject, first.expr))
         yield (
             f"g may be undefined for some forces: it {first.does} {part}; where it is, the point is not in K, "
-            "and of such a formula nothing is proved"
+            "and of such a formula nothing is proved but what the kernel confirms"
         )
     elif subject.doubtful_flow:
         first = subject.doubtful_flow[0]

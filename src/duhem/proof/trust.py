@@ -54,6 +54,10 @@ class Confirmations:
         self.standings[claim] = found
         return found
 
+    def confirm(self, claim: str, evidence: Evidence) -> bool:
+        """Whether the kernel confirms a proof: it asks itself whether what its rule needs is defined, of this claim alone."""
+        return self._confirmed(claim, evidence.proof) is not None
+
     def withdraw(self, claim: str) -> None:
         """The proof turned out to be none."""
         del self.standings[claim]

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from threading import RLock
 from typing import Any
 
@@ -147,7 +148,7 @@ def verify(
     for name in (name for name in CLAIMS if name in needed):
         start = time.perf_counter()
         with _alone():
-            settled[name] = evidence = CLAIMS[name].examine(subject, settled)
+            settled[name] = evidence = CLAIMS[name].examine(subject, settled, partial(confirmations.confirm, name))
             standing = confirmations.of(name, evidence, CLAIMS[name].needs)
             doubted = standing is not None and standing.trust is not Trust.CHECKED
             if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:

@@ -55,12 +55,15 @@ class Claim:
     steps: int = 16_000_000
     refuters: tuple[ProofMethod[Any], ...] = ()
 
-    def examine(self, subject: Subject, settled: Settled) -> Evidence:
-        """The first answer, or ``undecided`` when every method passed."""
+    def examine(self, subject: Subject, settled: Settled, confirmed: Callable[[Evidence], bool] = lambda _: False) -> Evidence:
+        """The first answer, or ``undecided`` when every method passed.
+
+        Of a law that may be undefined somewhere only a proof that is ``confirmed`` counts: who confirms it looks at what it needs.
+        """
         subject.allow(self.steps)
         for method in self.methods:
             found = method.answer(subject, settled)
-            if found is not None and (found.verdict is not Verdict.PROVED or subject.may_prove(self.name)):
+            if found is not None and (found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or confirmed(found)):
                 return found
         return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its budget of steps")
 

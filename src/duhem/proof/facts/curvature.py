@@ -6,7 +6,7 @@ through increasing maps (Agrawal, Boyd 2020): a set {g <= 0} is convex when g is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +16,8 @@ from duhem.errors import InputError
 from duhem.expression import Neg, Norm, Pos, Where, fold
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.proof.decide import Sense
+from duhem.proof.facts.bends import bends
+from duhem.proof.facts.even_roots import freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
 
 __all__ = ["Curvature", "curvature"]
@@ -52,6 +54,7 @@ class Curvature:
 
 
 _UNKNOWN = Curvature()
+_MOST_ROOTS = 8
 
 
 def curvature(expr: sp.Expr, subject: FormulaSubject, convex: Mapping[sp.Expr, bool] = FrozenMapping()) -> Curvature:
@@ -67,9 +70,10 @@ def _used(*shapes: Curvature, rule: str = "") -> tuple[str, ...]:
 
 
 class _CurvatureRules:
-    def __init__(self, subject: FormulaSubject, convex: Mapping[sp.Expr, bool]) -> None:
+    def __init__(self, subject: FormulaSubject, convex: Mapping[sp.Expr, bool], others: Collection[sp.Symbol] = ()) -> None:
+        """``others`` are taken for forces too."""
         self.subject, self.convex = subject, convex
-        self.forces = set(subject.simple.forces)
+        self.forces = {*subject.simple.forces, *others}
         self.table: dict[type, Callable[..., Curvature]] = {
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Abs: self.absolute, sp.exp: self.exponential,
             sp.log: self.logarithm, sp.Max: self.maximum, sp.Min: self.minimum, Pos: self.positive_part,
@@ -122,7 +126,40 @@ class _CurvatureRules:
             facts = replace(facts, rules=_used(facts, rule="a polynomial is convex by sums of squares"))
         elif not convex and (form := self._quadratic(node)):
             facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule=form))
-        return self.signed(node, facts)
+        if node.has(sp.Abs, Pos, Neg) and not (facts.convex and facts.nonnegative):
+            facts = self._bent(node, facts)
+        return self.even(node, self.signed(node, facts))
+
+    def _bent(self, node: Any, facts: Curvature) -> Curvature:
+        """With kinks of one x taken together."""
+        found, rest = bends(node, self.forces)
+        inner = {bend.x: self.of(bend.x) for bend in found}
+        if found and rest.is_zero and len(found) == 1 and found[0].nonnegative(self.subject.nonnegative):
+            facts = replace(facts, nonnegative=True)
+        if found and not facts.convex and all(b.convex(self.subject.nonnegative, inner[b.x].convex, inner[b.x].concave) for b in found):
+            other = self.of(rest)
+            if other.convex:
+                rules = _used(*inner.values(), other, rule="a x+ + b x- is convex for a + b >= 0, of a convex x for a >= -b >= 0 too")
+                return replace(facts, convex=True, quasiconvex=True, rules=rules)
+        return facts
+
+    def even(self, node: Any, facts: Curvature) -> Curvature:
+        """With roots in whose place the node is even taken as further forces."""
+        if facts.convex or not node.free_symbols & self.forces or not node.has(sp.Pow, Norm):
+            return facts
+        roots = dict.fromkeys(outermost_roots(node, self.forces, self._convex_root))
+        if node in roots or not 0 < len(roots) <= _MOST_ROOTS or (found := freed(node, roots, self.forces)) is None:
+            return facts
+        expr, others = found
+        shape = _CurvatureRules(self.subject, self.convex, (*(self.forces - {*self.subject.simple.forces}), *others)).of(expr)
+        if not shape.quasiconvex or (facts.quasiconvex and not shape.convex):
+            return facts
+        rules = _used(*map(self.of, roots), shape, rule="f(x, r) with f convex, even in r and r convex >= 0 is convex")
+        return replace(facts, convex=shape.convex, quasiconvex=True, nonnegative=facts.nonnegative or shape.nonnegative, rules=rules)
+
+    def _convex_root(self, root: sp.Expr) -> bool:
+        shape = self.of(root)
+        return shape.convex and shape.nonnegative and not shape.affine
 
     def mul(self, node: Any, *factors: Curvature) -> Curvature:
         if not node.free_symbols & self.forces:
@@ -194,7 +231,7 @@ class _CurvatureRules:
 
     def _quadratic(self, expr: sp.Expr, root: bool = False) -> str | None:
         """A polynomial of degree 2 with positive semidefinite matrix; with ``root``, non-negative together with its constant."""
-        forces = self.subject.simple.forces
+        forces = sorted(self.forces, key=str)
         if not expr.is_polynomial(*forces):
             return None
         form = sp.Poly(expr, *forces)
@@ -226,16 +263,14 @@ class _CurvatureRules:
         return self.positive_part(node, x.negated())
 
     def maximum(self, node: Any, *args: Curvature) -> Curvature:
-        return self.signed(
-            node,
-            Curvature(
-                convex=all(x.convex for x in args),
-                quasiconvex=all(x.quasiconvex for x in args),
-                nonnegative=any(x.nonnegative for x in args),
-                nonpositive=all(x.nonpositive for x in args),
-                rules=_used(*args, rule="a maximum of convex functions is convex"),
-            ),
+        facts = Curvature(
+            convex=all(x.convex for x in args),
+            quasiconvex=all(x.quasiconvex for x in args),
+            nonnegative=any(x.nonnegative for x in args),
+            nonpositive=all(x.nonpositive for x in args),
+            rules=_used(*args, rule="a maximum of convex functions is convex"),
         )
+        return self.even(node, self.signed(node, facts))
 
     def minimum(self, node: Any, *args: Curvature) -> Curvature:
         return self.maximum(node, *(x.negated() for x in args)).negated() if node.free_symbols & self.forces else self.constant(node)

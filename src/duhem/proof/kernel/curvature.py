@@ -6,46 +6,19 @@ A part counts only where it is shown to be defined, for all forces, the whole do
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
+from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, signs_of_product
+from duhem.proof.kernel.even import quasiconvex_in_even_parts
+from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import Term, minus, number
 
 __all__ = ["Facts", "facts", "over"]
 
 _HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
 _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
-
-
-@dataclass(frozen=True)
-class Facts:
-    """What is shown of a part: ``defined`` everywhere, its ``sign``, its curvature in the forces."""
-
-    defined: bool = False
-    sign: Sign = ANY
-    convex: bool = False
-    concave: bool = False
-    quasiconvex: bool = False
-
-    @property
-    def affine(self) -> bool:
-        """Convex and concave."""
-        return self.convex and self.concave
-
-    @property
-    def nonnegative(self) -> bool:
-        """>= 0 everywhere."""
-        return not self.sign & NEGATIVE
-
-    @property
-    def convex_in_size(self) -> bool:
-        """Whether |x| is convex."""
-        return self.affine or (self.convex and self.nonnegative) or (self.concave and not self.sign & POSITIVE)
-
-    def negated(self) -> Facts:
-        """Of -x."""
-        return Facts(self.defined, signs_of_product(self.sign, NEGATIVE), self.concave, self.convex, self.concave)
 
 
 def over(law: StatedLaw) -> StatedDomain:
@@ -62,6 +35,8 @@ def facts(term: Term, domain: StatedDomain) -> Facts:
         if domain.constant(term):
             sign = _sharpened(term, domain) if term.op in ("+", "*", "name") and known.sign not in (NEGATIVE, ZERO, POSITIVE) else ANY
             known = Facts(known.defined, known.sign & sign, True, True, True)
+        elif not known.convex and (even := quasiconvex_in_even_parts(term, domain, facts, over)) is not None and even.defined:
+            known = replace(known, sign=known.sign & even.sign, convex=even.convex, quasiconvex=known.quasiconvex or even.quasiconvex)
         domain.shown[term] = known
     found: Facts = domain.shown[term]
     return found
@@ -144,7 +119,10 @@ def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
     elif signs and any(not s & ZERO for s in signs):
         together &= ~ZERO
     moving = [p for a, p in zip(term.args, parts, strict=True) if not domain.constant(a)]
-    convex, concave = all(p.convex for p in parts), all(p.concave for p in parts)
+    flat = [a for part in term.args for a in (part.args if part.op == "+" else (part,))]
+    convex, concave = all(p.convex for p in parts) or convex_when_bent(flat, domain, facts), all(p.concave for p in parts)
+    if together & NEGATIVE and nonnegative_when_bent(flat, domain, facts):
+        together &= ~NEGATIVE
     quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
     return Facts(all(p.defined for p in parts), together, convex, concave, quasi)
 

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = ["multiplied_out", "value", "vanishes", "written"]
@@ -34,11 +34,6 @@ def vanishes(term: Term, domain: StatedDomain) -> bool:
             return not poly
         poly = domain.polynomial(_without(atom, poly, domain))
     return False
-
-
-def written(poly: Polynomial) -> Term:
-    """A polynomial as a term."""
-    return sum_of(*(product_of(number(c), *(x if n == 1 else Term("**", (x, number(n))) for x, n in m)) for m, c in poly.items()))
 
 
 def _root(x: Term, domain: StatedDomain) -> tuple[Term, Fraction] | None:

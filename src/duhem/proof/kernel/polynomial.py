@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from duhem.proof.kernel.term import NotWritten, Term
+from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
-__all__ = ["ONE", "Monomial", "Polynomial", "in_powers", "joined", "replaced", "slope", "times", "total"]
+__all__ = ["ONE", "Monomial", "Polynomial", "in_powers", "joined", "replaced", "slope", "times", "total", "written"]
 
 Monomial = tuple[tuple[Term, int], ...]
 Polynomial = dict[Monomial, Fraction]
@@ -68,3 +68,8 @@ def in_powers(poly: Polynomial, x: Term) -> list[Polynomial]:
     for m, c in poly.items():
         found[dict(m).get(x, 0)][tuple((y, n) for y, n in m if y != x)] = c
     return found
+
+
+def written(poly: Polynomial) -> Term:
+    """A polynomial as a term."""
+    return sum_of(*(product_of(number(c), *(x if n == 1 else Term("**", (x, number(n))) for x, n in m)) for m, c in poly.items()))
