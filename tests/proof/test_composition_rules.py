@@ -109,7 +109,7 @@ def drawn(rng: Random) -> str:
     return rng.choice((joined, f"({bent})**({m})" if bent[0] == "(" else bent, f"{joined} + {bent}", f"max({joined}, {bent})"))
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_chords_do_not_contradict_what_is_shown_of_drawn_laws(seed: int) -> None:
     rng, shown = Random(seed), 0
     for _ in range(25):
