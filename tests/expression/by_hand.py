@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from duhem.expression import Neg, Norm, Pos, Where, symbol
+from duhem.expression import Atan2, Neg, Norm, Pos, Where, symbol
 
 __all__ = ["AT", "ROWS", "x", "y"]
 
@@ -21,6 +21,11 @@ ROWS: dict[type, tuple[sp.Expr, float]] = {
     sp.sin: (sp.sin(y), -0.7568024953079282),
     sp.cos: (sp.cos(y), -0.6536436208636119),
     sp.tan: (sp.tan(y), 1.1578212823495775),
+    sp.asin: (sp.asin(x / 4), -0.848062078981481),
+    sp.acos: (sp.acos(x / 4), 2.4188584057763776),
+    Atan2: (Atan2(y, x), 2.214297435588181),
+    sp.sinh: (sp.sinh(x), -10.017874927409903),
+    sp.cosh: (sp.cosh(x), 10.067661995777765),
     sp.tanh: (sp.tanh(x), -0.9950547536867305),
     sp.atan: (sp.atan(y), 1.3258176636680326),
     sp.Min: (sp.Min(x, y, 2), -3.0),

@@ -42,6 +42,10 @@ MEANINGS = {
     "pos(x) - neg(x)": Pos(x) - Neg(x),
     "where(x >= 0, m, y)": Where(x >= 0, m, y),
     "where(m > 0, x, y)": x,
+    "where(x > 0 or y < 1 and m > 2, m, s)": Where(x > 0, m, Where(y < 1, Where(m > 2, m, s), s)),
+    "where((x > 0 or y < 1) and m > 2, m, s)": Where(x > 0, Where(m > 2, m, s), Where(y < 1, Where(m > 2, m, s), s)),
+    "atan2(y, m) + atan2(1, 0) + atan2(0, s - 1)": sp.atan(y / m) + sp.pi / 2 + sp.pi,
+    "sign(m) + log10(100) + sinh(0) + cosh(0) + asin(0) + acos(1)": sp.Integer(4),
     "min(x, y, 0)": sp.Min(x, y, 0),
     "sqrt(4) + exp(0) + log(1) + sin(0) + cos(0) + tan(0) + tanh(0) + atan(0)": sp.Integer(4),
     "tan(x + pi/2)": -1 / sp.tan(x),
@@ -245,12 +249,17 @@ def _grow(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
         inner.map("-{}".format), inner.map("({})".format), inner.map("({})**2".format), inner.map("{}/4".format),
         inner.map("abs({})".format), inner.map("pos({})".format), inner.map("neg({})".format),
         two.map(lambda p: f"max({p[0]}, {p[1]})"), two.map(lambda p: f"min({p[0]}, {p[1]}, 1)"),
+        inner.map("sign({})".format),
         st.tuples(inner, st.sampled_from(["<", "<=", ">", ">="]), inner, inner, inner).map(lambda p: "where({}{}{}, {}, {})".format(*p)),
+        st.tuples(inner, inner, st.sampled_from(["and", "or"]), inner, inner).map(
+            lambda p: "where({}<0 and {}>1 {} {}<=1, {}, 2)".format(*p)
+        ),
     )  # fmt: skip
 
 
 ARITHMETIC = {
     "abs": abs, "max": max, "min": min, "pos": lambda v: max(v, 0), "neg": lambda v: max(-v, 0), "where": lambda c, a, b: a if c else b,
+    "sign": lambda v: (v > 0) - (v < 0),
 }  # fmt: skip
 
 

@@ -32,6 +32,7 @@ MODULES = {
 WALKERS = {
     "recording": "records a walk for others",
     "branches": "splits kinks and rebuilds any other node as it is",
+    "parse": "counts the nodes of a choice that it writes out",
 }
 
 

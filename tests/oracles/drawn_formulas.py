@@ -71,7 +71,7 @@ def value(term: Term, at: Mapping[str, float]) -> float:
         return float(term.value)
     if term.op == "name":
         return at[term.name]
-    x = [value(a, at) for a in term.args]
+    x = [value(a, at) for a in term.args] if term.op != "where" else []
     if term.op == "**":
         whole = term.args[1].op == "number" and term.args[1].value.denominator == 1
         if whole and x[1] == 0:
@@ -79,13 +79,20 @@ def value(term: Term, at: Mapping[str, float]) -> float:
         if (x[0] < 0 and not whole) or (x[0] == 0 and x[1] <= 0):
             raise ValueError(f"{x[0]} ** {x[1]}")
         return float(x[0] ** x[1])
+    if term.op == "where":
+        return value(term.args[1 if value(term.args[0], at) else 2], at)
     if term.op in _SEVERAL:
         return float(_SEVERAL[term.op](x))
     return float(_ONE[term.op](x[0]))
 
 
-_SEVERAL = {"+": sum, "*": math.prod, "max": max, "min": min, "norm": lambda x: math.hypot(*x)}
+_SEVERAL = {
+    "+": sum, "*": math.prod, "max": max, "min": min, "norm": lambda x: math.hypot(*x),
+    "<": lambda x: x[0] < x[1], "<=": lambda x: x[0] <= x[1], ">": lambda x: x[0] > x[1], ">=": lambda x: x[0] >= x[1],
+    "atan2": lambda x: math.atan2(*x) if any(x) else math.log(0),
+}  # fmt: skip
 _ONE = {
     "abs": abs, "exp": math.exp, "log": math.log, "sin": math.sin, "cos": math.cos, "tanh": math.tanh, "atan": math.atan,
+    "asin": math.asin, "acos": math.acos, "sinh": math.sinh, "cosh": math.cosh,
     "pos": lambda x: max(x, 0.0), "neg": lambda x: max(-x, 0.0),
 }  # fmt: skip

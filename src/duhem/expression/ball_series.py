@@ -14,10 +14,11 @@ import flint
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression import balls
 from duhem.expression.balls import ANALYTIC, certain_sign, constant
 from duhem.expression.fold import Table
 from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "compiled", "derivatives"]
 
@@ -65,12 +66,23 @@ def _inverse(x: Any) -> Any:
 
 def _signed(node: sp.Basic, x: Any, left: int, right: int) -> Any:
     """left * x below 0 and right * x above; where the sign is open the value is enclosed and no derivative known."""
-    here = x[0] if isinstance(x, flint.arb_series) else x
+    here = _here(x)
     sign = certain_sign(here)
     if sign in (1, -1):
         return x * (left if sign == -1 else right)
     value = (here * left).union(here * right) if here.is_finite() else here
-    return flint.arb_series([value, *([flint.arb("nan")] * (x.prec - 1))], prec=x.prec) if isinstance(x, flint.arb_series) else value
+    return _open(value, x)
+
+
+def _here(x: Any) -> Any:
+    """The value at 0."""
+    return x[0] if isinstance(x, flint.arb_series) else x
+
+
+def _open(value: Any, *like: Any) -> Any:
+    """A value of which no derivative is known, as a series where one of ``like`` is one."""
+    orders = [x.prec for x in like if isinstance(x, flint.arb_series)]
+    return flint.arb_series([value, *([flint.arb("nan")] * (min(orders) - 1))], prec=min(orders)) if orders else value
 
 
 def _norm(node: sp.Basic, *parts: Any) -> Any:
@@ -87,6 +99,22 @@ def _lattice(sense: int) -> Callable[..., Any]:
     return chosen
 
 
+def _atan2(node: sp.Basic, y: Any, x: Any) -> Any:
+    if certain_sign(_here(x)) == 1:
+        return (y * _inverse(x)).atan()
+    if (above := certain_sign(_here(y))) in (1, -1):
+        return above * flint.arb.pi() / 2 - (x * _inverse(y)).atan()
+    return _open(balls.TABLE[Atan2](node, _here(y), _here(x)), y, x)
+
+
+def _sinh(node: sp.Basic, x: Any) -> Any:
+    return (x.exp() - (-x).exp()) / 2
+
+
+def _cosh(node: sp.Basic, x: Any) -> Any:
+    return (x.exp() + (-x).exp()) / 2
+
+
 def _tanh(node: sp.Basic, x: Any) -> Any:
     grown = (2 * x).exp()
     return (grown - 1) / (grown + 1)
@@ -95,7 +123,7 @@ def _tanh(node: sp.Basic, x: Any) -> Any:
 def _compared(sense: int) -> Callable[..., bool | None]:
     def truth(node: sp.Basic, a: Any, b: Any) -> bool | None:
         gap = a - b
-        sign = certain_sign(gap[0] if isinstance(gap, flint.arb_series) else gap)
+        sign = certain_sign(_here(gap))
         return None if not sign else sign == sense
 
     return truth
@@ -105,6 +133,11 @@ TABLE: Table[Any] = {
     **ANALYTIC,
     sp.Pow: _power,
     sp.log: lambda node, x: x.log(),
+    sp.asin: lambda node, x: x.asin() if isinstance(x, flint.arb_series) else balls.TABLE[sp.asin](node, x),
+    sp.acos: lambda node, x: x.acos() if isinstance(x, flint.arb_series) else balls.TABLE[sp.acos](node, x),
+    Atan2: _atan2,
+    sp.sinh: _sinh,
+    sp.cosh: _cosh,
     sp.tanh: _tanh,
     sp.Abs: lambda node, x: _signed(node, x, -1, 1),
     Pos: lambda node, x: _signed(node, x, 0, 1),

@@ -16,7 +16,7 @@ import sympy as sp
 
 from duhem.expression.fold import Table, fold
 from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["ANALYTIC", "TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "precision"]
 
@@ -150,6 +150,16 @@ def _min(node: sp.Basic, *values: Any) -> Any:
     return _hull(list(values), _less) if all(v.is_finite() for v in values) else flint.arb("nan")
 
 
+def _arc(x: Any, arc: Callable[[Any], Any]) -> Any:
+    """A monotone function from its values at the ends of [-1, 1] or of what lies within."""
+    low, high = x.lower(), x.upper()
+    return arc(low).union(arc(high)) if low >= -1 and high <= 1 else flint.arb("nan")
+
+
+def _atan2(node: sp.Basic, y: Any, x: Any) -> Any:
+    return flint.arb("nan") if y.contains(0) and x.contains(0) else flint.arb.atan2(y, x)
+
+
 def _where(node: sp.Basic, condition: bool | None, a: Any, b: Any) -> Any:
     if condition is None:
         return a.union(b) if a.is_finite() and b.is_finite() else flint.arb("nan")
@@ -178,6 +188,11 @@ TABLE: Table[Any] = {
     sp.Pow: _pow,
     sp.Abs: lambda node, x: _max(node, x, -x).nonnegative_part(),
     sp.log: lambda node, x: x.log() if x > 0 else flint.arb("nan"),
+    sp.asin: lambda node, x: _arc(x, flint.arb.asin),
+    sp.acos: lambda node, x: _arc(x, flint.arb.acos),
+    Atan2: _atan2,
+    sp.sinh: lambda node, x: x.sinh(),
+    sp.cosh: lambda node, x: x.cosh(),
     sp.tanh: lambda node, x: x.tanh(),
     sp.Max: _max,
     sp.Min: _min,

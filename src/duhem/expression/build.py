@@ -15,7 +15,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression.floats import approximate
 from duhem.expression.inert_number import InertNumber, inert_exponent
-from duhem.expression.vocabulary import NODES, WORDS
+from duhem.expression.vocabulary import NODES, WORDS, Atan2
 
 __all__ = ["AS_WRITTEN", "EVALUATED", "Building", "unacceptable"]
 
@@ -63,8 +63,10 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
         raise InputError(f"{word} has {count} arguments", remedy=f"at most {MOST_ARGUMENTS} are read")
     if word == "sqrt":
         return power(args[0], sp.S.Half)
-    if word == "log" and _is_zero(args[0]):
-        raise InputError("log(0) is not finite", remedy="give log a positive argument")
+    if word == "atan2" and any(a.has(Atan2) for a in args):
+        raise InputError("atan2 stands within atan2", remedy="write the inner angle otherwise")
+    if word in ("log", "log10") and _is_zero(args[0]):
+        raise InputError(f"{word}(0) is not finite", remedy=f"give {word} a positive argument")
     if word == "exp" and args[0].is_number and approximate(args[0]) > 700:
         raise InputError("the value is too large", remedy="exp takes arguments up to 700")
     # SymPy turns tan(x + pi/2) into -cot(x), which is no word of ours.
@@ -136,15 +138,15 @@ def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> str | None:
 def _checked(expr: sp.Expr) -> sp.Expr:
     _bound_bits(_bits(expr))
     if any(_is_unreal(part) for part in (expr, *(expr.args if isinstance(expr, sp.Mul) else ()))):
-        raise InputError("the value is not real", remedy="take roots and logarithms of what is never negative")
+        raise InputError("the value is not real", remedy="take roots and logarithms of what is never negative, asin and acos in [-1, 1]")
     if expr.is_number and not expr.is_Rational:
         approximate(expr)
     return expr
 
 
 def _is_unreal(expr: sp.Expr) -> bool:
-    """Whether SymPy knows a root or logarithm not to be real, whatever the symbols in it are."""
-    return expr is sp.I or (isinstance(expr, (sp.Pow, sp.log)) and expr.is_extended_real is False)
+    """Whether SymPy knows a root, a logarithm, an arc sine or cosine not to be real, whatever the symbols in it are."""
+    return expr is sp.I or (isinstance(expr, (sp.Pow, sp.log, sp.asin, sp.acos)) and expr.is_extended_real is False)
 
 
 def _is_zero(expr: sp.Expr) -> bool:

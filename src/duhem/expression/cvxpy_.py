@@ -21,7 +21,7 @@ from duhem.expression import numpy_
 from duhem.expression.fold import Table, fold
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.text import formula
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["NUMBERS_ONLY", "TABLE", "dcp_fault", "expression"]
 
@@ -175,9 +175,9 @@ def _no_atom(node: sp.Basic, *_: Atom) -> Atom:
 
 
 # Node classes that mean something on numbers only, and why.
-NUMBERS_ONLY: dict[type, str] = dict.fromkeys((sp.sin, sp.cos, sp.tan, sp.tanh, sp.atan), "neither convex nor concave") | dict.fromkeys(
-    (Where, sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "a case distinction has no curvature"
-)
+NUMBERS_ONLY: dict[type, str] = dict.fromkeys(
+    (sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2, sp.sinh, sp.tanh), "neither convex nor concave"
+) | dict.fromkeys((Where, sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "a case distinction has no curvature")
 
 TABLE: Table[Atom] = {
     sp.Add: lambda _, *x: reduce(operator.add, x),
@@ -186,6 +186,7 @@ TABLE: Table[Atom] = {
     sp.Abs: lambda _, x: _cp().abs(x),
     sp.exp: lambda _, x: _cp().exp(x),
     sp.log: lambda _, x: _cp().log(x),
+    sp.cosh: lambda _, x: (_cp().exp(x) + _cp().exp(-x)) / 2,
     sp.Min: lambda _, *x: _cp().minimum(*x),
     sp.Max: lambda _, *x: _cp().maximum(*x),
     Pos: lambda _, x: _cp().pos(x),
@@ -205,4 +206,5 @@ _REMEDIES: dict[type, str] = {
     sp.Min: "its arguments must be concave",
     sp.log: "its argument must be concave",
     sp.exp: "its argument must be convex",
+    sp.cosh: "its argument must be affine",
 }

@@ -8,7 +8,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "approximate"]
 
@@ -31,6 +31,12 @@ def _power(_: sp.Basic, base: float, exponent: float) -> float:
     return result
 
 
+def _atan2(_: sp.Basic, y: float, x: float) -> float:
+    if x == 0 == y:
+        raise ValueError("no angle")
+    return math.atan2(y + 0.0, x)  # -0 is 0
+
+
 TABLE: Table[float] = {
     sp.Add: lambda _, *a: math.fsum(a),
     sp.Mul: lambda _, *a: math.prod(a),
@@ -41,8 +47,13 @@ TABLE: Table[float] = {
     sp.sin: lambda _, a: math.sin(a),
     sp.cos: lambda _, a: math.cos(a),
     sp.tan: lambda _, a: math.tan(a),
-    sp.tanh: lambda _, a: math.tanh(a),
+    sp.asin: lambda _, a: math.asin(a),
+    sp.acos: lambda _, a: math.acos(a),
     sp.atan: lambda _, a: math.atan(a),
+    Atan2: _atan2,
+    sp.sinh: lambda _, a: math.sinh(a),
+    sp.cosh: lambda _, a: math.cosh(a),
+    sp.tanh: lambda _, a: math.tanh(a),
     sp.Min: lambda _, *a: min(a),
     sp.Max: lambda _, *a: max(a),
     Pos: lambda _, a: max(a, 0.0),

@@ -20,11 +20,12 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
+from duhem.expression import numpy_
 from duhem.expression.fold import Table
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, recorded
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
 
@@ -219,6 +220,45 @@ def _atan(_: Any, x: Jet) -> Jet:
     return _chain(x, np.arctan(x.value), s, lambda: -2 * x.value * s * s)
 
 
+def _asin(_: Any, x: Jet) -> Jet:
+    return _arc(x, np.arcsin(x.value), 1.0)
+
+
+def _acos(_: Any, x: Jet) -> Jet:
+    return _arc(x, np.arccos(x.value), -1.0)
+
+
+def _arc(x: Jet, value: Array, sense: float) -> Jet:
+    s = sense / np.sqrt((1 - x.value) * (1 + x.value))
+    return _chain(x, value, s, lambda: x.value * s / ((1 - x.value) * (1 + x.value)))
+
+
+def _sinh(_: Any, x: Jet) -> Jet:
+    value = np.sinh(x.value)
+    return _chain(x, value, np.cosh(x.value), lambda: value)
+
+
+def _cosh(_: Any, x: Jet) -> Jet:
+    value = np.cosh(x.value)
+    return _chain(x, value, np.sinh(x.value), lambda: value)
+
+
+def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
+    size = np.hypot(x.value, y.value)
+    c, s = x.value / size, y.value / size  # nan at (0, 0)
+    gradient = _sum(_times(c / size, y.gradient), _times(-s / size, x.gradient))
+    value = numpy_.TABLE[Atan2](node, y.value, x.value)
+    if (order := _order((y, x))) == 1:
+        return Jet(value, gradient, None, 1)
+    hessian = _sum(_times(c / size, y.hessian), _times(-s / size, x.hessian))
+    if gradient is not None:  # the angle turns as the size grows
+        growth = _sum(_times(c / size, x.gradient), _times(s / size, y.gradient))
+        assert growth is not None
+        cross = _outer(gradient, growth)
+        hessian = _sum(hessian, -(cross + np.swapaxes(cross, 1, 2)))
+    return Jet(value, gradient, hessian, order)
+
+
 def _norm(_: Any, *args: Jet) -> Jet:
     return _p_norm(2.0, reduce(np.hypot, [a.value for a in args], np.zeros(())), args)
 
@@ -312,8 +352,13 @@ _SMOOTH: Table[Jet] = {
     sp.sin: _sin,
     sp.cos: _cos,
     sp.tan: _tan,
-    sp.tanh: _tanh,
+    sp.asin: _asin,
+    sp.acos: _acos,
     sp.atan: _atan,
+    Atan2: _atan2,
+    sp.sinh: _sinh,
+    sp.cosh: _cosh,
+    sp.tanh: _tanh,
     Norm: _norm,
     PNorm: _pnorm,
     sp.StrictGreaterThan: _comparison(np.greater),

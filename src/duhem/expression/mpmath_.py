@@ -17,7 +17,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
 from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["compiled", "constant", "digits", "evaluate", "number", "table"]
 
@@ -101,6 +101,12 @@ def table(context: Any) -> Table[Any]:
     def wave(f: Callable[[Any], Any]) -> Callable[..., Any]:
         return lambda _, x: nan if beyond(x) else f(x)
 
+    def hyperbolic(f: Callable[[Any], Any], below: int) -> Callable[..., Any]:
+        return lambda _, x: f(x) if not beyond(x) else context.inf if x > 0 else below * context.inf
+
+    def between(f: Callable[[Any], Any]) -> Callable[..., Any]:
+        return lambda _, x: f(x) if abs(x) <= 1 else nan
+
     def total(_: Any, *x: Any) -> Any:
         return reduce(operator.add, x)
 
@@ -126,8 +132,13 @@ def table(context: Any) -> Table[Any]:
         sp.sin: wave(context.sin),
         sp.cos: wave(context.cos),
         sp.tan: wave(context.tan),
-        sp.tanh: lambda _, x: context.sign(x) if beyond(x) else context.tanh(x),
+        sp.asin: between(context.asin),
+        sp.acos: between(context.acos),
         sp.atan: lambda _, x: context.atan(x),
+        Atan2: lambda _, y, x: context.atan2(y, x) if x or y else nan,
+        sp.sinh: hyperbolic(context.sinh, -1),
+        sp.cosh: hyperbolic(context.cosh, 1),
+        sp.tanh: lambda _, x: context.sign(x) if beyond(x) else context.tanh(x),
         sp.Min: least,
         sp.Max: greatest,
         Pos: lambda _, x: greatest(_, x, zero),

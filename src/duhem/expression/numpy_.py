@@ -22,7 +22,7 @@ from duhem.errors import InputError
 from duhem.expression.fold import Table
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, bound, recorded
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "Program", "compiled", "evaluate"]
 
@@ -112,6 +112,10 @@ def _pnorm(_: Any, p: Any, *args: Any) -> Any:
     return unit * np.power(reduce(np.add, [np.power(size / unit, p) for size in sizes]), 1.0 / p)
 
 
+def _atan2(_: Any, y: Any, x: Any) -> Any:
+    return np.where((np.asarray(x) == 0.0) & (np.asarray(y) == 0.0), np.nan, np.arctan2(np.add(y, 0.0), x))  # -0 is 0
+
+
 def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Any]:
     def row(_: Any, a: Any, b: Any) -> Any:
         return np.where(np.isnan(a) | np.isnan(b), np.nan, compare(a, b))
@@ -133,8 +137,13 @@ TABLE: Table[Any] = {
     sp.sin: lambda _, x: np.sin(x),
     sp.cos: lambda _, x: np.cos(x),
     sp.tan: lambda _, x: np.tan(x),
-    sp.tanh: lambda _, x: np.tanh(x),
+    sp.asin: lambda _, x: np.arcsin(x),
+    sp.acos: lambda _, x: np.arccos(x),
     sp.atan: lambda _, x: np.arctan(x),
+    Atan2: _atan2,
+    sp.sinh: lambda _, x: np.sinh(x),
+    sp.cosh: lambda _, x: np.cosh(x),
+    sp.tanh: lambda _, x: np.tanh(x),
     sp.Min: lambda _, *x: reduce(np.minimum, x),
     sp.Max: lambda _, *x: reduce(np.maximum, x),
     Pos: lambda _, x: np.maximum(x, 0.0),

@@ -20,17 +20,22 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression.abbreviations import NONE, Abbreviations, WrittenOut
 from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, unacceptable
+from duhem.expression.fold import fold
 from duhem.expression.invariants import INVARIANTS
 from duhem.expression.number import DECIMAL, exact_number, ratio
-from duhem.expression.vocabulary import WORDS
+from duhem.expression.vocabulary import NODES, WORDS
 
 __all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "ratio"]
 
 MOST_CHARACTERS = 20_000
 MOST_TOKENS = 2_000
 MOST_DEPTH = 60
+MOST_NODES = 8_000  # of what is written out with parts of it repeated
 
-_TOKEN = re.compile(rf"(?P<space>[ \t\n]+)|(?P<number>{DECIMAL})|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)")
+_TOKEN = re.compile(
+    rf"(?P<space>[ \t\n]+)|(?P<number>{DECIMAL})|(?P<joint>(?:and|or)(?!\w))|(?P<name>[^\W\d]\w*)"
+    r"|(?P<operator>\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)"
+)
 _ARITHMETIC = "write it with numbers, declared names, + - * / ** and the words of the language"
 _HINTS = {
     "^": "write ** for a power",
@@ -41,6 +46,8 @@ _HINTS = {
     "[": "group with ( and )",
     "{": "group with ( and )",
     "#": "put comments outside the formula",
+    "&": "write and",
+    "|": "write or",
 }
 _COMPARISONS: dict[type[ast.cmpop], type[Relational]] = {
     ast.Lt: sp.StrictLessThan, ast.LtE: sp.LessThan, ast.Gt: sp.StrictGreaterThan, ast.GtE: sp.GreaterThan,
@@ -190,10 +197,11 @@ class _Reader:
     def check_order(self, token: re.Match[str], previous: re.Match[str] | None) -> None:
         """Operands and operators alternate."""
         if previous is not None and _ends_operand(previous):
-            if not (token.lastgroup == "operator" and token[0] != "(") and not (token[0] == "(" and previous.lastgroup == "name"):
+            joining = token.lastgroup in ("operator", "joint") and token[0] != "("
+            if not joining and not (token[0] == "(" and previous.lastgroup == "name"):
                 near = f"{self.given(token)!r} after {self.given(previous)!r}"
                 raise self.place.error(f"unexpected {near}", at=token.start(), remedy="put an operator between them, such as *")
-        elif token.lastgroup == "operator" and token[0] not in ("-", "+", "("):
+        elif token.lastgroup in ("operator", "joint") and token[0] not in ("-", "+", "("):
             raise self.place.error(f"unexpected {token[0]!r}", at=token.start(), remedy="put a number, a name or a bracket before it")
 
     def check_name(self, token: re.Match[str]) -> None:
@@ -207,6 +215,8 @@ class _Reader:
             raise self.place.error(f"{name[:40]!r} is not a function of the language", at=at, remedy=remedy)
         if not called and name in WORDS:
             raise self.place.error(f"{name!r} needs its arguments in brackets", at=at, remedy=f"write {name}(...)")
+        if name == "not":
+            raise self.place.error("'not' is not part of the language", at=at, remedy="turn the comparison round: not x > 0 is x <= 0")
         if not called and name != "pi" and unicodedata.normalize("NFKC", name) not in self.known:
             if self.place.made and (short := self.place.made.abbreviation(at)):
                 what, remedy = f"{short[:40]!r} stands for a formula of {name!r}", f"known here: {', '.join(self.known) or 'nothing'}"
@@ -292,7 +302,7 @@ class _Reader:
                 return self.build.power(self.value(base, depth), self.value(exponent, depth))
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
                 return self.called(name, args, depth)
-            case ast.Compare():
+            case ast.Compare() | ast.BoolOp():
                 raise InputError("a comparison stands only as the first argument of where", remedy="write where(condition, a, b)")
             case _:
                 raise InputError("this is not part of the language", remedy=_ARITHMETIC)
@@ -303,16 +313,26 @@ class _Reader:
             count = f"{word.least}" if word.most == word.least else f"at least {word.least}"
             raise InputError(f"{name} takes {count} argument{'s' * (count != '1')}, not {len(args)}", remedy=f"{name}: {word.meaning}")
         if name != "where":
-            return self.build.call(name, [self.value(a, depth) for a in args])
-        condition, *branches = args
-        if not isinstance(condition, ast.Compare):
-            raise InputError("the first argument of where is no comparison", remedy="write where(x > 0, a, b)")
-        left, right, kind = self.sides(condition, depth)
-        return self.build.call(name, [self.build.relation(kind, left, right), *(self.value(b, depth) for b in branches)])
+            found = self.build.call(name, [self.value(a, depth) for a in args])
+            return _bounded(found) if name == "sign" else found
+        return self.choice(args[0], self.value(args[1], depth), self.value(args[2], depth), depth)
+
+    def choice(self, condition: ast.expr, a: sp.Expr, b: sp.Expr, depth: int) -> sp.Expr:
+        """``where(condition, a, b)``; p and q chooses by q where p holds, p or q by q where p does not."""
+        if isinstance(condition, ast.Compare):
+            left, right, kind = self.sides(condition, depth)
+            return self.build.call("where", [self.build.relation(kind, left, right), a, b])
+        if isinstance(condition, ast.BoolOp):
+            both = isinstance(condition.op, ast.And)
+            found = a if both else b
+            for part in reversed(condition.values):
+                found = _bounded(self.choice(part, found, b, depth) if both else self.choice(part, a, found, depth))
+            return found
+        raise InputError(f"{self.quote(condition)} is no comparison", remedy="write where(x > 0, a, b)")
 
     def sides(self, node: ast.Compare, depth: int) -> tuple[sp.Expr, sp.Expr, type[Relational]]:
         if len(node.ops) != 1:
-            raise self.place.error(f"{self.quote(node)} chains comparisons", at=self.start(node), remedy="write one comparison at a time")
+            raise self.place.error(f"{self.quote(node)} chains comparisons", at=self.start(node), remedy="join them: 0 < x and x < 1")
         kind = _COMPARISONS.get(type(node.ops[0]))
         if kind is None:
             raise self.place.error(f"{self.quote(node)} is no comparison", at=self.start(node), remedy="comparisons are < <= > >=")
@@ -321,6 +341,13 @@ class _Reader:
 
 def _ends_operand(token: re.Match[str]) -> bool:
     return token.lastgroup in ("number", "name") or token[0] == ")"
+
+
+def _bounded(expr: sp.Expr) -> sp.Expr:
+    """The expression, of which parts are repeated: each node counts as often as it stands there."""
+    if fold(expr, dict.fromkeys(NODES, lambda _, *sizes: 1 + sum(sizes)), lambda _: 1) > MOST_NODES:
+        raise InputError("the choice is too large, written out for each comparison", remedy="join fewer comparisons")
+    return expr
 
 
 def _chain(node: ast.BinOp, family: tuple[type[ast.operator], ...]) -> tuple[ast.expr, list[tuple[type[ast.operator], ast.expr]]]:

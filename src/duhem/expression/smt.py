@@ -14,7 +14,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
 from duhem.expression.number import ratio
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["LEFT_OUT", "TABLE", "Reals"]
 
@@ -114,7 +114,9 @@ TABLE: Table[Any] = {
 }
 
 # Words without a row, and why.
-LEFT_OUT: dict[type, str] = dict.fromkeys((sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.tanh, sp.atan), "not algebraic") | {
+LEFT_OUT: dict[type, str] = dict.fromkeys(
+    (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2, sp.sinh, sp.cosh, sp.tanh), "not algebraic"
+) | {
     Norm: "a root: whoever asks names it and gives its defining equation",
     Where: "whoever asks opens its cases first",
 }

@@ -1,18 +1,20 @@
 """The words a formula may use, as SymPy functions that derive and print properly.
 
-``norm``, ``pos``, ``neg`` and ``where`` are ours; the rest are SymPy's own.  ``WORDS`` is the single list from which
-the parser takes its names; every interpreter has one row per node class of ``NODES``.
+``norm``, ``pos``, ``neg``, ``where`` and ``atan2`` are ours; the rest are SymPy's own.  ``WORDS`` is the single list from
+which the parser takes its names; every interpreter has one row per node class of ``NODES``.  A word that others say as well
+is built of them and needs no row: ``sqrt``, ``log10``, ``sign``, and a ``where`` whose condition joins comparisons.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any
 
 import sympy as sp
 
-__all__ = ["NODES", "WORDS", "Neg", "Norm", "Pos", "Where", "Word", "symbol"]
+__all__ = ["NODES", "WORDS", "Atan2", "Neg", "Norm", "Pos", "Where", "Word", "symbol"]
 
 
 class Norm(sp.Function):
@@ -90,7 +92,10 @@ class Neg(_Ramp):
 
 
 class Where(sp.Function):
-    """``where(condition, a, b)``: a where the condition holds, else b; differentiated branch by branch."""
+    """``where(condition, a, b)``: a where the condition holds, else b; differentiated branch by branch.
+
+    A condition that joins others by and, or (SymPy's ``And``, ``Or``) becomes a choice within a choice.
+    """
 
     nargs = 3
 
@@ -100,6 +105,10 @@ class Where(sp.Function):
             return a
         if condition is sp.false or condition == False:  # noqa: E712
             return b
+        if isinstance(condition, sp.And):
+            return reduce(lambda inner, part: cls(part, inner, b), reversed(condition.args), a)
+        if isinstance(condition, sp.Or):
+            return reduce(lambda inner, part: cls(part, a, inner), reversed(condition.args), b)
         return a if a == b else None
 
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
@@ -115,6 +124,55 @@ class Where(sp.Function):
         return rf"\left({body}\right)^{{{exp}}}" if exp else body
 
 
+class Atan2(sp.Function):
+    r"""Angle of the point (x, y) in :math:`(-\pi, \pi]`, in rad, as ``atan2(y, x)``: it jumps across y = 0 > x.
+
+    At (0, 0) there is no angle and no value.
+    """
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, y: sp.Expr, x: sp.Expr) -> sp.Expr | None:
+        if x.is_positive:
+            return sp.atan(y / x)
+        if x.is_negative and (y.is_nonnegative or y.is_negative):
+            return sp.atan(y / x) + (sp.pi if y.is_nonnegative else -sp.pi)
+        if x.is_zero and y.is_zero:
+            return sp.nan
+        if x.is_zero and (y.is_positive or y.is_negative):
+            return sp.pi / 2 if y.is_positive else -sp.pi / 2
+        return None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        y, x = self.args
+        return (x if argindex == 1 else -y) / (x**2 + y**2)
+
+    def opened(self) -> sp.Expr:
+        """The angle in its cases, by ``where`` and atan; undefined at (0, 0) too."""
+        y, x = self.args
+        left = Where(y >= 0, sp.atan(y / x) + sp.pi, sp.atan(y / x) - sp.pi)
+        return Where(x > 0, sp.atan(y / x), Where(x < 0, left, sp.pi / 2 * y / sp.Abs(y)))
+
+    def _eval_is_extended_real(self) -> bool | None:
+        return True if any(a.is_nonzero for a in self.args) else None
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        body = rf"\operatorname{{atan_2}}\left({', '.join(printer.doprint(a) for a in self.args)}\right)"
+        return rf"{body}^{{{exp}}}" if exp else body
+
+
+def _sign(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
+    """-1, 0 or 1."""
+    below = Where(sp.StrictLessThan(x, 0, evaluate=evaluate), sp.S.NegativeOne, sp.S.Zero, evaluate=evaluate)
+    return Where(sp.StrictGreaterThan(x, 0, evaluate=evaluate), sp.S.One, below, evaluate=evaluate)
+
+
+def _log10(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
+    """log(x)/log(10), a whole number where it is one."""
+    return sp.log(x, 10) if evaluate else sp.Mul(sp.log(x, evaluate=False), sp.Pow(sp.log(10), -1), evaluate=False)
+
+
 @dataclass(frozen=True)
 class Word:
     """One word of the vocabulary: how it is built and how many arguments it takes."""
@@ -127,14 +185,21 @@ class Word:
 
 WORDS: dict[str, Word] = {
     "abs": Word(sp.Abs, 1, 1, "absolute value"),
+    "sign": Word(_sign, 1, 1, "-1, 0 or 1 as its argument is negative, 0 or positive"),
     "sqrt": Word(sp.sqrt, 1, 1, "square root"),
     "exp": Word(sp.exp, 1, 1, "exponential"),
     "log": Word(sp.log, 1, 1, "natural logarithm"),
+    "log10": Word(_log10, 1, 1, "logarithm to base 10"),
     "sin": Word(sp.sin, 1, 1, "sine (rad)"),
     "cos": Word(sp.cos, 1, 1, "cosine (rad)"),
     "tan": Word(sp.tan, 1, 1, "tangent (rad)"),
-    "tanh": Word(sp.tanh, 1, 1, "hyperbolic tangent"),
+    "asin": Word(sp.asin, 1, 1, "arc sine (rad) of a number between -1 and 1"),
+    "acos": Word(sp.acos, 1, 1, "arc cosine (rad) of a number between -1 and 1"),
     "atan": Word(sp.atan, 1, 1, "arc tangent (rad)"),
+    "atan2": Word(Atan2, 2, 2, "atan2(y, x), the angle (rad) of the point (x, y)"),
+    "sinh": Word(sp.sinh, 1, 1, "hyperbolic sine"),
+    "cosh": Word(sp.cosh, 1, 1, "hyperbolic cosine"),
+    "tanh": Word(sp.tanh, 1, 1, "hyperbolic tangent"),
     "min": Word(sp.Min, 1, None, "least of its arguments"),
     "max": Word(sp.Max, 1, None, "greatest of its arguments"),
     "pos": Word(Pos, 1, 1, "positive part max(x, 0)"),
@@ -145,7 +210,8 @@ WORDS: dict[str, Word] = {
 
 # The inner nodes a formula can contain; relations occur only as the condition of ``where``.
 NODES: tuple[type, ...] = (
-    sp.Add, sp.Mul, sp.Pow, sp.Abs, sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.tanh, sp.atan,
+    sp.Add, sp.Mul, sp.Pow, sp.Abs, sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2,
+    sp.sinh, sp.cosh, sp.tanh,
     sp.Min, sp.Max, Pos, Neg, Norm, Where,
     sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan,
 )  # fmt: skip

@@ -17,19 +17,21 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
 
 __all__ = ["ROLES", "degree", "removable", "weighing"]
 
 Weight = dict[sp.Symbol, sp.Rational]
-Role = Literal["alike", "kept", "pure", "compared", "chosen", "product", "power"]
+Role = Literal["alike", "kept", "pure", "angle", "compared", "chosen", "product", "power"]
 
 # alike: parts of one unit, which is the result's; kept: the result has the unit of its one part; pure: numbers to numbers;
-# compared: parts of one unit, a truth value; chosen: a condition and two of one unit, which is the result's.
+# angle: parts of one unit, a number; compared: parts of one unit, a truth value;
+# chosen: a condition and two of one unit, which is the result's.
 ROLES: Mapping[type, Role] = {
     **dict.fromkeys((sp.Add, sp.Max, sp.Min, Norm), "alike"),
     **dict.fromkeys((sp.Abs, Pos, Neg), "kept"),
-    **dict.fromkeys((sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.tanh, sp.atan), "pure"),
+    **dict.fromkeys((sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.sinh, sp.cosh, sp.tanh), "pure"),
+    Atan2: "angle",
     **dict.fromkeys((sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "compared"),
     Where: "chosen",
     sp.Mul: "product",
@@ -52,6 +54,7 @@ class _Conditions:
                 "alike": self._equal,
                 "kept": self._equal,
                 "pure": self._pure,
+                "angle": self._angle,
                 "compared": self._equal,
                 "chosen": lambda node, _, a, b: self._equal(node, a, b),
                 "product": self._product,
@@ -71,6 +74,10 @@ class _Conditions:
     def _pure(self, _: sp.Basic, part: Weight | None) -> Weight:
         if part is not None:
             self.rows.append(part)
+        return {}
+
+    def _angle(self, node: sp.Basic, *parts: Weight | None) -> Weight:
+        self._equal(node, *parts)
         return {}
 
     def _product(self, _: sp.Basic, *parts: Weight | None) -> Weight | None:

@@ -18,6 +18,7 @@ import sympy as sp
 
 from duhem.errors import DuhemError, InputError
 from duhem.expression import Neg, Norm, Pos, Where
+from duhem.expression.angles import algebraic_angles
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.path.straight_step import Move
@@ -42,7 +43,7 @@ def corner(increment: Increment) -> str | None:
     def found(node: Any, smoothed: bool) -> Iterator[str]:
         if not node.free_symbols & forces:
             return
-        if isinstance(node, (sp.Max, sp.Min, sp.core.relational.Relational)) or node.func.__name__ == "Where":
+        if isinstance(node, (sp.Max, sp.Min, Where, sp.core.relational.Relational)):
             yield str(node)
             return
         if isinstance(node, (sp.Abs, Pos, Neg)) and not smoothed:
@@ -54,7 +55,7 @@ def corner(increment: Increment) -> str | None:
 
     if len(forces) == 1:
         return None
-    return next(found(recognised(increment.g), False), None)
+    return next(found(recognised(algebraic_angles(increment.g)), False), None)
 
 
 @dataclass(frozen=True, eq=False)

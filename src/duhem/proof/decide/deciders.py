@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Neg, Pos, Where
+from duhem.expression import Atan2, Neg, Pos, Where
 from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.exact import by_exact
@@ -21,6 +21,13 @@ __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_exact, by_smt)
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+_ARCS = (sp.asin, sp.acos)
+# What has the sign of a word of x.
+_SIGNS: dict[type, Callable[[sp.Expr], sp.Expr]] = {
+    **dict.fromkeys((sp.sinh, sp.tanh, sp.asin, sp.atan), lambda x: x),
+    sp.acos: lambda x: 1 - x,
+    sp.log: lambda x: x - 1,
+}
 
 
 def decide(question: Question, budget: Budget | None = None) -> Answer:
@@ -43,6 +50,8 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
         system = polynomial_system(question, budget.part(budget.left // 4))
     except (NotAlgebraicError, SpentError) as fault:
         answer = _by_factors(question, budget)
+        if answer.holds is None:
+            answer = _by_argument(question, budget)
         if answer.holds is None:
             answer = _enclosed(question, budget)
         return answer if answer.holds is not None else Answer(None, answer.method, reason=f"{fault}; {answer.reason}")
@@ -89,6 +98,22 @@ def _by_factors(question: Question, budget: Budget) -> Answer:
     return Answer(True, method)
 
 
+def _by_argument(question: Question, budget: Budget) -> Answer:
+    """A monotone word has the sign of its argument less the place where it is 0, wherever it is defined."""
+    scale, word = question.expr.as_coeff_Mul()
+    wanted = _SIGNS.get(type(word))
+    if wanted is None or question.sense is Sense.ZERO:
+        return Answer(None, "monotone", reason="it is no monotone word")
+    x, method = word.args[0], ""
+    ends = [(1 - s * x, Sense.NONNEGATIVE) for s in (1, -1) if isinstance(word, _ARCS)]
+    for expr, sense in ((sp.sign(scale) * wanted(x), question.sense), *ends):
+        answer = decide(Question(expr, sense, question.given, question.circle), budget)
+        if answer.holds is not True:
+            return Answer(None, "monotone", reason=answer.reason)
+        method = answer.method
+    return Answer(True, method)
+
+
 def _enclosed(question: Question, budget: Budget) -> Answer:
     from duhem.proof.decide.enclosure import by_enclosure
 
@@ -98,7 +123,7 @@ def _enclosed(question: Question, budget: Budget) -> Answer:
 def by_rules(question: Question) -> Answer:
     """Sign rules: sums and products of quantities whose sign is known from the declared domains."""
     expr = question.expr
-    if not all(map(_meaningful, expr.atoms(sp.Pow, sp.log, sp.tan))):
+    if not all(map(_meaningful, expr.atoms(sp.Pow, sp.log, sp.tan, sp.asin, sp.acos, Atan2))):
         return Answer(None, "sign-rules", reason="a part of it may be undefined")
     for form in (expr, sp.factor_terms(expr)):
         plain = (
@@ -114,7 +139,7 @@ def by_rules(question: Question) -> Answer:
 
 
 def _meaningful(node: Any) -> bool:
-    """Whether signs show that a power, a logarithm or a tangent is a number: SymPy has |log(x)| >= 0 for all x."""
+    """Whether signs show that a power, a logarithm, a tangent, ... is a number: SymPy has |log(x)| >= 0 for all x."""
     if node.is_Pow:
         return bool(node.is_extended_real and (node.exp.is_nonnegative or node.base.is_nonzero))
     return bool(node.is_real)

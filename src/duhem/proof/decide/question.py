@@ -9,7 +9,7 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Where
+from duhem.expression import Atan2, Where
 
 __all__ = ["Answer", "Question", "Sense"]
 
@@ -53,8 +53,11 @@ class Question:
             circle = None
         found = []
         for place in places:
-            expr, given = self.expr.xreplace(place), tuple(dict.fromkeys(r.xreplace(place) for r in self.given))
-            needs = [Question(q.expr.xreplace(place), q.sense, tuple(r.xreplace(place) for r in q.given)) for q in _needs(self.expr)]
+            try:
+                expr, given = self.expr.xreplace(place), tuple(dict.fromkeys(r.xreplace(place) for r in self.given))
+                needs = [Question(q.expr.xreplace(place), q.sense, tuple(r.xreplace(place) for r in q.given)) for q in _needs(self.expr)]
+            except TypeError:  # SymPy compares nothing with what is undefined
+                return (self,)
             if any(e.has(*_UNDEFINED) for e in (expr, *given, *(need.expr for need in needs))):
                 return (self,)
             if sp.false not in given:
@@ -91,7 +94,7 @@ class Question:
 
 
 def _needs(expr: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Question]:
-    """What must hold for an expression to be defined: divisors are not 0, radicands not negative, logarithms of what is positive."""
+    """What must hold for an expression to be defined: divisors are not 0, radicands not negative, logarithms of what is positive, ..."""
     if isinstance(expr, Where):
         condition, then, otherwise = expr.args
         yield from _needs(condition, given)
@@ -102,6 +105,11 @@ def _needs(expr: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Questio
         yield from _needs(part, given)
     if isinstance(expr, sp.log):
         yield Question(expr.args[0], Sense.POSITIVE, given)
+    elif isinstance(expr, sp.asin | sp.acos):
+        yield Question(1 - expr.args[0], Sense.NONNEGATIVE, given)
+        yield Question(1 + expr.args[0], Sense.NONNEGATIVE, given)
+    elif isinstance(expr, Atan2):
+        yield Question(sp.Add(*(x**2 for x in expr.args)), Sense.POSITIVE, given)
     elif isinstance(expr, sp.tan):
         yield Question(sp.cos(expr.args[0]) ** 2, Sense.POSITIVE, given)
     elif isinstance(expr, sp.Pow) and not expr.exp.is_Integer:

@@ -13,7 +13,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Neg, Norm, Pos, Where, fold
+from duhem.expression import Atan2, Neg, Norm, Pos, Where, fold
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.proof.decide import Sense
 from duhem.proof.facts.bends import bends
@@ -78,7 +78,8 @@ class _CurvatureRules:
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Abs: self.absolute, sp.exp: self.exponential,
             sp.log: self.logarithm, sp.Max: self.maximum, sp.Min: self.minimum, Pos: self.positive_part,
             Neg: self.negative_part, Norm: self.norm, sp.tanh: self.increasing, sp.atan: self.increasing,
-            sp.sin: self.opaque, sp.cos: self.opaque, sp.tan: self.opaque, Where: self.opaque,
+            sp.asin: self.rising_bend, sp.sinh: self.rising_bend, sp.acos: self.arc_cosine, sp.cosh: self.even_bend,
+            sp.sin: self.opaque, sp.cos: self.opaque, sp.tan: self.opaque, Atan2: self.opaque, Where: self.opaque,
         }  # fmt: skip
         for relation in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan):
             self.table[relation] = self.opaque
@@ -281,6 +282,24 @@ class _CurvatureRules:
 
     def logarithm(self, node: Any, x: Curvature) -> Curvature:
         return self.opaque(node, x)
+
+    def rising_bend(self, node: Any, x: Curvature) -> Curvature:
+        """asin and sinh: increasing and odd, convex from 0 on."""
+        convex, concave = x.convex and x.nonnegative, x.concave and x.nonpositive
+        rules = _used(x, rule="asin and sinh are increasing, convex from 0 on")
+        return self.signed(node, Curvature(False, convex, concave, x.quasiconvex, x.nonnegative, x.nonpositive, rules))
+
+    def arc_cosine(self, node: Any, x: Curvature) -> Curvature:
+        """acos x = pi/2 + asin(-x)."""
+        convex, concave = x.concave and x.nonpositive, x.convex and x.nonnegative
+        rules = _used(x, rule="acos is decreasing, concave from 0 on")
+        return self.signed(node, Curvature(False, convex, concave, x.concave, nonnegative=True, rules=rules))
+
+    def even_bend(self, node: Any, x: Curvature) -> Curvature:
+        """cosh: a convex function of |x|."""
+        convex = x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive)
+        rules = _used(x, rule="cosh is convex and even")
+        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=rules))
 
     def increasing(self, node: Any, x: Curvature) -> Curvature:
         facts = Curvature(

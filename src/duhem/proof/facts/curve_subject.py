@@ -10,6 +10,7 @@ from random import Random
 
 import sympy as sp
 
+from duhem.expression.angles import algebraic_angles
 from duhem.expression.balls import certain_sign
 from duhem.expression.number import fraction
 from duhem.expression.vocabulary import Where
@@ -74,7 +75,7 @@ class CurveSubject(Subject):
 
     def _in_angle(self, expr: sp.Expr) -> sp.Expr:
         turn = self.law.symbols()[self.law.angle]
-        return expr.xreplace({sp.cos(turn): self.cosine, sp.sin(turn): self.sine})
+        return algebraic_angles(expr.xreplace({sp.cos(turn): self.cosine, sp.sin(turn): self.sine}))
 
     def _here(self, expr: sp.Expr) -> sp.Expr:
         return expr.xreplace(dict(self.fixed))

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Neg, Norm, Pos, Where, fold
+from duhem.expression import Atan2, Neg, Norm, Pos, Where, fold
 from duhem.expression.branches import oriented
 from duhem.proof.facts.formula_subject import FormulaSubject
 
@@ -55,11 +55,12 @@ class _RegularityRules:
         self.subject, self.forces = subject, set(subject.simple.forces)
 
     def of(self, expr: sp.Expr) -> Regularity:
-        smooth = (sp.exp, sp.sin, sp.cos, sp.tanh, sp.atan)
+        smooth = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan)
         table: dict[type, Callable[..., Regularity]] = {
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, Norm: self.norm,
             sp.Abs: self.ramp, Pos: self.ramp, Neg: self.ramp,
-        } | {f: self.smooth for f in smooth} | {f: self.opaque for f in (sp.Max, sp.Min, Where, sp.log, sp.tan)}  # fmt: skip
+        } | {f: self.smooth for f in smooth}  # fmt: skip
+        table |= {f: self.opaque for f in (sp.Max, sp.Min, Where, sp.log, sp.tan, sp.asin, sp.acos, Atan2)}
         for relation in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan):
             table[relation] = self.opaque
         try:
@@ -92,7 +93,7 @@ class _RegularityRules:
         return Regularity(True, kinks, frozenset().union(*(f.vanishing for f in factors)), frozenset().union(*(f.tips for f in factors)))
 
     def smooth(self, node: Any, x: Regularity) -> Regularity:
-        keeps = isinstance(node, sp.sin | sp.tanh | sp.atan)
+        keeps = isinstance(node, sp.sin | sp.sinh | sp.tanh | sp.atan)
         return Regularity(x.known, x.kinks, x.vanishing if keeps else _NONE, x.tips)
 
     def ramp(self, node: Any, x: Regularity) -> Regularity:

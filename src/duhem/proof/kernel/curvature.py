@@ -96,6 +96,17 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
         case "log":
             above_one = facts(Term("+", (term.args[0], number(-1))), domain).sign
             return Facts(x.defined and x.sign == POSITIVE, above_one, False, x.concave, x.quasiconvex)
+        case "asin" | "acos":
+            below, above = (facts(Term("+", (_ONE, side)), domain) for side in (minus(term.args[0]), term.args[0]))
+            shape = _risen(x if term.op == "asin" else x.negated())  # acos x = pi/2 + asin(-x)
+            sign = x.sign if term.op == "asin" else below.sign & (ZERO | POSITIVE)
+            return replace(shape, defined=x.defined and below.nonnegative and above.nonnegative, sign=sign)
+        case "sinh":
+            return _risen(x)
+        case "cosh":
+            return Facts(x.defined, POSITIVE, x.convex_in_size, False, x.convex_in_size)
+        case "atan2":
+            return Facts(defined and any(not p.sign & ZERO for p in parts))  # it jumps where the first is 0 and the second < 0
         case "tanh" | "atan":
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
         case "cos" if all(facts(Term("+", (_NEAR_RIGHT, side)), domain).nonnegative for side in (term.args[0], minus(term.args[0]))):
@@ -107,6 +118,11 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
         case "<" | "<=" | ">" | ">=":
             return Facts(defined)
     return Facts()  # tan has poles: no rule
+
+
+def _risen(x: Facts) -> Facts:
+    """Of what is increasing and odd in x, convex from 0 on."""
+    return Facts(x.defined, x.sign, x.convex and x.nonnegative, x.concave and not x.sign & POSITIVE, x.quasiconvex)
 
 
 def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:

@@ -66,9 +66,9 @@ def _regularity(term: Term, domain: StatedDomain) -> Kinks | None:
     if term.op in ("abs", "pos", "neg"):
         here = frozenset({_switch(term.args[0], domain)})
         return Kinks(kinks | here, known[0].zeros | here, tips)
-    if term.op in ("exp", "cos"):
+    if term.op in ("exp", "cos", "cosh"):
         return Kinks(kinks, tips=tips)
-    if term.op in ("sin", "tanh", "atan"):
+    if term.op in ("sin", "sinh", "tanh", "atan"):
         return Kinks(kinks, known[0].zeros, tips)
     if term.op == "norm" and all(p.kinks <= p.zeros for p in known):
         return Kinks(frozenset(), every, tips | {term})

@@ -15,13 +15,15 @@ __all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "factors", "minus", "nu
 
 # least and greatest number of arguments
 WORDS = {
-    "abs": (1, 1), "sqrt": (1, 1), "exp": (1, 1), "log": (1, 1), "sin": (1, 1), "cos": (1, 1), "tan": (1, 1), "tanh": (1, 1),
-    "atan": (1, 1), "pos": (1, 1), "neg": (1, 1), "min": (1, 99), "max": (1, 99), "norm": (1, 99), "where": (3, 3),
+    "abs": (1, 1), "sign": (1, 1), "sqrt": (1, 1), "exp": (1, 1), "log": (1, 1), "log10": (1, 1), "sin": (1, 1), "cos": (1, 1),
+    "tan": (1, 1), "asin": (1, 1), "acos": (1, 1), "atan": (1, 1), "atan2": (2, 2), "sinh": (1, 1), "cosh": (1, 1), "tanh": (1, 1),
+    "pos": (1, 1), "neg": (1, 1), "min": (1, 99), "max": (1, 99), "norm": (1, 99), "where": (3, 3),
 }  # fmt: skip
 COMPARISONS = ("<=", ">=", "<", ">")
+_JOINTS = ("and", "or")
 _DIGITS = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3}(?!\d))?"
 _TOKEN = re.compile(rf"\s*(?:{_DIGITS}|[^\W\d]\w*|\*\*|<=|>=|[-+*/(),<>])")
-_DEEPEST = 200
+_DEEPEST, _LARGEST = 200, 8_000  # brackets; parts of what repeats some of the text
 
 
 class NotWritten(Exception):
@@ -29,7 +31,10 @@ class NotWritten(Exception):
 
 
 class Term(NamedTuple):
-    """``op``: ``number`` (``value``), ``name`` (``name``), ``+``, ``*``, ``**`` (base, exponent), a comparison or a word."""
+    """``op``: ``number`` (``value``), ``name`` (``name``), ``+``, ``*``, ``**`` (base, exponent), a comparison or a word.
+
+    ``sqrt``, ``log10``, ``sign`` and what joins comparisons are read as what they mean in the others.
+    """
 
     op: str
     args: tuple[Term, ...] = ()
@@ -39,6 +44,10 @@ class Term(NamedTuple):
     def names(self) -> frozenset[str]:
         """Every name in the tree."""
         return frozenset({self.name}) if self.op == "name" else frozenset().union(*(a.names() for a in self.args))
+
+    def size(self) -> int:
+        """How many parts the tree has."""
+        return 1 + sum(a.size() for a in self.args)
 
     def put(self, swap: Mapping[Term, Term]) -> Term:
         """The term with every occurrence of some sub-terms replaced, the largest first."""
@@ -71,7 +80,7 @@ def factors(term: Term) -> list[Term]:
 
 
 def parse(text: str) -> Term:
-    """The formula or comparison in ``text``; x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2)."""
+    """The formula or comparison in ``text``; x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2), ..."""
     tokens, at = list[str](), 0
     text = text.rstrip()
     while at < len(text):
@@ -80,10 +89,29 @@ def parse(text: str) -> Term:
             raise NotWritten(f"{text[at : at + 20]!r} is not understood")
         tokens.append(found.group().strip())
         at = found.end()
-    term, rest = _comparison(tokens, 0)
+    term, rest = _condition(tokens, 0, 0)
     if rest != len(tokens):
         raise NotWritten(f"{tokens[rest]!r} is one too many")
+    _place(term, term.op in COMPARISONS)
     return term
+
+
+def _place(term: Term, condition: bool) -> None:
+    """NotWritten where a comparison stands elsewhere than first in a choice, or something else does there."""
+    if (term.op in COMPARISONS) != condition or term.op in _JOINTS:
+        raise NotWritten("a comparison stands where none should, or is missing")
+    for i, part in enumerate(term.args):
+        _place(part, term.op == "where" and i == 0)
+
+
+def _condition(tokens: list[str], at: int, depth: int, joint: str = "or") -> tuple[Term, int]:
+    """Comparisons, joined by "and" more closely than by "or"; or a single formula."""
+    parts = list[Term]()
+    while not parts or tokens[at : at + 1] == [joint]:
+        at += bool(parts)
+        term, at = _condition(tokens, at, depth, "and") if joint == "or" else _comparison(tokens, at, depth)
+        parts.append(term)
+    return (parts[0] if len(parts) == 1 else Term(joint, tuple(parts))), at
 
 
 def _comparison(tokens: list[str], at: int, depth: int = 0) -> tuple[Term, int]:
@@ -148,9 +176,9 @@ def _atom(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
     if token[0].isdigit() or (token[0] == "." and len(token) > 1):
         return number(Fraction(token)), at + 1
     if token == "(":
-        term, at = _comparison(tokens, at + 1, depth + 1)
+        term, at = _condition(tokens, at + 1, depth + 1)
         return term, _closed(tokens, at)
-    if not token.isidentifier():
+    if not token.isidentifier() or token in _JOINTS:
         raise NotWritten(f"{token!r} stands where a value should")
     if at + 1 < len(tokens) and tokens[at + 1] == "(":
         return _call(tokens, at, depth)
@@ -162,14 +190,41 @@ def _call(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
     least, most = WORDS.get(word, (1, 0))
     at += 1
     while not args or tokens[at : at + 1] == [","]:
-        term, at = _comparison(tokens, at + 1, depth + 1)
+        term, at = _condition(tokens, at + 1, depth + 1)
         args.append(term)
     at = _closed(tokens, at)
     if not least <= len(args) <= most:
         raise NotWritten(f"{word} with {len(args)} arguments is no word")
-    if any((a.op in COMPARISONS) != (word == "where" and i == 0) for i, a in enumerate(args)):
-        raise NotWritten(f"a comparison stands where {word} takes none, or is missing")
-    return (Term("**", (args[0], number(Fraction(1, 2)))) if word == "sqrt" else Term(word, tuple(args))), at
+    return _meaning(word, args), at
+
+
+def _meaning(word: str, args: list[Term]) -> Term:
+    x = args[0]
+    if word == "sqrt":
+        return Term("**", (x, number(Fraction(1, 2))))
+    if word == "log10":
+        return Term("*", (Term("log", (x,)), Term("**", (Term("log", (number(10),)), number(-1)))))
+    if word == "sign":
+        below = Term("where", (Term("<", (x, number(0))), number(-1), number(0)))
+        return _bounded(Term("where", (Term(">", (x, number(0))), number(1), below)))
+    return _choice(x, args[1], args[2]) if word == "where" else Term(word, tuple(args))
+
+
+def _choice(condition: Term, a: Term, b: Term) -> Term:
+    """a where the condition holds, else b: of p and q, the choice by q where p holds; of p or q, that by q where p does not."""
+    if condition.op not in _JOINTS:
+        return Term("where", (condition, a, b))
+    found = a if condition.op == "and" else b
+    for part in reversed(condition.args):
+        found = _bounded(_choice(part, found, b) if condition.op == "and" else _choice(part, a, found))
+    return found
+
+
+def _bounded(term: Term) -> Term:
+    """The term, in which parts of the text stand more than once."""
+    if term.size() > _LARGEST:
+        raise NotWritten("a choice is too large")
+    return term
 
 
 def _closed(tokens: list[str], at: int) -> int:

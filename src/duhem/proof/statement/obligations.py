@@ -1,4 +1,4 @@
-"""What a formula as written asks of its parts before it means anything: divisors, roots, logarithms, poles.
+"""What a formula as written asks of its parts before it means anything: divisors, roots, logarithms, poles, angles.
 
 They are read off the tree of the text, where nothing has cancelled, and before any branch is opened: abs(a)/a divides by a
 although on either side of a = 0 it is a constant.
@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from duhem.expression import Where
+from duhem.expression import Atan2, Where
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.inert_number import InertNumber
 from duhem.proof.decide import Sense
@@ -65,6 +65,13 @@ def obligations(tree: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Ob
         yield from _of_power(_evaluated(tree.base), _evaluated(tree.exp), given)
     elif isinstance(tree, sp.log):
         yield Obligation(_evaluated(tree.args[0]), Sense.POSITIVE, "takes the logarithm of", given)
+    elif isinstance(tree, sp.asin | sp.acos):
+        x, does = _evaluated(tree.args[0]), f"needs for an arc {'sine' if isinstance(tree, sp.asin) else 'cosine'} that 0 <="
+        yield Obligation(1 - x, Sense.NONNEGATIVE, does, given)
+        yield Obligation(1 + x, Sense.NONNEGATIVE, does, given)
+    elif isinstance(tree, Atan2):
+        far = sp.Add(*(_evaluated(x) ** 2 for x in tree.args))
+        yield Obligation(far, Sense.ZERO, "takes the angle of a point at the squared distance", given)
     elif isinstance(tree, sp.tan):
         yield Obligation(sp.cos(_evaluated(tree.args[0])), Sense.ZERO, "divides by", given)
 

@@ -111,7 +111,7 @@ def state(law: Criterion) -> Problem:
         forces=law.force_symbols(),
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
-        flow=None if law.flow is None else tuple(c.subs(swap) for c in law.flow),
+        flow=None if law.flow is None else tuple(algebraic_angles(c.subs(swap)) for c in law.flow),
         slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
         potential=None if law.potential is None else parse_as_written(law.potential, values),
     )
@@ -141,7 +141,7 @@ def without_outer_map(g: sp.Expr) -> sp.Expr:
             core = sp.Mul(*(f for f in g.args if not f.is_positive))
         elif g.is_Pow and g.exp.is_Integer and g.exp > 0 and g.exp % 2 == 1:
             core = g.base
-        elif isinstance(g, sp.tanh | sp.atan):
+        elif isinstance(g, sp.sinh | sp.tanh | sp.atan):
             core = g.args[0]
         elif isinstance(g, sp.log) and g.args[0].is_extended_nonnegative:
             core = g.args[0] - 1
