@@ -26,6 +26,8 @@ def criterion_text(law: Criterion) -> str:
     if law.constraints:
         lines += [f"constraints = [{', '.join(_quoted(formula(c)) for c in law.constraints)}]"]
     lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in law.parameters.items())]
+    if law.domain:
+        lines += ["", "[domain]", *(f"{name} = {_domain(own, f'{law.name}: {name}')}" for name, own in law.domain.items())]
     if law.potential is not None:
         lines.insert(lines.index(""), f"potential = {_quoted(law.potential)}")
     elif law.flow is not None:

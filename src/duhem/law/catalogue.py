@@ -183,6 +183,10 @@ mu_a = { positive = true }                # every positive real; {} is every rea
 mu_b = { value = 0.15 }                   # one value
 shift = { min = 0, max = 0.5 }            # a closed interval; either end may be left out
 
+# Ranges of the pressure or of forces in which the claims are asked (optional).
+# [domain]
+# sigma_n = { min = -100 }
+
 # The slip direction, one expression per force, or in [criterion] a potential, whose gradient it is: potential = "...".
 # Left out, it is normal to g = 0 (associated law).
 # [flow]

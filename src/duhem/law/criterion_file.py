@@ -19,7 +19,7 @@ from duhem.expression.gradient import gradient
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation, written_out
 from duhem.law.definitions import Definitions, PlacedFormula, definitions
-from duhem.law.domain import POSITIVE, Domain
+from duhem.law.domain import POSITIVE, Domain, range_fault
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
@@ -59,7 +59,7 @@ class _CriterionReader:
         return self.toml.document
 
     def criterion(self) -> Criterion:
-        self.keys("", self.document, ("criterion", "define", "parameters", "flow"))
+        self.keys("", self.document, ("criterion", "define", "domain", "parameters", "flow"))
         head = self.table("criterion")
         self.keys("criterion", head, _CRITERION)
         name = self.line("criterion", "name")
@@ -75,6 +75,7 @@ class _CriterionReader:
         if not g.free_symbols & {known[f] for f in forces}:
             raise self.error("g does not depend on any force", "criterion", "g", remedy=f"use at least one of {', '.join(forces)}")
         constraints = self.constraints(parameters, define)
+        domain = self.ranges(forces, pressure)
         flow, potential = self.flow(forces, known, define), self.potential(forces, known, define)
         try:
             law = Criterion(
@@ -91,6 +92,7 @@ class _CriterionReader:
                 stress=stress,
                 define=define,
                 potential=potential,
+                domain=domain,
             )
         except InputError as fault:
             raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None
@@ -144,6 +146,20 @@ class _CriterionReader:
                 raise self.error(f"the name {name!r} already means something", section, key, remedy="choose another")
             if [*axes, *domains].count(name) > 1:
                 raise self.error(f"{name!r} is declared twice", section, key, remedy="give each force and parameter a name of its own")
+
+    def ranges(self, forces: Sequence[str], pressure: str | None) -> Mapping[str, Domain]:
+        found = {}
+        for name, entry in self.table("domain", required=False).items():
+            if not isinstance(entry, dict):
+                raise self.error(f"the range of {name} is not a table", "domain", name, remedy=f"write {name} = {{ min = -100 }}")
+            self.keys("domain", entry, ("min", "max"), inside=name)
+            try:
+                found[name] = Domain.between(entry.get("min"), entry.get("max"))
+            except InputError as fault:
+                raise self.error(f"{name}: {fault.what}", "domain", name, remedy=fault.remedy) from None
+            if wrong := range_fault(name, found[name], forces, pressure):
+                raise self.error(wrong[0], "domain", name, remedy=wrong[1])
+        return found
 
     def domain(self, name: str, entry: Any) -> Domain:
         if not isinstance(entry, dict):

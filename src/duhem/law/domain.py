@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,7 @@ from duhem.expression import symbol
 from duhem.expression.parse import exact_number
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name"]
+__all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name", "range_fault"]
 
 
 @dataclass(frozen=True)
@@ -81,9 +81,26 @@ class Domain:
             return "real" if self.high is None else f"(-oo, {self.high}]"
         return f"[{self.low}, oo)" if self.high is None else f"[{self.low}, {self.high}]"
 
+    def stated(self, name: str) -> str:
+        """The domain of ``name`` in words: ``mu positive``, ``mu in [0, 1/2]``, ``mu = 3/20``."""
+        words = self.describe()
+        return f"{name} in {words}" if words[0] in "[(" else f"{name} {words}"
+
 
 POSITIVE = Domain(low=sp.S.Zero, positive=True)
 REAL = Domain()
+
+
+def range_fault(name: str, own: Domain, forces: Sequence[str], pressure: str | None) -> tuple[str, str] | None:
+    """What is wrong with a range of a force or the pressure of a law, and the remedy; None if nothing is."""
+    if name == pressure:
+        if own.low is not None and own.low >= 0:
+            return f"no {name} < 0 is left", "the pressure is <= 0 in compression"
+    elif name not in forces:
+        return f"{name!r} is neither a force nor the pressure", f"ranges are of: {', '.join([*forces, *([pressure] if pressure else [])])}"
+    elif 0 not in own or own.value is not None:
+        return f"the range of {name} leaves out 0 or is nothing else", "claims are about what is around zero force: take it in"
+    return None
 
 
 def by_name(given: Mapping[str, Any] | None, what: str = "a value") -> Mapping[str, Any]:

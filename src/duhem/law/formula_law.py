@@ -24,7 +24,7 @@ from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation, written_out
 from duhem.expression.verbatim import Verbatim
 from duhem.law.definitions import Definitions
-from duhem.law.domain import POSITIVE, Domain, Domains
+from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
 
@@ -47,6 +47,7 @@ class Criterion(Verbatim):
     ``stress`` declares a stress instead of ``forces``: its components are the forces, and its invariants are words.  ``define``
     maps local names to formulas, each in terms of those above it, for everything that is given as text.  ``potential`` is a formula
     whose gradient by the forces is the flow, instead of ``flow``; at a kink of it the flow is any mean of the gradients that meet there.
+    ``domain`` maps the pressure or forces to the ranges in which the claims are asked; zero force is in them.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Criterion(Verbatim):
     stress: Stress | None = None
     define: Mapping[str, str] = Definitions()
     potential: str | None = None
+    domain: Mapping[str, Domain] = Domains()
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -86,6 +88,10 @@ class Criterion(Verbatim):
         if self.potential is not None:
             put(self, "flow", self._gradient(self.potential, short))
             put(self, "potential", written_out(self.potential, short))
+        put(self, "domain", Domains(self.domain))
+        for name, own in self.domain.items():
+            if fault := range_fault(name, own, self.forces, self.pressure):
+                raise InputError(fault[0], where=f"domain of {self.name}", remedy=fault[1])
         if self.closed_form is not None:
             put(self, "closed_form", converted(self.closed_form, lambda x: _expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
@@ -242,6 +248,7 @@ def criterion(
     stress: Stress | Mapping[str, str] | None = None,
     define: Mapping[str, str] | None = None,
     potential: str | None = None,
+    domain: Mapping[str, Domain] | None = None,
 ) -> Callable[[Callable[..., Any]], Criterion]: ...
 
 
@@ -259,6 +266,7 @@ def criterion(
     stress: Stress | Mapping[str, str] | None = None,
     define: Mapping[str, str] | None = None,
     potential: str | None = None,
+    domain: Mapping[str, Domain] | None = None,
 ) -> Criterion | Callable[[Callable[..., Any]], Criterion]:
     """Turn a function of the declared names into a registered :class:`Criterion`.
 
@@ -293,6 +301,7 @@ def criterion(
             stress=of,
             define=local,
             potential=potential,
+            domain=Domains(domain),
         )
         register(law.name, law)
         return law

@@ -31,6 +31,7 @@ def law_as_text(law: Law) -> dict[str, Any]:
         "constraints": [formula(c) for c in law.constraints],
         **bound,
         "flow": _flow(law),
+        **({"domain": {n: _domain(d) for n, d in law.domain.items()}} if isinstance(law, Criterion) and law.domain else {}),
     }
 
 

@@ -8,6 +8,7 @@ import sympy as sp
 
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
+from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
 from duhem.proof.facts.extent import extent
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -21,15 +22,15 @@ _STEPS = 8_000_000  # for what is asked here and in no claim
 
 
 def scope(law: Law, verdict: Verdict) -> str:
-    """The parameters over which a verdict holds."""
+    """The parameters, and ranges of pressure and forces, over which a verdict holds."""
     if verdict is Verdict.REFUTED:
         return "at the witness"
     if verdict is Verdict.TESTED:
         return "sampled parameters"
     fixed = [f"{n} = {d.value}" for n, d in law.parameters.items() if d.value is not None]
-    if not fixed:
-        return "all parameters"
-    return f"all other parameters, {', '.join(fixed)}" if len(fixed) < len(law.parameters) else ", ".join(fixed)
+    ranges = [d.stated(n) for n, d in law.domain.items()] if isinstance(law, Criterion) else []
+    every = [] if fixed and len(fixed) == len(law.parameters) else ["all other parameters" if fixed else "all parameters"]
+    return ", ".join([*every, *fixed, *ranges])
 
 
 def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:

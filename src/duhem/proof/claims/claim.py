@@ -63,16 +63,21 @@ class Claim:
         subject.allow(self.steps)
         for method in self.methods:
             found = method.answer(subject, settled)
-            if found is not None and (found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or confirmed(found)):
+            if found is not None and self._counts(found, subject, confirmed):
                 return found
         return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its budget of steps")
+
+    def _counts(self, found: Evidence, subject: Subject, confirmed: Callable[[Evidence], bool]) -> bool:
+        if found.witness is not None:
+            return subject.may_refute(self.name, found.witness.points.values())
+        return found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or confirmed(found)
 
     def contradiction(self, subject: Subject, settled: Settled) -> Evidence | None:
         """What is left of a proof that a refuter disagrees with: one of the two is wrong, and who reads it is told so."""
         subject.allow(self.steps)
         for method in self.refuters:
             found = method.answer(subject, settled)
-            if found is not None and found.witness is not None:
+            if found is not None and found.witness is not None and subject.may_refute(self.name, found.witness.points.values()):
                 where = {**found.witness.parameters, **{role: dict(point) for role, point in found.witness.points.items()}}
                 detail = (
                     f"{settled[self.name].method} proved it and {found.method} refutes it at {where}: a defect of duhem, please report it"

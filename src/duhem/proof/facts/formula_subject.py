@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, combinations, count, islice
@@ -28,6 +28,7 @@ from duhem.proof.statement.star import Star, star_form
 __all__ = ["FormulaSubject"]
 
 _QUESTION_STEPS = 8_000_000
+_MARGIN = Fraction(1, 2**20)  # larger than the boxes in which corners are held
 _OF_THE_FLOW = ("normality", "dissipation")  # the claims that speak of it
 
 
@@ -69,6 +70,16 @@ class FormulaSubject(Subject):
     def may_prove(self, claim: str) -> bool:
         """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
         return claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
+
+    def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
+        """Whether all of them lie in the ranges of the law; a corner well within, where both of its sides do."""
+        margin = _MARGIN if claim == "smoothness" else Fraction(0)
+        for point in points:
+            for name, span in self.law.domain.items():
+                at, beside = Fraction(point[name]), margin * (name in self.law.forces)
+                if not all(rational(at + step) in span for step in {-beside, beside}):
+                    return False
+        return True
 
     @cached_property
     def star(self) -> Star | None:

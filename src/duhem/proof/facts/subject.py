@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
 from functools import wraps
 from typing import Any, TypeVar
@@ -43,6 +43,10 @@ class Subject(ABC):
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof of the claim by any method counts."""
+        return True
+
+    def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
+        """Whether a violation of the claim at exact points, by name, lies where the claim is asked."""
         return True
 
     @abstractmethod

@@ -173,7 +173,12 @@ def power(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
-    """The ``potential`` of the evidence is the support function of K where its forms ``flat`` vanish, in the ``slips`` of the forces."""
+    """The ``potential`` of the evidence is the support function of K where its forms ``flat`` vanish, in the ``slips`` of the forces.
+
+    Of K within ranges of the forces it is not.
+    """
+    if any(name in law.forces for name, _ in law.ranges):
+        return False
     flat = [parse(form) for form in evidence.get("flat", [])]
     return "potential" in evidence and is_support_function(parse(evidence["potential"]), dict(evidence["slips"]), flat, law)
 

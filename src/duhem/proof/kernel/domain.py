@@ -6,7 +6,7 @@ from an end of its range; so it is once a multiple of a constraint that has it i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import islice, product
 from typing import Any, NamedTuple
@@ -52,6 +52,7 @@ class StatedLaw(NamedTuple):
     flow: tuple[Term, ...] | None
     parameters: Mapping[str, Bounds]
     constraints: tuple[Term, ...]
+    ranges: tuple[tuple[str, Bounds], ...] = ()  # of forces and the pressure, where they are bounded
 
     @classmethod
     def read(cls, given: Mapping[str, Any]) -> StatedLaw:
@@ -67,7 +68,8 @@ class StatedLaw(NamedTuple):
         if any(f.op in COMPARISONS or not f.names() <= {*names, "pi"} for f in (g, *flow)):
             raise NotWritten("a name is not declared")
         slips = gradient(flow[0], forces) if by_potential else tuple(flow)
-        law = cls(forces, pressure, g, None if flow_text is None else slips, parameters, constraints)
+        ranges = _ranges(given.get("domain", {}), forces, pressure)
+        law = cls(forces, pressure, g, None if flow_text is None else slips, parameters, constraints, ranges)
         if flow_text is not None and len(slips) != len(forces):
             raise NotWritten("the flow has another number of components than there are forces")
         if not g.names() & set(forces):
@@ -75,14 +77,30 @@ class StatedLaw(NamedTuple):
         return law
 
 
+def _ranges(given: Mapping[str, Any], forces: Sequence[str], pressure: str | None) -> tuple[tuple[str, Bounds], ...]:
+    """Where the pressure and forces lie; NotWritten where that leaves no pressure < 0, or a force no 0."""
+    found = {name: Bounds.read(entry) for name, entry in given.items()}
+    for name, own in found.items():
+        if name == pressure:
+            found[name] = own = own.below(Fraction(0), True)
+            if own.low is not None and own.high is not None and not (own.low < own.high or own.holds(own.high)):
+                raise NotWritten("no pressure is left")
+        elif name not in forces or not own.holds(Fraction(0)):
+            raise NotWritten("a range is of no force, or without 0")
+    return tuple(found.items())
+
+
 class StatedDomain:
-    """Signs over a law's domain.  What it says holds wherever the term is defined; what it does not say is not known."""
+    """Signs over a law's domain.  What it says holds wherever the term is defined; what it does not say is not known.
+
+    A range of the pressure bounds it; forces are any numbers, for what holds of all holds within a range too.
+    """
 
     def __init__(self, law: StatedLaw, sign: Callable[[Term, StatedDomain], Sign]) -> None:
         """``sign`` gives that of a constant which is no sum, product or whole power."""
         self.law, self._sign, self._steps = law, sign, 0
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
-        self.bounds = dict(law.parameters)
+        self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
         self._gaps = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
         self.bounds = sharpened(self.bounds, self._gaps)
         self.shown.clear()

@@ -16,6 +16,9 @@ __all__ = ["duality"]
 
 def duality(subject: FormulaSubject) -> Evidence | None:
     """Phi is the support function of K: each step is a theorem, its positivity hypotheses decided over the whole domain."""
+    if bounded := [name for name in subject.law.forces if name in subject.law.domain]:
+        reason = f"the claims are asked in a range of {', '.join(bounded)}, and no closed form is known of a part of K"
+        return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
     found = subject.support
     if found is None:
         reason = "the rules of the polar gauge give this law no closed-form dissipation potential"

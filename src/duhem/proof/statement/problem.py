@@ -20,6 +20,7 @@ from duhem.expression.lineality import invariant_directions
 from duhem.expression.parse import parse_as_written, parse_expression
 from duhem.expression.text import formula
 from duhem.expression.weights import removable
+from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.statement.obligations import with_algebraic_angles
 
@@ -103,6 +104,8 @@ def state(law: Criterion) -> Problem:
         swap[table[law.pressure]] = -magnitude
     free = [(table[n], d) for n, d in law.parameters.items() if d.value is None]
     given = [r for x, d in free for r in d.relations(x)] + [c.subs(fixed) for c in law.constraints]
+    if magnitude is not None and (span := law.domain.get(law.pressure or "")) is not None:
+        given += _compressed(span).relations(magnitude)
     values = {name: swap.get(x, x) for name, x in table.items()}
     return Problem(
         law=law,
@@ -115,6 +118,11 @@ def state(law: Criterion) -> Problem:
         slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
         potential=None if law.potential is None else parse_as_written(law.potential, values),
     )
+
+
+def _compressed(span: Domain) -> Domain:
+    """A range of the pressure as one of its magnitude; that this is > 0 its symbol knows."""
+    return Domain(None if span.high is None or span.high >= 0 else -span.high, None if span.low is None else -span.low)
 
 
 def as_written(law: Criterion) -> str:

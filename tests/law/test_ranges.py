@@ -1,0 +1,124 @@
+"""Ranges of the pressure and of forces: part of the statement, of what is proved, of the kernel's domain and of every witness."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+import duhem
+from duhem import Criterion, Domain
+from duhem.errors import InputError
+from duhem.identification.criterion_text import criterion_text
+from duhem.law.criterion_file import reads
+from duhem.law.domain import POSITIVE
+from duhem.proof.certificate import certificate
+from duhem.proof.kernel.bounds import NEGATIVE, ZERO, Bounds
+from duhem.proof.kernel.bounds import POSITIVE as ABOVE
+from duhem.proof.kernel.certificate import digest, recheck, stated
+from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.term import NotWritten, parse
+from duhem.proof.law_text import law_as_text
+
+
+def _law(g: str, *, parameters: dict[str, Domain] | None = None, **domain: Domain) -> Criterion:
+    return Criterion(name="x", g=g, forces=("a", "b"), parameters=parameters or {}, domain=domain)
+
+
+QUARTIC = "a**4 + b**4 - sigma_n/10*a**2*b**2 - 1"  # convex for |sigma_n| <= 60
+RAISED = "norm(a, b) - mu*abs(sigma_n) + 1"  # 0 is in K for |sigma_n| >= 1/mu
+MU = {"mu": Domain.between("0.2", 1)}
+FLARED = "abs(b) - 1 - pos(-1 - a)"  # K is a strip that opens for a < -1
+CASES = [
+    (_law(QUARTIC, sigma_n=Domain.between(-60)), "convexity", "proved"),
+    (_law(QUARTIC, sigma_n=Domain.between(-60, -2)), "convexity", "proved"),
+    (_law(QUARTIC, sigma_n=Domain.between("-60.1")), "convexity", "refuted"),
+    (_law(QUARTIC, sigma_n=Domain.between(-70, -61)), "convexity", "refuted"),
+    (_law(RAISED, parameters=MU, sigma_n=Domain.between(None, -5)), "origin", "proved"),
+    (_law(RAISED, parameters=MU, sigma_n=Domain.between(None, "-4.9")), "origin", "refuted"),
+    (_law(RAISED, parameters=MU, sigma_n=Domain.between(-1)), "origin", "refuted"),
+    (_law("norm(a, b) + sigma_n + 2", sigma_n=Domain.fixed(-2)), "origin", "proved"),
+    (_law("norm(a, b) + sqrt(100 + sigma_n) - 11", sigma_n=Domain.between(-100)), "convexity", "proved"),
+    (_law(FLARED, a=Domain.between(-3)), "convexity", "refuted"),
+]
+
+
+@pytest.mark.parametrize(("law", "claim", "verdict"), CASES)
+def test_claims_are_asked_within_the_ranges(law: Criterion, claim: str, verdict: str) -> None:
+    found = duhem.verify(law, claims=[claim])[claim]
+    assert found.verdict.value == verdict
+    if verdict == "proved":
+        assert all(span.stated(name) in found.scope for name, span in law.domain.items())
+    if found.witness is not None:
+        values = [(name, Fraction(point[name])) for point in found.witness.points.values() for name in law.domain]
+        assert values and all(value in law.domain[name] for name, value in values)
+
+
+def test_what_is_violated_out_of_range_alone_is_not_refuted() -> None:
+    assert duhem.verify(_law(FLARED, a=Domain.between(-1)), claims=["convexity"])["convexity"].verdict.value != "refuted"
+    assert duhem.verify(_law("norm(a, b) + sigma_n", a=Domain.between(-1)), claims=["convexity"])["convexity"].verdict.value == "proved"
+
+
+def test_a_part_of_k_has_no_closed_form() -> None:
+    found = duhem.verify(_law("norm(a, b) + sigma_n", a=Domain.between(-1)), claims=["duality"])
+    assert found["duality"].verdict.value == "not_applicable"
+    assert duhem.verify(_law("norm(a, b) + sigma_n", sigma_n=Domain.between(-1)), claims=["duality"])["duality"].verdict.value == "proved"
+
+
+def test_the_kernel_reads_them() -> None:
+    law = _law(RAISED, parameters=MU, sigma_n=Domain.between(-100, -5), b=Domain.between(-1, 2))
+    read = stated(law_as_text(law))
+    domain = over(read)
+    signs = {"sigma_n + 5": NEGATIVE | ZERO, "sigma_n + 100": ABOVE | ZERO, "sigma_n": NEGATIVE, "b + 1": NEGATIVE | ZERO | ABOVE}
+    assert {text: facts(parse(text), domain).sign for text in signs} == signs
+    assert dict(read.ranges) == {"sigma_n": Bounds(Fraction(-100), Fraction(-5)), "b": Bounds(Fraction(-1), Fraction(2))}
+
+
+def test_a_certificate_with_a_wider_range_is_not_confirmed() -> None:
+    written = certificate(duhem.verify(CASES[4][0], claims=["origin"]))
+    assert written["law"]["domain"] == {"sigma_n": {"min": None, "max": "-5"}}
+    assert [row.confirmed for row in recheck(written)] == [True]
+    for wider in ({}, {"sigma_n": {"max": "-4.9"}}):
+        other = written | {"law": written["law"] | {"domain": wider}}
+        assert [row.confirmed for row in recheck(other | {"sha256": digest(other)})] == [False]
+
+
+@pytest.mark.parametrize(
+    "domain", [{"sigma_n": {"min": "0"}}, {"a": {"min": "1"}}, {"mu": {"min": "0"}}, {"c": {}}, {"sigma_n": {"positive": True}}]
+)
+def test_what_the_kernel_refuses(domain: dict[str, object]) -> None:
+    with pytest.raises(NotWritten):
+        stated(law_as_text(_law(RAISED, parameters=MU)) | {"domain": domain})
+
+
+def test_it_survives_fixing_and_text() -> None:
+    law = _law(RAISED, parameters={"mu": POSITIVE}, sigma_n=Domain.between(-100, -5))
+    assert law.fix({"mu": 1}).domain == law.domain == reads(criterion_text(law)).domain
+
+
+HEAD = '[criterion]\nname = "x"\ng = "norm(sigma_a, sigma_b) + sigma_n"\n[domain]\n'
+FAULTS = {
+    "no name of the law": ("sigma_x = { min = 0 }", "neither a force nor the pressure"),
+    "no pressure left": ("sigma_n = { min = 0 }", "no sigma_n < 0 is left"),
+    "without zero force": ("sigma_a = { min = 1 }", "leaves out 0"),
+    "zero force alone": ("sigma_a = { min = 0, max = 0 }", "is nothing else"),
+    "empty": ("sigma_n = { min = -1, max = -2 }", "is empty"),
+    "a number": ("sigma_n = -100", "is not a table"),
+    "another key": ("sigma_n = { least = -100 }", "unknown key 'least'"),
+    "no number": ("sigma_n = { min = 'low' }", "is not a number"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_is_found_where_it_stands(fault: str) -> None:
+    line, message = FAULTS[fault]
+    with pytest.raises(InputError, match=message) as caught:
+        reads(HEAD + line, "law.toml")
+    assert caught.value.where == "law.toml:5:1"
+    assert reads(HEAD + "sigma_n = { min = -1e2 }").domain == {"sigma_n": Domain.between(-100)}
+
+
+@pytest.mark.parametrize("domain", [{"c": POSITIVE}, {"a": POSITIVE}, {"sigma_n": POSITIVE}, {"a": 3}, "a"])
+def test_what_a_program_may_get_wrong(domain: object) -> None:
+    with pytest.raises(InputError):
+        Criterion(name="x", g="norm(a, b) - 1", forces=("a", "b"), domain=domain)  # type: ignore[arg-type]
