@@ -46,6 +46,7 @@ def test_invariants_are_those_of_the_tensor(kind: str, point: tuple[sp.Rational,
     if kind != "plane":
         assert _value("det(s)", kind, point) == tensor.det()
     if j2:
+        assert sp.simplify(sp.cos(3 * _value("lode(s)", kind, point)) - _value("cos3theta(s)", kind, point)) == 0
         assert sp.simplify(_value("cos3theta(s)", kind, point) - 3 * sp.sqrt(3) / 2 * deviator.det() / j2 ** R(3, 2)) == 0
 
 

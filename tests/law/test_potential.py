@@ -35,9 +35,11 @@ POTENTIALS = (
     "norm(a, 2*b)**3 - sqrt(a**2 + b**2 + 1)",
     "exp(a*b) + log(a**2 + 1)*sin(b) - cos(a) + tan(b/5)",
     "tanh(a) + atan(a*b)/2",
+    "sinh(a) - cosh(a*b) + asin(a/5) + acos(b/5)",
     "abs(a)*b + pos(a - b) - 2*neg(a + b)",
     "max(a, b, -a)*min(a, 2*b)",
     "where(a < b, a**2, k*b)",
+    "where(a < b and a > -1, a**2, k*b)",
 )
 POINTS = ((0.7, -1.3), (-0.4, 0.9), (2.5, 1.1), (-1.7, -0.6))
 
@@ -60,8 +62,9 @@ def _value(term: Term, at: dict[str, float]) -> float:
     signs = {"+": sum, "*": math.prod}
     if term.op in signs:
         return float(signs[term.op](values))
-    if term.op in ("**", ">=", "<"):
-        return x ** rest[0] if term.op == "**" else float(x >= rest[0] if term.op == ">=" else x < rest[0])
+    if term.op in ("**", ">=", "<", ">", "and"):
+        compared = {">=": x >= rest[0], "<": x < rest[0], ">": x > rest[0], "and": x and rest[0]}
+        return x ** rest[0] if term.op == "**" else float(compared[term.op])
     return float((words.get(term.op) or getattr(math, term.op))(*values))
 
 

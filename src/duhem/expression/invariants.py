@@ -101,6 +101,10 @@ def _cos3theta(stress: Stress) -> str:
     return f"3*sqrt(3)/2*({_third(stress)})/({_second(stress)})**(3/2)"
 
 
+def _lode(stress: Stress) -> str:
+    return f"acos({_cos3theta(stress)})/3"
+
+
 def _principal(stress: Stress, index: int) -> str:
     if stress.kind == "3d":
         raise InputError("principal is not known of a stress in 3d", remedy='take kind = "principal", or invariants')
@@ -121,5 +125,6 @@ INVARIANTS: Mapping[str, Invariant] = {
     "J2": Invariant(_second, "half the square of the deviator, s:s/2"),
     "J3": Invariant(_third, "determinant of the deviator"),
     "cos3theta": Invariant(_cos3theta, "3*sqrt(3)/2*J3/J2**(3/2), 1 in triaxial tension, -1 in compression"),
+    "lode": Invariant(_lode, "Lode angle acos(cos3theta)/3 (rad), from 0 to pi/3"),
     "principal": Invariant(_trace, "principal stress 1, 2 or 3, the greatest first", indexed=True),
 }

@@ -6,8 +6,9 @@ At a kink the pieces stand behind a ``where``: what is shown of that holds for t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 
-from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["gradient"]
 
@@ -25,7 +26,7 @@ def _slope(term: Term, x: str) -> Term:
         return _ZERO
     if term.op == "name":
         return number(1)
-    parts = [_ZERO if a.op in COMPARISONS else _slope(a, x) for a in term.args]
+    parts = [_ZERO if term.op == "where" and i == 0 else _slope(a, x) for i, a in enumerate(term.args)]
     u, du = term.args[0], parts[0]
     match term.op:
         case "+":
@@ -49,10 +50,15 @@ def _slope(term: Term, x: str) -> Term:
             return minus(product_of(Term("sin", (u,)), du))
         case "tan":
             return product_of(sum_of(number(1), product_of(term, term)), du)
+        case "sinh" | "cosh":
+            return product_of(Term("cosh" if term.op == "sinh" else "sinh", (u,)), du)
         case "tanh":
             return product_of(sum_of(number(1), minus(product_of(term, term))), du)
         case "atan":
             return product_of(du, Term("**", (sum_of(number(1), product_of(u, u)), number(-1))))
+        case "asin" | "acos":
+            slope = product_of(du, Term("**", (sum_of(number(1), minus(product_of(u, u))), number(Fraction(-1, 2)))))
+            return slope if term.op == "asin" else minus(slope)
         case "abs":
             return _either(u, _ZERO, du, minus(du))
         case "pos":
