@@ -32,8 +32,6 @@ TESTS: Mapping[str, str] = {
     " ../micromodel/test_wedge",
 }
 
-SECONDS = 120  # of processor time, a run of the tests
-
 
 class Mutant(NamedTuple):
     """A module with one place changed."""
@@ -87,18 +85,27 @@ def meaning(code: str) -> str:
     return ast.dump(tree)
 
 
-def killed(tests: Sequence[str], marks: str) -> bool:
-    """Whether the tests fail on the tree as it is, in a process of their own."""
+def killed(tests: Sequence[str], marks: str, seconds: int) -> bool:
+    """Whether the tests fail on the tree as it is, in a process of their own that may use so many seconds of processor time."""
     child = os.fork()
     if child == 0:
         quiet = os.open(os.devnull, os.O_WRONLY)
         os.dup2(quiet, 1)
         os.dup2(quiet, 2)
-        resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
         import pytest
 
         os._exit(int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-m", marks, *tests])))
     return os.waitpid(child, 0)[1] != 0
+
+
+def seconds_of(tests: Sequence[str], marks: str) -> int:
+    """The processor time of the tests without a mutant."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if killed(tests, marks, resource.RLIM_INFINITY):
+        raise SystemExit(f"the tests fail without a mutant ({marks}): {' '.join(tests)}")
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return round(after.ru_utime - before.ru_utime)
 
 
 def files(room: str) -> list[str]:
@@ -128,9 +135,7 @@ def sample(rooms: Sequence[str], count: int, seed: int, marks: Sequence[str]) ->
     import numpy  # noqa: F401 - what every run needs is imported once, before it forks
     import sympy  # noqa: F401
 
-    for room in rooms:
-        if killed(files(room), "not slow"):
-            raise SystemExit(f"the tests of {room} fail without a mutant")
+    limits = {(room, mark): 30 + 3 * seconds_of(files(room), mark) for room in rooms for mark in marks}
     drawn = {room: mutants(sorted(Path("src/duhem/proof", room).glob("*.py")), seed) for room in rooms}
     dead = dict.fromkeys(rooms, 0)
     asked = dict.fromkeys(rooms, 0)
@@ -139,7 +144,7 @@ def sample(rooms: Sequence[str], count: int, seed: int, marks: Sequence[str]) ->
         if (mutant := next(drawn[room], None)) is None:
             continue
         mutant.module.write_text(mutant.after, encoding="utf-8")
-        died = any(killed(files(room), mark) for mark in marks)
+        died = any(killed(files(room), mark, limits[room, mark]) for mark in marks)
         mutant.module.write_text(mutant.before, encoding="utf-8")
         asked[room] += 1
         dead[room] += died

@@ -15,12 +15,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import duhem.law.builtin
+from duhem.errors import InputError
 from duhem.expression import mpmath_, numpy_
 from duhem.expression.balls import ball, enclose, precision
 from duhem.expression.parse import exact_number
 from duhem.law.builtin.lobes import lobe_law
 from duhem.law.curve_law import Law
-from duhem.law.domain import Domain
+from duhem.law.domain import POSITIVE, Domain
 from duhem.law.formula_law import Criterion
 from duhem.proof.verdict import Verdict
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, OUTSIDE, THRESHOLDS
@@ -250,3 +251,9 @@ FAMILY = [(lobe_law(n), {"e": e}, verdict) for n, e, verdict in LOBES]
 def test_thresholds_agree_with_the_curvature_of_the_boundary(law: Criterion, values: dict[str, str], verdict: Verdict) -> None:
     least = _curvatures(law, values).min()
     assert least > -1e-10 if verdict is Verdict.PROVED else least < -1e-8
+
+
+def test_a_positive_parameter_has_no_other_least_value() -> None:
+    assert Domain(positive=True) == POSITIVE and -1 not in Domain(positive=True)
+    with pytest.raises(InputError, match="a positive parameter has the least value 1"):
+        Domain(low=sp.Integer(1), high=sp.Integer(2), positive=True)

@@ -172,6 +172,17 @@ def test_without_a_boundary_point_nothing_was_tested() -> None:
 # -- ends of the run ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("c", [1, 5])
+def test_a_curvature_that_stays_open_in_three_forces_ends_no_run(c: int) -> None:
+    found = verify(law(f"a**4 + b**4 + c**4 + {c}*a**2*b**2*c**2 - 1", ("a", "b", "c")), claims=["convexity"])
+    assert found["convexity"].verdict is not REFUTED  # 20,000 points of the boundary show no dent
+
+
+def test_what_is_empty_for_some_parameters_is_not_called_unbounded() -> None:
+    assert not any("unbounded" in line for line in verify(law("a**2 + q", q=Domain.between(-1, 1)), claims=["origin"]).remarks)
+    assert any("unbounded" in line for line in verify(law("a**2 - q", q=Domain.between(1, 2)), claims=["origin"]).remarks)
+
+
 @pytest.mark.parametrize(
     "g",
     [

@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
+from duhem.law.criterion_file import reads
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.law_text import law_as_text
 
 UNIT, SYMMETRIC = Domain.between(0, 1), Domain.between(-1, 1)
 
@@ -92,9 +94,36 @@ def test_zero_over_zero_at_zero_force_is_taken_by_closure() -> None:
 
 
 @pytest.mark.slow
-def test_a_flow_that_is_undefined_somewhere_proves_nothing() -> None:
-    found = verify(law("norm(a, b) - 1", flow=("a*log(b)**2", "b*log(b)**2")), claims=["normality", "dissipation"])
-    assert not [r.claim for r in found.results if r.verdict is Verdict.PROVED]
+@pytest.mark.parametrize(
+    "flow", [("a*log(b)**2", "b*log(b)**2"), ("a*log(b)/log(b)", "b + 0*log(b)"), ("a + 0/b", "b"), ("a", "sqrt(b)**2 + b - sqrt(b)**2")]
+)
+def test_a_flow_that_is_undefined_somewhere_proves_nothing_of_the_flow(flow: tuple[str, str]) -> None:
+    found = verify(law("norm(a, b) - 1", flow=flow), claims=["convexity", "normality", "dissipation"])
+    assert [r.claim for r in found.results if r.verdict is Verdict.PROVED] == ["convexity"]
+    assert [r.claim for r in found.results if r.verdict is Verdict.REFUTED] == []
+    assert "the flow may be undefined" in found.remarks[0]
+
+
+def test_a_flow_is_certified_as_it_was_written() -> None:
+    written = law("norm(a, b) - 1", flow=("a*exp(log(2))", "b + b"))
+    assert law_as_text(written)["flow"] == ["a*exp(log(2))", "b + b"]
+    assert law_as_text(written.fix({}))["flow"] == ["a*exp(log(2))", "b + b"]
+    read = reads('[criterion]\nname = "f"\nforces = ["a", "b"]\ng = "norm(a, b) - 1"\n[flow]\ndirection = ["a/a*a", "b"]')
+    assert law_as_text(read)["flow"] == ["a/a*a", "b"]
+
+
+def test_bounds_hold_for_what_is_tied_to_a_parameter_too() -> None:
+    tied = Criterion("tied", "norm(a, b)/q - 1", {"q": Domain.between(0, 1), "m": Domain.between("1/2", 1)}, ("a", "b"), None, ("q >= m",))
+    assert verify(tied, claims="convexity")["convexity"].verdict is Verdict.PROVED
+    loose = Criterion("loose", "norm(a, b)/q - 1", {"q": Domain.between(0, 1), "m": Domain.between(0, 1)}, ("a", "b"), None, ("q >= m",))
+    with pytest.raises(InputError, match="divides by q, which is 0 at q = 0"):
+        verify(loose)
+
+
+def test_a_divisor_that_jumps_over_zero_is_never_zero() -> None:
+    assert FormulaSubject(law("norm(a, b)/where(q > 1, 1, -1) - 1", q=Domain.between(0, 2))).doubtful == ()
+    with pytest.raises(InputError, match="which is 0"):
+        verify(law("norm(a, b)/(q - 1) - 1", q=Domain.between(0, 2)))
 
 
 def test_a_polar_angle_is_continued_across_the_pole_of_its_tangent() -> None:

@@ -30,7 +30,7 @@ from duhem.proof.facts.polar_form import PolarForm
 from duhem.proof.facts.regularity import Regularity
 from duhem.proof.kernel.certificate import CLAIMS
 from duhem.proof.methods import evaluation, flow
-from duhem.proof.trust import Confirmations
+from duhem.proof.trust import Confirmations, Standing
 from duhem.proof.verdict import Evidence, Proof, Trust
 
 Method = Callable[[FormulaSubject], Evidence | None]
@@ -345,3 +345,28 @@ def test_a_lie_is_not_confirmed(lie: Lie) -> None:
         confirmations.of(claim, PROVED, ())
     standing = confirmations.of(lie.claim, told, ())
     assert standing is not None and standing.trust is not Trust.CHECKED
+
+
+@pytest.mark.parametrize(
+    ("own", "premise", "stands"),
+    [
+        ("something (smt-z3)", Trust.PROVER, Trust.PROVER),
+        ("something (smt-z3)", Trust.CHECKED, Trust.SOLVER),
+        ("something", Trust.SOLVER, Trust.PROVER),
+        ("something", Trust.CHECKED, Trust.PROVER),
+    ],
+)
+def test_a_proof_stands_no_better_than_what_it_rests_on(own: str, premise: Trust, stands: Trust) -> None:
+    """The flow of a law of its own: the kernel has no rule for it here, so that the method's own word counts."""
+    law = Criterion("turned", "norm(a, b) - 1", forces=("a", "b"), pressure=None, flow=("a - b", "a + b"))
+    confirmations = Confirmations(law, {"convexity": Standing(premise)})
+    standing = confirmations.of("normality", Evidence(Verdict.PROVED, own, ""), ["convexity"])
+    assert standing is not None and standing.trust is stands
+
+
+@pytest.mark.parametrize("premise", list(Trust))
+def test_a_consequence_stands_as_what_it_rests_on(premise: Trust) -> None:
+    law = Criterion("disc", "norm(a, b) - 1", forces=("a", "b"), pressure=None)
+    confirmations = Confirmations(law, {"convexity": Standing(premise)})
+    standing = confirmations.of("normality", Evidence(Verdict.PROVED, "anything (smt-z3)", ""), ["convexity"])
+    assert standing is not None and standing.trust is premise

@@ -89,6 +89,7 @@ class _CriterionReader:
                 summary=self.line("criterion", "summary", required=False),
                 source=self.line("criterion", "source", required=False),
                 written=written_out(self.formula("criterion", "g", value=self.string("criterion", "g"))[0], define.short),
+                written_flow=self.written_flow(define),
                 stress=stress,
                 define=define,
                 potential=potential,
@@ -209,6 +210,10 @@ class _CriterionReader:
         placed = [self.formula("flow", "direction", i, value=value) for i, value in enumerate(given)]
         short = define.short
         return tuple(parse_expression(t, known, where=self.where, line=line, column=column, short=short) for t, line, column in placed)
+
+    def written_flow(self, define: Definitions) -> tuple[str, ...]:
+        given = self.document.get("flow", {}).get("direction", ())
+        return tuple(written_out(self.formula("flow", "direction", i, value=c)[0], define.short) for i, c in enumerate(given))
 
     def potential(self, forces: Sequence[str], known: Mapping[str, sp.Symbol], define: Definitions) -> str | None:
         if "potential" not in self.document["criterion"]:

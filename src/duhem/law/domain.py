@@ -29,6 +29,10 @@ class Domain:
     positive: bool = False
 
     def __post_init__(self) -> None:
+        if self.positive and self.low not in (None, 0):
+            raise InputError(f"a positive parameter has the least value {self.low}", remedy="leave out positive, or the least value")
+        if self.positive:
+            object.__setattr__(self, "low", sp.S.Zero)
         if self.low is not None and self.high is not None and (self.low > self.high or (self.positive and self.high <= 0)):
             raise InputError(f"the domain {self.describe()} is empty", remedy="give a least value below the greatest")
 

@@ -41,8 +41,8 @@ class Criterion(Verbatim):
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over
     :meth:`symbols`; text is parsed safely, nothing in it is executed.  ``flow`` is the slip direction field, one
     expression per force; None means associated (normality rule, Antoni et al. 2007, Eq. 36).  ``closed_form`` states the
-    shape of K where the slip increment onto it has one.  ``written`` is g as it was given, where that was text: an expression
-    is simplified as it is built, and who checks a proof wants the formula that was stated.
+    shape of K where the slip increment onto it has one.  ``written`` and ``written_flow`` are g and the flow as they were
+    given, where that was text: an expression is simplified as it is built, and who checks a proof wants what was stated.
 
     ``stress`` declares a stress instead of ``forces``: its components are the forces, and its invariants are words.  ``define``
     maps local names to formulas, each in terms of those above it, for everything that is given as text.  ``potential`` is a formula
@@ -61,6 +61,7 @@ class Criterion(Verbatim):
     source: str = ""
     closed_form: Shape | None = None
     written: str = field(default="", repr=False, compare=False)
+    written_flow: tuple[str, ...] = field(default=(), repr=False, compare=False)
     stress: Stress | None = None
     define: Mapping[str, str] = Definitions()
     potential: str | None = None
@@ -84,6 +85,8 @@ class Criterion(Verbatim):
             put(self, "written", written_out(given, short))
         put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}", short) for c in self.constraints))
         if self.flow is not None:
+            if any(isinstance(c, str) for c in self.flow):
+                put(self, "written_flow", tuple(written_out(c, short) if isinstance(c, str) else "" for c in self.flow))
             put(self, "flow", tuple(_expression(c, known, f"flow of {self.name}", short) for c in self.flow))
         if self.potential is not None:
             put(self, "flow", self._gradient(self.potential, short))

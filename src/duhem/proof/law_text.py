@@ -20,25 +20,26 @@ __all__ = ["admitted_values", "law_as_text"]
 
 def law_as_text(law: Law) -> dict[str, Any]:
     """The law as the kernel reads it: every formula as text, numbers too."""
-    bound: dict[str, Any] = {"g": as_written(law)} if isinstance(law, Criterion) else {}
-    if isinstance(law, ParametricCriterion):
-        bound = {"angle": law.angle, "boundary": [formula(x) for x in law.boundary]}
     return {
         "name": law.name,
         "forces": list(law.forces),
         "pressure": law.pressure,
         "parameters": {name: _domain(domain) for name, domain in law.parameters.items()},
         "constraints": [formula(c) for c in law.constraints],
-        **bound,
-        "flow": _flow(law),
-        **({"domain": {n: _domain(d) for n, d in law.domain.items()}} if isinstance(law, Criterion) and law.domain else {}),
+        **(_curve(law) if isinstance(law, ParametricCriterion) else _formula(law)),
     }
 
 
-def _flow(law: Law) -> Any:
-    if isinstance(law, Criterion) and law.potential is not None:
-        return {"potential": law.potential}
-    return None if law.flow is None else [formula(c) for c in law.flow]
+def _curve(law: ParametricCriterion) -> dict[str, Any]:
+    flow = None if law.flow is None else [formula(c) for c in law.flow]
+    return {"angle": law.angle, "boundary": [formula(x) for x in law.boundary], "flow": flow}
+
+
+def _formula(law: Criterion) -> dict[str, Any]:
+    g, *flow = as_written(law)
+    own = flow if law.potential is None else {"potential": law.potential}
+    domain = {"domain": {n: _domain(d) for n, d in law.domain.items()}} if law.domain else {}
+    return {"g": g, "flow": None if law.flow is None else own, **domain}
 
 
 def admitted_values(law: Law) -> Mapping[str, str] | None:

@@ -132,7 +132,7 @@ def _conclusion(verification: Verification, page: Page) -> Iterator[str]:
     found = {r.claim: r for r in verification.results}
     yield "Conclusion"
     yield from page.item(_answer("generalized standard", verification.generalized_standard, found, _STANDARD))
-    if verification.vacuous:
+    if verification.vacuous and "dissipation" in found:
         yield from page.item("dissipative: vacuous (no boundary point at which anything could slip: see the remarks)")
     else:
         yield from page.item(_answer("dissipative", verification.dissipative, found, ("dissipation",)))

@@ -41,31 +41,32 @@ class Confirmations:
         """How a proof stands, where the claims it may have started from, ``rests_on``, came before; None for no proof."""
         if evidence.verdict is not Verdict.PROVED:
             return None
-        if (proof := self._confirmed(claim, evidence.proof)) is not None:
+        if (proof := self._confirmed(claim, evidence.proof, self._checked())) is not None:
             found = Standing(Trust.CHECKED, proof)
         else:
             by_solver = any(s in evidence.method.partition(" (")[2] for s in _SOLVERS)
-            weak = [
-                self.standings[name].trust
-                for name in rests_on
-                if name in self.standings and self.standings[name].trust is not Trust.CHECKED
-            ]
-            found = Standing(Trust.SOLVER if by_solver else Trust.weakest(*weak) if weak else Trust.PROVER)
+            own, premises = Trust.SOLVER if by_solver else Trust.PROVER, [name for name in rests_on if name in self.standings]
+            if self._confirmed(claim, evidence.proof, frozenset(self.standings)) is not None:  # a consequence of what came before
+                own, premises = Trust.CHECKED, list(self.standings)
+            found = Standing(Trust.weakest(own, *(self.standings[name].trust for name in premises)))
         self.standings[claim] = found
         return found
 
     def confirm(self, claim: str, evidence: Evidence) -> bool:
         """Whether the kernel confirms a proof: it asks itself whether what its rule needs is defined, of this claim alone."""
-        return self._confirmed(claim, evidence.proof) is not None
+        return self._confirmed(claim, evidence.proof, self._checked()) is not None
 
     def withdraw(self, claim: str) -> None:
         """The proof turned out to be none."""
         del self.standings[claim]
 
-    def _confirmed(self, claim: str, offered: Proof | None) -> Proof | None:
+    def _checked(self) -> frozenset[str]:
+        return frozenset(name for name, found in self.standings.items() if found.trust is Trust.CHECKED)
+
+    def _confirmed(self, claim: str, offered: Proof | None, settled: frozenset[str]) -> Proof | None:
+        """The proof that the kernel accepts where the claims ``settled`` hold."""
         if self._stated is None:
             return None
-        settled = frozenset(name for name, found in self.standings.items() if found.trust is Trust.CHECKED)
         offers = [*([] if offered is None else [offered]), *(Proof(rule) for rule in rules_of(claim, self._stated))]
         return next((p for p in offers if not objection(claim, p.rule, settled, self._stated, p.evidence)), None)
 

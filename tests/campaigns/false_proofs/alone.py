@@ -44,5 +44,7 @@ def false_proofs_alone(trap: Trap, effort: str = "normal") -> dict[str, list[str
         law = trap.law()
         found = {claim: list(proofs_alone(law, claim, trap.truth, effort)) for claim in false}
     except InputError:
-        return {}
+        if trap.refused or trap.refusable:
+            return {}
+        raise
     return {claim: names for claim, names in found.items() if names}

@@ -46,7 +46,7 @@ def judge(trap: Trap) -> Answered:
     except InputError as fault:
         right = trap.refused or trap.refusable
         return Answered({"law": "right" if right else f"refused: {fault}"}, seconds=time.perf_counter() - start)
-    said = {claim: _compared(trap, law, found, claim) for claim in wanted}
+    said = {claim: _compared(trap, law, found, claim) for claim in wanted} | ({"law": "open"} if trap.refused else {})
     for claim in kernel_confirms(law):
         if claim in wanted and (trap.refused or not trap.truth[claim]):
             said[claim] = f"confirmed by the kernel although {'no law' if trap.refused else 'false'}"

@@ -19,7 +19,8 @@ _LETTERS = {"o": "origin", "c": "convexity", "s": "smoothness", "n": "normality"
 
 @dataclass(frozen=True)
 class Trap:
-    """``truth`` holds the claims that have an agreed one.  ``refused``: it is no law, and an InputError is the only right answer.
+    """``truth`` holds the claims that have an agreed one.  ``refused``: it is no law; an InputError is the right answer,
+    and an open one is not wrong.
 
     ``refusable``: an InputError is right too.  ``parameters`` are inline tables of TOML by name.
     """

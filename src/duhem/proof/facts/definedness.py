@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression import Where
 from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.proof.decide import Answer, Question, Sense
@@ -31,7 +32,7 @@ _MOST_POINTS = 64
 
 
 def open_obligations(subject: Subject, problem: Problem, trees: Iterable[sp.Basic], on_boundary: bool = False) -> tuple[Obligation, ...]:
-    """Those of formulas of the law that are not shown to be met for all forces but zero, or where g = 0.
+    """Those of formulas of the law, as written, that are not shown to be met for all forces but zero, or where g = 0.
 
     Raises InputError where one is broken by admitted parameter values, whatever the forces and the pressure.
     """
@@ -49,7 +50,7 @@ def _everywhere(subject: Subject, problem: Problem, obligation: Obligation) -> b
     """Whether it is shown for all forces but zero; InputError where parameters alone break it."""
     symbols = obligation.symbols()
     alone = symbols <= {x for x in problem.parameters if x is not problem.magnitude}
-    own = tuple(r for r in problem.given if r.free_symbols & symbols)
+    own = _bearing_on(symbols, problem.given)
     if alone and not _plain(obligation):
         names = tuple(x for x in problem.parameters if x in symbols.union(*(r.free_symbols for r in own)))
         tried = map(rationals, islice(plain_choices(names, own), _MOST_POINTS))
@@ -60,6 +61,13 @@ def _everywhere(subject: Subject, problem: Problem, obligation: Obligation) -> b
     if alone and answer.holds is False and answer.point is not None:
         _check(problem, obligation, problem.given, [dict(answer.point)])
     return answer.holds is True or _shown_instead(subject, problem, obligation)
+
+
+def _bearing_on(symbols: set[sp.Symbol], given: tuple[sp.Basic, ...]) -> tuple[sp.Basic, ...]:
+    """The relations that speak of the symbols, of what those speak of besides, and so on."""
+    own = tuple(r for r in given if r.free_symbols & symbols)
+    wider = symbols.union(*(r.free_symbols for r in own))
+    return own if wider == symbols else _bearing_on(wider, given)
 
 
 def _plain(obligation: Obligation) -> bool:
@@ -79,9 +87,10 @@ def _check(problem: Problem, obligation: Obligation, given: tuple[sp.Basic, ...]
 
 
 def _check_between(problem: Problem, obligation: Obligation, points: Iterable[Point]) -> None:
-    """A divisor of both signs over a product of intervals is 0 in between."""
+    """A divisor of both signs over a product of intervals is 0 in between, if it does not jump."""
     symbols = obligation.symbols()
-    if obligation.sense is not Sense.ZERO or obligation.given or any(c.free_symbols & symbols for c in problem.law.constraints):
+    jumps = obligation.expr.has(Where)
+    if obligation.sense is not Sense.ZERO or jumps or obligation.given or any(c.free_symbols & symbols for c in problem.law.constraints):
         return
     above: Point | None = None
     below: Point | None = None

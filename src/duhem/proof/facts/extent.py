@@ -84,7 +84,7 @@ def _invariant(subject: FormulaSubject) -> int:
 def _cause(subject: FormulaSubject) -> str:
     """The likely reason: a pressure taken for positive."""
     law = subject.law
-    if law.pressure is None or subject.problem.magnitude is None or f"abs({law.pressure})" in as_written(law).replace(" ", ""):
+    if law.pressure is None or subject.problem.magnitude is None or f"abs({law.pressure})" in as_written(law)[0].replace(" ", ""):
         return ""
     turned = law.g.xreplace({law.symbols()[law.pressure]: subject.problem.magnitude, **law.settled()})
     there = turned.xreplace(dict.fromkeys(law.force_symbols(), sp.S.Zero))
@@ -95,7 +95,7 @@ def _cause(subject: FormulaSubject) -> str:
 
 def _unbounded(subject: FormulaSubject, ways: Sequence[tuple[int, ...]]) -> Extent | None:
     """Along forces that the simple problem has set to 0, or all the way in one of the directions."""
-    if gone := _invariant(subject):
+    if (gone := _invariant(subject)) and subject.at_origin is not None and subject.nonnegative(-subject.at_origin):
         return Extent(f"K is unbounded: g does not change along {gone} direction{'s' * (gone > 1)} of the forces", True)
     t, forces = sp.Dummy("t", positive=True), subject.simple.forces
     for way in ways[:1]:

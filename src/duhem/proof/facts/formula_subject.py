@@ -59,11 +59,15 @@ class FormulaSubject(Subject):
     @cached_property
     def doubtful_flow(self) -> tuple[Obligation, ...]:
         """The same of a flow of the law's own, of which only the boundary counts."""
-        own = (self.problem.potential, *(self.problem.flow or ()))
-        return open_obligations(self, self.problem, (tree for tree in own if tree is not None), on_boundary=not self.doubtful)
+        return open_obligations(self, self.problem, self.problem.stated_flow, on_boundary=not self.doubtful)
+
+    @property
+    def doubted(self) -> tuple[sp.Basic, ...]:
+        """The formulas as written of which something is doubtful."""
+        return ((self.problem.stated,) if self.doubtful else ()) + (self.problem.stated_flow if self.doubtful_flow else ())
 
     def check_defined(self) -> None:
-        """Raise InputError where g is undefined for admitted parameter values, whatever the forces."""
+        """Raise InputError where g or the flow is undefined for admitted parameter values, whatever the forces."""
         self.allow(4 * self._question_steps)
         _ = self.doubtful, self.doubtful_flow, self.at_origin
 

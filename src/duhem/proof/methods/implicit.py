@@ -37,7 +37,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         bend, tangential = _bend(piece.expr, forces)
         on_boundary = (sp.Eq(piece.expr, 0), *tangential)
         answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *piece.conditions())
-        if answer.holds is not True and _crossed(subject, piece):
+        if answer.holds is not True and len(forces) == 2 and _crossed(subject, piece):
             answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *piece.conditions(strict=True))
         if answer.holds is not True:
             return None

@@ -160,7 +160,7 @@ class _Forms:
         for name, domain in self.law.parameters.items():
             x = self.law.symbols()[name]
             if domain.value is None and x in self.generators:
-                if domain.low is not None and not (x.is_positive and domain.low == 0):
+                if domain.low is not None and not domain.positive:
                     yield x - domain.low, ">="
                 if domain.high is not None:
                     yield domain.high - x, ">="

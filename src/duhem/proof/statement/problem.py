@@ -32,19 +32,19 @@ class Problem:
     """``g`` over ``forces`` and ``magnitude`` (N = |sigma_n| > 0, None without pressure); ``given`` bounds the rest.
 
     ``stated`` is the formula's tree as it was written: g is what it becomes where all of its parts are defined.
-    ``slice`` holds what the simplifications fixed: symbols of the law set to a number.  ``potential`` is the tree of the formula whose
-    gradient the flow is.
+    ``stated_flow`` are those of a flow of the law's own, and of a potential whose gradient it is.
+    ``slice`` holds what the simplifications fixed: symbols of the law set to a number.
     """
 
     law: Criterion
     stated: sp.Expr
+    stated_flow: tuple[sp.Expr, ...]
     g: sp.Expr
     forces: tuple[sp.Symbol, ...]
     magnitude: sp.Symbol | None
     given: tuple[sp.Basic, ...]
     flow: tuple[sp.Expr, ...] | None
     slice: Mapping[sp.Symbol, sp.Rational]
-    potential: sp.Expr | None = None
 
     def __hash__(self) -> int:
         return hash((self.g, self.forces, self.given, self.flow))
@@ -107,16 +107,19 @@ def state(law: Criterion) -> Problem:
     if magnitude is not None and (span := law.domain.get(law.pressure or "")) is not None:
         given += _compressed(span).relations(magnitude)
     values = {name: swap.get(x, x) for name, x in table.items()}
+    stated, *stated_flow = (_tree(law, text, expr, values) for text, expr in zip(as_written(law), (law.g, *(law.flow or ())), strict=True))
+    if law.potential is not None:
+        stated_flow.append(parse_as_written(law.potential, values))
     return Problem(
         law=law,
-        stated=_tree(law, values),
+        stated=stated,
+        stated_flow=tuple(stated_flow),
         g=algebraic_angles(law.g.subs(swap)),
         forces=law.force_symbols(),
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
         flow=None if law.flow is None else tuple(algebraic_angles(c.subs(swap)) for c in law.flow),
         slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
-        potential=None if law.potential is None else parse_as_written(law.potential, values),
     )
 
 
@@ -125,20 +128,25 @@ def _compressed(span: Domain) -> Domain:
     return Domain(None if span.high is None or span.high >= 0 else -span.high, None if span.low is None else -span.low)
 
 
-def as_written(law: Criterion) -> str:
-    """The formula as it was given, if it still is the law's; else as the law has it."""
+def as_written(law: Criterion) -> tuple[str, ...]:
+    """The formula and the components of the flow as they were given, where they still are the law's; else as the law has them."""
+    texts = (law.written, *(law.written_flow or ("",) * len(law.flow or ())))
+    return tuple(_as_given(law, text, expr) for text, expr in zip(texts, (law.g, *(law.flow or ())), strict=True))
+
+
+def _as_given(law: Criterion, text: str, expr: sp.Expr) -> str:
     try:
-        return law.written if law.written and parse_expression(law.written, law.symbols()) == law.g else formula(law.g)
+        return text if text and parse_expression(text, law.symbols()) == expr else formula(expr)
     except InputError:
-        return formula(law.g)
+        return formula(expr)
 
 
-def _tree(law: Criterion, values: Mapping[str, sp.Expr]) -> sp.Expr:
-    """The tree of the formula as written, over the values of its names."""
+def _tree(law: Criterion, text: str, expr: sp.Expr, values: Mapping[str, sp.Expr]) -> sp.Expr:
+    """The tree of a formula as written, over the values of its names."""
     try:
-        return with_algebraic_angles(parse_as_written(as_written(law), values))
+        return with_algebraic_angles(parse_as_written(text, values))
     except InputError:  # a formula made by other means may be longer than a text may be
-        return law.g.xreplace({law.symbols()[name]: value for name, value in values.items()})
+        return expr.xreplace({law.symbols()[name]: value for name, value in values.items()})
 
 
 def without_outer_map(g: sp.Expr) -> sp.Expr:

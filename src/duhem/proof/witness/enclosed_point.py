@@ -95,7 +95,7 @@ def violation(
         if point is None:
             return None
         expr = quantity(point)
-        if expr is None or (subject.doubtful and not over_box(subject.problem.stated, subject, point).is_finite()):
+        if expr is None or not all(over_box(tree, subject, point).is_finite() for tree in subject.doubted):
             continue
         value = over_box(expr, subject, point)
         if certain_sign(value) == wanted:
