@@ -290,18 +290,24 @@ def _towards(law: Criterion, points: Points, witness: Witness) -> bool:
 def _corner(law: Criterion, points: Points, witness: Witness) -> bool:
     """Around the corner K fills a sector whose opening is not 180 degrees: the difference is the angle of the normals.
 
-    Laws in more than two forces are looked at in the plane of the first two.
+    In more than two forces that is looked at in the plane of the corner and the points u and v.
     """
-    (at,) = points.values()
-    x, y = law.forces[:2]
-    size = max(abs(at[x]), abs(at[y]), Fraction(1, 10**6))
+    at, x, y = points["corner"], law.forces[0], law.forces[1]
+    ways = [{x: Fraction(1), y: Fraction(0)}, {x: Fraction(0), y: Fraction(1)}]
+    expected = witness.measures["corner_degrees"]
+    if "u" in points:
+        ways = [{f: points[role][f] - at[f] for f in law.forces} for role in ("u", "v")]
+        one, two = ([sum(float(witness.values.get(f"n{i}_{f}", (0,))[0]) * float(c) for f, c in w.items()) for w in ways] for i in (1, 2))
+        expected = math.degrees(math.atan2(abs(one[0] * two[1] - one[1] * two[0]), one[0] * two[0] + one[1] * two[1]))
+    size = max(*(abs(at[f]) for f in law.forces), Fraction(1, 10**6)) / max(abs(c) for w in ways for c in w.values())
     reach = _MP.mpf(size.numerator) / size.denominator / 10**5
 
     def level(angle: Any) -> bool:
         shift = [Fraction(int(_MP.nint(reach * c * 10**40)), 10**40) for c in (_MP.cos(angle), _MP.sin(angle))]
-        return bool(value(law, {**at, x: at[x] + shift[0], y: at[y] + shift[1]}).mid <= 0)
+        there = {f: at[f] + sum(s * w.get(f, Fraction(0)) for s, w in zip(shift, ways, strict=True)) for f in law.forces}
+        return bool(value(law, {**at, **there}).mid <= 0)
 
-    turns = [2 * _MP.pi * k / _TURNS for k in range(_TURNS + 1)]
+    turns = [2 * _MP.pi * (k + _MP.mpf(1) / 3) / _TURNS for k in range(_TURNS + 1)]
     inside = [level(t) for t in turns]
     changes = [k for k in range(_TURNS) if inside[k] != inside[k + 1]]
     if len(changes) != 2:
@@ -315,7 +321,7 @@ def _corner(law: Criterion, points: Points, witness: Witness) -> bool:
         ends.append(low)
     sector = math.degrees(float(ends[1] - ends[0]))
     bend = abs(180 - sector)
-    return bend > 0.01 and math.isclose(bend, witness.measures["corner_degrees"], rel_tol=0.02, abs_tol=0.02)
+    return bend > 0.01 and math.isclose(bend, expected, rel_tol=0.02, abs_tol=0.02)
 
 
 _CHECKS = {"convexity": _chord, "origin": _origin, "dissipation": _power_at, "normality": _towards, "smoothness": _corner}

@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from duhem.expression import Where
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.search.seam_crossings import crossings
+from duhem.proof.search.section_corners import section_corners
+from duhem.proof.search.suggestion import Corner
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.corner import corner
 
@@ -12,13 +18,21 @@ __all__ = ["smoothness"]
 
 
 def smoothness(subject: FormulaSubject) -> Evidence | None:
-    """A boundary point on a seam where the one-sided normals differ (two forces, or laws that reduce to two)."""
-    pieces = subject.pieces
-    if len(subject.simple.forces) != 2 or pieces is None or len(pieces) < 2:
-        return None
-    jumps = subject.simple.g.has(Where) and not subject.continuous
-    for parameters in subject.choices(6):
-        for crossing in crossings(subject, parameters):
-            if (witness := corner(subject, parameters, crossing.seam, crossing.point, jumps)) is not None:
+    """A boundary point on a seam where the one-sided normals differ: in two forces on any seam, in more in some planes."""
+    jumps: bool | None = None
+    for parameters in subject.choices(6 if len(subject.simple.forces) == 2 else 2):
+        for one in _suggested(subject, parameters):
+            if jumps is None:
+                jumps = subject.simple.g.has(Where) and not subject.continuous
+            if (witness := corner(subject, parameters, one.section, one.place, jumps)) is not None:
                 return Evidence(Verdict.REFUTED, "witness-corner", "the outward normal jumps at a corner of the boundary", witness)
     return None
+
+
+def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[Corner]:
+    forces = subject.simple.forces
+    if len(forces) > 2:
+        yield from section_corners(subject, parameters)
+    elif len(forces) == 2:
+        plane = PlaneSection.whole((forces[0], forces[1]))
+        yield from (Corner(parameters, plane, crossing.point) for crossing in crossings(subject, parameters))

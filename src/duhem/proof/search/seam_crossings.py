@@ -10,10 +10,10 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import fold, mpmath_
 from duhem.expression.branches import Seam, seams
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.search.newton import common_zero
 from duhem.proof.search.suggestion import Point
 
 __all__ = ["Crossing", "crossings"]
@@ -40,14 +40,13 @@ def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> 
         system = sp.Matrix([seam.after.expr, *seam.crossed]).subs(exact)
         if not (starts := grid.starts(*system)):
             continue
-        jacobian = system.jacobian(list(forces))
         known: list[tuple[Fraction, ...]] = []
         for start in starts:
             if any(math.dist(map(float, point), start) < 0.1 * math.hypot(*start) for point in known):
                 continue  # a cell beside one that led here
             if not subject.budget.pays(_START):
                 return
-            if (point := _newton(system, jacobian, forces, start, digits)) is not None:
+            if (point := common_zero(system, forces, start, digits)) is not None:
                 known.append(point)
                 yield Crossing(seam, point)
 
@@ -92,37 +91,3 @@ class _Grid:
         if expr not in self._known:
             self._known[expr] = np.sign(np.broadcast_to(compiled(expr, self._forces)(self._x, self._y), self._x.shape))
         return self._known[expr]
-
-
-def _newton(
-    system: Any, jacobian: Any, forces: Sequence[sp.Symbol], start: tuple[float, float], digits: int
-) -> tuple[Fraction, ...] | None:
-    from mpmath import MPContext
-
-    context = MPContext()
-    context.dps = digits
-    rows = mpmath_.table(context)
-
-    def evaluated(exprs: Any, point: Sequence[Any]) -> list[Any]:
-        at = dict(zip(forces, point, strict=True))
-
-        def leaf(node: Any) -> Any:
-            return at[node] if node in at else mpmath_.evaluate(node, {}, digits) if not node.is_Rational else context.mpf(node.p) / node.q
-
-        return [fold(e, rows, leaf) for e in exprs]
-
-    point = [context.mpf(c) for c in start]
-    for _ in range(60):
-        f = evaluated(system, point)
-        a, b, c, d = evaluated(jacobian, point)
-        det = a * d - b * c
-        if det == 0 or not context.isfinite(det):
-            return None
-        step = [(d * f[0] - b * f[1]) / det, (a * f[1] - c * f[0]) / det]
-        point = [p - s for p, s in zip(point, step, strict=True)]
-        if not all(context.isfinite(p) for p in point):
-            return None
-        if max(abs(s) for s in step) < context.mpf(10) ** (4 - digits):
-            whole = 10 ** (digits - 4)
-            return tuple(Fraction(int(context.nint(p * whole)), whole) for p in point)
-    return None

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.plane_section import PlaneSection
 
-__all__ = ["Chord", "Exit", "Point"]
+__all__ = ["Chord", "Corner", "Exit", "Point"]
 
 Point = tuple[Fraction, ...]  # in the force space of the simple problem
 
@@ -28,3 +29,12 @@ class Exit:
     parameters: Values
     inside: Point
     outside: Point
+
+
+@dataclass(frozen=True)
+class Corner:
+    """A place in a plane of forces at which, as it seems, the boundary has a corner."""
+
+    parameters: Values
+    section: PlaneSection
+    place: Point

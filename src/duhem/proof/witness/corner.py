@@ -1,4 +1,9 @@
-"""A corner of the boundary, held in a box, with the two normals that meet there provably not parallel (two forces)."""
+"""A corner of the boundary, held in a box of a plane, with the two normals that meet there provably not parallel.
+
+The plane cuts g into smooth pieces.  Two of them that meet along a seam have a common zero in the box, and there the zeros of each
+cross the seam: so points of the boundary come to the corner from both sides of it.  At these g is differentiable in all forces, with
+gradients that stay bounded and whose parts in the plane are not parallel; so the unit normal of K is not continuous.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +15,12 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.balls import ball, certain_sign, enclose, precision
-from duhem.expression.branches import Seam
+from duhem.expression.branches import Seam, seams
 from duhem.expression.text import formula
+from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.plane_section import LocalPiece, PlaneSection, local_pieces
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.rational_points import decimal_pair, describe
 
@@ -23,61 +30,108 @@ _BITS = 256
 _BOXES = ((1000, Fraction(1, 2**30)), (10**25, Fraction(1, 2**40)))  # greatest denominator of the centre, radius
 
 
-def corner(subject: FormulaSubject, parameters: Values, seam: Seam, near: Sequence[Fraction], jumps: bool) -> Witness | None:
-    """The corner on a seam with one switch, near a point.
+def corner(subject: FormulaSubject, parameters: Values, section: PlaneSection, near: Sequence[Fraction], jumps: bool) -> Witness | None:
+    """The corner near a place of a plane of forces, on a seam with one switch.
 
-    Where g ``jumps``, only one between the boundary of one branch and the seam, which g does not cross.
+    Where g ``jumps``, only one between the boundary of one piece and the seam, which g does not cross.
     """
-    forces, exact = subject.simple.forces, rationals(parameters)
-    (switch,) = seam.crossed
-    system = sp.Matrix([seam.after.expr, switch]).subs(exact)
-    jacobian = system.jacobian(list(forces))
     for limit, radius in _BOXES:
-        at = subject.values_at(parameters, [c.limit_denominator(limit) for c in near])
-        centre = {x: ball(v) for x, v in at.items()}
+        place = [c.limit_denominator(limit) for c in near]
         with precision(_BITS):
-            box = {**centre, **{x: ball(at[x] - radius, at[x] + radius) for x in forces}}
-            if not _has_zero(system, jacobian, centre, box, radius):
-                continue
-            if subject.doubtful and not enclose(subject.problem.stated, box).is_finite():
-                continue
-            if any(certain_sign(enclose(v * s, box)) != 1 for s, v in seam.kept.items()):
-                continue
-            normals = _normals(seam, forces, centre, box, jumps)
-            if normals is None:
-                continue
-            one, two = normals
-            angle = math.degrees(math.atan2(abs(float(_cross(one, two).mid())), float((one[0] * two[0] + one[1] * two[1]).mid())))
-            return Witness(
-                parameters=describe(subject, at, forces=False),
-                points={"corner": describe(subject, at)},
-                values={
-                    "n1 x n2": decimal_pair(_cross(one, two)),
-                    **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(forces, n, strict=True)},
-                },
-                statement=f"within {radius} of this point the boundary has a corner on {formula(switch)} = 0: "
-                "the normals n1, n2 of its two sides are not parallel",
-                measures={"corner_degrees": angle},
-            )
+            centre = {x: ball(c) for x, c in zip(section.at, place, strict=True)}
+            box = {x: ball(c - radius, c + radius) for x, c in zip(section.at, place, strict=True)}
+            for seam in seams(local_pieces(subject, parameters, section, box)):
+                if len(seam.crossed) != 1 or seam.kept:
+                    continue
+                normals = _normals(seam, section, centre, box, radius, jumps)
+                if normals is not None:
+                    return _shown(subject, parameters, section, place, radius, seam.crossed[0], normals)
     return None
 
 
-def _normals(seam: Seam, forces: Sequence[sp.Symbol], centre: Any, box: Any, jumps: bool) -> tuple[list[Any], list[Any]] | None:
-    """Outward normals of the two sides over the box, surely not parallel and neither along the seam's own; None if that is open."""
-    (switch,) = seam.crossed
-    along = [enclose(sp.diff(switch, x), box) for x in forces]
-    two = [enclose(sp.diff(seam.after.expr, x), box) for x in forces]
-    side = certain_sign(enclose(seam.before.expr, box))
-    if side in (-1, 1):  # K ends on the seam: towards `before` if that is outside, else towards `after`
-        one = [-side * seam.after.signs[switch] * c for c in along]
+def _defined(piece: LocalPiece, switch: sp.Expr, box: Any) -> bool:
+    """Whether the formula as written has a value on this side of the seam, over the box; on the seam itself it may be 0/0."""
+    for expr, sense in piece.needed:
+        sign = _beside(expr, switch, piece.signs[switch], box)
+        if sign is None or (sign != 1 if sense is not Sense.ZERO else sign == 0):
+            return False
+    return True
+
+
+def _beside(expr: sp.Expr, switch: sp.Expr, side: int, box: Any) -> int | None:
+    """The sign of an expression where the switch has the sign ``side``: powers of the switch are taken out of it."""
+    sign = 1
+    for factor in (expr,) if not switch.is_Symbol else sp.Mul.make_args(sp.factor_terms(sp.expand(expr))):
+        base, exponent = factor.as_base_exp()
+        own = side ** int(exponent % 2) if base == switch and exponent.is_Integer else certain_sign(enclose(factor, box))
+        if own is None:
+            return None
+        sign *= own
+    return sign
+
+
+def _normals(seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: Fraction, jumps: bool) -> list[list[Any]] | None:
+    """Outward normals of the two sides over the box in all forces, surely not parallel in the plane; None if that is open."""
+    (switch,), (before, after) = seam.crossed, (seam.before, seam.after)
+    assert isinstance(before, LocalPiece) and isinstance(after, LocalPiece)
+    system = sp.Matrix([after.expr, switch])
+    if not _has_zero(system, system.jacobian(list(section.at)), centre, box, radius):
+        return None
+    if not all(_defined(piece, switch, box) for piece in (before, after)):
+        return None
+    along, one, two = ([enclose(sp.diff(e, x), box) for x in section.at] for e in (switch, before.expr, after.expr))
+    full = [[enclose(c, box) for c in piece.gradient] for piece in (before, after)]
+    side = certain_sign(enclose(before.expr, box))
+    if side in (-1, 1) and len(section.forces) == 2:  # K ends on the seam: towards `before` if that is outside, else towards `after`
+        one = full[0] = [-side * after.signs[switch] * c for c in along]
         crossing = [two]
-    elif not jumps and enclose(seam.before.expr - seam.after.expr, {**centre}).contains(0):
-        one = [enclose(sp.diff(seam.before.expr, x), box) for x in forces]
+    elif not jumps and enclose(before.expr - after.expr, box).contains(0):
         crossing = [one, two]
     else:
         return None
     certain = all(certain_sign(_cross(n, along)) in (-1, 1) for n in crossing) and certain_sign(_cross(one, two)) in (-1, 1)
-    return (one, two) if certain else None
+    return full if certain and all(c.is_finite() for n in full for c in n) else None
+
+
+def _shown(
+    subject: FormulaSubject,
+    parameters: Values,
+    section: PlaneSection,
+    place: Sequence[Fraction],
+    radius: Fraction,
+    switch: sp.Expr,
+    normals: list[list[Any]],
+) -> Witness:
+    at = subject.values_at(parameters, section.point(place))
+    one, two = normals
+    across, dot = _across(one, two), sum(a * b for a, b in zip(one, two, strict=True))
+    points, where = {"corner": at}, f"on {formula(switch)} = 0"
+    if len(subject.problem.forces) > 2:
+        spanned = (section.point((place[0] + 1, place[1])), section.point((place[0], place[1] + 1)))
+        points |= {role: subject.values_at(parameters, p) for role, p in zip(("u", "v"), spanned, strict=True)}
+        where = "in the plane through it, u and v"
+    return Witness(
+        parameters=describe(subject, at, forces=False),
+        points={role: describe(subject, p) for role, p in points.items()},
+        values={
+            "n1 x n2" if len(one) == 2 else "|n1 x n2|^2": decimal_pair(across),
+            **{f"n{i}_{x}": decimal_pair(c) for i, n in ((1, one), (2, two)) for x, c in zip(section.forces, n, strict=True)},
+        },
+        statement=f"within {radius} of this point the boundary has a corner {where}: the normals n1, n2 of its two sides are not parallel",
+        measures={"corner_degrees": math.degrees(math.atan2(_size(across, len(one)), float(dot.mid())))},
+    )
+
+
+def _size(across: Any, dimension: int) -> float:
+    return abs(float(across.mid())) if dimension == 2 else math.sqrt(abs(float(across.mid())))
+
+
+def _across(a: Sequence[Any], b: Sequence[Any]) -> Any:
+    """Their cross product; in more than two forces its square, the sum of all minors' squares."""
+    if len(a) == 2:
+        return _cross(a, b)
+    minors = [a[i] * b[j] - a[j] * b[i] for j in range(len(a)) for i in range(j)]
+    return sum((m * m for m in minors), ball(Fraction(0)))
 
 
 def _cross(a: Sequence[Any], b: Sequence[Any]) -> Any:

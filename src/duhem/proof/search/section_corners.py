@@ -1,0 +1,195 @@
+"""Where the boundary of K has a corner in some plane of the force space, in more than two forces.
+
+Two kinds of planes are looked at: those through the zeros of a root (the axis of a cone, where its tip is), and some through a
+point of K, in which the boundary is followed around and its normal is seen to jump.  Directions are small whole numbers (fixed seed).
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import chain
+from math import frexp
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression import Neg, Norm, Pos, Where
+from duhem.expression.balls import ball
+from duhem.expression.branches import Seam, seams
+from duhem.expression.number import fraction, rational
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.plane_section import PlaneSection, local_pieces
+from duhem.proof.search.newton import common_zero
+from duhem.proof.search.suggestion import Corner, Point
+
+__all__ = ["section_corners"]
+
+_PLANES, _TIPS, _PLACES = 6, 6, 6
+_DIRECTIONS = 1440
+_JUMP = 1e-4  # of the direction, in radians: a smooth boundary turns less where it is looked at so closely
+_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+_STEPS = 4_000  # of a place, or of looking around a plane, by the operations in the formula
+_DIGITS = 40
+_AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pieces are opened there
+
+Place = tuple[float, float]
+
+
+def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[Corner]:
+    """Corners in planes at a parameter choice, the tips of cones first; found, not certain; while steps are left."""
+    price = _STEPS * sp.count_ops(subject.simple.g)
+    kinked = subject.simple.g.has(*_KINKS)
+    for section, places in chain(_tips(subject, parameters), _planes(subject, parameters, price) if kinked else ()):
+        for place in places:
+            if not subject.budget.pays(price):
+                return
+            yield from _polished(subject, parameters, section, place)
+
+
+def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Sequence[float]) -> Iterator[Corner]:
+    """The common zeros of g and of a seam near a place, to many digits, where the gradients beside it are not parallel."""
+    middle = [Fraction(c).limit_denominator(10**12) for c in place]
+    reach = _AROUND * Fraction(max(*map(abs, place), 1e-3)).limit_denominator(1000)
+    box = {x: ball(c - reach, c + reach) for x, c in zip(section.at, middle, strict=True)}
+    for seam in seams(local_pieces(subject, parameters, section, box, whole_space=False)):
+        if len(seam.crossed) == 1:
+            found = common_zero([seam.after.expr, *seam.crossed], section.at, [float(c) for c in middle], _DIGITS)
+            near = found is not None and all(abs(f - c) <= 2 * reach for f, c in zip(found, middle, strict=True))
+            if found is not None and near and _turned(seam, section.at, found):
+                yield Corner(parameters, section, found)
+
+
+def _turned(seam: Seam, unknowns: Sequence[sp.Symbol], place: Point) -> bool:
+    at = dict(zip(unknowns, map(rational, place), strict=True))
+    one, two = ([complex(sp.diff(b.expr, x).evalf(30, subs=at)) for x in unknowns] for b in (seam.before, seam.after))
+    cross, sizes = abs(one[0] * two[1] - one[1] * two[0]), [abs(n[0]) + abs(n[1]) for n in (one, two)]
+    return bool(cross > 1e-9 * sizes[0] * sizes[1])
+
+
+def _tips(subject: FormulaSubject, parameters: Values) -> Iterator[tuple[PlaneSection, list[Place]]]:
+    """Planes through a line on which a root is 0, with the places where g is 0 on it."""
+    forces, rng = subject.simple.forces, random.Random(3)
+    g = subject.formula_at(parameters)
+    known = set[tuple[Any, ...]]()
+    for node in sorted(g.atoms(sp.Add, Norm), key=sp.default_sort_key):
+        for base, u in _zero_lines(node, forces, rng):
+            if (key := (*base, *u)) in known or len(known) == _TIPS:
+                continue
+            known.add(key)
+            section = PlaneSection.through(forces, base, u, _direction(rng, len(forces)))
+            a, b = section.at
+            if places := [(s, 0.0) for s in _zeros_along(g.xreplace(section.coordinates()), a, b)]:
+                yield section, places
+
+
+def _zero_lines(node: Any, forces: Sequence[sp.Symbol], rng: random.Random) -> Iterator[tuple[Point, Point]]:
+    """Lines on which the squares in a norm or in a sum are all 0, each by a point and a direction."""
+    squares = [c**2 for c in node.args] if isinstance(node, Norm) else [t for t in node.args if t.is_polynomial(*forces)]
+    under = sp.Add(*squares) if node.is_polynomial(*forces) else sp.Add(*(t for t in squares if _is_square(t)))
+    if not under.is_polynomial(*forces) or (form := sp.Poly(under, *forces)).total_degree() != 2 or form.domain not in (sp.ZZ, sp.QQ):
+        return
+    rows = sp.hessian(under, forces)
+    slope = sp.Matrix([sp.diff(under, x).subs(dict.fromkeys(forces, 0)) for x in forces])
+    if not (kernel := rows.nullspace()):
+        return
+    try:
+        base = rows.gauss_jordan_solve(-slope)
+    except ValueError:  # it has no least value
+        return
+    centre = base[0].subs(dict.fromkeys(base[1], 0))
+    for shares in ([int(i == k) for i in range(len(kernel))] for k in range(len(kernel))):
+        mixed = shares if len(kernel) == 1 else [s + rng.choice((0, 1, -1)) for s in shares]
+        u = sum((s * v for s, v in zip(mixed, kernel, strict=True)), sp.zeros(len(forces), 1))
+        if any(u):
+            yield tuple(fraction(c) for c in centre), tuple(fraction(c) for c in u)
+
+
+def _is_square(term: sp.Expr) -> bool:
+    return any(f.is_Pow and f.exp == 2 for f in sp.Mul.make_args(term))
+
+
+def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
+    """Where h changes its sign along b = 0, taken a little beside it, for it may be 0/0 on the line itself."""
+    import numpy as np
+
+    from duhem.expression.numpy_ import compiled
+
+    level = compiled(h, (a, b))
+    radii = 10.0 ** np.linspace(-4, 4, 400)
+    grid = np.concatenate([-radii[::-1], radii])
+
+    def sign(x: Any) -> Any:
+        return np.sign(level(x, np.full_like(x, 1e-9)))
+
+    signs = sign(grid)
+    found = []
+    for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+        low, high = grid[k], grid[k + 1]
+        for _ in range(60):
+            middle = (low + high) / 2
+            low, high = (middle, high) if sign(np.array([middle]))[0] == signs[k] else (low, middle)
+        found.append(float((low + high) / 2))
+    return found
+
+
+def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator[tuple[PlaneSection, list[Place]]]:
+    """Some through a point of K, each force in units of how far K reaches along it, as far as is seen."""
+    from duhem.proof.search.boundary_points import BoundaryScout
+
+    scout, rng, forces = BoundaryScout(subject, parameters), random.Random(4), subject.simple.forces
+    if scout.centre is None or not len(scout.boundary):
+        return
+    base = [Fraction(float(c)).limit_denominator(1000) for c in scout.centre]
+    units = [Fraction(2) ** frexp(max(abs(column), default=1))[1] for column in (scout.boundary - scout.centre).T]
+    for _ in range(_PLANES):
+        if not subject.budget.pays(price):
+            return
+        u, v = ([c * unit for c, unit in zip(_direction(rng, len(forces)), units, strict=True)] for _ in range(2))
+        section = PlaneSection.through(forces, base, u, v)
+        yield section, _turns(subject, parameters, section)
+
+
+def _direction(rng: random.Random, dimension: int) -> Point:
+    """Whole numbers of many sizes, none of them 0, so that few planes lie along a seam."""
+    return tuple(Fraction(rng.choice((-1, 1)) * rng.randint(1, 9)) for _ in range(dimension))
+
+
+def _turns(subject: FormulaSubject, parameters: Values, section: PlaneSection) -> list[Place]:
+    """Places of the boundary in a plane at which its direction jumps, seen from a = b = 0."""
+    import numpy as np
+
+    from duhem.expression.numpy_ import compiled
+    from duhem.expression.rays import Rays
+
+    level = compiled(subject.formula_at(parameters).xreplace(section.coordinates()), section.at)
+
+    def points(angles: Any) -> Any:
+        ways = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        last, first = Rays(lambda p: level(p[..., 0], p[..., 1]), np.zeros(2), ways).left(10.0 ** np.linspace(-4, 4, 81))
+        return np.where(((last > 0) & (last < first))[:, None], last[:, None] * ways, np.nan)
+
+    def bends(angles: Any) -> Any:
+        """How much the chord from each point to the next turns at the point between; nan at both ends."""
+        chords = np.diff(points(angles), axis=0)
+        turn = np.arctan2(chords[:-1, 0] * chords[1:, 1] - chords[:-1, 1] * chords[1:, 0], np.sum(chords[:-1] * chords[1:], axis=1))
+        return np.abs(np.where(np.isfinite(turn), turn, 0.0))
+
+    step, found = 2 * np.pi / _DIRECTIONS, list[Place]()
+    turn = step * np.arange(-1, _DIRECTIONS + 1) + 1e-3
+    with np.errstate(all="ignore"):
+        bent = bends(turn)
+        beside = np.maximum(np.roll(bent, 3), np.roll(bent, -3))
+        for k in np.argsort(beside - bent)[:_PLACES]:
+            middle, width = turn[k + 1], step
+            for _ in range(5):  # a jump is left however near one looks; a bend goes with the distance
+                near = middle + width * np.linspace(-1, 1, 17)
+                left = bends(near)
+                middle, width = near[int(np.argmax(left)) + 1], width / 6
+            (place,) = points(np.array([middle]))
+            again = any(np.linalg.norm(place - other) < 1e-3 * np.linalg.norm(place) for other in found)
+            if left.max() > _JUMP and np.all(np.isfinite(place)) and not again:
+                found.append((float(place[0]), float(place[1])))
+    return found

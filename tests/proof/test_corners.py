@@ -1,0 +1,64 @@
+"""Corners in more than two forces: edges and tips are found and shown, and what only looks like one is not."""
+
+import pytest
+
+from duhem import Criterion, Domain
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import corners
+from tests.oracles.reevaluation import confirmed
+
+J2 = "((a-b)**2+(b-c)**2+(c-a)**2)/6"
+J3 = "(2*a-b-c)*(2*b-c-a)*(2*c-a-b)/27"
+POSITIVE = Domain(positive=True)
+
+
+def law(g, forces=("a", "b", "c"), **parameters):
+    return Criterion("law", g, parameters, forces=forces, pressure=None)
+
+
+def slow(one):
+    return pytest.param(one, marks=pytest.mark.slow)
+
+
+CORNERED = [
+    law("max(a, b, c) - f", f=POSITIVE),  # edges
+    slow(law("abs(a)/m + abs(b)/m + abs(c)/n - 1", m=POSITIVE, n=POSITIVE)),
+    law("max(a**2 + b**2 + c**2 - 1, a - 1/2)"),  # a circle cut out of a sphere
+    slow(law("max(a**2 + b**2 + c**2 - 4, (a - 1)**2 + 2*b**2 + c**2 - 3, a - b - 2)")),  # irrational edges
+    slow(law("max(a - b + (a + b)*sin(phi), b - c + (b + c)*sin(phi), c - a + (c + a)*sin(phi)) - 1", phi=Domain.between("0.3", "0.4"))),
+    law("norm(a, b) - m*c", m=POSITIVE),  # tips
+    slow(law(f"sqrt({J2}) + h*(a + b + c) - k", h=POSITIVE, k=POSITIVE)),
+    slow(law("norm(a - b, c) + a + b - 1")),
+    slow(law(f"sqrt({J2}) - exp(-(a + b + c)/3) + 1")),  # at a place that is no fraction
+    law(f"sqrt({J2})*(2 + ({J3})/({J2})**(3/2)) + a + b + c - 1"),  # 0/0 at the tip itself
+    slow(law("min(a**2 + b**2 + c**2 - 1, (a - 1)**2 + b**2 + c**2 - 1)")),  # inward
+    slow(law("norm(a, b, c) + where(a > 0, a, a/2) - 1")),
+    law("abs(a - x) - r - s", forces=("a", "x", "r"), s=POSITIVE),
+    slow(law("max(abs(a + b - c + d), abs(a - d), abs(b + c))/sqrt(6) - t", forces=("a", "b", "c", "d"), t=POSITIVE)),
+]
+
+
+@pytest.mark.parametrize("one", CORNERED)
+def test_a_corner_is_shown(one):
+    found = corners.smoothness(FormulaSubject(one))
+    assert found is not None and found.witness is not None
+    assert confirmed(one, "smoothness", found.witness)
+
+
+SMOOTH = [
+    law(f"sqrt({J2} + 1/100) + (a + b + c)/5 - 1"),  # a tip rounded off
+    law("a**2 + b**2 + c**2 - 1"),
+    law("max(a**2 + b**2 + c**2 - 1, a - 2)"),  # a face that K does not reach
+    law("max(norm(a, b, c), 1/2) - 1"),  # a kink inside K
+    law("norm(a, b, c) + pos(norm(a, b, c) - 2) - 1"),  # outside it
+    slow(law("pos(a)**2 + 2*neg(a)**2 + b**2 + c**2 - 1")),  # the gradient is continuous
+    slow(law("norm(pos(a)/2 + neg(a)/3, b, c) - 1")),
+    slow(law("max(norm(a, b, c) - 1, 2*(norm(a, b, c) - 1))")),  # it jumps in size alone
+    law("(a**2 + b**2)**(3/2) + c**2 - 1"),  # a root of higher degree, 0 on the boundary
+    slow(law("max(a**2 + b**2 + c**2 - 1, a**2 + b**2 + 2*c**2 - 1)")),  # two faces that touch
+]
+
+
+@pytest.mark.parametrize("one", SMOOTH)
+def test_what_is_smooth_has_no_corner(one):
+    assert corners.smoothness(FormulaSubject(one)) is None
