@@ -14,7 +14,7 @@ from duhem.proof.search.suggestion import Chord
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.rational_points import chord
 
-__all__ = ["convexity_at_dents", "convexity_at_seams", "convexity_by_scouting", "convexity_by_thorough_scouting"]
+__all__ = ["convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_seams", "convexity_by_scouting", "convexity_by_thorough_scouting"]
 
 
 def _refuted(subject: FormulaSubject, suggested: Iterable[Chord]) -> Evidence | None:
@@ -39,6 +39,22 @@ def _scouted(subject: FormulaSubject, most: int) -> Evidence | None:
     from duhem.proof.search.sampled_chords import sampled_chords  # numpy, only when something is looked for
 
     return _refuted(subject, sampled_chords(subject, most))
+
+
+def convexity_at_clear_dents(subject: FormulaSubject) -> Evidence | None:
+    """Where the boundary of a polynomial law bends outward in one of many directions."""
+    return _dented(subject, False)
+
+
+def convexity_at_deepest_dents(subject: FormulaSubject) -> Evidence | None:
+    """Where the boundary of a polynomial law bends outward most, however little."""
+    return _dented(subject, True)
+
+
+def _dented(subject: FormulaSubject, thorough: bool) -> Evidence | None:
+    from duhem.proof.search.polynomial_dents import chords_across_dents
+
+    return _refuted(subject, chords_across_dents(subject, 6, thorough))
 
 
 def convexity_at_dents(subject: FormulaSubject) -> Evidence | None:

@@ -55,6 +55,8 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
 
 def _crossed(subject: FormulaSubject, piece: Branch) -> bool:
     """Whether the boundary only passes across the seams of a branch (two forces), never along: then its inside tells all of it."""
+    if len(subject.simple.forces) != 2:
+        return False
     x, y = subject.simple.forces
     for switch in piece.signs:
         across = sp.diff(piece.expr, x) * sp.diff(switch, y) - sp.diff(piece.expr, y) * sp.diff(switch, x)

@@ -1,0 +1,272 @@
+"""Where the boundary of a polynomial law bends outward most, and chords of K across it, in any number of forces.
+
+Along each ray the boundary is a root of a polynomial in the distance.  There the least second derivative along a tangent,
+lambda = min v . Hess g v over v . grad g = 0, is minimised over the directions of the sphere: many starts in floats, then
+Newton's method on a quadratic through nearby values.  Chords are built in fractions: dents far below double precision show.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression.number import fraction
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.search.suggestion import Chord, Point
+
+__all__ = ["chords_across_dents"]
+
+_STARTS, _FOLLOWED, _STEPS = 240, 6, 40  # directions a force, how many of the lowest are followed, and for how long
+_APART = 0.98  # the cosine between two of these is less
+_CLEAR = -1e-4  # a dent that deep needs no more search
+_PRICE = 60  # steps of a direction and a term
+_SHORTEST = 70  # half the length of a chord is that of the ray times a power of 1/2 below this
+_FINE = 2**60  # directions are rounded to such fractions
+
+
+@dataclass(frozen=True)
+class _Form:
+    """A polynomial with the exponents ``powers`` and the numbers ``factors``; g < 0 at 0."""
+
+    powers: tuple[tuple[int, ...], ...]
+    factors: tuple[Fraction, ...]
+
+    @cached_property
+    def degrees(self) -> tuple[int, ...]:
+        """Of its terms in all variables."""
+        return tuple(map(sum, self.powers))
+
+    def at(self, x: Sequence[Fraction]) -> Fraction:
+        """Its exact value."""
+        return sum((c * _product(x, m) for m, c in zip(self.powers, self.factors, strict=True)), Fraction(0))
+
+    def slope(self, i: int) -> _Form:
+        """The derivative by one variable."""
+        terms = [(m, c) for m, c in zip(self.powers, self.factors, strict=True) if m[i]]
+        return _Form(tuple((*m[:i], m[i] - 1, *m[i + 1 :]) for m, _ in terms), tuple(c * m[i] for m, c in terms))
+
+
+def _product(x: Sequence[Fraction], m: Sequence[int]) -> Fraction:
+    value = Fraction(1)
+    for a, k in zip(x, m, strict=True):
+        value *= a**k
+    return value
+
+
+def _core(g: sp.Expr) -> sp.Expr:
+    """P - c**(1/p) for g = P**p - c, c > 0, p > 0; else g.  For a search: where P is negative g may be undefined."""
+    constant, rest = g.as_independent(*(g.atoms(sp.Pow) or {g}), as_Add=True) if g.is_Add else (sp.S.Zero, g)
+    if rest.is_Pow and rest.exp.is_Rational and 0 < rest.exp < 1 and constant.is_negative:
+        return rest.base - (-constant) ** (1 / rest.exp)
+    return g
+
+
+def _form(subject: FormulaSubject, parameters: Values) -> _Form | None:
+    g, forces = _core(subject.formula_at(parameters)), subject.simple.forces
+    if not g.is_polynomial(*forces):
+        return None
+    poly = sp.Poly(g, *forces)
+    if poly.get_domain() not in (sp.ZZ, sp.QQ) or poly.total_degree() < 3:
+        return None
+    terms = [(tuple(map(int, m)), fraction(c)) for m, c in poly.terms()]
+    form = _Form(tuple(m for m, _ in terms), tuple(c for _, c in terms))
+    return form if dict(terms).get((0,) * len(forces), Fraction(0)) < 0 else None
+
+
+def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> Iterator[Chord]:
+    """Chords at the lowest bends, at so many choices of the parameters; none where g is no polynomial in the forces with g(0) < 0.
+
+    Only ``thorough`` are minima sought; without it the starts alone are looked at, for a dent that is clear.
+    """
+    n = len(subject.simple.forces)
+    for parameters in subject.choices(most) if n > 1 else ():
+        form = _form(subject, parameters)
+        if form is None or not subject.budget.pays(_PRICE * _STARTS * n * len(form.powers) * (1 + thorough)):
+            return
+        for direction, along in _lowest(_Floats(form, n), thorough):
+            for p, q in _across(form, direction, along):
+                yield Chord(parameters, p, q)
+
+
+def _lowest(floats: _Floats, thorough: bool) -> list[tuple[Any, Any]]:
+    """Directions of boundary points that seem to bend outward, and the tangents along which they do, the lowest first."""
+    import numpy as np
+
+    n = floats.n
+    rng = np.random.default_rng(5)
+    diagonals = [np.eye(n)[i] + s * np.eye(n)[j] for i, j in combinations(range(n), 2) for s in (1, -1)]
+    starts = np.vstack([np.eye(n), -np.eye(n), diagonals, rng.standard_normal((_STARTS * n, n))])
+    starts /= np.linalg.norm(starts, axis=1, keepdims=True)
+    bends = floats.bends(starts)[0]
+    order = np.argsort(bends, kind="stable")
+    if bends[order[0]] < _CLEAR:
+        found = [starts[order[0]]]
+    elif thorough and np.isfinite(bends[order[0]]):
+        apart = list[Any]()
+        for k in order[: 4 * _FOLLOWED * n]:
+            if len(apart) < _FOLLOWED and all(abs(starts[k] @ other) < _APART for other in apart):
+                apart.append(starts[k])
+        found = [_followed(floats, start) for start in apart]
+    else:
+        return []
+    values, tangents = floats.bends(np.array(found))
+    return [(found[k], tangents[k]) for k in np.argsort(values, kind="stable")]
+
+
+def _followed(floats: _Floats, start: Any) -> Any:
+    """To a minimum near by: the minimum of a quadratic through the values around, as long as that is lower, ever closer."""
+    import numpy as np
+
+    here, width, m = start, 0.05, floats.n - 1
+    steps = np.vstack([np.zeros(m), np.eye(m), -np.eye(m), *([np.eye(m)[i] + np.eye(m)[j]] for i, j in combinations(range(m), 2))])
+    for _ in range(_STEPS):
+        frame = np.linalg.svd(here[None, :])[2][1:]
+        around = here + width * steps @ frame
+        around /= np.linalg.norm(around, axis=1, keepdims=True)
+        values = floats.bends(around)[0]
+        if not np.isfinite(values).all():
+            width /= 4
+            continue
+        one, other = values[1 : m + 1], values[m + 1 : 2 * m + 1]
+        slope, curve = (one - other) / 2, np.diag(one + other - 2 * values[0])
+        for k, (i, j) in enumerate(combinations(range(m), 2)):
+            curve[i, j] = curve[j, i] = values[2 * m + 1 + k] - one[i] - one[j] + values[0]
+        sizes, axes = np.linalg.eigh(curve)
+        step = -axes @ ((axes.T @ slope) / np.maximum(np.abs(sizes), 1e-3 * max(1e-12, float(np.abs(sizes).max()))))
+        length = float(np.linalg.norm(step))
+        step *= min(1.0, 3 / length) if length > 0 else 0
+        tried = [here + width * share * step @ frame for share in (1.0, 0.5, 0.2)] + [around[int(np.argmin(values))]]
+        tried = np.array([x / np.linalg.norm(x) for x in tried])
+        lower = floats.bends(tried)[0]
+        best = int(np.argmin(np.where(np.isfinite(lower), lower, np.inf)))
+        if lower[best] < values[0]:
+            here = tried[best]
+        if length < 1 or not lower[best] < values[0]:
+            width /= 3
+        if width < 1e-6:
+            break
+    return here
+
+
+class _Floats:
+    """The polynomial in floats at many points at once."""
+
+    def __init__(self, form: _Form, n: int) -> None:
+        import numpy as np
+
+        self.n, self.form = n, form
+        self.powers, self.factors = np.array(form.powers), np.array([float(c) for c in form.factors])
+        self.degrees = np.array(form.degrees)
+
+    def _monomials(self, x: Any, lowered: Sequence[int]) -> Any:
+        """The terms at each row of x, derived once by each variable in ``lowered``."""
+        import numpy as np
+
+        powers, factors = self.powers.copy(), self.factors.copy()
+        for i in lowered:
+            factors = factors * powers[:, i]
+            powers[:, i] = np.maximum(powers[:, i] - 1, 0)
+        table = x[:, :, None] ** np.arange(self.powers.max() + 1)
+        terms = np.broadcast_to(factors, (len(x), len(factors))).copy()
+        for i in range(self.n):
+            terms *= table[:, i, powers[:, i]]
+        return terms
+
+    def reach(self, u: Any) -> Any:
+        """The distance at which each ray first meets the boundary; infinite where it does not."""
+        import numpy as np
+
+        terms, top = self._monomials(u, ()), int(self.degrees.max())
+        by_degree = np.stack([terms[:, self.degrees == k].sum(axis=1) for k in range(top + 1)], axis=1)
+        if not by_degree[:, 1:top].any():
+            with np.errstate(divide="ignore", invalid="ignore"):
+                return np.where(by_degree[:, top] > 0, (-by_degree[:, 0] / by_degree[:, top]) ** (1 / top), np.inf)
+        ends = []
+        for row in by_degree:
+            roots = np.roots(row[::-1])
+            real = roots[(np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0)].real
+            ends.append(real.min() if len(real) else np.inf)
+        return np.array(ends)
+
+    def bends(self, u: Any) -> tuple[Any, Any]:
+        """r lambda/(u . grad g) at the boundary in each direction, and the tangents; infinite where there is none."""
+        import numpy as np
+
+        r = self.reach(u)
+        there = np.isfinite(r)
+        x = np.where(there, r, 1.0)[:, None] * u
+        gradient = np.stack([self._monomials(x, (i,)).sum(axis=1) for i in range(self.n)], axis=1)
+        hessian = np.empty((len(u), self.n, self.n))
+        for i in range(self.n):
+            for j in range(i + 1):
+                hessian[:, i, j] = hessian[:, j, i] = self._monomials(x, (i, j)).sum(axis=1)
+        size = np.linalg.norm(gradient, axis=1)
+        normal = gradient / np.where(size > 0, size, 1.0)[:, None]
+        flat = np.eye(self.n) - normal[:, :, None] * normal[:, None, :]
+        out = np.abs(hessian).sum(axis=(1, 2)) + 1  # beyond every tangential value: the normal is not chosen
+        values, axes = np.linalg.eigh(flat @ hessian @ flat + out[:, None, None] * normal[:, :, None] * normal[:, None, :])
+        rise = (u * gradient).sum(axis=1)
+        good = there & (rise > 0)
+        return np.where(good, r * values[:, 0] / np.where(good, rise, 1.0), np.inf), axes[:, :, 0]
+
+
+def _across(form: _Form, direction: Any, along: Any) -> Iterator[tuple[Point, Point]]:
+    """Two points along a tangent, at which g is lower than between them, the farthest apart first."""
+    u, v = ([Fraction(round(float(c) * _FINE), _FINE) for c in vector] for vector in (direction, along))
+    if (distance := _distance(form, u)) is None:
+        return
+    x = [distance * c for c in u]
+    gradient = [form.slope(i).at(x) for i in range(len(x))]
+    if (rise := _dot(u, gradient)) <= 0:
+        return
+    lean = _dot(v, gradient) / rise
+    tangent = [a - lean * b for a, b in zip(v, u, strict=True)]
+    for k in range(1, _SHORTEST):
+        t = distance / 2**k
+        bend = -sum(form.at([a + s * t * b for a, b in zip(x, tangent, strict=True)]) for s in (1, -1)) / 2
+        if bend <= 0:
+            continue
+        out = bend / rise / 2
+        p, q = (_rounded([a + out * c + s * t * b for a, b, c in zip(x, tangent, u, strict=True)], out / 1000) for s in (1, -1))
+        if max(form.at(p), form.at(q)) <= 0 < form.at([(a + b) / 2 for a, b in zip(p, q, strict=True)]):
+            yield p, q
+
+
+def _distance(form: _Form, u: Sequence[Fraction]) -> Fraction | None:
+    """Where the ray in direction u first meets the boundary, to some eighty digits."""
+    import numpy as np
+
+    by_degree = [Fraction(0)] * (max(form.degrees) + 1)
+    for m, c, k in zip(form.powers, form.factors, form.degrees, strict=True):
+        by_degree[k] += c * _product(u, m)
+    roots = np.roots([float(c) for c in reversed(by_degree)])
+    real = roots[(np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0)].real
+    if not len(real):
+        return None
+    r = Fraction(float(real.min()))
+    for _ in range(5):
+        value = sum((c * r**k for k, c in enumerate(by_degree)), Fraction(0))
+        slope = sum((k * c * r ** (k - 1) for k, c in enumerate(by_degree) if k), Fraction(0))
+        if slope <= 0:
+            return None
+        r = Fraction(round((r - value / slope) * 2**260), 2**260)
+    return r if r > 0 else None
+
+
+def _dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
+    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
+
+
+def _rounded(point: Sequence[Fraction], tolerance: Fraction) -> Point:
+    """The point in the coarsest decimals within the tolerance."""
+    digits = 1
+    while Fraction(1, 10**digits) > tolerance:
+        digits += 1
+    return tuple(Fraction(round(c * 10**digits), 10**digits) for c in point)
