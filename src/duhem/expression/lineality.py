@@ -2,35 +2,38 @@
 
 from __future__ import annotations
 
-import random
 from collections.abc import Sequence
 
 import sympy as sp
+from sympy.polys.matrices import DomainMatrix
 
 __all__ = ["invariant_directions"]
 
 
 def invariant_directions(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[sp.Integer, ...]]:
-    """Constant vectors v with v . grad g = 0 identically, found among small integers and then verified by algebra.
+    """Constant vectors v with v . grad g = 0 identically, by algebra.
 
-    Two ways to verify: every affine part of the tree is unchanged along v, or the expanded v . grad g vanishes.
+    Either every affine part of the tree is unchanged along v, or g is a polynomial and every coefficient of v . grad g vanishes.
     """
     parts = _affine_parts(g, forces)
     matrix = sp.Matrix([[sp.diff(p, x) for x in forces] for p in parts])
     found = [tuple(v / sp.gcd(tuple(v))) for v in matrix.nullspace() if all(c.is_Rational for c in v)]
     if found or not g.is_polynomial(*forces):
         return found
-    rng = random.Random(1)
-    gradient = [sp.diff(g, x) for x in forces]
-    others = sorted(g.free_symbols - set(forces), key=str)
-    rows = []
-    for _ in range(len(forces) + 2):
-        point = {x: sp.Rational(rng.randint(-9, 9), rng.randint(1, 9)) for x in forces} | {
-            p: sp.Rational(rng.randint(1, 9), 7) for p in others
-        }
-        rows.append([c.subs(point) for c in gradient])
-    candidates = [tuple(v / sp.gcd(tuple(v))) for v in sp.Matrix(rows).nullspace() if all(c.is_Rational for c in v)]
-    return [v for v in candidates if sp.expand(sum(c * d for c, d in zip(v, gradient, strict=True))) == 0]
+    return [tuple(v / sp.gcd(tuple(v))) for v in _flat(g, forces)]
+
+
+def _flat(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Matrix]:
+    """Rational vectors that span what is orthogonal to grad g everywhere, g being a polynomial: to the coefficients of all its terms."""
+    rows: dict[tuple[tuple[int, ...], sp.Expr], list[sp.Expr]] = {}
+    for powers, factor in sp.Poly(g, *forces).terms():
+        for term, number in sp.expand(factor).as_coefficients_dict().items():
+            for i, power in enumerate(powers):
+                if power:
+                    lowered = (*powers[:i], power - 1, *powers[i + 1 :])
+                    rows.setdefault((lowered, term), [sp.S.Zero] * len(forces))[i] = power * number
+    reduced, pivots = DomainMatrix.from_Matrix(sp.Matrix(list(rows.values()))).convert_to(sp.QQ).rref()
+    return list(reduced.to_Matrix()[: len(pivots), :].nullspace())
 
 
 def _affine_parts(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
@@ -41,8 +44,13 @@ def _affine_parts(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
         node = stack.pop()
         if not node.free_symbols & set(forces):
             continue
-        if isinstance(node, sp.Expr) and node.is_polynomial(*forces) and sp.Poly(node, *forces).total_degree() <= 1:
+        if node.is_Symbol or (isinstance(node, sp.Expr) and not node.is_Pow and _degree(node, forces) == 1):
             parts.setdefault(node)
         else:
             stack.extend(node.args)
     return list(parts)
+
+
+def _degree(node: sp.Expr, forces: Sequence[sp.Symbol]) -> int | None:
+    """As a polynomial in the forces; None for what is none."""
+    return int(sp.Poly(node, *forces).total_degree()) if node.is_polynomial(*forces) else None

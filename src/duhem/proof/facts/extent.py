@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -12,7 +11,6 @@ import sympy as sp
 from duhem.expression.balls import ball, certain_sign, enclose
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.subject import fact
 from duhem.proof.statement.problem import as_written
 
@@ -38,35 +36,46 @@ def extent(subject: FormulaSubject) -> Extent | None:
     problem, forces = subject.simple, subject.simple.forces
     away = sp.StrictGreaterThan(sp.Add(*(x**2 for x in forces)), 0)
     signs = _signs(subject)
-    outside = {s for reach, _, s in signs if reach}
-    if outside == {1} and subject.ask(problem.g, Sense.POSITIVE, away).holds is True:
+    if signs.all({1}, _NEAR, Fraction(1), _FAR) and subject.ask(problem.g, Sense.POSITIVE, away).holds is True:
         if subject.at_origin is not None and subject.positive(subject.at_origin):
             return Extent(f"K is empty: g > 0 for all forces{_cause(subject)}", False)
         if subject.at_origin is not None and subject.nonnegative(-subject.at_origin):
             return Extent(_point(subject), False)
         return None
-    if outside <= {0, -1} and subject.ask(-problem.g, Sense.NONNEGATIVE).holds is True:
+    if signs.all({0, -1}, _FAR, Fraction(1), _NEAR) and subject.ask(-problem.g, Sense.NONNEGATIVE).holds is True:
         return Extent("K is everything: g <= 0 for all forces", False)
-    if {s for *_, s in signs} <= {0, 1} and subject.ask(problem.g, Sense.NONNEGATIVE).holds is True:
+    if signs.all({0, 1}, Fraction(0), _NEAR, Fraction(1), _FAR) and subject.ask(problem.g, Sense.NONNEGATIVE).holds is True:
         return Extent("K has no inside: g >= 0 for all forces", True)
-    return _unbounded(subject, [way for reach, way, s in signs if reach == _FAR and s in (-1, 0)])
+    return _unbounded(subject, signs)
 
 
-def _signs(subject: FormulaSubject) -> list[tuple[Fraction, tuple[int, ...], int | None]]:
-    """Signs of g at one parameter choice: at zero force, near it and far away, along axes and diagonals."""
-    d = len(subject.simple.forces)
-    ways = (
-        product((0, 1, -1), repeat=d) if d <= _MOST_FORCES else (tuple(s * (i == k) for i in range(d)) for k in range(d) for s in (1, -1))
-    )
-    points = [(Fraction(0), (0,) * d), *((reach, way) for way in ways if any(way) for reach in (_NEAR, Fraction(1), _FAR))]
-    for parameters in subject.choices(1):
+class _Signs:
+    """Signs of g at one parameter choice: at zero force, near it and far away, along axes and diagonals; each found when asked for."""
 
-        def sign(reach: Fraction, way: tuple[int, ...], parameters: Values = parameters) -> int | None:
-            here = subject.values_at(parameters, [reach * w for w in way])
-            return certain_sign(enclose(subject.problem.stated, {x: ball(v) for x, v in here.items()}))
+    def __init__(self, subject: FormulaSubject) -> None:
+        d = len(subject.simple.forces)
+        axes = [tuple(s * (i == k) for i in range(d)) for k in range(d) for s in (1, -1)]
+        self.ways = axes if d > _MOST_FORCES else [way for way in product((0, 1, -1), repeat=d) if any(way)]
+        self._subject, self._known = subject, dict[tuple[Fraction, ...], int | None]()
+        self._parameters = next(subject.choices(1), None)
 
-        return [(reach, way, sign(reach, way)) for reach, way in points]
-    return []
+    def at(self, reach: Fraction, way: tuple[int, ...]) -> int | None:
+        """The sign at so far a point in that direction; None where it is not certain."""
+        if self._parameters is None:
+            return None
+        if (point := tuple(reach * w for w in way)) not in self._known:
+            here = self._subject.values_at(self._parameters, point)
+            self._known[point] = certain_sign(enclose(self._subject.problem.stated, {x: ball(v) for x, v in here.items()}))
+        return self._known[point]
+
+    def all(self, wanted: set[int], *reaches: Fraction) -> bool:
+        """Whether every point looked at has such a sign."""
+        return self._parameters is None or all(self.at(r, way) in wanted for r in reaches for way in self.ways)
+
+
+@fact
+def _signs(subject: FormulaSubject) -> _Signs:
+    return _Signs(subject)
 
 
 def _point(subject: FormulaSubject) -> str:
@@ -93,12 +102,13 @@ def _cause(subject: FormulaSubject) -> str:
     return f" ({law.pressure} <= 0 in compression: write abs({law.pressure}))"
 
 
-def _unbounded(subject: FormulaSubject, ways: Sequence[tuple[int, ...]]) -> Extent | None:
+def _unbounded(subject: FormulaSubject, signs: _Signs) -> Extent | None:
     """Along forces that the simple problem has set to 0, or all the way in one of the directions."""
     if (gone := _invariant(subject)) and subject.at_origin is not None and subject.nonnegative(-subject.at_origin):
         return Extent(f"K is unbounded: g does not change along {gone} direction{'s' * (gone > 1)} of the forces", True)
     t, forces = sp.Dummy("t", positive=True), subject.simple.forces
-    for way in ways[:1]:
+    way = next((way for way in signs.ways if signs.at(_FAR, way) in (-1, 0)), None)
+    if way is not None:
         if subject.ask(-subject.simple.g.xreplace({x: w * t for x, w in zip(forces, way, strict=True)}), Sense.NONNEGATIVE).holds is True:
             ray = ", ".join(f"{x} = {'-' * (w < 0)}t" if w else f"{x} = 0" for x, w in zip(forces, way, strict=True))
             return Extent(f"K is unbounded: g <= 0 at {ray} for all t > 0", True)

@@ -26,7 +26,7 @@ __all__ = ["chords_across_dents"]
 _STARTS, _FOLLOWED, _STEPS = 240, 6, 40  # directions a force, how many of the lowest are followed, and for how long
 _APART = 0.98  # the cosine between two of these is less
 _CLEAR = -1e-4  # a dent that deep needs no more search
-_PRICE = 60  # steps of a direction and a term
+_PRICE = 2  # steps of a direction and a term
 _SHORTEST = 70  # half the length of a chord is that of the ray times a power of 1/2 below this
 _FINE = 2**60  # directions are rounded to such fractions
 
@@ -85,11 +85,14 @@ def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> I
 
     Only ``thorough`` are minima sought; without it the starts alone are looked at, for a dent that is clear.
     """
-    n = len(subject.simple.forces)
+    n, seen = len(subject.simple.forces), set[_Form]()
     for parameters in subject.choices(most) if n > 1 else ():
         form = _form(subject, parameters)
-        if form is None or not subject.budget.pays(_PRICE * _STARTS * n * len(form.powers) * (1 + thorough)):
+        if form in seen:
+            continue  # the choices differ in what g does not depend on
+        if form is None or not subject.budget.pays(_PRICE * _STARTS * n * len(form.powers) * (6 if thorough else 1)):
             return
+        seen.add(form)
         for direction, along in _lowest(_Floats(form, n), thorough):
             for p, q in _across(form, direction, along):
                 yield Chord(parameters, p, q)
