@@ -107,8 +107,7 @@ def _unbounded(subject: FormulaSubject, signs: _Signs) -> Extent | None:
     if (gone := _invariant(subject)) and subject.at_origin is not None and subject.nonnegative(-subject.at_origin):
         return Extent(f"K is unbounded: g does not change along {gone} direction{'s' * (gone > 1)} of the forces", True)
     t, forces = sp.Dummy("t", positive=True), subject.simple.forces
-    way = next((way for way in signs.ways if signs.at(_FAR, way) in (-1, 0)), None)
-    if way is not None:
+    for way in [way for way in signs.ways if signs.at(_FAR, way) in (-1, 0)][:1]:
         if subject.ask(-subject.simple.g.xreplace({x: w * t for x, w in zip(forces, way, strict=True)}), Sense.NONNEGATIVE).holds is True:
             ray = ", ".join(f"{x} = {'-' * (w < 0)}t" if w else f"{x} = 0" for x, w in zip(forces, way, strict=True))
             return Extent(f"K is unbounded: g <= 0 at {ray} for all t > 0", True)

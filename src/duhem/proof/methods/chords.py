@@ -14,7 +14,14 @@ from duhem.proof.search.suggestion import Chord
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.rational_points import chord
 
-__all__ = ["convexity_at_clear_dents", "convexity_at_deepest_dents", "convexity_at_dents", "convexity_at_seams", "convexity_by_scouting", "convexity_by_thorough_scouting"]
+__all__ = [
+    "convexity_at_clear_dents",
+    "convexity_at_deepest_dents",
+    "convexity_at_dents",
+    "convexity_at_seams",
+    "convexity_by_scouting",
+    "convexity_by_thorough_scouting",
+]
 
 
 def _refuted(subject: FormulaSubject, suggested: Iterable[Chord]) -> Evidence | None:
@@ -54,7 +61,7 @@ def convexity_at_deepest_dents(subject: FormulaSubject) -> Evidence | None:
 def _dented(subject: FormulaSubject, thorough: bool) -> Evidence | None:
     from duhem.proof.search.polynomial_dents import chords_across_dents
 
-    return _refuted(subject, chords_across_dents(subject, 6, thorough))
+    return _refuted(subject, chords_across_dents(subject, 24, thorough))
 
 
 def convexity_at_dents(subject: FormulaSubject) -> Evidence | None:

@@ -24,6 +24,7 @@ from duhem.proof.search.suggestion import Chord, Point
 __all__ = ["chords_across_dents"]
 
 _STARTS, _FOLLOWED, _STEPS = 240, 6, 40  # directions a force, how many of the lowest are followed, and for how long
+_NOISE = 1e-12  # a bend above this is taken for one inward
 _APART = 0.98  # the cosine between two of these is less
 _CLEAR = -1e-4  # a dent that deep needs no more search
 _PRICE = 2  # steps of a direction and a term
@@ -56,7 +57,7 @@ class _Form:
 def _product(x: Sequence[Fraction], m: Sequence[int]) -> Fraction:
     value = Fraction(1)
     for a, k in zip(x, m, strict=True):
-        value *= a**k
+        value *= Fraction(a**k)
     return value
 
 
@@ -120,7 +121,7 @@ def _lowest(floats: _Floats, thorough: bool) -> list[tuple[Any, Any]]:
     else:
         return []
     values, tangents = floats.bends(np.array(found))
-    return [(found[k], tangents[k]) for k in np.argsort(values, kind="stable")]
+    return [(found[k], tangents[k]) for k in np.argsort(values, kind="stable") if values[k] < _NOISE]
 
 
 def _followed(floats: _Floats, start: Any) -> Any:
@@ -145,8 +146,8 @@ def _followed(floats: _Floats, start: Any) -> Any:
         step = -axes @ ((axes.T @ slope) / np.maximum(np.abs(sizes), 1e-3 * max(1e-12, float(np.abs(sizes).max()))))
         length = float(np.linalg.norm(step))
         step *= min(1.0, 3 / length) if length > 0 else 0
-        tried = [here + width * share * step @ frame for share in (1.0, 0.5, 0.2)] + [around[int(np.argmin(values))]]
-        tried = np.array([x / np.linalg.norm(x) for x in tried])
+        tried = np.array([*(here + width * share * step @ frame for share in (1.0, 0.5, 0.2)), around[int(np.argmin(values))]])
+        tried /= np.linalg.norm(tried, axis=1, keepdims=True)
         lower = floats.bends(tried)[0]
         best = int(np.argmin(np.where(np.isfinite(lower), lower, np.inf)))
         if lower[best] < values[0]:
@@ -202,9 +203,10 @@ class _Floats:
         """r lambda/(u . grad g) at the boundary in each direction, and the tangents; infinite where there is none."""
         import numpy as np
 
-        r = self.reach(u)
-        there = np.isfinite(r)
-        x = np.where(there, r, 1.0)[:, None] * u
+        found = self.reach(u)
+        there = np.isfinite(found)
+        r = np.where(there, found, 1.0)
+        x = r[:, None] * u
         gradient = np.stack([self._monomials(x, (i,)).sum(axis=1) for i in range(self.n)], axis=1)
         hessian = np.empty((len(u), self.n, self.n))
         for i in range(self.n):
@@ -232,7 +234,7 @@ def _across(form: _Form, direction: Any, along: Any) -> Iterator[tuple[Point, Po
     lean = _dot(v, gradient) / rise
     tangent = [a - lean * b for a, b in zip(v, u, strict=True)]
     for k in range(1, _SHORTEST):
-        t = distance / 2**k
+        t = distance * Fraction(1, 2**k)
         bend = -sum(form.at([a + s * t * b for a, b in zip(x, tangent, strict=True)]) for s in (1, -1)) / 2
         if bend <= 0:
             continue

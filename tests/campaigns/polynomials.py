@@ -1,0 +1,134 @@
+"""Polynomial laws of known truth, near and away from the threshold: python -m tests.campaigns.polynomials [SETS [FORMS [SEED]]]
+
+Quartics of plane stress are held against an oracle of their own; forms in two to six forces have thresholds that are known
+exactly.  Prints a line a family and margin, then what is wrong or open, and the processor time of the verdicts alone.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import product
+from statistics import median
+
+import sympy as sp
+
+from duhem import Criterion, verify
+from tests.campaigns.families.trial import Trial
+from tests.oracles import plane_quartics
+
+F = Fraction
+PLANE = ((4, 0, 0), (3, 1, 0), (2, 2, 0), (1, 3, 0), (0, 4, 0), (2, 0, 2), (1, 1, 2), (0, 2, 2), (0, 0, 4))
+AWAY = (F(0), F(3, 10), F(7, 10), F(95, 100), F(105, 100), F(13, 10), F(2), F(4))
+NEAR = tuple(1 + s * F(1, 10**k) for k in (3, 5, 7, 9) for s in (-1, 1))
+
+
+def plane_sets(count: int, seed: int) -> Iterator[Trial]:
+    """Quartics of plane stress on rays that leave the convex ones, at shares of the way out."""
+    made, ray = 0, 0
+    while made < count:
+        rng = random.Random(f"{seed}/plane/{ray}")
+        ray += 1
+        start, way = _sum_of_powers(rng), [F(rng.randint(-40, 40), 10) for _ in PLANE]
+        low, high = F(0), F(1)
+        while plane_quartics.convex(_moved(start, way, high)):
+            low, high = high, 2 * high
+            if high > 2**12:
+                break
+        if high > 2**12 or not plane_quartics.convex(start):
+            continue
+        while high - low > high / 2**36:
+            middle = (low + high) / 2
+            low, high = (middle, high) if plane_quartics.convex(_moved(start, way, middle)) else (low, middle)
+        for share in (*AWAY, *NEAR):
+            coefficients = _moved(start, way, share * low)
+            truth = plane_quartics.convex(coefficients)
+            if truth is None or made == count:
+                continue
+            made += 1
+            terms = " + ".join(f"({c})*sx**{i}*sy**{j}*t**{k}" for c, (i, j, k) in zip(coefficients, PLANE, strict=True) if c)
+            law = Criterion(name=f"plane-{made}", g=f"{terms} - 1", forces=("sx", "sy", "t"), pressure=None)
+            yield Trial("quartic of plane stress", law, {"convexity": truth}, _margin(share))
+
+
+def _moved(start: list[F], way: list[F], by: F) -> list[F]:
+    return [a + by * b for a, b in zip(start, way, strict=True)]
+
+
+def _margin(share: F) -> str:
+    return "away" if share in AWAY else f"{'below' if share < 1 else 'above'} {float(abs(share - 1)):.0e}"
+
+
+def _sum_of_powers(rng: random.Random) -> list[F]:
+    """Fourth powers of linear forms and squares of positive quadratic ones, even in the shear stress: strictly convex."""
+    x, y, t = sp.symbols("x y t")
+    total = sp.S.Zero
+    for _ in range(3):
+        a, b, c = (sp.Rational(rng.randint(-20, 20), 10) for _ in range(3))
+        total += (a * x + b * y + c * t) ** 4 + (a * x + b * y - c * t) ** 4
+    total += sp.Rational(rng.randint(1, 20), 20) * (x**2 + y**2 + t**2) ** 2
+    poly = sp.Poly(total, x, y, t)
+    return [F(int(c.p), int(c.q)) for m in PLANE for c in [poly.coeff_monomial(m)]]
+
+
+def forms(count: int, seed: int) -> Iterator[Trial]:
+    """(s^2 + r^2)^2 - c s^4, convex iff c <= 8/9, and J2^3 - c J3^2 beside sixth powers, iff -27/8 <= c <= 9/4; turned and sheared."""
+    edges = [(F(1), "exact")] + [(1 + s * F(1, 10**k), f"{'below' if s < 0 else 'above'} 1e-{k}") for k in (1, 4, 9) for s in (-1, 1)]
+    kinds = [(n, degree) for degree, most in ((4, 6), (6, 4)) for n in range(2, most + 1)]
+    for made, ((n, degree), (factor, margin)) in zip(range(count), _endless(list(product(kinds, edges))), strict=False):
+        rng = random.Random(f"{seed}/forms/{made}")
+        names = "abcdef"[:n]
+        forces = sp.symbols(" ".join(names))
+        rows = [[sp.Rational(rng.randint(-4, 4), rng.randint(2, 3)) + 2 * (i == j) for j in range(n)] for i in range(n)]
+        if sp.Matrix(rows).det() == 0:
+            continue
+        moved = [sum(c * x for c, x in zip(row, forces, strict=True)) for row in rows]
+        if degree == 4:
+            c, (s, *_) = factor * F(8, 9), moved
+            p, truth = sum(z**2 for z in moved) ** 2 - sp.Rational(c.numerator, c.denominator) * s**4, c <= F(8, 9)
+        else:
+            edge = rng.choice((F(-27, 8), F(9, 4)))
+            c, (u, v, *rest) = factor * edge, moved
+            second, third = (u**2 - u * v + v**2) / 3, (2 * u - v) * (2 * v - u) * (u + v) / 27
+            p = second**3 - sp.Rational(c.numerator, c.denominator) * third**2 + sum(z**6 for z in rest)
+            truth = F(-27, 8) <= c <= F(9, 4)
+        law = Criterion(name=f"form-{made}", g=f"{sp.expand(p)} - 1", forces=tuple(names), pressure=None)
+        yield Trial(f"degree {degree}, {n} forces", law, {"convexity": truth}, margin)
+
+
+def _endless(kinds: list) -> Iterator:
+    while True:
+        yield from kinds
+
+
+def run(trials: Iterator[Trial]) -> None:
+    """Print what came of them."""
+    table: dict[tuple[str, str], Counter[str]] = {}
+    seconds, trusts, odd = dict[str, list[float]](), Counter[str](), list[str]()
+    for trial in trials:
+        start = time.process_time()
+        found = verify(trial.law, claims=["convexity"])["convexity"]
+        seconds.setdefault(trial.family, []).append(time.process_time() - start)
+        said = {"proved": True, "refuted": False}.get(found.verdict.value)
+        what = "open" if said is None else "right" if said == trial.truth["convexity"] else "WRONG"
+        table.setdefault((trial.family, trial.margin), Counter())[what] += 1
+        if found.verdict.value == "proved":
+            trusts[str(found.trust)] += 1
+        if what != "right":
+            odd.append(f"{what} {trial.family}, {trial.margin}, convex {trial.truth['convexity']}: {found.method}; {trial.law.g}"[:400])
+    print(*odd, sep="\n")
+    for (family, margin), counts in sorted(table.items()):
+        print(f"{family:26} {margin:14} {counts['right']:5} right {counts['open']:4} open {counts['WRONG']:3} wrong")
+    for family, each in seconds.items():
+        print(f"{family:26} {len(each)} laws, {sum(each):.1f} s of the processor, median {median(each):.3f}, most {max(each):.2f}")
+    print("proofs:", dict(trusts))
+
+
+if __name__ == "__main__":
+    sets_, forms_, seed_ = (*map(int, sys.argv[1:]), *(2000, 210, 1)[len(sys.argv) - 1 :])
+    run(plane_sets(sets_, seed_))
+    run(forms(forms_, seed_))

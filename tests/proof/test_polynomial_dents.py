@@ -1,0 +1,75 @@
+"""Dents of polynomial laws in any number of forces: found however slight, and none where there is none."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from duhem import Criterion, Domain
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import chords
+from duhem.proof.verdict import Evidence
+from tests.oracles import plane_quartics
+
+F = Fraction
+
+
+def law(g: str, forces: str, **given: object) -> Criterion:
+    return Criterion(name="drawn", g=g, forces=tuple(forces.split()), pressure=None, **given)  # type: ignore[arg-type]
+
+
+def ball(c: Fraction, forces: str) -> str:
+    """(s^2 + r^2)^2 - c s^4, s the first force: convex if and only if c <= 8/9."""
+    first, *_ = names = forces.split()
+    return f"({' + '.join(f'{x}**2' for x in names)})**2 - ({c})*{first}**4"
+
+
+def dented(stated: Criterion) -> Evidence | None:
+    return chords.convexity_at_deepest_dents(FormulaSubject(stated))
+
+
+@pytest.mark.parametrize("forces", ["a b c", pytest.param("a b c d", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("depth", [F(1, 9), F(1, 10**4), F(1, 10**10)])
+def test_a_dent_however_slight_is_found(forces: str, depth: Fraction) -> None:
+    found = dented(law(f"{ball(F(8, 9) + depth, forces)} - 1", forces))
+    assert found is not None and found.witness is not None
+    p, q, middle = ([F(found.witness.points[role][x]) for x in forces.split()] for role in ("p", "q", "midpoint"))
+    assert [2 * m for m in middle] == [a + b for a, b in zip(p, q, strict=True)]
+
+    def g(point: list[Fraction]) -> Fraction:
+        return sum(x * x for x in point) ** 2 - (F(8, 9) + depth) * point[0] ** 4 - 1
+
+    assert g(p) <= 0 and g(q) <= 0 < g(middle)
+
+
+@pytest.mark.parametrize("depth", [F(0), F(1, 10**10), F(1, 10)])
+def test_none_is_found_where_there_is_none(depth: Fraction) -> None:
+    assert dented(law(f"{ball(F(8, 9) - depth, 'a b c')} - 1", "a b c")) is None
+
+
+def test_roots_and_sizes() -> None:
+    """The root of a form, of any size, has the dents of the form."""
+    size = {"k": Domain(positive=True)}
+    assert dented(law(f"({ball(F(9, 10), 'a b c')} + a**4)**(1/4) - k", "a b c", parameters=size)) is None
+    assert dented(law(f"({ball(F(9, 10), 'a b c')})**(1/4) - 3", "a b c")) is not None
+
+
+def test_a_parameter_at_the_end_of_its_range() -> None:
+    given = {"c": Domain(low=F(0), high=F(8, 9) + F(1, 10**6))}
+    assert dented(law(f"{ball(F(0), 'x y z')} - c*x**4 - 1", "x y z", parameters=given)) is not None
+
+
+def test_not_of_one_degree() -> None:
+    """x^4 - x^2 + y^2 + z^2 <= 1 is waisted at x = 0."""
+    assert dented(law("4*x**4 - 2*x**2 + y**2 + z**2 - 1", "x y z")) is not None
+    assert dented(law("4*x**4 + 2*x**2 + y**2 + z**2 - 1", "x y z")) is None
+
+
+def test_the_oracle_knows_known_thresholds() -> None:
+    """x^4 + y^4 + c x^2 y^2 + small terms, and the ball above."""
+    edge = [F(1), F(0), F(2), F(0), F(1), F(2), F(0), F(2)]
+    assert [plane_quartics.convex([*edge, F(1, 9) + e]) for e in (F(1, 10**12), -F(1, 10**12))] == [True, False]
+    gotoh = ["1", "-2.60", "3.75", "-2.79", "0.99", "6.29", "-7.72", "6.33", "8.96"]
+    assert plane_quartics.convex([F(c) for c in gotoh])
+    assert plane_quartics.convex([F(c) for c in ("1", "-2.60", "3.75", "-2.79", "0.99", "6.29", "-7.72", "6.33", "1")]) is False
