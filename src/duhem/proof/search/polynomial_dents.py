@@ -235,13 +235,18 @@ def _across(form: _Form, direction: Any, along: Any) -> Iterator[tuple[Point, Po
     tangent = [a - lean * b for a, b in zip(v, u, strict=True)]
     for k in range(1, _SHORTEST):
         t = distance * Fraction(1, 2**k)
-        bend = -sum(form.at([a + s * t * b for a, b in zip(x, tangent, strict=True)]) for s in (1, -1)) / 2
-        if bend <= 0:
+        one, other = (form.at([a + s * t * b for a, b in zip(x, tangent, strict=True)]) for s in (1, -1))
+        if one + other >= 0:
             continue
-        out = bend / rise / 2
+        out = -(one + other) / rise / 4
         p, q = (_rounded([a + out * c + s * t * b for a, b, c in zip(x, tangent, u, strict=True)], out / 1000) for s in (1, -1))
-        if max(form.at(p), form.at(q)) <= 0 < form.at([(a + b) / 2 for a, b in zip(p, q, strict=True)]):
+        if _leaves(form, p, q):
             yield p, q
+
+
+def _leaves(form: _Form, p: Point, q: Point) -> bool:
+    """Whether the chord does."""
+    return max(form.at(p), form.at(q)) <= 0 < form.at([(a + b) / 2 for a, b in zip(p, q, strict=True)])
 
 
 def _distance(form: _Form, u: Sequence[Fraction]) -> Fraction | None:
