@@ -54,6 +54,20 @@ def test_refuted(g: str) -> None:
     assert verdicts(g, e=NOT_CONVEX[g]) == ("refuted",)
 
 
+@pytest.mark.parametrize(
+    "g",
+    [
+        "norm(a, b)*(1 + e*cos(3*atan2(b, a))) - mu*abs(s)",
+        "b**2 + 2*e*cosh(a) - 1 - e**2",
+        "sinh(abs(a)) + abs(b) - mu*acos(e)*(1 - sin(e))",
+    ],
+)
+def test_the_kernel_has_the_words_too(g: str) -> None:
+    law = Criterion("law", g, parameters={"mu": POSITIVE, "e": between("0", "1/10")}, forces=("a", "b"), pressure="s")
+    found = verify(law, claims=("origin", "convexity", "normality", "dissipation"))
+    assert [(claim.verdict.value, str(claim.trust)) for claim in found.results] == [("proved", "checked")] * 4
+
+
 @pytest.mark.parametrize("word", ["asin", "acos"])
 def test_a_range_left_by_a_parameter_is_an_error(word: str) -> None:
     for domain in (between("-1", "2"), between("-2", "0")):

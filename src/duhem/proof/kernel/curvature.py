@@ -11,6 +11,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, signs_of_product
+from duhem.proof.kernel.elementary import sign_over
 from duhem.proof.kernel.even import quasiconvex_in_even_parts
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import Term, minus, number
@@ -61,7 +62,7 @@ def _sharpened(term: Term, domain: StatedDomain) -> Sign:
             if domain.nonnegative(turned, strict=True):
                 return sign
             left &= sign | ZERO
-    return left
+    return left & sign_over(term, domain.bounds)
 
 
 def _facts(term: Term, domain: StatedDomain) -> Facts:

@@ -12,6 +12,7 @@ from itertools import islice, product
 from typing import Any, NamedTuple
 from unicodedata import normalize
 
+from duhem.proof.kernel.angle import without_angles
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign, exact, sharpened
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
@@ -20,6 +21,7 @@ from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus,
 __all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedLaw", "declared", "exact", "inhabited"]
 
 _MOST_POWER, _MOST_STEPS, _MOST_CHOICES = 12, 400_000, 64
+_AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
 
 
 Declared = tuple[tuple[str, ...], dict[str, Bounds], tuple[Term, ...], dict[Term, Term]]
@@ -64,7 +66,7 @@ class StatedLaw(NamedTuple):
         texts = [flow_text["potential"]] if by_potential else flow_text or []
         forces, parameters, constraints, fixed = declared(given, () if pressure is None else (pressure,))
         names = {*forces, pressure, *parameters}
-        g, *flow = (parse(text).put(fixed) for text in (given["g"], *texts))
+        g, *flow = (without_angles(parse(text)).put(fixed) for text in (given["g"], *texts))
         if any(f.op in COMPARISONS or not f.names() <= {*names, "pi"} for f in (g, *flow)):
             raise NotWritten("a name is not declared")
         slips = gradient(flow[0], forces) if by_potential else tuple(flow)
@@ -206,12 +208,14 @@ class StatedDomain:
     def plain(self, term: Term) -> Term:
         """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0 is its size.
 
-        A choice that is decided is what is chosen.
+        A choice that is decided is what is chosen; what a word is at 0 is a number.
         """
         if term.op == "where" and (holds := self.decided(term.args[0])) is not None:
             return self.plain(term.args[1 if holds else 2])
-        if term.op not in ("norm", "abs", "pos", "neg") or not self.constant(term):
+        if term.op not in ("norm", "abs", "pos", "neg", *_AT_ZERO) or not self.constant(term):
             return term
+        if term.op in _AT_ZERO:
+            return number(_AT_ZERO[term.op]) if self._sign(term.args[0], self) == ZERO else term
         left = [a for a in term.args if self._sign(a, self) != ZERO] or [number(0)]
         if len(left) > 1:
             return term

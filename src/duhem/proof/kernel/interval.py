@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign
 
-__all__ = ["AngleJet", "Enclosure"]
+__all__ = ["BITS", "AngleJet", "Enclosure"]
 
-_BITS = 96
+BITS = 96
 
 
 class Enclosure(NamedTuple):
@@ -26,7 +26,7 @@ class Enclosure(NamedTuple):
     @classmethod
     def between(cls, low: Fraction, high: Fraction) -> Enclosure:
         """The least that holds both."""
-        return cls((low.numerator << _BITS) // low.denominator, -((-high.numerator << _BITS) // high.denominator))
+        return cls((low.numerator << BITS) // low.denominator, -((-high.numerator << BITS) // high.denominator))
 
     @property
     def sign(self) -> Sign:
@@ -45,17 +45,17 @@ class Enclosure(NamedTuple):
     def times(self, other: Enclosure) -> Enclosure:
         """x y."""
         ends = (self.low * other.low, self.low * other.high, self.high * other.low, self.high * other.high)
-        return Enclosure(min(ends) >> _BITS, -(-max(ends) >> _BITS))
+        return Enclosure(min(ends) >> BITS, -(-max(ends) >> BITS))
 
     def inverse(self) -> Enclosure:
         """1/x; ZeroDivisionError where x may be 0."""
         if self.sign & ZERO:
             raise ZeroDivisionError("an interval holds 0")
-        return Enclosure((1 << 2 * _BITS) // self.high, -(-(1 << 2 * _BITS) // self.low))
+        return Enclosure((1 << 2 * BITS) // self.high, -(-(1 << 2 * BITS) // self.low))
 
     def root(self) -> Enclosure:
         """The square root; ValueError where x may be < 0."""
-        return Enclosure(isqrt(self.low << _BITS), isqrt(self.high << _BITS) + 1)
+        return Enclosure(isqrt(self.low << BITS), isqrt(self.high << BITS) + 1)
 
 
 class AngleJet(NamedTuple):

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-__all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "factors", "minus", "number", "parse", "product_of", "sum_of"]
+__all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "bounded", "factors", "minus", "number", "parse", "product_of", "sum_of"]
 
 # least and greatest number of arguments
 WORDS = {
@@ -206,7 +206,7 @@ def _meaning(word: str, args: list[Term]) -> Term:
         return Term("*", (Term("log", (x,)), Term("**", (Term("log", (number(10),)), number(-1)))))
     if word == "sign":
         below = Term("where", (Term("<", (x, number(0))), number(-1), number(0)))
-        return _bounded(Term("where", (Term(">", (x, number(0))), number(1), below)))
+        return bounded(Term("where", (Term(">", (x, number(0))), number(1), below)))
     return _choice(x, args[1], args[2]) if word == "where" else Term(word, tuple(args))
 
 
@@ -216,14 +216,14 @@ def _choice(condition: Term, a: Term, b: Term) -> Term:
         return Term("where", (condition, a, b))
     found = a if condition.op == "and" else b
     for part in reversed(condition.args):
-        found = _bounded(_choice(part, found, b) if condition.op == "and" else _choice(part, a, found))
+        found = bounded(_choice(part, found, b) if condition.op == "and" else _choice(part, a, found))
     return found
 
 
-def _bounded(term: Term) -> Term:
-    """The term, in which parts of the text stand more than once."""
+def bounded(term: Term) -> Term:
+    """The term, in which parts of the text stand more than once; NotWritten where it has grown too large."""
     if term.size() > _LARGEST:
-        raise NotWritten("a choice is too large")
+        raise NotWritten("what is written out is too large")
     return term
 
 
