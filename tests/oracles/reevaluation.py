@@ -69,7 +69,7 @@ class _Jet:
 
 
 class OpenError(Exception):
-    """An interval leaves open what the formula needs to know: a root of or a division by something that may be 0."""
+    """An interval leaves open what is asked: a root of, a division by or the direction of something that may be 0."""
 
 
 def _power(base: _Jet, exponent: Fraction, jets: bool) -> _Jet:
@@ -270,12 +270,20 @@ def _slip(law: Criterion, box: Mapping[str, Span]) -> tuple[Interval, ...]:
     return tuple(_evaluate(law, component, box, jets=False).value for component in law.flow)
 
 
+def _none(slip: Sequence[Interval]) -> bool:
+    """False; OpenError where the slip may be 0 in the box, as the gradient of a cube is where it is 0: it has no direction then."""
+    if all(d.a <= 0 <= d.b for d in slip):
+        raise OpenError
+    return False
+
+
 def _power_at(law: Criterion, points: Points, witness: Witness) -> bool:
     box = _box(law, points)
     if box is None:
         return False
-    power = sum((_span(*box[f]) * d for f, d in zip(law.forces, _slip(law, box), strict=True)), _IV.mpf(0))
-    return bool(power.b < 0)
+    slip = _slip(law, box)
+    power = sum((_span(*box[f]) * d for f, d in zip(law.forces, slip, strict=True)), _IV.mpf(0))
+    return bool(power.b < 0) or _none(slip)
 
 
 def _towards(law: Criterion, points: Points, witness: Witness) -> bool:
@@ -283,8 +291,9 @@ def _towards(law: Criterion, points: Points, witness: Witness) -> bool:
     tau = points["tau"]
     if box is None or not _inside(law, tau):
         return False
-    lean = sum(((_rational(tau[f]) - _span(*box[f])) * d for f, d in zip(law.forces, _slip(law, box), strict=True)), _IV.mpf(0))
-    return bool(lean.a > 0)
+    slip = _slip(law, box)
+    lean = sum(((_rational(tau[f]) - _span(*box[f])) * d for f, d in zip(law.forces, slip, strict=True)), _IV.mpf(0))
+    return bool(lean.a > 0) or _none(slip)
 
 
 def _corner(law: Criterion, points: Points, witness: Witness) -> bool:
