@@ -21,6 +21,7 @@ Polynomial = Mapping[Exponents, Fraction]
 Gram = tuple[tuple[Fraction, ...], ...]
 _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
+_MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
 _FLAT = (1e-4, 1e-5, 1e-6)  # an eigenvalue that small, relative to the greatest, is taken for 0
 
 
@@ -275,7 +276,10 @@ def _complement(squares: tuple[Polynomial, ...], null: Any) -> tuple[Polynomial,
 
 
 def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:
-    """By elimination, the greatest entry of the diagonal first."""
+    """By elimination, the greatest entry of the diagonal first; of numbers too long to eliminate with, False."""
+    digits = max((max(abs(x.numerator), x.denominator).bit_length() for row in rows for x in row), default=0)
+    if digits * len(rows) > _MOST_DIGITS:
+        return False
     while rows:
         k = max(range(len(rows)), key=lambda i: rows[i][i])
         if (pivot := rows[k][k]) <= 0:
