@@ -28,8 +28,8 @@ HERE = Path(__file__).resolve().parents[2]
 TESTS: Mapping[str, str] = {
     "kernel": "test_kernel_edges test_kernel test_kernel_* test_tampering test_false_proofs",
     "decide": "decide/test_* test_cells test_wrong_answers test_methods test_composition test_obligations test_prover_mutants",
-    "methods": "test_methods test_composition test_obligations test_wrong_answers test_degenerate_laws test_values test_verdicts"
-    " ../micromodel/test_wedge",
+    "methods": "test_methods test_curve_methods test_composition test_obligations test_wrong_answers test_degenerate_laws test_values"
+    " test_verdicts ../micromodel/test_wedge",
 }
 
 
