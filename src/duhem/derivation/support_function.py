@@ -48,8 +48,13 @@ def fixed(law: Criterion, parameters: Mapping[str, Any] | None = None) -> Criter
     values = law.settled()
     if not values:
         return law
-    flow = None if law.flow is None else tuple(c.xreplace(values) for c in law.flow)
-    return replace(law, g=law.g.xreplace(values), flow=flow, potential=None)
+
+    def put(expr: sp.Expr) -> sp.Expr:
+        return expr.xreplace(values)
+
+    surfaces = tuple(surface.map(put) for surface in law.surfaces)
+    flow = None if law.flow is None else tuple(map(put, law.flow))
+    return replace(law, g=sp.nan if surfaces else put(law.g), flow=flow, potential=None, surfaces=surfaces)
 
 
 def support_function(law: Criterion, parameters: Mapping[str, Any] | None = None) -> SupportFunction | None:

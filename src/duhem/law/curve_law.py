@@ -94,6 +94,11 @@ class ParametricCriterion(Verbatim):
         """The symbols of the forces, in order."""
         return tuple(symbol(name) for name in self.forces)
 
+    @property
+    def associated(self) -> bool:
+        """Whether the slip is normal to the boundary by definition: no flow is stated."""
+        return self.flow is None
+
     def derive(self) -> Any:
         """What ``derivation`` names, called: the derivation of the curve, where the law states one."""
         module, _, attribute = self.derivation.partition(":")

@@ -27,6 +27,7 @@ from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
+from duhem.law.yield_surface import YieldSurface
 
 __all__ = ["FORCES", "PRESSURE", "Criterion", "criterion"]
 
@@ -48,10 +49,13 @@ class Criterion(Verbatim):
     maps local names to formulas, each in terms of those above it, for everything that is given as text.  ``potential`` is a formula
     whose gradient by the forces is the flow, instead of ``flow``; at a kink of it the flow is any mean of the gradients that meet there.
     ``domain`` maps the pressure or forces to the ranges in which the claims are asked; zero force is in them.
+
+    Instead of g and flow a law may have several ``surfaces``: K is where all of them are <= 0, g the greatest of them.  At a
+    boundary point the slip is a non-negative combination of the flows of the surfaces that are 0 there (Koiter 1953).
     """
 
     name: str
-    g: sp.Expr
+    g: sp.Expr = sp.nan
     parameters: Mapping[str, Domain] = Domains()
     forces: tuple[str, ...] = FORCES
     pressure: str | None = PRESSURE
@@ -66,6 +70,7 @@ class Criterion(Verbatim):
     define: Mapping[str, str] = Definitions()
     potential: str | None = None
     domain: Mapping[str, Domain] = Domains()
+    surfaces: tuple[YieldSurface, ...] = ()
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -79,6 +84,8 @@ class Criterion(Verbatim):
         define = self.define if isinstance(self.define, Definitions) else Definitions.of(self.define, known, self.stress, self.name)
         put(self, "define", define)
         short = define.short
+        if self.surfaces:
+            self._read_surfaces(known, short)
         given, g = self.g, _expression(self.g, known, f"g of {self.name}", short)
         put(self, "g", g)
         if isinstance(given, str):
@@ -89,7 +96,7 @@ class Criterion(Verbatim):
                 put(self, "written_flow", tuple(written_out(c, short) if isinstance(c, str) else "" for c in self.flow))
             put(self, "flow", tuple(_expression(c, known, f"flow of {self.name}", short) for c in self.flow))
         if self.potential is not None:
-            put(self, "flow", self._gradient(self.potential, short))
+            put(self, "flow", self._gradient(self.potential, self.flow, self.name, short))
             put(self, "potential", written_out(self.potential, short))
         put(self, "domain", Domains(self.domain))
         for name, own in self.domain.items():
@@ -100,7 +107,33 @@ class Criterion(Verbatim):
         self._check_content()
 
     def __hash__(self) -> int:
-        return hash((self.name, self.g, self.forces, self.pressure, self.parameters, self.constraints, self.flow))
+        return hash((self.name, self.g, self.forces, self.pressure, self.parameters, self.constraints, self.flow, self.surfaces))
+
+    def _read_surfaces(self, known: Mapping[str, sp.Symbol], short: Abbreviations) -> None:
+        put, read = object.__setattr__, []
+        for i, given in enumerate(self.surfaces, 1):
+            where = f"surface {i} of {self.name}"
+            if not isinstance(given, YieldSurface):
+                raise InputError(f"{given!r} is no surface", where=where, remedy="write YieldSurface(g=..., flow=...)")
+            g = _expression(given.g, known, f"g of {where}", short)
+            flow = None if given.flow is None else tuple(_expression(c, known, f"flow of {where}", short) for c in given.flow)
+            potential = given.potential
+            if potential is not None:
+                flow = self._gradient(potential, flow, where, short)
+                potential = written_out(potential, short)
+            read.append(YieldSurface(g, flow, potential, written_out(given.g, short) if isinstance(given.g, str) else given.written))
+        greatest = sp.Max(*(s.g for s in read))
+        if self.g not in (sp.nan, greatest) or self.flow is not None or self.potential is not None:
+            what = "a law of several surfaces has its g and its flow from them"
+            raise InputError(what, where=self.name, remedy="leave g, flow and potential out")
+        put(self, "surfaces", tuple(read))
+        put(self, "g", greatest)
+        put(self, "written", f"max({', '.join(s.written for s in read)})" if all(s.written for s in read) else "")
+
+    @property
+    def associated(self) -> bool:
+        """Whether the slip is normal to the boundary by definition: neither the law nor a surface states a flow."""
+        return self.flow is None and all(s.flow is None for s in self.surfaces)
 
     def _components(self, stress: Stress) -> tuple[str, ...]:
         if tuple(self.forces) not in (FORCES, stress.components):
@@ -123,11 +156,11 @@ class Criterion(Verbatim):
             if spelled.count(normalize("NFKC", name)) > 1:
                 raise InputError(f"{name!r} is declared twice", where=self.name, remedy="give each force and parameter a name of its own")
 
-    def _gradient(self, potential: Any, short: Abbreviations) -> tuple[sp.Expr, ...]:
-        """The flow that a potential gives; InputError beside another one."""
+    def _gradient(self, potential: Any, stated: tuple[sp.Expr, ...] | None, owner: str, short: Abbreviations) -> tuple[sp.Expr, ...]:
+        """The flow that a potential of the law or of a surface gives; InputError beside another one that is ``stated``."""
         if not isinstance(potential, str):
-            raise InputError("the potential is no text", where=self.name, remedy="write its formula as text")
-        where = f"potential of {self.name}"
+            raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
+        where = f"potential of {owner}"
         value = parse_expression(potential, self.symbols(), where=where, short=short)
         try:
             flow = gradient(value, self.force_symbols())
@@ -137,26 +170,30 @@ class Criterion(Verbatim):
             raise InputError(
                 "the potential does not depend on any force", where=where, remedy=f"use at least one of {', '.join(self.forces)}"
             )
-        if self.flow is not None and self.flow != flow:
-            raise InputError("a flow and a potential are both given", where=self.name, remedy="leave one of them out")
+        if stated is not None and stated != flow:
+            raise InputError("a flow and a potential are both given", where=owner, remedy="leave one of them out")
         return flow
 
     def _check_content(self) -> None:
         known = set(self.symbols().values())
         forces = {self.symbols()[f] for f in self.forces}
-        for what, expr in [("g", self.g), *(("flow", c) for c in self.flow or ())]:
+        flows = [flow for flow in (self.flow, *(s.flow for s in self.surfaces)) if flow is not None]
+        if self.g is sp.nan:
+            raise InputError("there is no g", where=self.name, remedy="give g, or surfaces")
+        for what, expr in [("g", self.g), *(("g", s.g) for s in self.surfaces), *(("flow", c) for flow in flows for c in flow)]:
             if stray := expr.free_symbols - known:
                 raise InputError(
                     f"{what} uses the undeclared {sorted(map(str, stray))}", where=self.name, remedy="declare it as a parameter"
                 )
-        if not self.g.free_symbols & forces:
+        if not all(g.free_symbols & forces for g in (self.g, *(s.g for s in self.surfaces))):
             raise InputError("g does not depend on any force", where=self.name, remedy=f"use at least one of {', '.join(self.forces)}")
-        if self.flow is not None and len(self.flow) != len(self.forces):
-            raise InputError(
-                f"the flow has {len(self.flow)} components for {len(self.forces)} forces",
-                where=self.name,
-                remedy="give one expression per force",
-            )
+        for flow in flows:
+            if len(flow) != len(self.forces):
+                raise InputError(
+                    f"the flow has {len(flow)} components for {len(self.forces)} forces",
+                    where=self.name,
+                    remedy="give one expression per force",
+                )
         allowed = {self.symbols()[p] for p in self.parameters}
         for relation in self.constraints:
             if stray := relation.free_symbols - allowed:
@@ -207,10 +244,11 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
 
     return replace(
         law,
-        g=moved(law.g),
+        g=sp.nan if law.surfaces else moved(law.g),
         parameters=domains,
         constraints=tuple(c for c in map(moved, law.constraints) if c != sp.true),
         flow=None if law.flow is None or law.potential else tuple(moved(c) for c in law.flow),
+        surfaces=tuple(s.map(moved) if s.potential is None else replace(s, g=moved(s.g), flow=None) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, moved),
     )
 

@@ -12,6 +12,7 @@ from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
+from duhem.law.yield_surface import YieldSurface
 from duhem.proof.facts.parameter_choices import plain_choices, rationals
 from duhem.proof.statement.problem import as_written
 
@@ -36,10 +37,14 @@ def _curve(law: ParametricCriterion) -> dict[str, Any]:
 
 
 def _formula(law: Criterion) -> dict[str, Any]:
-    g, *flow = as_written(law)
-    own = flow if law.potential is None else {"potential": law.potential}
     domain = {"domain": {n: _domain(d) for n, d in law.domain.items()}} if law.domain else {}
-    return {"g": g, "flow": None if law.flow is None else own, **domain}
+    return ({"surfaces": [_bound(law, s) for s in law.surfaces]} if law.surfaces else _bound(law, law)) | domain
+
+
+def _bound(law: Criterion, stated: Criterion | YieldSurface) -> dict[str, Any]:
+    g, *flow = as_written(law, stated)
+    own = flow if stated.potential is None else {"potential": stated.potential}
+    return {"g": g, "flow": None if stated.flow is None else own}
 
 
 def admitted_values(law: Law) -> Mapping[str, str] | None:

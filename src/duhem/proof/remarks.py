@@ -36,7 +36,7 @@ def scope(law: Law, verdict: Verdict) -> str:
 def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
     """Parts of the examination that this law, or what was decided of it, makes needless."""
     yield LeftOut("thermal", "isothermal law: no temperature among its variables, so D_th and the entropy do not enter")
-    if law.flow is None:
+    if law.associated:
         yield LeftOut("flow check", "associated law: the slip is the normality rule itself")
     if law.pressure is None:
         yield LeftOut("pressure", "the law has none: K is one set")
@@ -70,7 +70,8 @@ def _oddities(subject: FormulaSubject) -> Iterator[str]:
         yield f"the flow may be undefined on the boundary: it {first.does} {part}; nothing is proved of such a flow"
     if (odd := extent(subject)) is not None:
         yield odd.what
-    used = law.g.free_symbols.union(*(c.free_symbols for c in law.flow or ()))
+    flows = (law.flow, *(surface.flow for surface in law.surfaces))
+    used = law.g.free_symbols.union(*(c.free_symbols for flow in flows for c in flow or ()))
     if unused := [name for name, x in law.symbols().items() if x not in used]:
         yield f"g does not depend on {', '.join(unused)}"
 

@@ -13,9 +13,9 @@ from duhem.proof.verdict import Evidence, Verdict
 def by_convexity(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
     """Associated flow: normal exactly when K is convex; a flow of the law's own on a convex K is compared with grad g."""
     convexity = settled["convexity"]
-    if subject.problem.flow is None and convexity.verdict is Verdict.PROVED:
+    if subject.problem.associated and convexity.verdict is Verdict.PROVED:
         return Evidence(Verdict.PROVED, "normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex")
-    if subject.problem.flow is None and convexity.witness is not None:
+    if subject.problem.associated and convexity.witness is not None:
         return flow.normality_refuted_by_chord(subject, convexity.witness)
     return flow.normality(subject) if convexity.verdict is Verdict.PROVED else None
 

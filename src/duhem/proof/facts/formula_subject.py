@@ -22,7 +22,7 @@ from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.obligations import Obligation, obligations
-from duhem.proof.statement.problem import Problem, state
+from duhem.proof.statement.problem import Face, Problem, state
 from duhem.proof.statement.star import Star, star_form
 
 __all__ = ["FormulaSubject"]
@@ -102,6 +102,29 @@ class FormulaSubject(Subject):
             return plain_switches(thick(branches(self.simple.g)))
         except TooManyBranchesError:
             return None
+
+    def on_boundary(self, face: Face) -> tuple[tuple[sp.Expr, tuple[sp.Basic, ...]], ...] | None:
+        """Where a face of the simple problem is the boundary of K: its g on smooth closed branches, each with what holds there.
+
+        None where there are too many of them, or the boundary may lie elsewhere than on g = 0.
+        """
+        if not self.continuous or self.pieces is None:
+            return None
+        if not face.others:
+            return tuple((piece.expr, (*piece.conditions(), sp.Eq(piece.expr, 0))) for piece in self.pieces)
+        together = sp.Tuple(face.g, *face.others)
+        if not self.joined(*together):
+            return None
+        try:
+            pieces = plain_switches(thick(branches(together)))
+        except TooManyBranchesError:
+            return None
+        within = [(*piece.conditions(), *(sp.LessThan(other, 0) for other in piece.expr[1:])) for piece in pieces]
+        return tuple(
+            (piece.expr[0], (*(r for r in given if r is not sp.true), sp.Eq(piece.expr[0], 0)))
+            for piece, given in zip(pieces, within, strict=True)
+            if sp.false not in given
+        )
 
     @cached_property
     def continuous(self) -> bool:

@@ -10,15 +10,16 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 
 from duhem.proof.kernel.curvature import facts, over
-from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, StatedFace, StatedLaw
 from duhem.proof.kernel.pieces import pieces
 from duhem.proof.kernel.polynomial import Polynomial, slope, times, total
 from duhem.proof.kernel.refutation import Condition, Identity, shown
-from duhem.proof.kernel.term import NotWritten, Term, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
 
-__all__ = ["curves_inward", "flows_outward", "rises_outward", "with_convex_sums"]
+__all__ = ["curves_inward", "flows_along_normals", "flows_outward", "rises_outward", "with_convex_sums"]
 
 _BOUNDARY, _TANGENT = "the boundary", "the tangent"
 
@@ -32,15 +33,55 @@ def rises_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
 
 
 def flows_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
-    """Whether sigma . d >= 0 wherever g = 0, d being the law's own flow."""
-    domain, flow = over(law), law.flow or ()
-    power = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, flow, strict=True)))
-    if not all(facts(part, domain).defined for part in (law.g, *flow)):
+    """Whether sigma . d >= 0 on every face, d being its own flow or, being associated, a gradient of its g, which then is not 0."""
+    domain = over(law)
+    return all(_dissipates(face, law.forces, identities, domain) for face in law.faces())
+
+
+def flows_along_normals(law: StatedLaw, along: Sequence[Identity], across: Sequence[Identity]) -> bool:
+    """Whether each flow d is a positive multiple of every gradient of its g, on its face: d . grad g > 0, no component across.
+
+    Then d . (tau - sigma) > 0 would make g rise from sigma towards tau; but g <= 0 on the way, K being convex.
+    """
+    domain = over(law)
+    return all(_parallel(face, law.forces, along, across, domain) for face in law.faces() if face.flow is not None)
+
+
+def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[Identity], domain: StatedDomain) -> bool:
+    if not all(facts(part, domain).defined for part in (face.g, *(face.flow or ()), *face.others)):
         return False
+    if face.flow is None:
+        return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), given in _on_face(face, (), domain))
+    power = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(forces, face.flow, strict=True)))
     return domain.nonnegative(power) or all(
-        shown(domain.polynomial(both.args[1]), ">=", _on_boundary(both.args[0], sides, domain), identities, domain)
-        for both, sides in pieces(Term(",", (law.g, power)), domain)
+        shown(domain.polynomial(smooth), ">=", given, identities, domain) for (_, smooth), given in _on_face(face, (power,), domain)
     )
+
+
+def _parallel(
+    face: StatedFace, forces: tuple[str, ...], along: Sequence[Identity], across: Sequence[Identity], domain: StatedDomain
+) -> bool:
+    flow = face.flow or ()
+    if not all(facts(part, domain).defined for part in (face.g, *flow, *face.others)):
+        return False
+    for (g, *components), given in _on_face(face, flow, domain):
+        gradient, d = [_along_axis(x, g, domain) for x in forces], list(map(domain.polynomial, components))
+        if not shown(total(*map(times, d, gradient)), ">", given, along, domain):
+            return False
+        for i, j in combinations(range(len(forces)), 2):
+            minor = total(times(d[i], gradient[j]), times({(): Fraction(-1)}, times(d[j], gradient[i])))
+            ways = (minor, times({(): Fraction(-1)}, minor)) if minor else ()
+            if not all(shown(way, ">=", given, across, domain) for way in ways):
+                return False
+    return True
+
+
+def _on_face(face: StatedFace, beside: Sequence[Term], domain: StatedDomain) -> Iterator[tuple[tuple[Term, ...], dict[str, Condition]]]:
+    """Smooth pieces of the face's g and of the formulas ``beside`` it, with what holds where they are the boundary."""
+    count = 1 + len(beside)
+    for piece, sides in pieces(Term(",", (face.g, *beside, *face.others)), domain):
+        own, others = piece.args[:count], piece.args[count:]
+        yield own, _on_boundary(own[0], (*sides, *map(minus, others)), domain)
 
 
 def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Sequence[Identity]) -> bool:
@@ -82,9 +123,19 @@ def _bend(v: Sequence[str], f: Term, domain: StatedDomain) -> Polynomial:
     return _derived(v, _along(v, f, domain), domain)
 
 
-def _derived(v: Sequence[str], f: Polynomial, domain: StatedDomain) -> Polynomial:
+def _along_axis(x: str, f: Term, domain: StatedDomain) -> Polynomial:
+    """The derivative of f by one force."""
+    return slope(_differentiable(domain.polynomial(f), domain), Term("name", name=x))
+
+
+def _differentiable(f: Polynomial, domain: StatedDomain) -> Polynomial:
     if any(x.op != "name" and not domain.constant(x) for m in f for x, _ in m):
         raise NotWritten("a kink, a root or a word of the forces has no slope here")
+    return f
+
+
+def _derived(v: Sequence[str], f: Polynomial, domain: StatedDomain) -> Polynomial:
+    _differentiable(f, domain)
     forces = domain.law.forces[: len(v)]  # the components of v may follow them
     return total(
         *(times({((Term("name", name=d), 1),): Fraction(1)}, slope(f, Term("name", name=x))) for x, d in zip(forces, v, strict=True))

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
-from duhem.proof.kernel.boundary import curves_inward, flows_outward, rises_outward, with_convex_sums
+from duhem.proof.kernel.boundary import curves_inward, flows_along_normals, flows_outward, rises_outward, with_convex_sums
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
@@ -139,7 +139,12 @@ def one_force(law: StatedLaw, evidence: Evidence) -> bool:
 
 def associated(law: StatedLaw, _: Evidence) -> bool:
     """The flow of a law without one of its own is the normal cone of K, K being convex."""
-    return law.flow is None
+    return law.associated
+
+
+def parallel(law: StatedLaw, evidence: Evidence) -> bool:
+    """Every flow of the law's own is a positive multiple of the gradient of its g, which does not rise towards K, K being convex."""
+    return flows_along_normals(law, evidence.get("along", ()), evidence.get("across", ()))
 
 
 def fenchel(law: StatedLaw, _: Evidence) -> bool:
@@ -164,12 +169,12 @@ def smooth_gauge(law: StatedLaw, _: Evidence) -> bool:
 
 def euler(law: StatedLaw, _: Evidence) -> bool:
     """On g = 0 every gradient of g = A - B from one side has sigma . grad g = (a - b) A > 0."""
-    return law.flow is None and bool(StarGauge(law))
+    return law.associated and bool(StarGauge(law))
 
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:
     """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0."""
-    return rises_outward(law, evidence["outward"]) if law.flow is None else flows_outward(law, evidence.get("outward", ()))
+    return flows_outward(law, evidence.get("outward", ()))
 
 
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
@@ -214,6 +219,7 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("smoothness", "regular-value"): (_NONE, regular),
     ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force),
     ("normality", "normality-rule"): (frozenset({"convexity"}), associated),
+    ("normality", "parallel"): (frozenset({"convexity"}), parallel),
     ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),
     ("dissipation", "euler"): (_ORIGIN, euler),
     ("dissipation", "boundary-power"): (_NONE, power),

@@ -18,7 +18,20 @@ from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
 
-__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Bounds", "Sign", "StatedDomain", "StatedLaw", "declared", "exact", "inhabited"]
+__all__ = [
+    "ANY",
+    "NEGATIVE",
+    "POSITIVE",
+    "ZERO",
+    "Bounds",
+    "Sign",
+    "StatedDomain",
+    "StatedFace",
+    "StatedLaw",
+    "declared",
+    "exact",
+    "inhabited",
+]
 
 _MOST_POWER, _MOST_STEPS, _MOST_CHOICES = 12, 400_000, 64
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
@@ -45,8 +58,19 @@ def declared(given: Mapping[str, Any], others: tuple[str, ...]) -> Declared:
     return forces, parameters, tuple(c.put(fixed) for c in constraints), fixed
 
 
+class StatedFace(NamedTuple):
+    """Where ``g`` = 0 and the others are <= 0 the slip is a non-negative multiple of ``flow``, or normal to K for None."""
+
+    g: Term
+    flow: tuple[Term, ...] | None
+    others: tuple[Term, ...] = ()
+
+
 class StatedLaw(NamedTuple):
-    """The law of a certificate; every formula is kept as written."""
+    """The law of a certificate; every formula is kept as written.
+
+    Of several surfaces g is the greatest, and ``surfaces`` has them with the flow of each; then ``flow`` is None.
+    """
 
     forces: tuple[str, ...]
     pressure: str | None
@@ -55,28 +79,52 @@ class StatedLaw(NamedTuple):
     parameters: Mapping[str, Bounds]
     constraints: tuple[Term, ...]
     ranges: tuple[tuple[str, Bounds], ...] = ()  # of forces and the pressure, where they are bounded
+    surfaces: tuple[tuple[Term, tuple[Term, ...] | None], ...] = ()
 
     @classmethod
     def read(cls, given: Mapping[str, Any]) -> StatedLaw:
         """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
-        pressure, flow_text = given["pressure"], given["flow"]
-        if isinstance(flow_text, str):
-            raise NotWritten("a text stands where a list should")
-        by_potential = isinstance(flow_text, Mapping)  # {"potential": "..."}, the flow being its gradient
-        texts = [flow_text["potential"]] if by_potential else flow_text or []
+        pressure = given["pressure"]
         forces, parameters, constraints, fixed = declared(given, () if pressure is None else (pressure,))
-        names = {*forces, pressure, *parameters}
-        g, *flow = (without_angles(parse(text)).put(fixed) for text in (given["g"], *texts))
-        if any(f.op in COMPARISONS or not f.names() <= {*names, "pi"} for f in (g, *flow)):
-            raise NotWritten("a name is not declared")
-        slips = gradient(flow[0], forces) if by_potential else tuple(flow)
+        names = {*forces, pressure, *parameters, "pi"}
         ranges = _ranges(given.get("domain", {}), forces, pressure)
-        law = cls(forces, pressure, g, None if flow_text is None else slips, parameters, constraints, ranges)
-        if flow_text is not None and len(slips) != len(forces):
-            raise NotWritten("the flow has another number of components than there are forces")
-        if not g.names() & set(forces):
-            raise NotWritten("g depends on no force")
-        return law
+
+        def bound(entry: Mapping[str, Any]) -> tuple[Term, tuple[Term, ...] | None]:
+            given_flow = entry["flow"]
+            if isinstance(given_flow, str):
+                raise NotWritten("a text stands where a list should")
+            by_potential = isinstance(given_flow, Mapping)  # {"potential": "..."}, the flow being its gradient
+            texts = [given_flow["potential"]] if by_potential else given_flow or []
+            g, *flow = (without_angles(parse(text)).put(fixed) for text in (entry["g"], *texts))
+            if any(f.op in COMPARISONS or not f.names() <= names for f in (g, *flow)):
+                raise NotWritten("a name is not declared")
+            slips = gradient(flow[0], forces) if by_potential else tuple(flow)
+            if given_flow is not None and len(slips) != len(forces):
+                raise NotWritten("the flow has another number of components than there are forces")
+            if not g.names() & set(forces):
+                raise NotWritten("g depends on no force")
+            return g, None if given_flow is None else slips
+
+        if "surfaces" not in given:
+            return cls(forces, pressure, *bound(given), parameters, constraints, ranges)
+        if "g" in given or "flow" in given or not given["surfaces"]:
+            raise NotWritten("a law of several surfaces has its g and flow from them")
+        surfaces = tuple(map(bound, given["surfaces"]))
+        g = Term("max", tuple(g for g, _ in surfaces)) if len(surfaces) > 1 else surfaces[0][0]
+        return cls(forces, pressure, g, None, parameters, constraints, ranges, surfaces)
+
+    @property
+    def associated(self) -> bool:
+        """Whether the slip is normal to K by definition."""
+        return self.flow is None and all(flow is None for _, flow in self.surfaces)
+
+    def faces(self) -> Iterator[StatedFace]:
+        """What covers the boundary: all of it, or the share of each surface where one of them has a flow of its own."""
+        if self.associated or not self.surfaces:
+            yield StatedFace(self.g, self.flow)
+            return
+        for i, (g, flow) in enumerate(self.surfaces):
+            yield StatedFace(g, flow, tuple(other for j, (other, _) in enumerate(self.surfaces) if j != i))
 
 
 def _ranges(given: Mapping[str, Any], forces: Sequence[str], pressure: str | None) -> tuple[tuple[str, Bounds], ...]:

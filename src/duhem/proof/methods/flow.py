@@ -18,9 +18,11 @@ from duhem.expression.number import rational
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.search.boundary_identities import parallel
 from duhem.proof.search.suggestion import Exit, Point
-from duhem.proof.verdict import Evidence, Verdict, Witness
-from duhem.proof.witness.enclosed_point import EnclosedPoint, enclosed, enclosed_normal, over_box, violation
+from duhem.proof.statement.problem import Face
+from duhem.proof.verdict import Evidence, Proof, Verdict, Witness
+from duhem.proof.witness.enclosed_point import EnclosedPoint, enclosed, enclosed_flow, enclosed_normal, over_box, violation
 
 if TYPE_CHECKING:
     from duhem.proof.search.boundary_points import BoundaryScout
@@ -32,30 +34,41 @@ _DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `out
 
 
 def normality(subject: FormulaSubject) -> Evidence | None:
-    """A flow of the law's own is parallel to grad g and points the same way, on every branch where g = 0 (K convex)."""
-    problem, pieces = subject.simple, subject.pieces
-    if problem.flow is None or pieces is None or not subject.continuous:
+    """A flow of the law's own, or of a surface, is parallel to grad g and points the same way, wherever g = 0 in K (K convex).
+
+    K lies in {g <= 0} and is convex, so g does not rise from the boundary point towards any point of K.
+    """
+    own = [face for face in subject.simple.faces if face.flow is not None]
+    if not own or not all(_parallel(subject, face) for face in own):
         return None
-    for piece in pieces:
-        gradient = [sp.diff(piece.expr, x) for x in problem.forces]
-        on_boundary = (*piece.conditions(), sp.Eq(piece.expr, 0))
-        if subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *on_boundary).holds is not True:
-            return None  # where grad g = 0 every flow would look parallel to it
-        if subject.ask(sp.Add(*(d**2 for d in problem.flow)), Sense.POSITIVE, *on_boundary).holds is not True:
-            return None  # where the flow is 0 it has no direction
+    proof = Proof("parallel", parallel(subject)) if parallel(subject) else None
+    detail = "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex"
+    return Evidence(Verdict.PROVED, "parallel", detail, proof=proof)
+
+
+def _parallel(subject: FormulaSubject, face: Face) -> bool:
+    """Whether the flow of a face is a positive multiple of grad g wherever the face is the boundary."""
+    pieces, flow, forces = subject.on_boundary(face), face.flow or (), subject.simple.forces
+    if pieces is None:
+        return False
+    for g, there in pieces:
+        gradient = [sp.diff(g, x) for x in forces]
+        if subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *there).holds is not True:
+            return False  # where grad g = 0 every flow would look parallel to it
+        if subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *there).holds is not True:
+            return False  # where the flow is 0 it has no direction
         for i, j in itertools.combinations(range(len(gradient)), 2):
-            minor = problem.flow[i] * gradient[j] - problem.flow[j] * gradient[i]
-            if subject.ask(minor, Sense.ZERO, *on_boundary).holds is not True:
-                return None
-        along = sum(d * n for d, n in zip(problem.flow, gradient, strict=True))
-        if subject.ask(along, Sense.NONNEGATIVE, *on_boundary).holds is not True:
-            return None
-    return Evidence(Verdict.PROVED, "parallel", "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex")
+            if subject.ask(flow[i] * gradient[j] - flow[j] * gradient[i], Sense.ZERO, *there).holds is not True:
+                return False
+        along = sum(d * n for d, n in zip(flow, gradient, strict=True))
+        if subject.ask(along, Sense.NONNEGATIVE, *there).holds is not True:
+            return False
+    return True
 
 
 def normality_refuted_by_chord(subject: FormulaSubject, chord: Witness) -> Evidence | None:
     """Associated flow on a non-convex K: where a chord from p to q leaves K, the normal there points towards q."""
-    if subject.problem.flow is not None:
+    if not subject.problem.associated:
         return None
     parameters, p, q, middle = _read(subject, chord)
     statement = (
@@ -95,7 +108,7 @@ def normality_refuted(subject: FormulaSubject, choices: int = 12, near: bool = T
     The other point is first sought all along the boundary, then it is zero force, towards which a flow of negative power
     points, then (if ``near``) close by, at the scale of the deviation itself; at so many choices of the parameters.
     """
-    if subject.simple.flow is None:
+    if subject.simple.associated:
         return None
     from duhem.proof.search.boundary_points import BoundaryScout  # numpy, only when something is looked for
 
@@ -119,11 +132,11 @@ def _on_the_boundary(subject: FormulaSubject, scout: BoundaryScout) -> Iterator[
 
 
 def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witness | None:
-    problem = subject.simple
 
-    def leaning(point: EnclosedPoint) -> sp.Expr:
-        assert problem.flow is not None
-        return sp.Add(*(d * (rational(t) - x) for d, t, x in zip(problem.flow, target, problem.forces, strict=True)))
+    def leaning(point: EnclosedPoint) -> sp.Expr | None:
+        if (flow := enclosed_flow(subject, point)) is None:
+            return None
+        return sp.Add(*(d * (rational(t) - x) for d, t, x in zip(flow, target, subject.simple.forces, strict=True)))
 
     name = "flow . (tau - sigma)"
     return violation(
@@ -135,11 +148,9 @@ def dissipation_refuted(subject: FormulaSubject, choices: int = 12) -> Evidence 
     """A boundary point where force . flow < 0, at so many choices of the parameters."""
     from duhem.proof.search.boundary_points import BoundaryScout
 
-    problem = subject.simple
-
     def power(point: EnclosedPoint) -> sp.Expr | None:
-        flow = problem.flow or enclosed_normal(subject, point)
-        return None if flow is None else sp.Add(*(x * d for x, d in zip(problem.forces, flow, strict=True)))
+        flow = enclosed_flow(subject, point)
+        return None if flow is None else sp.Add(*(x * d for x, d in zip(subject.simple.forces, flow, strict=True)))
 
     for parameters in subject.choices(choices):
         scout = BoundaryScout(subject, parameters)
@@ -151,8 +162,7 @@ def dissipation_refuted(subject: FormulaSubject, choices: int = 12) -> Evidence 
 
 def _angles(subject: FormulaSubject, point: EnclosedPoint) -> dict[str, float]:
     """Deviation of the flow from the normal at the enclosed point, and the flow's own angle (two forces), in degrees."""
-    normal = enclosed_normal(subject, point)
-    flow = subject.simple.flow
+    normal, flow = enclosed_normal(subject, point), enclosed_flow(subject, point)
     if normal is None or flow is None:
         return {}
     n, d = ([float(over_box(c, subject, point).mid()) for c in vector] for vector in (normal, flow))

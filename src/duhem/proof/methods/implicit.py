@@ -156,23 +156,21 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
 
 
 def dissipation(subject: FormulaSubject) -> Evidence | None:
-    """force . flow >= 0 on the boundary, branch by branch; the flow is grad g unless the law has one of its own."""
-    problem = subject.simple
-    pieces = subject.pieces
-    if pieces is None or not subject.continuous:
-        return None
-    used: set[str] = set()
-    for piece in pieces:
-        gradient = tuple(sp.diff(piece.expr, x) for x in problem.forces)
-        on_boundary = (*piece.conditions(), sp.Eq(piece.expr, 0))
-        flow = problem.flow or gradient
-        if flow is gradient and subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *on_boundary).holds is not True:
-            return None  # where grad g = 0 it says nothing of the normal
-        power = sp.Add(*(x * d for x, d in zip(problem.forces, flow, strict=True)))
-        answer = subject.ask(sp.factor_terms(sp.expand(power)), Sense.NONNEGATIVE, *on_boundary)
-        if answer.holds is not True:
+    """force . flow >= 0 on the boundary, face by face and branch by branch; the flow is grad g where there is none of its own."""
+    forces, used = subject.simple.forces, set[str]()
+    for face in subject.simple.faces:
+        if (pieces := subject.on_boundary(face)) is None:
             return None
-        used.add(answer.method)
+        for g, there in pieces:
+            gradient = tuple(sp.diff(g, x) for x in forces)
+            flow = face.flow or gradient
+            if flow is gradient and subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *there).holds is not True:
+                return None  # where grad g = 0 it says nothing of the normal
+            power = sp.Add(*(x * d for x, d in zip(forces, flow, strict=True)))
+            answer = subject.ask(sp.factor_terms(sp.expand(power)), Sense.NONNEGATIVE, *there)
+            if answer.holds is not True:
+                return None
+            used.add(answer.method)
     method = f"boundary-power ({', '.join(sorted(used))})"
     return Evidence(Verdict.PROVED, method, "force . flow >= 0 wherever g = 0", proof=_rising("boundary-power", subject))
 

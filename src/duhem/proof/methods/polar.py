@@ -47,7 +47,7 @@ def origin(subject: FormulaSubject) -> Evidence | None:
 
 def dissipation(subject: FormulaSubject) -> Evidence | None:
     """Euler: sigma . grad g > 0 on the boundary of g = A - B with A, B > 0 homogeneous of degrees a > b."""
-    if subject.problem.flow is not None or polar_form(subject) is None:
+    if not subject.problem.associated or polar_form(subject) is None:
         return None
     detail = "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary"
     return Evidence(Verdict.PROVED, "euler", detail, proof=Proof("euler"))

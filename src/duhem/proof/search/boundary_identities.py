@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import combinations
 from typing import Any
 
 import sympy as sp
@@ -18,8 +19,9 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
 from duhem.proof.search.identities import Condition, identity, text
 from duhem.proof.search.squares import Polynomial
+from duhem.proof.statement.problem import Face, faces
 
-__all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward"]
+__all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward", "parallel"]
 
 _GOAL, _BOUNDARY, _TANGENT = "the goal", "the boundary", "the tangent"
 _MOST_PIECES, _MOST_MONOMIALS = 64, 150
@@ -28,27 +30,41 @@ Identities = tuple[Mapping[str, Any], ...]
 
 @fact
 def outward(subject: FormulaSubject) -> Identities:
-    """For every piece of g, why force . flow > 0 (>= 0 for a flow of the law's own) wherever it is 0; none where one is missing."""
-    forms, law, found = _Forms.of(subject.law), subject.law, list[Mapping[str, Any]]()
-    sense = ">=" if law.flow is None else ">"
-    by_formula: dict[sp.Basic, list[Branch]] = {}
-    for branch in _pieces(sp.Tuple(forms.settled(law.g), *(forms.settled(d) for d in law.flow or ()))):
-        by_formula.setdefault(branch.expr, []).append(branch)
-    for (g, *flow), where in by_formula.items():
-        boundary, components = forms.form(g), [forms.form(d) for d in flow]
-        if boundary is None or None in components:
-            return ()
-        power = forms.along(forms.forces, components or [boundary.diff(x) for x in forms.forces])
-        known = forms.refuted(-power, sense, {_BOUNDARY: boundary})  # as if the piece were g everywhere
-        if known is not None:
-            found.append(known)
-            continue
-        for branch in where:
-            sides = [forms.form(sign * switch) for switch, sign in branch.signs.items()]
-            if not sides or None in sides or (known := forms.refuted(-power, sense, {_BOUNDARY: boundary}, sides)) is None:
+    """For every piece of g, why force . flow > 0 (>= 0 for a flow of its own) wherever it is 0 in K; none where one is missing."""
+    forms, found = _Forms.of(subject.law), list[Mapping[str, Any]]()
+    for face in faces(subject.law):
+        for g, flow, where in _smooth(forms, face):
+            if g is None or None in flow:
                 return ()
-            found.append(known)
+            power = forms.along(forms.forces, flow or [g.diff(x) for x in forms.forces])
+            known = forms.everywhere(-power, ">=" if face.flow is None else ">", g, where)
+            if not known:
+                return ()
+            found += known
     return tuple(found)
+
+
+@fact
+def parallel(subject: FormulaSubject) -> Mapping[str, Any]:
+    """For every piece of each face with a flow of its own, why that is a positive multiple of grad g where g = 0 in K.
+
+    ``along``: flow . grad g > 0; ``across``: no component of their vector product is > 0 or < 0.  Empty where one is missing.
+    """
+    forms, along, across = _Forms.of(subject.law), list[Mapping[str, Any]](), list[Mapping[str, Any]]()
+    for face in faces(subject.law):
+        for g, flow, where in _smooth(forms, face) if face.flow is not None else ():
+            if g is None or None in flow:
+                return {}
+            gradient = [g.diff(x) for x in forms.forces]
+            products = [flow[i] * gradient[j] - flow[j] * gradient[i] for i, j in combinations(range(len(flow)), 2)]
+            goals = [minor for product in products if not product.is_zero for minor in (product, -product)]
+            known = [forms.everywhere(goal, ">", g, where) for goal in goals]
+            lead = forms.everywhere(-sum((d * n for d, n in zip(flow, gradient, strict=True)), forms.zero), ">=", g, where)
+            if not lead or not all(known):
+                return {}
+            along += lead
+            across += [one for some in known for one in some]
+    return {"along": along, "across": across}
 
 
 @fact
@@ -93,6 +109,18 @@ def directions(law: Criterion) -> list[str]:
     return [prefix + x for x in law.forces]
 
 
+def _smooth(forms: _Forms, face: Face) -> Iterator[tuple[sp.Poly | None, list[sp.Poly | None], list[list[sp.Expr]]]]:
+    """The different smooth forms of g and flow on a face, each with what is >= 0 on every branch where it holds."""
+    formulas: dict[tuple[sp.Basic, ...], list[list[sp.Expr]]] = {}
+    flow = face.flow or ()
+    for branch in _pieces(sp.Tuple(*map(forms.settled, (face.g, *flow, *face.others)))):
+        own, others = branch.expr[: 1 + len(flow)], branch.expr[1 + len(flow) :]
+        sides = [*(sign * switch for switch, sign in branch.signs.items()), *(-other for other in others)]
+        formulas.setdefault(tuple(own), []).append(sides)
+    for (g, *components), where in formulas.items():
+        yield forms.form(g), list(map(forms.form, components)), where
+
+
 def _pieces(expr: sp.Basic) -> Sequence[Branch]:
     try:
         return thick(branches(expr, _MOST_PIECES))
@@ -133,14 +161,29 @@ class _Forms:
 
     def along(self, v: Sequence[sp.Symbol], components: Sequence[sp.Poly | None]) -> sp.Poly:
         """Their scalar product."""
-        zero = sp.Poly(0, *self.generators)
-        return sum((sp.Poly(x, *self.generators) * d for x, d in zip(v, components, strict=True)), zero)
+        return sum((sp.Poly(x, *self.generators) * d for x, d in zip(v, components, strict=True)), self.zero)
 
     def derivatives(self, f: sp.Poly) -> tuple[sp.Poly, sp.Poly]:
         """v . grad f and v . Hess f v."""
         v = self.generators[len(self.forces) : 2 * len(self.forces)]
         first = self.along(v, [f.diff(x) for x in self.forces])
         return first, self.along(v, [first.diff(x) for x in self.forces])
+
+    @property
+    def zero(self) -> sp.Poly:
+        return sp.Poly(0, *self.generators)
+
+    def everywhere(self, goal: sp.Poly, op: str, boundary: sp.Poly, where: Sequence[Sequence[sp.Expr]]) -> list[Mapping[str, Any]]:
+        """Why ``goal`` is never ``op`` 0 on the boundary, everywhere or else on each of the places; none where one is missing."""
+        if (known := self.refuted(goal, op, {_BOUNDARY: boundary})) is not None:  # as if the piece were g everywhere
+            return [known]
+        found = list[Mapping[str, Any]]()
+        for conditions in where:
+            sides = [self.form(side) for side in conditions]
+            if not sides or None in sides or (known := self.refuted(goal, op, {_BOUNDARY: boundary}, sides)) is None:
+                return []
+            found.append(known)
+        return found
 
     def refuted(
         self, goal: sp.Poly, op: str, zero: Mapping[str, sp.Poly], sides: Sequence[sp.Poly | None] = ()

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
@@ -68,16 +69,21 @@ class BoundaryScout:
 
     def unit_flow(self) -> Any:
         """The flow at the boundary points, of length 1; 0 where it has no value or none in doubles."""
-        flow = self.subject.simple.flow
-        if flow is None:
-            slips = self._gradient()
-        else:
-            exact = rationals(self.parameters)
-            with np.errstate(all="ignore"):
-                columns = [compiled(c.subs(exact), self.forces)(*self.boundary.T) for c in flow]
-            slips = np.stack([np.broadcast_to(c, len(self.boundary)) for c in columns], axis=1)
+        slips = np.stack([self._slips(face.flow) for face in self.subject.simple.faces])[self._acting(), np.arange(len(self.boundary))]
         slips = np.where(np.isfinite(slips).all(axis=1, keepdims=True), slips, 0.0)
         return slips / (np.linalg.norm(slips, axis=1, keepdims=True) + 1e-300)
+
+    def _acting(self) -> Any:
+        """Which face each boundary point lies on: that whose g is greatest."""
+        faces = self.subject.simple.faces
+        return np.argmax([self._over_boundary(face.g) for face in faces], axis=0) if len(faces) > 1 else 0
+
+    def _slips(self, flow: tuple[sp.Expr, ...] | None) -> Any:
+        return self._gradient() if flow is None else np.stack([self._over_boundary(c) for c in flow], axis=1)
+
+    def _over_boundary(self, expr: sp.Expr) -> Any:
+        with np.errstate(all="ignore"):
+            return np.broadcast_to(compiled(expr.subs(rationals(self.parameters)), self.forces)(*self.boundary.T), len(self.boundary))
 
     def _gradient(self) -> Any:
         step = 1e-6 * (np.linalg.norm(self.boundary, axis=1, keepdims=True) + 1e-300)

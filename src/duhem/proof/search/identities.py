@@ -20,7 +20,7 @@ __all__ = ["Condition", "identity", "text"]
 
 _ONE = Fraction(1)
 _MOST_TERMS = 20_000  # that a block may be chosen from
-_MOST_STARTS = 3  # of the same degree
+_MOST_STARTS = 6  # of the same degree
 _FURTHER = (0, 2, 4)  # degrees beyond that of the conditions
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -22,9 +22,31 @@ from duhem.expression.text import formula
 from duhem.expression.weights import removable
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
+from duhem.law.yield_surface import YieldSurface
 from duhem.proof.statement.obligations import with_algebraic_angles
 
-__all__ = ["Problem", "as_written", "state"]
+__all__ = ["Face", "Problem", "as_written", "faces", "state"]
+
+
+class Face(NamedTuple):
+    """A part of K's boundary with one rule for the slip: where ``g`` = 0 and every one of ``others`` is <= 0.
+
+    There ``flow`` is in the cone of slips (Koiter 1953); None for the normality rule.  A law of one surface has one face.
+    """
+
+    g: sp.Expr
+    flow: tuple[sp.Expr, ...] | None
+    others: tuple[sp.Expr, ...] = ()
+
+    def put(self, values: Mapping[sp.Symbol, Any]) -> Face:
+        """The same with symbols replaced."""
+        flow = None if self.flow is None else tuple(c.subs(values) for c in self.flow)
+        return Face(self.g.subs(values), flow, tuple(g.subs(values) for g in self.others))
+
+    def with_algebraic_angles(self) -> Face:
+        """The same with waves of a polar angle as algebra."""
+        flow = None if self.flow is None else tuple(map(algebraic_angles, self.flow))
+        return Face(algebraic_angles(self.g), flow, tuple(map(algebraic_angles, self.others)))
 
 
 @dataclass(frozen=True)
@@ -32,8 +54,9 @@ class Problem:
     """``g`` over ``forces`` and ``magnitude`` (N = |sigma_n| > 0, None without pressure); ``given`` bounds the rest.
 
     ``stated`` is the formula's tree as it was written: g is what it becomes where all of its parts are defined.
-    ``stated_flow`` are those of a flow of the law's own, and of a potential whose gradient it is.
-    ``slice`` holds what the simplifications fixed: symbols of the law set to a number.
+    ``stated_flow`` are those of flows of the law's own, and of potentials whose gradients they are.
+    ``slice`` holds what the simplifications fixed: symbols of the law set to a number.  The slip is told by ``faces``, which cover
+    the boundary.
     """
 
     law: Criterion
@@ -43,11 +66,16 @@ class Problem:
     forces: tuple[sp.Symbol, ...]
     magnitude: sp.Symbol | None
     given: tuple[sp.Basic, ...]
-    flow: tuple[sp.Expr, ...] | None
+    faces: tuple[Face, ...]
     slice: Mapping[sp.Symbol, sp.Rational]
 
     def __hash__(self) -> int:
-        return hash((self.g, self.forces, self.given, self.flow))
+        return hash((self.g, self.forces, self.given, self.faces))
+
+    @property
+    def associated(self) -> bool:
+        """Whether the slip is normal to the boundary by definition."""
+        return all(face.flow is None for face in self.faces)
 
     @property
     def parameters(self) -> tuple[sp.Symbol, ...]:
@@ -63,8 +91,10 @@ class Problem:
 
     def simplest(self) -> Problem:
         """An equivalent slice: outer monotone maps dropped, invariant forces and scaling parameters fixed."""
-        plain = replace(self, g=without_outer_map(self.g))
-        return plain.quotient().dimensionless() if plain.flow is None else plain
+        g = without_outer_map(self.g)
+        faces = (self.faces[0]._replace(g=g),) if len(self.faces) == 1 else self.faces
+        plain = replace(self, g=g, faces=faces)
+        return plain.quotient().dimensionless() if plain.associated else plain
 
     def quotient(self) -> Problem:
         """Forces set to 0 along directions in which g does not change (hydrostatic pressure for J2-J3 laws)."""
@@ -88,7 +118,7 @@ def _replaced(problem: Problem, values: Mapping[sp.Symbol, Any]) -> Problem:
         g=problem.g.subs(values),
         forces=tuple(x for x in problem.forces if x not in values),
         given=given,
-        flow=None if problem.flow is None else tuple(c.subs(values) for c in problem.flow),
+        faces=tuple(face.put(values) for face in problem.faces),
         slice={**problem.slice, **values},
     )
 
@@ -107,18 +137,15 @@ def state(law: Criterion) -> Problem:
     if magnitude is not None and (span := law.domain.get(law.pressure or "")) is not None:
         given += _compressed(span).relations(magnitude)
     values = {name: swap.get(x, x) for name, x in table.items()}
-    stated, *stated_flow = (_tree(law, text, expr, values) for text, expr in zip(as_written(law), (law.g, *(law.flow or ())), strict=True))
-    if law.potential is not None:
-        stated_flow.append(parse_as_written(law.potential, values))
     return Problem(
         law=law,
-        stated=stated,
-        stated_flow=tuple(stated_flow),
+        stated=_trees(law, law, values)[0],
+        stated_flow=tuple(tree for trees in (_trees(law, s, values) for s in law.surfaces or (law,)) for tree in trees[1:]),
         g=algebraic_angles(law.g.subs(swap)),
         forces=law.force_symbols(),
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
-        flow=None if law.flow is None else tuple(algebraic_angles(c.subs(swap)) for c in law.flow),
+        faces=tuple(face.put(swap).with_algebraic_angles() for face in faces(law)),
         slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
     )
 
@@ -128,10 +155,19 @@ def _compressed(span: Domain) -> Domain:
     return Domain(None if span.high is None or span.high >= 0 else -span.high, None if span.low is None else -span.low)
 
 
-def as_written(law: Criterion) -> tuple[str, ...]:
-    """The formula and the components of the flow as they were given, where they still are the law's; else as the law has them."""
-    texts = (law.written, *(law.written_flow or ("",) * len(law.flow or ())))
-    return tuple(_as_given(law, text, expr) for text, expr in zip(texts, (law.g, *(law.flow or ())), strict=True))
+def faces(law: Criterion) -> tuple[Face, ...]:
+    """The whole boundary {g = 0}, or the share of each surface where one of them has a flow of its own, in the law's symbols."""
+    if law.associated or not law.surfaces:
+        return (Face(law.g, law.flow),)
+    bounds = [surface.g for surface in law.surfaces]
+    return tuple(Face(s.g, s.flow, (*bounds[:i], *bounds[i + 1 :])) for i, s in enumerate(law.surfaces))
+
+
+def as_written(law: Criterion, surface: Criterion | YieldSurface | None = None) -> tuple[str, ...]:
+    """The formula and the flow of the law, or of a surface, as they were given, where they still are that; else as the law has them."""
+    stated = surface or law
+    texts = (stated.written, *(stated.written_flow or ("",) * len(stated.flow or ())))
+    return tuple(_as_given(law, text, expr) for text, expr in zip(texts, (stated.g, *(stated.flow or ())), strict=True))
 
 
 def _as_given(law: Criterion, text: str, expr: sp.Expr) -> str:
@@ -139,6 +175,13 @@ def _as_given(law: Criterion, text: str, expr: sp.Expr) -> str:
         return text if text and parse_expression(text, law.symbols()) == expr else formula(expr)
     except InputError:
         return formula(expr)
+
+
+def _trees(law: Criterion, stated: Criterion | YieldSurface, values: Mapping[str, sp.Expr]) -> list[sp.Expr]:
+    """Of g, of each component of the flow, and of the potential it comes from."""
+    formulas = zip(as_written(law, stated), (stated.g, *(stated.flow or ())), strict=True)
+    found = [_tree(law, text, expr, values) for text, expr in formulas]
+    return [*found, *([] if stated.potential is None else [parse_as_written(stated.potential, values)])]
 
 
 def _tree(law: Criterion, text: str, expr: sp.Expr, values: Mapping[str, sp.Expr]) -> sp.Expr:

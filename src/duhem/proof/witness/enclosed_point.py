@@ -19,7 +19,7 @@ from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.rational_points import decimal_pair, describe, sign_at
 
-__all__ = ["EnclosedPoint", "enclosed", "enclosed_normal", "over_box", "violation"]
+__all__ = ["EnclosedPoint", "enclosed", "enclosed_flow", "enclosed_normal", "over_box", "violation"]
 
 _WIDTHS = (20, 40, 60, 90, 120)
 
@@ -70,6 +70,12 @@ def enclosed_normal(subject: FormulaSubject, point: EnclosedPoint) -> tuple[sp.E
         if all(certain_sign(over_box(sign * switch, subject, point)) == 1 for switch, sign in piece.signs.items()):
             return tuple(sp.diff(piece.expr, x) for x in subject.simple.forces)
     return None
+
+
+def enclosed_flow(subject: FormulaSubject, point: EnclosedPoint) -> tuple[sp.Expr, ...] | None:
+    """The slip at the enclosed point: that of the one surface that can be 0 there; None at a corner, or on a seam of a normal."""
+    acting = [face for face in subject.simple.faces if all(certain_sign(over_box(other, subject, point)) == -1 for other in face.others)]
+    return (acting[0].flow or enclosed_normal(subject, point)) if len(acting) == 1 else None
 
 
 def violation(
