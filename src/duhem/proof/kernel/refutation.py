@@ -27,7 +27,15 @@ _ENOUGH = {">": ((">",), POSITIVE), ">=": ((">", ">="), POSITIVE | ZERO), "==": 
 def shown(poly: Polynomial, sense: str, given: Mapping[str, Condition], identities: Sequence[Identity], domain: StatedDomain) -> bool:
     """Whether some identity refutes that ``poly`` is not ``sense`` 0 (">" or ">=") somewhere in the domain where ``given`` holds."""
     against = (times({(): Fraction(-1)}, poly), ">=" if sense == ">" else ">")
-    return any(_refuted({**given, _GOAL: against}, identity, domain) for identity in identities)
+    return any(_speaks({**given, _GOAL: against}, identity, domain) for identity in identities)
+
+
+def _speaks(conditions: Mapping[str, Condition], identity: Identity, domain: StatedDomain) -> bool:
+    """Whether the identity is about these conditions, not those of another place, and refutes them."""
+    try:
+        return _refuted(conditions, identity, domain)
+    except NotWritten:
+        return False
 
 
 def _refuted(conditions: Mapping[str, Condition], identity: Identity, domain: StatedDomain) -> bool:
