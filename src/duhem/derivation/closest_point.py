@@ -11,6 +11,7 @@ import sympy as sp
 
 from duhem.derivation.energy import column, energy, equal
 from duhem.derivation.equation import Belongs, Equation
+from duhem.derivation.koiter import step_of_surfaces
 from duhem.derivation.notation import Names
 from duhem.derivation.numerical_check import sample_values
 from duhem.derivation.pieces import Pieces
@@ -38,7 +39,9 @@ def increment_equations(names: Names, found: Pieces | None) -> Iterator[Equation
     compliance = names.stiffness.inv()
     gap = sp.Matrix([t - s for t, s in zip(names.trial, forces, strict=True)])
     slip = compliance * gap
-    if law.flow is not None:
+    if not law.associated and law.flow is None:
+        yield from step_of_surfaces(names, STEP)
+    elif law.flow is not None:
         moved = column(t - c for t, c in zip(names.trial, names.step * names.stiffness * sp.Matrix(law.flow), strict=True))
         yield Equation("D14", "step_stress", equal(column(forces), moved), "own flow: a fixed point, not a projection", STEP)
     else:
@@ -61,8 +64,11 @@ def increment_equations(names: Names, found: Pieces | None) -> Iterator[Equation
                 "gradient of the Lagrangian J + Delta_lambda g: k^-1 (sigma_trial - sigma) = Delta_lambda dg/dsigma",
                 STEP,
             )
-    three = (sp.GreaterThan(names.step, 0, evaluate=False), sp.LessThan(law.g, 0, evaluate=False), equal(names.step * law.g, sp.S.Zero))
-    yield Equation("D16", "step_complementarity", sp.And(*three, evaluate=False), "the step slips only if it ends on the boundary", STEP)
+    if law.associated or law.flow is not None:
+        three = (sp.GreaterThan(names.step, 0, evaluate=False), sp.LessThan(law.g, 0, evaluate=False), equal(names.step * law.g, sp.S.Zero))
+        yield Equation(
+            "D16", "step_complementarity", sp.And(*three, evaluate=False), "the step slips only if it ends on the boundary", STEP
+        )
     yield Equation(
         "D17", "step_slip", equal(column(names.slip_step), column(slip)), "slip over the step: the trial stress in excess, released", STEP
     )
@@ -173,7 +179,7 @@ def one_dimensional_equations(names: Names) -> Iterator[Equation]:
             ("K with the other forces zero" if len(names.forces) > 1 else "K as an interval") + needs,
             LINE,
         )
-        if law.flow is not None:
+        if not law.associated:
             continue
         elastic = names.stiffness[i, i] * names.total[i]
         stick = sp.And(sp.StrictLessThan(low, elastic, evaluate=False), sp.StrictLessThan(elastic, high, evaluate=False), evaluate=False)

@@ -10,6 +10,7 @@ from duhem.derivation.closest_point import increment_equations, interval, one_di
 from duhem.derivation.energy import state_equations
 from duhem.derivation.equation import Derivation, Equation
 from duhem.derivation.evolution import evolution_equations, potential_equations
+from duhem.derivation.koiter import slips
 from duhem.derivation.notation import Names
 from duhem.derivation.pieces import MOST, pieces
 from duhem.derivation.support_function import fixed, support_function
@@ -53,8 +54,10 @@ def _equations(law: Criterion, names: Names, left_out: list[LeftOut]) -> Iterato
     if found is None:
         left_out.append(LeftOut("normal and criterion by branches", f"the formula has more than {MOST} branches"))
     yield from evolution_equations(names, found)
-    if law.flow is not None:
+    if not law.associated:
         left_out.append(LeftOut("dissipation potential", "the law has a flow of its own, which no potential of K gives"))
+        if law.flow is None and slips(law) is None:
+            left_out.append(LeftOut("flow by surfaces", f"a surface has more than {MOST} branches"))
     elif (support := support_function(law)) is None:
         left_out.append(LeftOut("dissipation potential", "K has no support function in closed form by the polar rules"))
     else:

@@ -11,6 +11,7 @@ import sympy as sp
 
 from duhem.derivation.energy import column, equal
 from duhem.derivation.equation import Belongs, Equation
+from duhem.derivation.koiter import flow_of_surfaces
 from duhem.derivation.notation import Names
 from duhem.derivation.pieces import Pieces, Seams, seams
 from duhem.derivation.potential import SupportFunction
@@ -53,7 +54,7 @@ def evolution_equations(names: Names, found: Pieces | None) -> Iterator[Equation
         CRITERION,
     )
     indicator = sp.Function("I_K")(*forces)
-    if law.flow is None:
+    if law.associated:
         yield Equation(
             "33",
             "dual_potential",
@@ -68,8 +69,8 @@ def evolution_equations(names: Names, found: Pieces | None) -> Iterator[Equation
         "zero on K, infinite outside",
         CRITERION,
     )
-    if law.flow is not None:
-        yield from _own_flow(names)
+    if not law.associated:
+        yield from _own_flow(names) if law.flow is not None else flow_of_surfaces(names, FLOW)
         return
     cone = sp.Function("N_K")(*forces)
     yield Equation(

@@ -26,7 +26,7 @@ class Names(Verbatim):
     ``total``, ``elastic``, ``inelastic``: displacements u, u_e, u_in; ``speed``, ``rates``: their rates du/dt and
     du_in/dt; ``normal``: outward normal; ``trial``: trial stress of a step; ``elastic_step``, ``slip_step``: increments of
     u_e and u_in over a step; ``other``: any admissible stress; ``multiplier``, ``step``: the
-    multiplier's rate and its increment over a step.
+    multiplier's rate and its increment over a step; ``multipliers``, ``steps``: one of each for every surface of the law.
     """
 
     law: Criterion
@@ -43,6 +43,8 @@ class Names(Verbatim):
     other: tuple[sp.Symbol, ...]
     multiplier: sp.Symbol
     step: sp.Symbol
+    multipliers: tuple[sp.Symbol, ...]
+    steps: tuple[sp.Symbol, ...]
     stiffness: sp.ImmutableMatrix
     latex: dict[sp.Symbol, str] = field(repr=False)
 
@@ -71,6 +73,7 @@ class Names(Verbatim):
         def each(stem: str, written: str) -> tuple[sp.Symbol, ...]:
             return tuple(fresh(f"{stem}_{t}", written.replace("?", _latex_tail(t))) for t in tails)
 
+        surfaces = range(1, len(law.surfaces) + 1)
         latex |= {r: rf"\dot u^{{\mathrm{{in}}}}_{{{_latex_tail(t)}}}" for r, t in zip(rates, tails, strict=True)}
         return cls(
             law=law,
@@ -87,6 +90,8 @@ class Names(Verbatim):
             other=each("tau", r"\tau_{?}"),
             multiplier=fresh("lambda_dot", r"\dot\lambda", nonnegative=True),
             step=fresh("Delta_lambda", r"\Delta\lambda", nonnegative=True),
+            multipliers=tuple(fresh(f"lambda_dot_{i}", rf"\dot\lambda_{{{i}}}", nonnegative=True) for i in surfaces),
+            steps=tuple(fresh(f"Delta_lambda_{i}", rf"\Delta\lambda_{{{i}}}", nonnegative=True) for i in surfaces),
             stiffness=_stiffness(stiffness, tails, fresh),
             latex=latex,
         )

@@ -66,7 +66,7 @@ def identify(
 
 
 def _check_suited(law: Criterion) -> None:
-    if law.flow is not None:
+    if not law.associated:
         what = f"{law.name} has a slip direction of its own, of which limit points say nothing"
         raise InputError(what, where="law", remedy="take an associated law, such as antoni2007 or orthotropic")
     forces = set(law.force_symbols())

@@ -72,7 +72,7 @@ _DEFAULTS = CvxpyOptions()
 
 def applies(increment: Increment) -> str | None:
     """None if the cone program can be posed, else the part of the formula that the DCP rules reject, and what to do."""
-    if increment.law.flow is not None:
+    if not increment.law.associated:
         return f"{increment.law.name} has a flow of its own, and the closest-point step is that of the normality rule; leave the flow out"
     if far := too_far_apart(increment.stiffness):
         return far

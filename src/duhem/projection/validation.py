@@ -30,11 +30,11 @@ def increment(
 
 def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None) -> Increment:
     """The checked question but for its points: no trial stress yet."""
-    if law.flow is not None:
+    if not law.associated:
         raise InputError(
             f"{law.name} has a flow of its own, and the closest point is the slip increment of associated laws only",
             where="law",
-            remedy="integrate its flow rule instead, or project onto the same criterion without [flow]",
+            remedy="integrate its flow rule instead, or project onto the same criterion without its flow",
         )
     values = _parameters(law, parameters)
     k = _stiffness(stiffness, len(law.forces))

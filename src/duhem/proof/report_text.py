@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from duhem.expression.text import formula
 from duhem.law.curve_law import ParametricCriterion
-from duhem.law.formula_law import Criterion
+from duhem.law.yield_surface import YieldSurface
 from duhem.proof.verdict import Trust, Verdict, Witness
 from duhem.show.page import PAGE, Page, tied
 
@@ -62,9 +62,17 @@ def _head(law: Law, page: Page, effort: str) -> Iterator[str]:
 
 
 def _direction(law: Law) -> str:
-    if isinstance(law, Criterion) and law.potential is not None:
-        return f"gradient of {' '.join(law.potential.split())}"
-    return "normal to the boundary (associated)" if law.flow is None else f"({', '.join(formula(c) for c in law.flow)})"
+    if law.associated:
+        return "normal to the boundary (associated)"
+    if isinstance(law, ParametricCriterion) or not law.surfaces:
+        return _slip(law)
+    return "any sum of: " + "; ".join(f"{_slip(surface)} where {formula(surface.g)} = 0" for surface in law.surfaces)
+
+
+def _slip(stated: Law | YieldSurface) -> str:
+    if not isinstance(stated, ParametricCriterion) and stated.potential is not None:
+        return f"gradient of {' '.join(stated.potential.split())}"
+    return "normal" if stated.flow is None else f"({', '.join(formula(c) for c in stated.flow)})"
 
 
 def _stated(law: Law) -> tuple[str, str]:
