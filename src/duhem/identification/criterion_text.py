@@ -3,36 +3,54 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.text import formula
+from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
+from duhem.law.yield_surface import YieldSurface
 
 __all__ = ["criterion_text"]
 
 
-def criterion_text(law: Criterion) -> str:
-    """The law in TOML: formula, parameters with exact values or domains, constraints, flow.
+def criterion_text(law: Law) -> str:
+    """The law in TOML: formula, surfaces or boundary curve, parameters with exact values or domains, constraints, flow.
 
     InputError for a value or an end of a domain that is no finite decimal.
     """
     lines = ["[criterion]", f"name = {_quoted(law.name)}"]
     lines += [f"{key} = {_quoted(value)}" for key, value in (("summary", law.summary), ("source", law.source)) if value]
     lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
-    lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}", f"g = {_quoted(formula(law.g))}"]
+    lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}"]
+    if isinstance(law, Criterion) and not law.surfaces:
+        lines += [f"g = {_quoted(formula(law.g))}", *_potential(law)]
     if law.constraints:
         lines += [f"constraints = [{', '.join(_quoted(formula(c)) for c in law.constraints)}]"]
     lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in law.parameters.items())]
+    if isinstance(law, ParametricCriterion):
+        lines += ["", "[boundary]", f"angle = {_quoted(law.angle)}", f"T = {_list(law.boundary)}"]
+        lines += [f"direction = {_list(law.flow)}"] if law.flow is not None else []
+        return "\n".join(lines) + "\n"
     if law.domain:
         lines += ["", "[domain]", *(f"{name} = {_domain(own, f'{law.name}: {name}')}" for name, own in law.domain.items())]
-    if law.potential is not None:
-        lines.insert(lines.index(""), f"potential = {_quoted(law.potential)}")
-    elif law.flow is not None:
-        lines += ["", "[flow]", f"direction = [{', '.join(_quoted(formula(c)) for c in law.flow)}]"]
+    if law.flow is not None and law.potential is None:
+        lines += ["", "[flow]", f"direction = {_list(law.flow)}"]
+    for surface in law.surfaces:
+        lines += ["", "[[surface]]", f"g = {_quoted(formula(surface.g))}", *_potential(surface)]
+        lines += [f"flow = {_list(surface.flow)}"] if surface.flow is not None and surface.potential is None else []
     return "\n".join(lines) + "\n"
+
+
+def _potential(stated: Criterion | YieldSurface) -> list[str]:
+    return [] if stated.potential is None else [f"potential = {_quoted(stated.potential)}"]
+
+
+def _list(formulas: Sequence[sp.Expr]) -> str:
+    return f"[{', '.join(_quoted(formula(x)) for x in formulas)}]"
 
 
 def _quoted(text: str) -> str:

@@ -121,7 +121,7 @@ def _exists(path: str) -> bool:
         return False
 
 
-def _from_file(path: str | Path) -> Criterion:
+def _from_file(path: str | Path) -> Law:
     from duhem.law.criterion_file import read
 
     return read(path)
@@ -191,4 +191,15 @@ shift = { min = 0, max = 0.5 }            # a closed interval; either end may be
 # Left out, it is normal to g = 0 (associated law).
 # [flow]
 # direction = ["sigma_a", "sigma_b"]
+
+# A law of several surfaces has, instead of g, one such table for each; K is where all of them are <= 0.
+# [[surface]]
+# g = "sigma_a - mu_a*abs(sigma_n)"
+# flow = ["1", "0"]                       # or potential = "..."; left out, the slip is normal to the surface
+
+# A law given by its boundary curve has, instead of g, the point and the slip direction at each angle, for |sigma_n| = 1.
+# [boundary]
+# angle = "phi"
+# T = ["mu_a*cos(phi)", "mu_b*sin(phi)"]
+# direction = ["cos(phi)", "sin(phi)"]    # left out, it is normal to the curve
 """

@@ -1,4 +1,8 @@
-"""Criterion files: TOML in, a frozen :class:`duhem.law.formula_law.Criterion` out, every fault with its line and column."""
+"""Criterion files: TOML in, a frozen law out, every fault with its line and column.
+
+``g`` in [criterion] or several [[surface]] give a :class:`duhem.law.formula_law.Criterion`, [boundary] gives a
+:class:`duhem.law.curve_law.ParametricCriterion`.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +22,13 @@ from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.gradient import gradient
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation, written_out
+from duhem.law.curve_law import ANGLE, Law, ParametricCriterion, closes
 from duhem.law.definitions import Definitions, PlacedFormula, definitions
 from duhem.law.domain import POSITIVE, Domain, range_fault
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.law.placed_toml import Key, PlacedToml, meant, parsed, text_of
+from duhem.law.yield_surface import YieldSurface
 
 __all__ = ["read", "reads"]
 
@@ -31,17 +37,17 @@ _CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", 
 _PARAMETER = ("positive", "min", "max", "value")
 
 
-def read(path: str | PathLike[str]) -> Criterion:
-    """The criterion of a TOML file; InputError names file, line and column of whatever is wrong in it."""
+def read(path: str | PathLike[str]) -> Law:
+    """The law of a TOML file; InputError names file, line and column of whatever is wrong in it."""
     absent = "check the path, or make one with: duhem init NAME"
     return reads(text_of(path, "criterion file", MOST_BYTES, absent=absent), where=f"{path}")
 
 
-def reads(text: str, where: str = "criterion") -> Criterion:
-    """The criterion written in ``text``; ``where`` names it in messages."""
+def reads(text: str, where: str = "criterion") -> Law:
+    """The law written in ``text``; ``where`` names it in messages."""
     if not text.strip():
         raise InputError("the file is empty", where=where, remedy="start from the template: duhem init NAME")
-    return _CriterionReader(parsed(text, where, number=Decimal)).criterion()
+    return _CriterionReader(parsed(text, where, number=Decimal)).law()
 
 
 @dataclass(frozen=True)
@@ -58,8 +64,8 @@ class _CriterionReader:
     def document(self) -> Mapping[str, Any]:
         return self.toml.document
 
-    def criterion(self) -> Criterion:
-        self.keys("", self.document, ("criterion", "define", "domain", "parameters", "flow"))
+    def law(self) -> Law:
+        self.keys("", self.document, ("criterion", "define", "domain", "parameters", "flow", "surface", "boundary"))
         head = self.table("criterion")
         self.keys("criterion", head, _CRITERION)
         name = self.line("criterion", "name")
@@ -67,16 +73,21 @@ class _CriterionReader:
         forces = self.names() if stress is None else list(stress.components)
         pressure = self.pressure()
         domains = {p: self.domain(p, entry) for p, entry in self.table("parameters", required=False).items()}
-        self.check_names([*forces, *([pressure] if pressure else [])], domains, Abbreviations(stress=stress).words())
+        declared = [(f, "criterion", "forces") for f in forces] + ([(pressure, "criterion", "pressure")] if pressure else [])
+        declared += [(p, "parameters", p) for p in domains]
+        self.check_names(declared, Abbreviations(stress=stress).words())
         parameters = {p: domain.symbol(p) for p, domain in domains.items()}
         known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {}) | parameters
+        if "boundary" in self.document:
+            self.alone("boundary", "criterion", "g", "potential", "stress")
+            self.alone("boundary", "", "flow", "surface", "domain")
+            return self.curve(forces, pressure, domains, declared)
         define = self.definitions(known, stress)
-        g = self.expression("criterion", "g", known, define)
-        if not g.free_symbols & {known[f] for f in forces}:
-            raise self.error("g does not depend on any force", "criterion", "g", remedy=f"use at least one of {', '.join(forces)}")
+        surfaces = self.surfaces(forces, known, define)
+        g, written = (sp.nan, "") if surfaces else self.bound(forces, known, define, "criterion")
         constraints = self.constraints(parameters, define)
         domain = self.ranges(forces, pressure)
-        flow, potential = self.flow(forces, known, define), self.potential(forces, known, define)
+        flow, potential = self.flow(forces, known, define), self.potential(forces, known, define, "criterion")
         try:
             law = Criterion(
                 name=name,
@@ -88,19 +99,98 @@ class _CriterionReader:
                 flow=flow,
                 summary=self.line("criterion", "summary", required=False),
                 source=self.line("criterion", "source", required=False),
-                written=written_out(self.formula("criterion", "g", value=self.string("criterion", "g"))[0], define.short),
+                written=written,
                 written_flow=self.written_flow(define),
                 stress=stress,
                 define=define,
                 potential=potential,
                 domain=domain,
+                surfaces=surfaces,
             )
         except InputError as fault:
             raise InputError(fault.what, where=self.where, remedy=fault.remedy) from None
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
 
+    def curve(
+        self, forces: Sequence[str], pressure: str | None, domains: Mapping[str, Domain], declared: Sequence[tuple[str, str, str]]
+    ) -> Law:
+        """A law given by its boundary, in an angle and the parameters."""
+        self.keys("boundary", self.table("boundary"), ("angle", "T", "direction"))
+        angle = self.line("boundary", "angle", required=False) or ANGLE
+        self.check_names([*declared, (angle, "boundary", "angle")], frozenset())
+        if pressure is None or len(forces) != 2:
+            raise self.error("a boundary curve takes two forces and a pressure", "boundary", remedy="declare them, or write g instead")
+        parameters = {p: domain.symbol(p) for p, domain in domains.items()}
+        known = {angle: symbol(angle), **parameters}
+        define = self.definitions(known, None)
+        law = ParametricCriterion(
+            name=self.line("criterion", "name"),
+            boundary=self.pair("T", angle, known, define),
+            parameters=domains,
+            forces=tuple(forces),
+            pressure=pressure,
+            angle=angle,
+            constraints=self.constraints(parameters, define),
+            flow=self.pair("direction", angle, known, define) if "direction" in self.table("boundary") else None,
+            summary=self.line("criterion", "summary", required=False),
+            source=self.line("criterion", "source", required=False),
+        )
+        check_domain(law, where=self.place("criterion", "constraints"))
+        return law
+
     # -- the parts ---------------------------------------------------------------------------------------------
+
+    def alone(self, section: str, inside: str, *others: str) -> None:
+        """No ``others`` beside a section that stands for them."""
+        for key in others:
+            if key in (self.document[inside] if inside else self.document):
+                header = f"[[{section}]]" if section == "surface" else f"[{section}]"
+                what = f"{header} and {key if inside else f'[{key}]'} are both given"
+                raise self.error(what, inside, key, remedy="leave one of them out")
+
+    def surfaces(self, forces: Sequence[str], known: Mapping[str, sp.Symbol], define: Definitions) -> tuple[YieldSurface, ...]:
+        given = self.document.get("surface", [])
+        if not (isinstance(given, list) and all(isinstance(entry, dict) for entry in given)):
+            raise self.error("surface is no list of tables", "", "surface", remedy="write [[surface]] above each of them")
+        if given:
+            self.alone("surface", "criterion", "g", "potential")
+            self.alone("surface", "", "flow")
+        read = []
+        for i, entry in enumerate(given):
+            self.keys("surface", entry, ("g", "flow", "potential"), at=("surface", i))
+            g, written = self.bound(forces, known, define, "surface", i)
+            flow, potential = None, self.potential(forces, known, define, "surface", i)
+            if "flow" in entry:
+                if potential is not None:
+                    raise self.error("flow and potential are both given", "surface", i, "potential", remedy="leave one of them out")
+                flow = self.direction(forces, known, define, "surface", i, "flow")
+            read.append(YieldSurface(g, flow, potential, written))
+        return tuple(read)
+
+    def bound(self, forces: Sequence[str], known: Mapping[str, sp.Symbol], define: Definitions, *section: Key) -> tuple[sp.Expr, str]:
+        """The ``g`` of a section, and as it was given with all written out."""
+        g = self.expression(*section, "g", known=known, define=define)
+        if not g.free_symbols & {known[f] for f in forces}:
+            raise self.error("g does not depend on any force", *section, "g", remedy=f"use at least one of {', '.join(forces)}")
+        return g, written_out(self.formula(*section, "g", value=self.string(*section, "g"))[0], define.short)
+
+    def pair(self, key: str, angle: str, known: Mapping[str, sp.Symbol], define: Definitions) -> tuple[sp.Expr, sp.Expr]:
+        """The two components of a curve, in its angle."""
+        given = self.table("boundary").get(key)
+        if not (isinstance(given, list) and len(given) == 2 and all(isinstance(c, str) for c in given)):
+            remedy = f'write {key} = ["cos({angle})", "sin({angle})"]'
+            raise self.error(f"{key} is not a pair of expressions", "boundary", *([key] if given is not None else []), remedy=remedy)
+        one, two = (self.curve_component(key, i, angle, known, define) for i in range(2))
+        return one, two
+
+    def curve_component(self, key: str, i: int, angle: str, known: Mapping[str, sp.Symbol], define: Definitions) -> sp.Expr:
+        text, line, column = self.formula("boundary", key, i, value=self.value("boundary", key, i))
+        expr = parse_expression(text, known, where=self.where, line=line, column=column, short=define.short)
+        if not closes(expr, known[angle]):
+            remedy = f"write it in cos({angle}) and sin({angle}), multiples of the angle expanded"
+            raise self.error(f"{key} uses {angle} otherwise than as cos({angle}) and sin({angle})", "boundary", key, i, remedy=remedy)
+        return expr
 
     def names(self) -> list[str]:
         given = self.document["criterion"].get("forces", list(FORCES))
@@ -138,14 +228,16 @@ class _CriterionReader:
             )
         return given
 
-    def check_names(self, axes: Sequence[str], domains: Mapping[str, Domain], invariants: frozenset[str]) -> None:
-        for name in [*axes, *domains]:
-            section, key = ("parameters", name) if name in domains else ("criterion", "pressure" if name == axes[-1] else "forces")
+    def check_names(self, declared: Sequence[tuple[str, str, str]], invariants: frozenset[str]) -> None:
+        """Every name, with the section and key that declare it, is one, and is free."""
+        names = [name for name, _, _ in declared]
+        for name, section, key in declared:
             if not name.isidentifier():
                 raise self.error(f"{name!r} is not a name", section, key, remedy="use letters, digits and underscores")
             if name in WORDS or name in invariants or name == "pi" or keyword.iskeyword(name):
                 raise self.error(f"the name {name!r} already means something", section, key, remedy="choose another")
-            if [*axes, *domains].count(name) > 1:
+            if names.count(name) > 1:
+                _, section, key = next(last for last in reversed(declared) if last[0] == name)
                 raise self.error(f"{name!r} is declared twice", section, key, remedy="give each force and parameter a name of its own")
 
     def ranges(self, forces: Sequence[str], pressure: str | None) -> Mapping[str, Domain]:
@@ -196,42 +288,39 @@ class _CriterionReader:
         if "flow" not in self.document:
             return None
         self.keys("flow", self.table("flow"), ("direction",))
-        given = self.document["flow"].get("direction")
-        example = ", ".join(f'"{f}"' for f in forces)
-        if given is None:
+        if "direction" not in self.document["flow"]:
+            example = ", ".join(f'"{f}"' for f in forces)
             raise self.error("[flow] has no direction", "", "flow", remedy=f"write direction = [{example}]")
+        return self.direction(forces, known, define, "flow", "direction")
+
+    def direction(self, forces: Sequence[str], known: Mapping[str, sp.Symbol], define: Definitions, *path: Key) -> tuple[sp.Expr, ...]:
+        """A list of expressions, one for each force."""
+        given, example, short = self.value(*path), ", ".join(f'"{f}"' for f in forces), define.short
         if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
-            raise self.error("direction is not a list of expressions", "flow", "direction", remedy=f"write direction = [{example}]")
+            raise self.error(f"{path[-1]} is not a list of expressions", *path, remedy=f"write {path[-1]} = [{example}]")
         if len(given) != len(forces):
             counts = f"{len(given)} components for {len(forces)} forces"
-            raise self.error(
-                f"the flow direction has {counts}", "flow", "direction", remedy=f"give one expression for each of {', '.join(forces)}"
-            )
-        placed = [self.formula("flow", "direction", i, value=value) for i, value in enumerate(given)]
-        short = define.short
+            raise self.error(f"the flow direction has {counts}", *path, remedy=f"give one expression for each of {', '.join(forces)}")
+        placed = [self.formula(*path, i, value=value) for i, value in enumerate(given)]
         return tuple(parse_expression(t, known, where=self.where, line=line, column=column, short=short) for t, line, column in placed)
 
-    def written_flow(self, define: Definitions) -> tuple[str, ...]:
-        given = self.document.get("flow", {}).get("direction", ())
-        return tuple(written_out(self.formula("flow", "direction", i, value=c)[0], define.short) for i, c in enumerate(given))
-
-    def potential(self, forces: Sequence[str], known: Mapping[str, sp.Symbol], define: Definitions) -> str | None:
-        if "potential" not in self.document["criterion"]:
+    def potential(self, forces: Sequence[str], known: Mapping[str, sp.Symbol], define: Definitions, *section: Key) -> str | None:
+        if "potential" not in self.value(*section):
             return None
         if "flow" in self.document:
-            raise self.error("[flow] and potential are both given", "criterion", "potential", remedy="leave one of them out")
-        value = self.expression("criterion", "potential", known, define)
+            raise self.error("[flow] and potential are both given", *section, "potential", remedy="leave one of them out")
+        value = self.expression(*section, "potential", known=known, define=define)
         try:
             flow = gradient(value, [known[f] for f in forces])
         except InputError as fault:
-            raise self.error(fault.what, "criterion", "potential", remedy=fault.remedy) from None
+            raise self.error(fault.what, *section, "potential", remedy=fault.remedy) from None
         if not any(flow):
             remedy = f"use at least one of {', '.join(forces)}"
-            raise self.error("the potential does not depend on any force", "criterion", "potential", remedy=remedy)
-        return written_out(self.formula("criterion", "potential", value=self.string("criterion", "potential"))[0], define.short)
+            raise self.error("the potential does not depend on any force", *section, "potential", remedy=remedy)
+        return written_out(self.formula(*section, "potential", value=self.string(*section, "potential"))[0], define.short)
 
-    def expression(self, section: str, key: str, known: Mapping[str, sp.Symbol], define: Definitions) -> sp.Expr:
-        text, line, column = self.formula(section, key, value=self.string(section, key))
+    def expression(self, *path: Key, known: Mapping[str, sp.Symbol], define: Definitions) -> sp.Expr:
+        text, line, column = self.formula(*path, value=self.string(*path))
         return parse_expression(text, known, where=self.where, line=line, column=column, short=define.short)
 
     # -- tables and values -------------------------------------------------------------------------------------
@@ -244,18 +333,27 @@ class _CriterionReader:
             raise self.error(f"{section} is not a table", "", section, remedy=f"write [{section}] on a line of its own")
         return given or {}
 
-    def keys(self, section: str, given: Mapping[str, Any], allowed: Sequence[str], inside: str = "") -> None:
+    def keys(self, section: str, given: Mapping[str, Any], allowed: Sequence[str], inside: str = "", at: tuple[Key, ...] = ()) -> None:
         for key in given:
             if key not in allowed:
                 what = f"unknown {'key' if section else 'section'} {key[:40]!r}" + (f" of {inside}" if inside else "")
-                raise self.error(what, section, inside or key, remedy=meant(key, allowed))
+                raise self.error(what, *(at or (section,)), inside or key, remedy=meant(key, allowed))
 
-    def string(self, section: str, key: str, *, required: bool = True) -> str:
-        given = self.document[section].get(key, None if required else "")
+    def value(self, *path: Key) -> Any:
+        """What stands at a place that is known to be there."""
+        found: Any = self.document
+        for key in path:
+            found = found[key]
+        return found
+
+    def string(self, *path: Key, required: bool = True) -> str:
+        *section, key = path
+        given = self.value(*section).get(key, None if required else "")
         if given is None:
-            raise self.error(f"[{section}] has no {key}", "", section, remedy=f'add {key} = "..."')
+            header = f"[[{section[0]}]]" if len(section) > 1 else f"[{section[0]}]"
+            raise self.error(f"{header} has no {key}", *section, remedy=f'add {key} = "..."')
         if not isinstance(given, str) or (required and not given.strip()):
-            raise self.error(f"{key} is not a text" if given != "" else f"{key} is empty", section, key, remedy=f'write {key} = "..."')
+            raise self.error(f"{key} is not a text" if given != "" else f"{key} is empty", *path, remedy=f'write {key} = "..."')
         return given
 
     def line(self, section: str, key: str, *, required: bool = True) -> str:
@@ -267,12 +365,12 @@ class _CriterionReader:
 
     # -- places ------------------------------------------------------------------------------------------------
 
-    def error(self, what: str, section: str, key: str, *, remedy: str) -> InputError:
-        return InputError(what, where=self.place(section, key), remedy=remedy)
+    def error(self, what: str, *path: Key, remedy: str) -> InputError:
+        return InputError(what, where=self.place(*path), remedy=remedy)
 
-    def place(self, section: str, key: str) -> str:
+    def place(self, *path: Key) -> str:
         """file:line:column of a key, or the file where the key is not found."""
-        return self.toml.place(*filter(None, (section, key)))
+        return self.toml.place(*(key for key in path if key != ""))
 
     def formula(self, *path: Key, value: str) -> tuple[str, int, int]:
         """A formula with the line (from 1) and column (from 0) at which it begins.

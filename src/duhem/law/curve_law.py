@@ -23,7 +23,7 @@ from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion
 from duhem.law.registry import register
 
-__all__ = ["ANGLE", "Law", "ParametricCriterion", "parametric"]
+__all__ = ["ANGLE", "Law", "ParametricCriterion", "closes", "parametric"]
 
 ANGLE = "phi"
 
@@ -78,8 +78,7 @@ class ParametricCriterion(Verbatim):
         inside = {known[self.angle], *(known[name] for name in self.parameters)}
         if stray := expr.free_symbols - inside:
             raise InputError(f"{what} uses {sorted(map(str, stray))}", where=self.name, remedy="use the angle and the parameters only")
-        turn = known[self.angle]
-        if expr.xreplace({sp.cos(turn): sp.S.One, sp.sin(turn): sp.S.One}).has(turn):
+        if not closes(expr, turn := known[self.angle]):
             raise InputError(
                 f"{what} uses {turn} otherwise than as cos({turn}) and sin({turn})", where=self.name, remedy="expand multiples of the angle"
             )
@@ -116,6 +115,11 @@ class ParametricCriterion(Verbatim):
             constraints=tuple(c for c in (c.xreplace(swap) for c in self.constraints) if c != sp.true),
             flow=None if self.flow is None else tuple(x.xreplace(swap) for x in self.flow),
         )
+
+
+def closes(expr: sp.Expr, angle: sp.Symbol) -> bool:
+    """Whether the angle enters through its cosine and sine only, so that a curve in it closes."""
+    return not expr.xreplace({sp.cos(angle): sp.S.One, sp.sin(angle): sp.S.One}).has(angle)
 
 
 Law = Criterion | ParametricCriterion
