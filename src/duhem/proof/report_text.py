@@ -50,7 +50,7 @@ def _head(law: Law, page: Page, effort: str) -> Iterator[str]:
     pressure = f"; pressure {law.pressure} <= 0 in compression, frozen" if law.pressure else "; no pressure"
     yield from page.field("forces", ", ".join(law.forces) + pressure, _FIELD)
     yield from page.field("parameters", ", ".join(_in_domain(n, d.describe()) for n, d in law.parameters.items()) or "none", _FIELD)
-    if isinstance(law, Criterion) and law.domain:
+    if not isinstance(law, ParametricCriterion) and law.domain:
         yield from page.field("asked for", ", ".join(d.stated(n) for n, d in law.domain.items()), _FIELD)
     if law.constraints:
         yield from page.field("with", ", ".join(formula(c) for c in law.constraints), _FIELD)
