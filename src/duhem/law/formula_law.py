@@ -18,16 +18,15 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import Abbreviations
-from duhem.expression.gradient import gradient
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
-from duhem.expression.parse import parse_expression, parse_relation, written_out
+from duhem.expression.parse import parse_expression, parse_relation
 from duhem.expression.verbatim import Verbatim
 from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, converted
-from duhem.law.yield_surface import YieldSurface
+from duhem.law.yield_surface import YieldSurface, as_expression
 
 __all__ = ["FORCES", "PRESSURE", "Criterion", "criterion"]
 
@@ -84,51 +83,39 @@ class Criterion(Verbatim):
         define = self.define if isinstance(self.define, Definitions) else Definitions.of(self.define, known, self.stress, self.name)
         put(self, "define", define)
         short = define.short
-        if self.surfaces:
-            self._read_surfaces(known, short)
-        given, g = self.g, _expression(self.g, known, f"g of {self.name}", short)
-        put(self, "g", g)
-        if isinstance(given, str):
-            put(self, "written", written_out(given, short))
+        self._read_bounds(known, short)
         put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}", short) for c in self.constraints))
-        if self.flow is not None:
-            if any(isinstance(c, str) for c in self.flow):
-                put(self, "written_flow", tuple(written_out(c, short) if isinstance(c, str) else "" for c in self.flow))
-            put(self, "flow", tuple(_expression(c, known, f"flow of {self.name}", short) for c in self.flow))
-        if self.potential is not None:
-            put(self, "flow", self._gradient(self.potential, self.flow, self.name, short))
-            put(self, "potential", written_out(self.potential, short))
         put(self, "domain", Domains(self.domain))
         for name, own in self.domain.items():
             if fault := range_fault(name, own, self.forces, self.pressure):
                 raise InputError(fault[0], where=f"domain of {self.name}", remedy=fault[1])
         if self.closed_form is not None:
-            put(self, "closed_form", converted(self.closed_form, lambda x: _expression(x, known, f"closed form of {self.name}", short)))
+            put(self, "closed_form", converted(self.closed_form, lambda x: as_expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
 
     def __hash__(self) -> int:
         return hash((self.name, self.g, self.forces, self.pressure, self.parameters, self.constraints, self.flow, self.surfaces))
 
-    def _read_surfaces(self, known: Mapping[str, sp.Symbol], short: Abbreviations) -> None:
-        put, read = object.__setattr__, []
+    def _read_bounds(self, known: Mapping[str, sp.Symbol], short: Abbreviations) -> None:
+        """g and what else is said of K's boundary; from the surfaces, where there are several."""
+        surfaces = []
         for i, given in enumerate(self.surfaces, 1):
-            where = f"surface {i} of {self.name}"
+            owner = f"surface {i} of {self.name}"
             if not isinstance(given, YieldSurface):
-                raise InputError(f"{given!r} is no surface", where=where, remedy="write YieldSurface(g=..., flow=...)")
-            g = _expression(given.g, known, f"g of {where}", short)
-            flow = None if given.flow is None else tuple(_expression(c, known, f"flow of {where}", short) for c in given.flow)
-            potential = given.potential
-            if potential is not None:
-                flow = self._gradient(potential, flow, where, short)
-                potential = written_out(potential, short)
-            read.append(YieldSurface(g, flow, potential, written_out(given.g, short) if isinstance(given.g, str) else given.written))
-        greatest = sp.Max(*(s.g for s in read))
-        if self.g not in (sp.nan, greatest) or self.flow is not None or self.potential is not None:
-            what = "a law of several surfaces has its g and its flow from them"
-            raise InputError(what, where=self.name, remedy="leave g, flow and potential out")
-        put(self, "surfaces", tuple(read))
-        put(self, "g", greatest)
-        put(self, "written", f"max({', '.join(s.written for s in read)})" if all(s.written for s in read) else "")
+                raise InputError(f"{given!r} is no surface", where=owner, remedy="write YieldSurface(g=..., flow=...)")
+            surfaces.append(given.read(known, self.force_symbols(), short, owner))
+        whole = YieldSurface(self.g, self.flow, self.potential, self.written, self.written_flow)
+        whole = whole.read(known, self.force_symbols(), short, self.name)
+        if surfaces:
+            greatest, texts = sp.Max(*(s.g for s in surfaces)), [s.written for s in surfaces]
+            if whole.g not in (sp.nan, greatest) or whole.flow is not None:
+                what = "a law of several surfaces has its g and its flow from them"
+                raise InputError(what, where=self.name, remedy="leave g, flow and potential out")
+            whole = YieldSurface(greatest, written=f"max({', '.join(texts)})" if all(texts) else "")
+        put = object.__setattr__
+        put(self, "surfaces", tuple(surfaces))
+        for name in ("g", "flow", "potential", "written", "written_flow"):
+            put(self, name, getattr(whole, name))
 
     @property
     def associated(self) -> bool:
@@ -155,24 +142,6 @@ class Criterion(Verbatim):
         for name in names:
             if spelled.count(normalize("NFKC", name)) > 1:
                 raise InputError(f"{name!r} is declared twice", where=self.name, remedy="give each force and parameter a name of its own")
-
-    def _gradient(self, potential: Any, stated: tuple[sp.Expr, ...] | None, owner: str, short: Abbreviations) -> tuple[sp.Expr, ...]:
-        """The flow that a potential of the law or of a surface gives; InputError beside another one that is ``stated``."""
-        if not isinstance(potential, str):
-            raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
-        where = f"potential of {owner}"
-        value = parse_expression(potential, self.symbols(), where=where, short=short)
-        try:
-            flow = gradient(value, self.force_symbols())
-        except InputError as fault:
-            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
-        if not any(flow):
-            raise InputError(
-                "the potential does not depend on any force", where=where, remedy=f"use at least one of {', '.join(self.forces)}"
-            )
-        if stated is not None and stated != flow:
-            raise InputError("a flow and a potential are both given", where=owner, remedy="leave one of them out")
-        return flow
 
     def _check_content(self) -> None:
         known = set(self.symbols().values())
@@ -248,13 +217,9 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
         parameters=domains,
         constraints=tuple(c for c in map(moved, law.constraints) if c != sp.true),
         flow=None if law.flow is None or law.potential else tuple(moved(c) for c in law.flow),
-        surfaces=tuple(s.map(moved) if s.potential is None else replace(s, g=moved(s.g), flow=None) for s in law.surfaces),
+        surfaces=tuple(s.moved(moved) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, moved),
     )
-
-
-def _expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
-    return parse_expression(given, known, where=where, short=short) if isinstance(given, str) else sp.sympify(given, strict=True)
 
 
 def _relation(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> Relational:

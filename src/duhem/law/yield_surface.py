@@ -1,18 +1,20 @@
-"""One of several surfaces that bound K, with the slip on it."""
+"""A surface that bounds K, with the slip on it: what a law states once, or several times."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.abbreviations import Abbreviations
+from duhem.expression.gradient import gradient
+from duhem.expression.parse import parse_expression, written_out
 from duhem.expression.verbatim import Verbatim
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    import sympy as sp
-
-__all__ = ["YieldSurface"]
+__all__ = ["YieldSurface", "as_expression"]
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,51 @@ class YieldSurface(Verbatim):
     written: str = field(default="", repr=False, compare=False)
     written_flow: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
+    def read(self, known: Mapping[str, sp.Symbol], forces: Sequence[sp.Symbol], short: Abbreviations, owner: str) -> YieldSurface:
+        """The same with its texts read over the symbols ``known``; InputError names the ``owner`` of what cannot be."""
+        g = as_expression(self.g, known, f"g of {owner}", short)
+        written = written_out(self.g, short) if isinstance(self.g, str) else self.written
+        flow, written_flow = self.flow, self.written_flow
+        if flow is not None:
+            if any(isinstance(c, str) for c in flow):
+                written_flow = tuple(written_out(c, short) if isinstance(c, str) else "" for c in flow)
+            flow = tuple(as_expression(c, known, f"flow of {owner}", short) for c in flow)
+        if self.potential is None:
+            return YieldSurface(g, flow, None, written, written_flow)
+        slip = _gradient(self.potential, known, forces, short, owner)
+        if flow not in (None, slip):
+            raise InputError("a flow and a potential are both given", where=owner, remedy="leave one of them out")
+        return YieldSurface(g, slip, written_out(self.potential, short), written, written_flow)
+
     def map(self, change: Callable[[sp.Expr], sp.Expr]) -> YieldSurface:
         """The same with every expression changed, and no longer the texts it came from."""
         return YieldSurface(change(self.g), None if self.flow is None else tuple(map(change, self.flow)))
+
+    def moved(self, change: Callable[[sp.Expr], sp.Expr]) -> YieldSurface:
+        """The same with every expression in other symbols of the same names; a flow that a potential gives is to be found again."""
+        flow = None if self.flow is None or self.potential is not None else tuple(map(change, self.flow))
+        return replace(self, g=change(self.g), flow=flow)
+
+
+def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
+    """Text, read over the symbols ``known``, or a SymPy expression as it is."""
+    return parse_expression(given, known, where=where, short=short) if isinstance(given, str) else sp.sympify(given, strict=True)
+
+
+def _gradient(
+    potential: Any, known: Mapping[str, sp.Symbol], forces: Sequence[sp.Symbol], short: Abbreviations, owner: str
+) -> tuple[sp.Expr, ...]:
+    """The flow that a potential gives."""
+    if not isinstance(potential, str):
+        raise InputError("the potential is no text", where=owner, remedy="write its formula as text")
+    where = f"potential of {owner}"
+    value = parse_expression(potential, known, where=where, short=short)
+    try:
+        flow = gradient(value, forces)
+    except InputError as fault:
+        raise InputError(fault.what, where=where, remedy=fault.remedy) from None
+    if not any(flow):
+        raise InputError(
+            "the potential does not depend on any force", where=where, remedy=f"use at least one of {', '.join(map(str, forces))}"
+        )
+    return flow
