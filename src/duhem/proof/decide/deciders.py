@@ -50,6 +50,9 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
         system = polynomial_system(question, budget.part(budget.left // 4))
     except (NotAlgebraicError, SpentError) as fault:
         answer = _by_factors(question, budget)
+        if answer.holds is None and (wider := _beyond_exponentials(question)) is not None:
+            answer = decide(wider, budget.part(budget.left // 2))
+            answer = answer if answer.holds else Answer(None, answer.method, reason=answer.reason)  # it says more than was asked
         if answer.holds is None:
             answer = _by_argument(question, budget)
         if answer.holds is None:
@@ -112,6 +115,24 @@ def _by_argument(question: Question, budget: Budget) -> Answer:
             return Answer(None, "monotone", reason=answer.reason)
         method = answer.method
     return Answer(True, method)
+
+
+def _beyond_exponentials(question: Question) -> Question | None:
+    """The question with any number on its side of 1 for each exponential whose exponent has a plain sign."""
+    swap: dict[sp.Expr, sp.Expr] = {}
+    sides: list[sp.Basic] = []
+    for node in question.expr.atoms(sp.exp):
+        size = sp.Dummy("E", positive=True)
+        if node.args[0].is_nonpositive:
+            sides.append((sp.StrictLessThan if node.args[0].is_negative else sp.LessThan)(size, 1))
+        elif node.args[0].is_nonnegative:
+            sides.append((sp.StrictGreaterThan if node.args[0].is_positive else sp.GreaterThan)(size, 1))
+        else:
+            continue
+        swap[node] = size
+    if not swap:
+        return None
+    return Question(question.expr.xreplace(swap), question.sense, (*question.given, *sides), question.circle)
 
 
 def _enclosed(question: Question, budget: Budget) -> Answer:

@@ -172,6 +172,12 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
     return law.associated and bool(StarGauge(law))
 
 
+def homogeneity(law: StatedLaw, _: Evidence) -> bool:
+    """d g(r sigma)/dr > 0 at r = 1 wherever g = 0: so sigma . n > 0 for every limit n of grad g there."""
+    domain = over(law)
+    return law.flow is None and facts(law.g, domain).defined and grows_along_rays(law.g, domain)
+
+
 def power(law: StatedLaw, evidence: Evidence) -> bool:
     """sigma . d >= 0 wherever g = 0: d is the law's own flow, or a mean of the gradients of the pieces of g there, none of which is 0."""
     return flows_outward(law, evidence.get("outward", ()))
@@ -222,6 +228,7 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("normality", "parallel"): (frozenset({"convexity"}), parallel),
     ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),
     ("dissipation", "euler"): (_ORIGIN, euler),
+    ("dissipation", "homogeneity"): (_NONE, homogeneity),
     ("dissipation", "boundary-power"): (_NONE, power),
     ("duality", "polar-gauge"): (_NONE, polar_gauge),
     ("state_laws", "symbolic"): (_NONE, quadratic_energy),

@@ -149,6 +149,7 @@ class StatedDomain:
     def __init__(self, law: StatedLaw, sign: Callable[[Term, StatedDomain], Sign]) -> None:
         """``sign`` gives that of a constant which is no sum, product or whole power."""
         self.law, self._sign, self._steps = law, sign, 0
+        self._named: dict[Term, str] = {}
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
         self._gaps = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
@@ -169,7 +170,22 @@ class StatedDomain:
 
     def nonnegative(self, term: Term, strict: bool = False) -> bool:
         """Whether a constant is >= 0, or > 0, over the domain."""
-        return self._nonnegative(self.polynomial(term), strict, 2)
+        return self._nonnegative(self._in_ranges(self.polynomial(term)), strict, 2)
+
+    def _in_ranges(self, poly: Polynomial) -> Polynomial:
+        """The polynomial with a name for each exponential of a constant of known sign: it lies on one side of 1."""
+        for x in {x for m in poly for x, _ in m if x.op == "exp" and self.constant(x)}:
+            sign, name = self._sign(x.args[0], self), self._named.setdefault(x, f"exponential {len(self._named)}")  # no name of a law
+            if not sign & POSITIVE:
+                self.bounds[name] = Bounds(Fraction(0), Fraction(1), True, not sign & ZERO)
+            elif not sign & NEGATIVE:
+                self.bounds[name] = Bounds(Fraction(1), None, not sign & ZERO)
+            else:
+                continue
+            poly = {
+                joined(tuple((y, n) for y, n in m if y != x), ((Term("name", name=name), dict(m).get(x, 0)),)): c for m, c in poly.items()
+            }
+        return poly
 
     def _nonnegative(self, poly: Polynomial, strict: bool, constraints: int) -> bool:
         if any(self._by_terms(moved, strict) for moved in self._measured(poly)):

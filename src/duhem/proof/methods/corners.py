@@ -24,7 +24,8 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
         for one in _suggested(subject, parameters):
             if jumps is None:
                 jumps = subject.simple.g.has(Where) and not subject.continuous
-            if (witness := corner(subject, parameters, one.section, one.place, jumps)) is not None:
+            witness = corner(subject, parameters, one.section, one.place, jumps)
+            if witness is not None and subject.may_refute("smoothness", witness.points.values()):
                 return Evidence(Verdict.REFUTED, "witness-corner", "the outward normal jumps at a corner of the boundary", witness)
     return None
 

@@ -13,7 +13,7 @@ import sympy as sp
 from duhem.expression.weights import degree
 from duhem.proof.statement.problem import Problem
 
-__all__ = ["Star", "star_form"]
+__all__ = ["Star", "by_degree", "star_form"]
 
 
 @dataclass(frozen=True)
@@ -38,13 +38,19 @@ class Star:
 
 def star_form(problem: Problem) -> Star | None:
     """Split g by degree in the forces; None unless there are exactly two degrees."""
-    by_degree: dict[sp.Rational, list[sp.Expr]] = {}
+    parts = by_degree(problem)
+    if parts is None or len(parts) != 2:
+        return None
+    low, high = sorted(parts)
+    return Star(parts[high], -parts[low], high - low)
+
+
+def by_degree(problem: Problem) -> dict[sp.Rational, sp.Expr] | None:
+    """The parts of g of each degree in the forces; None where something in it has none."""
+    found: dict[sp.Rational, list[sp.Expr]] = {}
     for term in sp.Add.make_args(sp.expand(problem.g, deep=False)):
         k = degree(term, problem.forces) if term.free_symbols & set(problem.forces) else sp.S.Zero
         if k is None:
             return None
-        by_degree.setdefault(k, []).append(term)
-    if len(by_degree) != 2:
-        return None
-    low, high = sorted(by_degree)
-    return Star(sp.Add(*by_degree[high]), -sp.Add(*by_degree[low]), high - low)
+        found.setdefault(k, []).append(term)
+    return {k: sp.Add(*terms) for k, terms in found.items()}

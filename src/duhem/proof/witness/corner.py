@@ -27,6 +27,7 @@ from duhem.proof.witness.rational_points import decimal_pair, describe
 __all__ = ["corner"]
 
 _BITS = 256
+_BESIDE = Fraction(1, 2**30)  # how far from the corner two more points say in which plane it is seen
 _BOXES = ((1000, Fraction(1, 2**30)), (10**25, Fraction(1, 2**40)))  # greatest denominator of the centre, radius
 
 
@@ -107,7 +108,8 @@ def _shown(
     across, dot = _across(one, two), sum(a * b for a, b in zip(one, two, strict=True))
     points, where = {"corner": at}, f"on {formula(switch)} = 0"
     if len(subject.problem.forces) > 2:
-        spanned = (section.point((place[0] + 1, place[1])), section.point((place[0], place[1] + 1)))
+        step = _BESIDE / max(abs(c) for way in section.along for c in way)  # where the law has ranges, they are in them
+        spanned = (section.point((place[0] + step, place[1])), section.point((place[0], place[1] + step)))
         points |= {role: subject.values_at(parameters, p) for role, p in zip(("u", "v"), spanned, strict=True)}
         where = "in the plane through it, u and v"
     return Witness(
