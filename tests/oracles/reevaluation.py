@@ -301,6 +301,8 @@ def _corner(law: Criterion, points: Points, witness: Witness) -> bool:
 
     In more than two forces that is looked at in the plane of the corner and the points u and v.
     """
+    if "outside" in points:
+        return _sharp(law, points, witness)
     at, x, y = points["corner"], law.forces[0], law.forces[1]
     ways = [{x: Fraction(1), y: Fraction(0)}, {x: Fraction(0), y: Fraction(1)}]
     expected = witness.measures["corner_degrees"]
@@ -331,6 +333,21 @@ def _corner(law: Criterion, points: Points, witness: Witness) -> bool:
     sector = math.degrees(float(ends[1] - ends[0]))
     bend = abs(180 - sector)
     return bend > 0.01 and math.isclose(bend, expected, rel_tol=0.02, abs_tol=0.02)
+
+
+def _sharp(law: Criterion, points: Points, witness: Witness) -> bool:
+    """g > 0 on the ways to `outside` and to `opposite` and beside them, g < 0 on that to `inside`: at a few places of each."""
+    at, beside = points["corner"], Fraction(witness.measures["beside"])
+
+    def on(end: Mapping[str, Fraction], share: Fraction, shift: Sequence[Fraction]) -> Mapping[str, Fraction]:
+        return {**at, **{f: at[f] + share * (end[f] - at[f] + s) for f, s in zip(law.forces, shift, strict=True)}}
+
+    none = [Fraction(0)] * len(law.forces)
+    shifts = [none, *([c * beside * (i == k) for i in range(len(none))] for k in range(len(none)) for c in (1, -1))]
+    shares = [Fraction(1, 2**k) for k in (0, 3, 9, 30)]
+    free = all(value(law, on(points[r], s, shift)).a > 0 for r in ("outside", "opposite") for s in shares for shift in shifts)
+    opposite = all(points["outside"][f] + points["opposite"][f] == 2 * at[f] for f in law.forces)
+    return free and opposite and all(value(law, on(points["inside"], s, none)).b < 0 for s in shares)
 
 
 _CHECKS = {"convexity": _chord, "origin": _origin, "dissipation": _power_at, "normality": _towards, "smoothness": _corner}

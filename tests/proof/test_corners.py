@@ -62,3 +62,41 @@ SMOOTH = [
 @pytest.mark.parametrize("one", SMOOTH)
 def test_what_is_smooth_has_no_corner(one):
     assert corners.smoothness(FormulaSubject(one)) is None
+
+
+TWO = ("a", "b")
+SHARP = [
+    law("norm(a, b) - m*c", m=POSITIVE),
+    law("a**2 + b**2 - c**2"),  # two cones
+    law("max(-a, -b, -c, a*b*c - a**2*b - b**2*c - c**2*a)"),
+    law("b**2 - (1 - a)**3*(1 + a)", TWO),  # a cusp
+    law("max(a, a**3 + b**2)", TWO),
+    law("exp(norm(a, b)) - 1 + 2*a", TWO),  # no polynomial along a ray
+    law("max(((a - b)/2)**2 - ((a + b)/2)**2*(1 + (a + b)/2), a + b)", TWO),
+]
+
+
+@pytest.mark.parametrize("one", SHARP)
+def test_a_sharp_point_is_shown(one):
+    found = corners.smoothness_at_sharp_points(FormulaSubject(one))
+    assert found is not None and found.witness is not None
+    assert confirmed(one, "smoothness", found.witness)
+
+
+NOT_SHARP = [
+    law("a**2 + b**2 - 2*a", TWO),  # 0 on a smooth boundary
+    law("a**4 + b**4 - a", TWO),  # a flat one
+    law("a**3 + b**3", TWO),  # the gradient is 0 and K a half-plane
+    law("b**3 - a**5", TWO),  # the gradient is 0, and the boundary C^1
+    law("b**3 - a**4 + b**2*a**2", TWO),
+    law("max(a**2 + b**2 - 2*a, a**2 + b**2 - 4*a)", TWO),  # two circles that touch
+    law("exp(a) - 1 + b**2", TWO),
+    law("where(a > 0, a - b**2, a + b**2)", TWO),  # it jumps
+    law("a**2 + b**2 - (1/10**9)*a", TWO),
+    law("norm(a, b, c) - 1 + a"),
+]
+
+
+@pytest.mark.parametrize("one", NOT_SHARP)
+def test_a_smooth_boundary_has_no_sharp_point(one):
+    assert corners.smoothness_at_sharp_points(FormulaSubject(one)) is None

@@ -23,7 +23,8 @@ CLAIM = Claim(
     theory="""\
 The intrinsic dissipation of the law reduces to D = sigma . u_in' (Clausius-Duhem, Antoni et al. 2007, Eqs. 22, 23).
 It follows from 0 in K and normality (Fenchel: D = Phi*(sigma) + Phi(u_in') >= 0), but does not need them: a star-shaped K
-with associated flow dissipates by Euler's relation, as does g = A - B of degrees a > b with B > 0, and a non-associated law may dissipate too.
+with associated flow dissipates by Euler's relation, as does any g = A - B of degrees a > b with B > 0, and a non-associated
+law may dissipate too.
 Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.
 For a boundary curve T with flow d it is the sign of T . d all around, in balls or by sign rules for all parameters.""",
     methods=(

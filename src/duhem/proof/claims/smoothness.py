@@ -13,14 +13,16 @@ Where the boundary is C^1 the slip direction is a function of the stress; at a c
 A kink of abs, pos or neg under an even power, or inside a Euclidean norm, disappears when the function vanishes on it:
 that is why Eq. (35) is C^1 across its quadrant seams though its four branches differ.  The tip at zero force, where
 g is not differentiable, lies inside K for sigma_n < 0 and does not touch the boundary.
-Refuted by a corner held in a box, with two normals that are provably not parallel.
+Refuted by a corner held in a box, with two normals that are provably not parallel, or by an exact point from which open cones
+about two opposite directions leave K.
 A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in its angle and T' is never 0.""",
     methods=(
         ProofMethod(FormulaSubject, composition.smoothness),
         ProofMethod(FormulaSubject, polar.smoothness),
+        ProofMethod(FormulaSubject, corners.smoothness_at_sharp_points),
         ProofMethod(FormulaSubject, corners.smoothness),
         ProofMethod(FormulaSubject, implicit.smoothness),
         ProofMethod(CurveSubject, curve_signs.smoothness),
     ),
-    refuters=(ProofMethod(FormulaSubject, corners.smoothness),),
+    refuters=(ProofMethod(FormulaSubject, corners.smoothness_at_sharp_points), ProofMethod(FormulaSubject, corners.smoothness)),
 )

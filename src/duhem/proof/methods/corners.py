@@ -1,4 +1,4 @@
-"""Refutation of smoothness: a corner where the boundary crosses a seam."""
+"""Refutation of smoothness: a corner where the boundary crosses a seam, or a point to which K narrows."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.search.seam_crossings import crossings
 from duhem.proof.search.section_corners import section_corners
+from duhem.proof.search.sharp_points import sharp_points
 from duhem.proof.search.suggestion import Corner
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.corner import corner
+from duhem.proof.witness.sharp_point import sharp_point
 
-__all__ = ["smoothness"]
+__all__ = ["smoothness", "smoothness_at_sharp_points"]
 
 
 def smoothness(subject: FormulaSubject) -> Evidence | None:
@@ -27,6 +29,16 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
             witness = corner(subject, parameters, one.section, one.place, jumps)
             if witness is not None and subject.may_refute("smoothness", witness.points.values()):
                 return Evidence(Verdict.REFUTED, "witness-corner", "the outward normal jumps at a corner of the boundary", witness)
+    return None
+
+
+def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
+    """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp."""
+    for parameters in subject.choices(1):
+        for one in sharp_points(subject, parameters):
+            witness = sharp_point(subject, parameters, one.place, one.away, one.into)
+            if witness is not None and subject.may_refute("smoothness", witness.points.values()):
+                return Evidence(Verdict.REFUTED, "witness-sharp-point", "the boundary has a sharp point", witness)
     return None
 
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection
 
-__all__ = ["Chord", "Corner", "Exit", "Point"]
+__all__ = ["Chord", "Corner", "Exit", "Point", "SharpPoint"]
 
 Point = tuple[Fraction, ...]  # in the force space of the simple problem
 
@@ -38,3 +38,13 @@ class Corner:
     parameters: Values
     section: PlaneSection
     place: Point
+
+
+@dataclass(frozen=True)
+class SharpPoint:
+    """A place from which, as it seems, K is left in the direction ``away`` and in the opposite one, and entered in ``into``."""
+
+    parameters: Values
+    place: Point
+    away: Point
+    into: Point
