@@ -175,7 +175,7 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
     """d g(r sigma)/dr > 0 at r = 1 wherever g = 0: so sigma . n > 0 for every limit n of grad g there."""
     domain = over(law)
-    return law.flow is None and facts(law.g, domain).defined and grows_along_rays(law.g, domain)
+    return law.associated and facts(law.g, domain).defined and grows_along_rays(law.g, domain)
 
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:

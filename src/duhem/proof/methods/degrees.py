@@ -19,7 +19,7 @@ __all__ = ["dissipation"]
 def dissipation(subject: FormulaSubject) -> Evidence | None:
     """sigma . grad g > 0 wherever g = 0 but at zero force, where the power is 0; so it is for every limit of such gradients at a kink."""
     problem = subject.simple
-    if subject.problem.flow is not None or (parts := by_degree(problem)) is None or not subject.joined(problem.g):
+    if not subject.problem.associated or (parts := by_degree(problem)) is None or not subject.joined(problem.g):
         return None
     away = sp.StrictGreaterThan(sp.Add(*(x**2 for x in problem.forces)), 0)
     for m in sorted(parts, reverse=True):
