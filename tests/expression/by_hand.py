@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sympy as sp
 
-from duhem.expression import Atan2, Neg, Norm, Pos, Where, symbol
+from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, symbol
 
 __all__ = ["AT", "ROWS", "x", "y"]
 
@@ -33,6 +33,7 @@ ROWS: dict[type, tuple[sp.Expr, float]] = {
     Pos: (Pos(y), 4.0),
     Neg: (Neg(x), 3.0),
     Norm: (Norm(x, y, sp.Integer(12)), 13.0),
+    EigMax: (EigMax(x, y, 2, 0, 0, sp.Integer(12)), 13.0),
     Where: (Where(x > -3, x, y), 4.0),
     sp.StrictGreaterThan: (y > x, 1.0),
     sp.GreaterThan: (x >= y, 0.0),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import permutations
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -11,6 +12,7 @@ from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.invariants import INVARIANTS, KINDS, Stress
+from duhem.expression.numpy_ import evaluate
 from duhem.expression.parse import parse_expression
 
 R = sp.Rational
@@ -108,3 +110,14 @@ def test_without_a_stress_they_are_names_like_others(word: str) -> None:
 def test_what_is_no_stress(name: str, kind: str) -> None:
     with pytest.raises(InputError):
         Stress(name, kind)
+
+
+def test_principal_stresses_in_space_are_the_eigenvalues_in_order() -> None:
+    rng = np.random.default_rng(2)
+    for point in rng.uniform(-2, 2, (6, 6)):
+        tensor = np.array(_tensor("3d", tuple(point)), dtype=float)
+        here = {symbol(n): v for n, v in zip(Stress("s", "3d").components, point, strict=True)}
+        short = Abbreviations(stress=Stress("s", "3d"))
+        known = {x.name: x for x in here}
+        values = [float(evaluate(parse_expression(f"principal(s, {i})", known, short=short), here)) for i in (1, 2, 3)]
+        assert values == pytest.approx(np.linalg.eigvalsh(tensor)[::-1].tolist(), abs=1e-12)

@@ -80,7 +80,7 @@ def test_a_table_without_a_row_is_noticed(name: str) -> None:
 
 
 def test_every_word_builds_nodes_of_the_list() -> None:
-    arguments = {"where": [x < y, x, y]}
+    arguments = {"where": [x < y, x, y], "eigmax": [x, y, x, y, x, y]}
     for name, word in WORDS.items():
         built = word.build(*arguments.get(name, [x, y][: word.most or 2]))
         assert {type(node) for node in sp.preorder_traversal(built) if node.args} <= set(NODES), name

@@ -10,6 +10,7 @@ import sympy as sp
 from duhem.derivation.support_function import compression, rate_symbols
 from duhem.errors import InputError
 from duhem.expression import symbol
+from duhem.expression.invariants import Stress
 from duhem.expression.verbatim import Verbatim
 from duhem.law.formula_law import Criterion
 from duhem.show.notation import latex_name
@@ -92,15 +93,16 @@ class Names(Verbatim):
             step=fresh("Delta_lambda", r"\Delta\lambda", nonnegative=True),
             multipliers=tuple(fresh(f"lambda_dot_{i}", rf"\dot\lambda_{{{i}}}", nonnegative=True) for i in surfaces),
             steps=tuple(fresh(f"Delta_lambda_{i}", rf"\Delta\lambda_{{{i}}}", nonnegative=True) for i in surfaces),
-            stiffness=_stiffness(stiffness, tails, fresh),
+            stiffness=_stiffness(stiffness, tails, fresh, law.stress),
             latex=latex,
         )
 
 
-def _stiffness(kind: str, tails: Sequence[str], fresh: object) -> sp.ImmutableMatrix:
+def _stiffness(kind: str, tails: Sequence[str], fresh: object, stress: Stress | None) -> sp.ImmutableMatrix:
     assert callable(fresh)
-    if kind == "isotropic":
-        return sp.ImmutableMatrix(fresh("k_t", "k_t", positive=True) * sp.eye(len(tails)))
+    if kind == "isotropic":  # of tensors: a shear's conjugate is an engineering strain
+        alike = [sp.Rational(1, 2) if shear else sp.S.One for shear in (stress.shears if stress else [False] * len(tails))]
+        return sp.ImmutableMatrix(fresh("k_t", "k_t", positive=True) * sp.diag(*alike))
     written = [_latex_tail(t) for t in tails]
     if kind == "orthotropic":
         return sp.ImmutableMatrix(sp.diag(*[fresh(f"k_{t}", f"k_{{{w}}}", positive=True) for t, w in zip(tails, written, strict=True)]))

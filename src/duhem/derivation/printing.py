@@ -60,7 +60,9 @@ class _Text(_PositiveFirst, StrPrinter):
     """Formulas in the words of a criterion file."""
 
     def _print_Function(self, expr: Any) -> str:
-        name = {"Pos": "pos", "Neg": "neg", "Norm": "norm", "Where": "where", "Atan2": "atan2"}.get(expr.func.__name__, expr.func.__name__)
+        name = {"Pos": "pos", "Neg": "neg", "Norm": "norm", "Where": "where", "Atan2": "atan2", "EigMax": "eigmax"}.get(
+            expr.func.__name__, expr.func.__name__
+        )
         return f"{name}({', '.join(self._print(a) for a in expr.args)})"
 
     def _print_Abs(self, expr: Any) -> str:

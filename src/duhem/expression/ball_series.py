@@ -17,8 +17,9 @@ from duhem.errors import InputError
 from duhem.expression import balls
 from duhem.expression.balls import ANALYTIC, certain_sign, constant
 from duhem.expression.fold import Table
+from duhem.expression.matrices import deviator
 from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "compiled", "derivatives"]
 
@@ -107,6 +108,16 @@ def _atan2(node: sp.Basic, y: Any, x: Any) -> Any:
     return _open(balls.TABLE[Atan2](node, _here(y), _here(x)), y, x)
 
 
+def _eigmax(node: sp.Basic, *entries: Any) -> Any:
+    mean, second, third = deviator(*entries)
+    if certain_sign(_here(second)) == 1:
+        root = (second / 3).sqrt()
+        turn = third * _inverse(2 * root * root * root)
+        if -1 < _here(turn) < 1:
+            return mean + 2 * root * (turn.acos() / 3).cos()
+    return _open(balls.TABLE[EigMax](node, *map(_here, entries)), *entries)
+
+
 def _sinh(node: sp.Basic, x: Any) -> Any:
     return (x.exp() - (-x).exp()) / 2
 
@@ -145,6 +156,7 @@ TABLE: Table[Any] = {
     sp.Max: _lattice(1),
     sp.Min: _lattice(-1),
     Norm: _norm,
+    EigMax: _eigmax,
     Where: lambda node, condition, a, b: flint.arb("nan") * a if condition is None else a if condition else b,
     sp.StrictGreaterThan: _compared(1),
     sp.GreaterThan: _compared(1),

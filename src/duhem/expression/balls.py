@@ -15,8 +15,9 @@ import flint
 import sympy as sp
 
 from duhem.expression.fold import Table, fold
+from duhem.expression.matrices import deviator
 from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["ANALYTIC", "TABLE", "ball", "certain_sign", "compiled", "constant", "enclose", "precision"]
 
@@ -127,6 +128,25 @@ def _norm(node: sp.Basic, *args: Any) -> Any:
     return (low.sqrt() if low > 0 else flint.arb(0)).union(high.sqrt()).nonnegative_part()
 
 
+def _eigmax(node: sp.Basic, *entries: Any) -> Any:
+    """That of the matrix in the middle, and as far from it as the Euclidean size of the radii (Weyl 1912)."""
+    if not all(x.is_finite() for x in entries):
+        return flint.arb("nan")
+    mean, second, third = deviator(*(x.mid() for x in entries))
+    radii = [x.rad() for x in entries]
+    spread = _add(node, *(_square(r) for r in (*radii, *radii[3:]))).upper().sqrt().upper()
+    far = 2 * (second / 3).nonnegative_part().upper().sqrt()
+    near = far / 2
+    if second > 0:
+        root = (second / 3).sqrt()
+        turn = third / (2 * root**3)
+        low, high = (min(max(end, flint.arb(-1)), flint.arb(1)) for end in (turn.lower(), turn.upper()))
+        near, far = (2 * root * (end.acos() / 3).cos() for end in (low, high))
+    elif not second.is_zero():
+        near = flint.arb(0)
+    return mean + near.union(far) + flint.arb(0, spread)
+
+
 def _hull(values: list[Any], pick: Callable[[Any, Any], Any]) -> Any:
     low, high = values[0].lower(), values[0].upper()
     for value in values[1:]:
@@ -199,6 +219,7 @@ TABLE: Table[Any] = {
     Pos: lambda node, x: _max(node, x, flint.arb(0)).nonnegative_part(),
     Neg: lambda node, x: _max(node, -x, flint.arb(0)).nonnegative_part(),
     Norm: _norm,
+    EigMax: _eigmax,
     Where: _where,
     sp.StrictGreaterThan: _truth(lambda a, b: a > b, lambda a, b: a <= b),
     sp.GreaterThan: _truth(lambda a, b: a >= b, lambda a, b: a < b),

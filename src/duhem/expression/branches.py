@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.fold import fold
-from duhem.expression.vocabulary import Neg, Pos, Where
+from duhem.expression.vocabulary import EigMax, Neg, Pos, Where
 
 __all__ = ["Branch", "Seam", "TooManyBranchesError", "branches", "oriented", "seam", "seams", "thick"]
 
@@ -75,7 +75,10 @@ def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
     table: dict[type, Callable[..., tuple[Branch, ...]]] = {node: kink for node in (sp.Abs, Pos, Neg, sp.Max, sp.Min, Where)}
 
     class _Table(dict[type, Callable[..., tuple[Branch, ...]]]):
-        def get(self, key: Any, default: Any = None) -> Any:  # every other node is smooth: rebuild it branch by branch
+        def get(self, key: Any, default: Any = None) -> Any:
+            if key is EigMax:
+                raise TooManyBranchesError("the branches of an eigenvalue are not told apart")
+            # every other node is smooth: rebuild it branch by branch
             return super().get(key, join)
 
     return fold(expr, _Table(table), lambda leaf: (Branch({}, leaf),))

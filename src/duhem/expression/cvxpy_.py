@@ -19,9 +19,10 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.fold import Table, fold
+from duhem.expression.matrices import rows
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.text import formula
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["NUMBERS_ONLY", "TABLE", "dcp_fault", "expression"]
 
@@ -166,6 +167,15 @@ def _pnorm(node: sp.Basic, p: Atom, *args: Atom) -> Atom:
     return cp.hstack([cp.pnorm(stacked[:, i], value, **exact) for i in range(stacked.shape[1])])  # the atom has no axis
 
 
+def _eigmax(_: sp.Basic, *entries: Atom) -> Atom:
+    cp = _cp()
+    shape = max((a.shape for a in entries), key=len)
+    if not shape:
+        return cp.lambda_max(cp.bmat(rows(*entries)))
+    whole = [a if a.shape == shape else a * np.ones(shape) for a in entries]
+    return cp.hstack([cp.lambda_max(cp.bmat(rows(*(a[i] for a in whole)))) for i in range(shape[0])])
+
+
 def _where(node: sp.Basic, condition: Atom, a: Atom, b: Atom) -> Atom:
     return a if _number(node, condition, "condition") else b
 
@@ -192,6 +202,7 @@ TABLE: Table[Atom] = {
     Pos: lambda _, x: _cp().pos(x),
     Neg: lambda _, x: _cp().neg(x),
     Norm: _norm,
+    EigMax: _eigmax,
     PNorm: _pnorm,
     **dict.fromkeys(NUMBERS_ONLY, _no_atom),
     Where: _where,
@@ -207,4 +218,5 @@ _REMEDIES: dict[type, str] = {
     sp.log: "its argument must be concave",
     sp.exp: "its argument must be convex",
     sp.cosh: "its argument must be affine",
+    EigMax: "its arguments must be affine",
 }

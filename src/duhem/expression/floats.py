@@ -8,7 +8,8 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.matrices import deviator
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "approximate"]
 
@@ -37,6 +38,12 @@ def _atan2(_: sp.Basic, y: float, x: float) -> float:
     return math.atan2(y + 0.0, x)  # -0 is 0
 
 
+def _eigmax(_: sp.Basic, *entries: float) -> float:
+    mean, second, third = deviator(*entries)
+    turn = 1.5 * math.sqrt(3) * third / second**1.5 if second else 0.0
+    return mean + 2 * math.sqrt(second / 3) * math.cos(math.acos(min(max(turn, -1.0), 1.0)) / 3)
+
+
 TABLE: Table[float] = {
     sp.Add: lambda _, *a: math.fsum(a),
     sp.Mul: lambda _, *a: math.prod(a),
@@ -59,6 +66,7 @@ TABLE: Table[float] = {
     Pos: lambda _, a: max(a, 0.0),
     Neg: lambda _, a: max(-a, 0.0),
     Norm: lambda _, *a: math.hypot(*a),
+    EigMax: _eigmax,
     Where: lambda _, condition, a, b: a if condition else b,
     sp.StrictLessThan: lambda _, a, b: float(a < b),
     sp.LessThan: lambda _, a, b: float(a <= b),

@@ -107,7 +107,9 @@ def _lode(stress: Stress) -> str:
 
 def _principal(stress: Stress, index: int) -> str:
     if stress.kind == "3d":
-        raise InputError("principal is not known of a stress in 3d", remedy='take kind = "principal", or invariants')
+        greatest = f"eigmax({', '.join(stress.components)})"
+        least = f"eigmax({', '.join(f'-{x}' for x in stress.components)})"  # less its negative
+        return {1: greatest, 2: f"{_trace(stress)} - {greatest} + {least}", 3: f"-{least}"}[index]
     if stress.kind == "plane":
         x, y, xy = stress.components
         if index == 3:

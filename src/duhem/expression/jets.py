@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.fold import Table
+from duhem.expression.matrices import rows
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, recorded
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
 
@@ -259,6 +260,35 @@ def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
     return Jet(value, gradient, hessian, order)
 
 
+def _eigmax(_: Any, *entries: Jet) -> Jet:
+    """n . (dA) n with the unit eigenvector n, and what its turning adds: squares over the gaps to the other eigenvalues."""
+    size = np.broadcast_shapes(*(a.value.shape for a in entries))
+    matrices = np.stack([np.stack([np.broadcast_to(a.value, size) for a in row], axis=-1) for row in rows(*entries)], axis=-2)
+    known = np.isfinite(matrices).all(axis=(-2, -1))
+    values, vectors = np.linalg.eigh(np.where(known[..., None, None], matrices, 0.0))
+    value = np.where(known, values[..., -1], np.nan)
+    n, order = vectors[..., -1], _order(entries)
+
+    def along(m: Array) -> Array | None:
+        """n . (dA) m."""
+        terms = [_times(n[..., i] * m[..., i], a.gradient) for i, a in enumerate(entries[:3])]
+        pairs = ((1, 2), (0, 2), (0, 1))
+        terms += [_times(n[..., i] * m[..., j] + n[..., j] * m[..., i], a.gradient) for (i, j), a in zip(pairs, entries[3:], strict=True)]
+        return reduce(_sum, terms)
+
+    gradient = along(n)
+    if gradient is None or order == 1:
+        return Jet(value, gradient, None, order)
+    weights = [n[..., 0] ** 2, n[..., 1] ** 2, n[..., 2] ** 2]
+    weights += [2 * n[..., i] * n[..., j] for i, j in ((1, 2), (0, 2), (0, 1))]
+    hessian = reduce(_sum, (_times(w, a.hessian) for w, a in zip(weights, entries, strict=True)))
+    for k in (0, 1):
+        turn = along(vectors[..., k])
+        assert turn is not None
+        hessian = _sum(hessian, _times(2 / (values[..., -1] - values[..., k]), _outer(turn, turn)))
+    return Jet(value, gradient, hessian, order)
+
+
 def _norm(_: Any, *args: Jet) -> Jet:
     return _p_norm(2.0, reduce(np.hypot, [a.value for a in args], np.zeros(())), args)
 
@@ -360,6 +390,7 @@ _SMOOTH: Table[Jet] = {
     sp.cosh: _cosh,
     sp.tanh: _tanh,
     Norm: _norm,
+    EigMax: _eigmax,
     PNorm: _pnorm,
     sp.StrictGreaterThan: _comparison(np.greater),
     sp.GreaterThan: _comparison(np.greater_equal),

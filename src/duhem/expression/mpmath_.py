@@ -16,8 +16,9 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
+from duhem.expression.matrices import rows
 from duhem.expression.recording import bound, recorded
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["compiled", "constant", "digits", "evaluate", "number", "table"]
 
@@ -122,7 +123,13 @@ def table(context: Any) -> Table[Any]:
     def where(_: Any, condition: Any, a: Any, b: Any) -> Any:
         return nan if context.isnan(condition) else a if condition == 1 else b
 
+    def eigmax(_: Any, *entries: Any) -> Any:
+        if not all(map(context.isfinite, entries)):
+            return nan
+        return max(context.eigsy(context.matrix(rows(*entries)), eigvals_only=True))
+
     return {
+        EigMax: eigmax,
         sp.Add: total,
         sp.Mul: lambda _, *x: reduce(operator.mul, x),
         sp.Pow: power,

@@ -20,9 +20,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table
+from duhem.expression.matrices import rows
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, bound, recorded
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "Program", "compiled", "evaluate"]
 
@@ -127,11 +128,19 @@ def _where(_: Any, condition: Any, a: Any, b: Any) -> Any:
     return np.where(np.isnan(condition), np.nan, np.where(condition == 1.0, a, b))
 
 
+def _eigmax(_: Any, *entries: Any) -> Any:
+    matrices = np.stack([np.stack(row, axis=-1) for row in rows(*np.broadcast_arrays(*entries))], axis=-2)
+    known = np.isfinite(matrices).all(axis=(-2, -1))
+    greatest = np.linalg.eigvalsh(np.where(known[..., None, None], matrices, 0.0))[..., -1]
+    return np.where(known, greatest, np.nan)
+
+
 TABLE: Table[Any] = {
     sp.Add: lambda _, *x: reduce(np.add, x),
     sp.Mul: lambda _, *x: reduce(np.multiply, x),
     sp.Pow: _power,
     sp.Abs: lambda _, x: np.abs(x),
+    EigMax: _eigmax,
     sp.exp: lambda _, x: np.exp(x),
     sp.log: lambda _, x: np.log(x),
     sp.sin: lambda _, x: np.sin(x),

@@ -14,7 +14,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
 from duhem.expression.number import ratio
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["LEFT_OUT", "TABLE", "Reals"]
 
@@ -117,6 +117,7 @@ TABLE: Table[Any] = {
 LEFT_OUT: dict[type, str] = dict.fromkeys(
     (sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2, sp.sinh, sp.cosh, sp.tanh), "not algebraic"
 ) | {
+    EigMax: "a root of a cubic: no polynomial condition names the greatest",
     Norm: "a root: whoever asks names it and gives its defining equation",
     Where: "whoever asks opens its cases first",
 }

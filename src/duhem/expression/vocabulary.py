@@ -14,7 +14,7 @@ from typing import Any
 
 import sympy as sp
 
-__all__ = ["NODES", "WORDS", "Atan2", "Neg", "Norm", "Pos", "Where", "Word", "symbol"]
+__all__ = ["NODES", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "symbol"]
 
 
 class Norm(sp.Function):
@@ -162,6 +162,33 @@ class Atan2(sp.Function):
         return rf"{body}^{{{exp}}}" if exp else body
 
 
+class EigMax(sp.Function):
+    r"""Greatest eigenvalue of the symmetric matrix with entries xx, yy, zz, yz, xz, xy: convex in them.
+
+    Where it is a double one it has a kink.  The least one is ``-eigmax`` of the negative matrix.
+    """
+
+    nargs = 6
+
+    @classmethod
+    def eval(cls, *entries: sp.Expr) -> sp.Expr | None:
+        return sp.Max(*entries[:3]) if all(shear.is_zero for shear in entries[3:]) else None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """By the adjugate of self - matrix, which is a multiple of n n^T, n the unit eigenvector; undefined at a double eigenvalue."""
+        x, y, z, yz, xz, xy = (*(self - a for a in self.args[:3]), *(-a for a in self.args[3:]))
+        diagonal = (y * z - yz**2, x * z - xz**2, x * y - xy**2)
+        doubled = (2 * (xy * xz - x * yz), 2 * (xy * yz - y * xz), 2 * (xz * yz - z * xy))  # a shear stands twice in the matrix
+        return (*diagonal, *doubled)[argindex - 1] / sp.Add(*diagonal)
+
+    def _eval_is_extended_real(self) -> bool:
+        return True
+
+    def _latex(self, printer: Any, exp: str | None = None) -> str:
+        body = rf"\lambda_{{\max}}\left({', '.join(printer.doprint(a) for a in self.args)}\right)"
+        return rf"{body}^{{{exp}}}" if exp else body
+
+
 def _sign(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
     """-1, 0 or 1."""
     below = Where(sp.StrictLessThan(x, 0, evaluate=evaluate), sp.S.NegativeOne, sp.S.Zero, evaluate=evaluate)
@@ -205,6 +232,7 @@ WORDS: dict[str, Word] = {
     "pos": Word(Pos, 1, 1, "positive part max(x, 0)"),
     "neg": Word(Neg, 1, 1, "negative part max(-x, 0)"),
     "norm": Word(Norm, 1, None, "Euclidean norm of its arguments"),
+    "eigmax": Word(EigMax, 6, 6, "greatest eigenvalue of the symmetric matrix with entries xx, yy, zz, yz, xz, xy"),
     "where": Word(Where, 3, 3, "where(condition, a, b)"),
 }
 
@@ -212,7 +240,7 @@ WORDS: dict[str, Word] = {
 NODES: tuple[type, ...] = (
     sp.Add, sp.Mul, sp.Pow, sp.Abs, sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2,
     sp.sinh, sp.cosh, sp.tanh,
-    sp.Min, sp.Max, Pos, Neg, Norm, Where,
+    sp.Min, sp.Max, Pos, Neg, Norm, EigMax, Where,
     sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan,
 )  # fmt: skip
 

@@ -17,21 +17,23 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["ROLES", "degree", "removable", "weighing"]
 
 Weight = dict[sp.Symbol, sp.Rational]
-Role = Literal["alike", "kept", "pure", "angle", "compared", "chosen", "product", "power"]
+Role = Literal["alike", "kept", "pure", "angle", "placed", "compared", "chosen", "product", "power"]
 
 # alike: parts of one unit, which is the result's; kept: the result has the unit of its one part; pure: numbers to numbers;
-# angle: parts of one unit, a number; compared: parts of one unit, a truth value;
+# angle: parts of one unit, a number; placed: parts of one unit, each in its place, which is the result's;
+# compared: parts of one unit, a truth value;
 # chosen: a condition and two of one unit, which is the result's.
 ROLES: Mapping[type, Role] = {
     **dict.fromkeys((sp.Add, sp.Max, sp.Min, Norm), "alike"),
     **dict.fromkeys((sp.Abs, Pos, Neg), "kept"),
     **dict.fromkeys((sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.sinh, sp.cosh, sp.tanh), "pure"),
     Atan2: "angle",
+    EigMax: "placed",
     **dict.fromkeys((sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan), "compared"),
     Where: "chosen",
     sp.Mul: "product",
@@ -55,6 +57,7 @@ class _Conditions:
                 "kept": self._equal,
                 "pure": self._pure,
                 "angle": self._angle,
+                "placed": self._equal,
                 "compared": self._equal,
                 "chosen": lambda node, _, a, b: self._equal(node, a, b),
                 "product": self._product,

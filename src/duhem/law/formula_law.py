@@ -80,7 +80,9 @@ class Criterion(Verbatim):
         self._check_names()
         put(self, "_symbols", self._declared())
         known = self.symbols()
-        define = self.define if isinstance(self.define, Definitions) else Definitions.of(self.define, known, self.stress, self.name)
+        define = self.define
+        if not isinstance(define, Definitions) or define.short.stress != self.stress:
+            define = Definitions.of(define, known, self.stress, self.name)
         put(self, "define", define)
         short = define.short
         self._read_bounds(known, short)

@@ -17,7 +17,7 @@ import numpy as np
 import sympy as sp
 
 from duhem.errors import DuhemError, InputError
-from duhem.expression import Neg, Norm, Pos, Where
+from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
@@ -43,7 +43,7 @@ def corner(increment: Increment) -> str | None:
     def found(node: Any, smoothed: bool) -> Iterator[str]:
         if not node.free_symbols & forces:
             return
-        if isinstance(node, (sp.Max, sp.Min, Where, sp.core.relational.Relational)):
+        if isinstance(node, (sp.Max, sp.Min, EigMax, Where, sp.core.relational.Relational)):
             yield str(node)
             return
         if isinstance(node, (sp.Abs, Pos, Neg)) and not smoothed:

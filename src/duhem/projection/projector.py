@@ -40,7 +40,8 @@ def project(
 
     The implicit step of u_in' = lambda' dg/dsigma, lambda' >= 0, g <= 0, lambda' g = 0 (Antoni et al. 2007, Eq. 36), with
     sigma_tr = k (u - u_in) of the end of the step.  ``trial`` (N, d) or (d,) in Pa; ``pressure`` sigma_n <= 0 in
-    compression, one number or (N,), in Pa; ``stiffness`` k > 0 in Pa/m, one number, (d,) or symmetric (d, d);
+    compression, one number or (N,), in Pa; ``stiffness`` k > 0 in Pa/m, one number, (d,) or symmetric (d, d).  Of a declared
+    stress one number means k times the strain tensor: a shear stress is k/2 times its conjugate, the engineering strain.
     ``parameters`` a number for each parameter that the law leaves open.  ``method``: ``closed-form``, ``newton``,
     ``cvxpy``, ``auto`` for the first of these that applies, or a :class:`duhem.projection.method.Method` of your own.
     ``tangent`` adds d sigma/d u and d sigma/d sigma_n.  ``options`` are the method's.

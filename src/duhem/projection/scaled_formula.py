@@ -100,7 +100,8 @@ class _Weigher:
                 "alike": self.alike,
                 "kept": self.kept,
                 "pure": self.free,
-                "angle": self.angle,
+                "angle": lambda node, *parts: self.placed(node, *parts, number=True),
+                "placed": self.placed,
                 "compared": self.free,
                 "chosen": self.free,
                 "product": self.product,
@@ -122,15 +123,16 @@ class _Weigher:
     def pnorm(self, node: Any, p: _Part, *parts: _Part) -> _Part:
         return self._gather(lambda *args: PNorm(p.expr, *args), node, parts)
 
-    def angle(self, node: Any, *parts: _Part) -> _Part:
-        """Of a point whose coordinates have one unit, which drops out."""
+    def placed(self, node: Any, *parts: _Part, number: bool = False) -> _Part:
+        """Of parts of one unit in their places; it is the result's unless that is a ``number``, an angle."""
         weights = {p.weight for p in parts if p.weight is not None}
         if len(weights) > 1:
             raise _NoDegree
         if not weights:
             return _Part(node, None)
         weight = weights.pop()
-        return _Part(node.func(*(self.datum(p.expr, weight) if p.weight is None else p.expr for p in parts)), sp.S.Zero)
+        whole = node.func(*(self.datum(p.expr, weight) if p.weight is None else p.expr for p in parts))
+        return _Part(whole, sp.S.Zero if number else weight)
 
     def _gather(self, build: Any, node: Any, parts: tuple[_Part, ...]) -> _Part:
         weights = {p.weight for p in parts if p.weight is not None}

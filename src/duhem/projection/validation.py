@@ -37,7 +37,7 @@ def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] 
             remedy="integrate its flow rule instead, or project onto the same criterion without its flow",
         )
     values = _parameters(law, parameters)
-    k = _stiffness(stiffness, len(law.forces))
+    k = _stiffness(stiffness, law)
     return Increment(
         law=law,
         g=_formula(law, values),
@@ -161,11 +161,12 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
     return np.atleast_1d(pressure)
 
 
-def _stiffness(given: ArrayLike, d: int) -> Array:
-    k = _array(given, "stiffness")
+def _stiffness(given: ArrayLike, law: Criterion) -> Array:
+    k, d = _array(given, "stiffness"), len(law.forces)
     if k.shape not in ((), (d,), (d, d)):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=f"give one number, ({d},) or ({d}, {d})")
-    matrix = k if k.ndim == 2 else np.diag(np.broadcast_to(k, (d,)))
+    alike = np.ones(d) if law.stress is None else np.where(law.stress.shears, 0.5, 1.0)  # one number is meant of the tensors
+    matrix = k if k.ndim == 2 else np.diag(k if k.ndim else k * alike)
     if (bad := _first(np.diagonal(matrix) <= 0.0)) is not None:
         i = bad[0]
         index = () if k.ndim == 0 else (i,) * k.ndim

@@ -13,7 +13,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Atan2, Neg, Norm, Pos, Where, fold
+from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, fold
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.proof.decide import Sense
 from duhem.proof.facts.bends import bends
@@ -77,7 +77,7 @@ class _CurvatureRules:
         self.table: dict[type, Callable[..., Curvature]] = {
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Abs: self.absolute, sp.exp: self.exponential,
             sp.log: self.logarithm, sp.Max: self.maximum, sp.Min: self.minimum, Pos: self.positive_part,
-            Neg: self.negative_part, Norm: self.norm, sp.tanh: self.increasing, sp.atan: self.increasing,
+            Neg: self.negative_part, Norm: self.norm, EigMax: self.greatest_eigenvalue, sp.tanh: self.increasing, sp.atan: self.increasing,
             sp.asin: self.rising_bend, sp.sinh: self.rising_bend, sp.acos: self.arc_cosine, sp.cosh: self.even_bend,
             sp.sin: self.opaque, sp.cos: self.opaque, sp.tan: self.opaque, Atan2: self.opaque, Where: self.opaque,
         }  # fmt: skip
@@ -282,6 +282,13 @@ class _CurvatureRules:
 
     def logarithm(self, node: Any, x: Curvature) -> Curvature:
         return self.opaque(node, x)
+
+    def greatest_eigenvalue(self, node: Any, *entries: Curvature) -> Curvature:
+        """The greatest of n . A n over unit vectors n, which are affine where the entries are."""
+        if not all(x.affine for x in entries):
+            return _UNKNOWN
+        rules = _used(*entries, rule="the greatest eigenvalue of a symmetric matrix is a convex function of it")
+        return self.signed(node, Curvature(convex=True, quasiconvex=True, rules=rules))
 
     def rising_bend(self, node: Any, x: Curvature) -> Curvature:
         """asin and sinh: increasing and odd, convex from 0 on."""

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Atan2, Neg, Norm, Pos, Where, fold
+from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, fold
 from duhem.expression.branches import oriented
 from duhem.proof.facts.formula_subject import FormulaSubject
 
@@ -60,7 +60,7 @@ class _RegularityRules:
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, Norm: self.norm,
             sp.Abs: self.ramp, Pos: self.ramp, Neg: self.ramp,
         } | {f: self.smooth for f in smooth}  # fmt: skip
-        table |= {f: self.opaque for f in (sp.Max, sp.Min, Where, sp.log, sp.tan, sp.asin, sp.acos, Atan2)}
+        table |= {f: self.opaque for f in (sp.Max, sp.Min, Where, sp.log, sp.tan, sp.asin, sp.acos, Atan2, EigMax)}
         for relation in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan):
             table[relation] = self.opaque
         try:

@@ -86,6 +86,10 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             )
         case "max":
             return _greatest(parts)
+        case "eigmax":  # the greatest of n . A n, affine in A
+            if all(p.sign == ZERO for p in parts[3:]):
+                return replace(_greatest(parts[:3]), defined=defined)
+            return Facts(defined, ANY, all(p.affine for p in parts), False, all(p.affine for p in parts))
         case "min":
             return _greatest([p.negated() for p in parts]).negated()
         case "pos" | "neg":

@@ -17,7 +17,7 @@ __all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "bounded", "factors", "
 WORDS = {
     "abs": (1, 1), "sign": (1, 1), "sqrt": (1, 1), "exp": (1, 1), "log": (1, 1), "log10": (1, 1), "sin": (1, 1), "cos": (1, 1),
     "tan": (1, 1), "asin": (1, 1), "acos": (1, 1), "atan": (1, 1), "atan2": (2, 2), "sinh": (1, 1), "cosh": (1, 1), "tanh": (1, 1),
-    "pos": (1, 1), "neg": (1, 1), "min": (1, 99), "max": (1, 99), "norm": (1, 99), "where": (3, 3),
+    "pos": (1, 1), "neg": (1, 1), "min": (1, 99), "max": (1, 99), "norm": (1, 99), "eigmax": (6, 6), "where": (3, 3),
 }  # fmt: skip
 COMPARISONS = ("<=", ">=", "<", ">")
 _JOINTS = ("and", "or")
