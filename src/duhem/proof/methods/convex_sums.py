@@ -17,10 +17,11 @@ __all__ = ["convexity"]
 def convexity(subject: FormulaSubject) -> Evidence | None:
     """K is convex if g is quasiconvex by composition, polynomials in it being convex by sums of squares.
 
-    Where the polar form applies it says more, dents included; where forces drop out of the simple problem it is not the stated law.
+    Where the polar form applies it says more, dents included.  Forces that drop out of the simple problem count as constants here:
+    along them g does not change, so that K is convex if its slices are.
     """
-    law, forces = subject.law, subject.law.force_symbols()
-    if set(forces) != set(subject.simple.forces) or (len(forces) == 2 and subject.star is not None) or not (sums := convex_sums(subject)):
+    law = subject.law
+    if (len(subject.simple.forces) == 2 and subject.star is not None) or not (sums := convex_sums(subject)):
         return None
     shape = curvature(law.g.subs(law.settled()), subject, {f: len(why) > 1 for f, why in sums.items()})
     if not shape.quasiconvex:

@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
+from duhem.expression.lineality import invariant_directions
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
@@ -87,8 +88,7 @@ def convex_sums(subject: FormulaSubject) -> Mapping[sp.Expr, Identities]:
     for f in sorted(g.atoms(sp.Add), key=sp.default_sort_key):
         if (form := forms.form(f)) is None or len(form.terms()) > _MOST_MONOMIALS or _degree(form, forms) % 2:
             continue  # of odd degree it is convex only if it is affine
-        _, bend = forms.derivatives(form)
-        if bend.is_zero or (known := forms.refuted(-bend, ">", {})) is None:
+        if (known := forms.convex(form)) is None:
             continue
         above = forms.refuted(-form, ">", {}) if f in under_roots else None
         found[f] = (known,) if above is None else (known, above)
@@ -186,14 +186,54 @@ class _Forms:
         return found
 
     def refuted(
-        self, goal: sp.Poly, op: str, zero: Mapping[str, sp.Poly], sides: Sequence[sp.Poly | None] = ()
+        self,
+        goal: sp.Poly,
+        op: str,
+        zero: Mapping[str, sp.Poly],
+        sides: Sequence[sp.Poly | None] = (),
+        spheres: Sequence[Sequence[int]] = (),
+        names: Sequence[str] = (),
     ) -> Mapping[str, Any] | None:
-        """Why ``goal`` is never ``op`` 0 in the law's domain where ``zero`` is 0 and ``sides`` are >= 0."""
-        names = [x.name if x.is_Symbol else f"(1/{(1 / x).name})" for x in self.generators]
+        """Why ``goal`` is never ``op`` 0 in the law's domain where ``zero`` is 0 and ``sides`` are >= 0; ``names`` for the generators."""
+        names = names or self.names
         bounds = [*((side, ">=") for side in sides), *((self.form(gap), op) for gap, op in self._domain())]
         given = [Condition(name, _terms(poly), "==") for name, poly in zero.items()]
         given += [Condition(text(_terms(poly), names), _terms(poly), op) for poly, op in bounds if poly is not None]
-        return identity(names, Condition(_GOAL, _terms(goal), op), given)
+        return identity(names, Condition(_GOAL, _terms(goal), op), given, spheres)
+
+    @property
+    def names(self) -> list[str]:
+        """The generators as the checker spells them."""
+        return [x.name if x.is_Symbol else f"(1/{(1 / x).name})" for x in self.generators]
+
+    def convex(self, f: sp.Poly) -> Mapping[str, Any] | None:
+        """Why v . Hess f v is never negative.
+
+        A force along which f does not change is set to 0; each of the others then stands for what of it is left by that.
+        """
+        rows: dict[sp.Symbol, dict[sp.Symbol, Fraction]] = {x: {x: Fraction(1)} for x in self.forces}
+        while len(rows) > 1 and (flat := invariant_directions(f.as_expr(), list(rows))):
+            along = {x: Fraction(int(c.p), int(c.q)) for x, c in zip(rows, flat[0], strict=True)}
+            pivot = next(x for x in reversed(rows) if along[x])
+            gone, f = rows.pop(pivot), f.eval(pivot, 0).as_expr().as_poly(*self.generators)
+            for x, row in rows.items():
+                row.update({y: row.get(y, 0) - along[x] / along[pivot] * c for y, c in gone.items()})
+        _, bend = self.derivatives(f)
+        if bend.is_zero:
+            return None
+        n, names = len(self.forces), self.names
+        for i, x in enumerate(self.forces):
+            if len(rows) < n and x in rows:
+                left = {tuple(int(y is z) for z in self.forces): c for y, c in rows[x].items() if c}
+                names[i], names[n + i] = (f"({text(left, part)})" for part in (self.names[:n], self.names[n : 2 * n]))
+        return self.refuted(-bend, ">", {}, spheres=self.spheres(bend), names=names)
+
+    def spheres(self, bend: sp.Poly) -> list[range]:
+        """The places of the forces and of the directions, if the second derivative is homogeneous in each; else none."""
+        n = len(self.forces)
+        both = [range(n), range(n, 2 * n)]
+        alike = all(len({sum(m[i] for i in places) for m in bend.monoms()}) == 1 for places in both)
+        return both if alike and not any(any(m[2 * n :]) for m in bend.monoms()) else []
 
     def _domain(self) -> Iterator[tuple[sp.Expr, str]]:
         """What is > 0 or >= 0 of the pressure and the free parameters."""

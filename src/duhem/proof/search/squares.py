@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from itertools import product as pairs
+from types import MappingProxyType
 from typing import Any
 
 __all__ = ["Balance", "Block", "Exponents", "Multiples", "Polynomial", "added", "balanced", "times"]
@@ -23,6 +24,9 @@ _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
 _FLAT = (1e-4, 1e-5, 1e-6)  # an eigenvalue that small, relative to the greatest, is taken for 0
+_BLUNT = MappingProxyType({60: 2e-3})  # the greatest denominator of what is taken for rational, and how near it is
+_LOOKS, _FAR = 500, 1e-6  # points at which a form is looked at, and what is taken for another sign
+_STARTS, _GAP = 4, 1e-4  # looks for zeros a square; how far singular values drop behind the last that is not 0
 
 
 @dataclass(frozen=True)
@@ -69,8 +73,16 @@ def times(p: Polynomial, q: Polynomial) -> Polynomial:
     return {m: c for m, c in total.items() if c}
 
 
-def balanced(start: Polynomial, blocks: Sequence[Block], multiples: Sequence[Multiples]) -> Balance | None:
-    """Gram matrices and multipliers with which everything adds up to 0; None where the search finds none."""
+def balanced(
+    start: Polynomial, blocks: Sequence[Block], multiples: Sequence[Multiples], spheres: Sequence[Sequence[int]] = ()
+) -> Balance | None:
+    """Gram matrices and multipliers with which everything adds up to 0; None where the search finds none.
+
+    -start is homogeneous in the variables of each of ``spheres``, if they are given, and nothing is known but that it is to be >= 0.
+    """
+    if spheres and _positive_somewhere(start, spheres):
+        return None
+    touched = not spheres or bool(multiples) or any(set(b.factor) != {(0,) * len(next(iter(start)))} for b in blocks)
     for flat in (*_FLAT, None):
         system = _System.of(start, blocks, multiples)
         if system is None or (solution := system.solved()) is None:
@@ -80,7 +92,9 @@ def balanced(start: Polynomial, blocks: Sequence[Block], multiples: Sequence[Mul
             return None
         if (exact := system.exact(values)) is not None:
             return system.found(exact)
-        if flat is None or (smaller := _reduced(system, values, flat)) is None:
+        smaller = None if touched else _vanishing(start, blocks, spheres)
+        touched = True
+        if smaller is None and (flat is None or (smaller := _reduced(system, values, flat)) is None):
             return None
         blocks = smaller
     return None
@@ -236,6 +250,42 @@ class _System:
         return Balance(tuple(sums), tuple((name, p) for name, p in by if p))
 
 
+def _positive_somewhere(start: Polynomial, spheres: Sequence[Sequence[int]]) -> bool:
+    """Whether it is, by far, at one of many points."""
+    import numpy as np
+
+    from duhem.proof.search.touching_points import on_spheres, values_at
+
+    factors = [float(c) for c in start.values()]
+    return bool(values_at(on_spheres(len(next(iter(start))), spheres, _LOOKS), start).max() > _FAR * np.abs(factors).max())
+
+
+def _vanishing(start: Polynomial, blocks: Sequence[Block], spheres: Sequence[Sequence[int]]) -> list[Block] | None:
+    """The blocks without what does not vanish at the zeros of ``start``, as far as these look rational; None if all does."""
+    import numpy as np
+
+    from duhem.proof.search.touching_points import touching_points, values_at
+
+    found = touching_points({m: -c for m, c in start.items()}, spheres, _STARTS * sum(len(b.squares) for b in blocks))
+    kept, less = list[Block](), False
+    for block in blocks if len(found) else ():
+        values = np.stack([values_at(found, q) for q in block.squares], axis=1)
+        _, sizes, axes = np.linalg.svd(values)
+        sizes = np.concatenate([sizes, np.zeros(len(axes) - len(sizes))])
+        drops = sizes[1:] / np.maximum(sizes[:-1], 1e-300)
+        last = int(np.argmin(drops)) if len(drops) else 0
+        if sizes[0] < _GAP or (len(drops) and drops[last] > _GAP):
+            kept.append(block)
+            continue
+        rank = last + 1 if len(drops) else 1
+        precision = max(1e-14, float(sizes[rank] / sizes[0]) if rank < len(sizes) else 0.0)
+        left = _complement(block.squares, axes[:rank], {int((0.01 / precision) ** 0.5): 100 * precision})
+        less = less or len(left) < len(block.squares)
+        if left:
+            kept.append(replace(block, squares=left))
+    return kept if less else None
+
+
 def _reduced(system: _System, values: Any, flat: float) -> list[Block] | None:
     """The blocks without the directions in which the Gram matrices are flat, as far as these look rational; None if none is."""
     import numpy as np
@@ -251,8 +301,11 @@ def _reduced(system: _System, values: Any, flat: float) -> list[Block] | None:
     return kept if less else None
 
 
-def _complement(squares: tuple[Polynomial, ...], null: Any) -> tuple[Polynomial, ...]:
-    """Combinations of ``squares`` that span what is orthogonal to the rows of ``null``, these made rational; all where they are not."""
+def _complement(squares: tuple[Polynomial, ...], null: Any, looks: Mapping[int, float] = _BLUNT) -> tuple[Polynomial, ...]:
+    """Combinations of ``squares`` that span what is orthogonal to the rows of ``null``, these made rational; all where they are not.
+
+    They are rational if for one of the greatest denominators in ``looks`` all are so near.
+    """
     import numpy as np
 
     rows, pivots = np.array(null), list[int]()
@@ -264,8 +317,11 @@ def _complement(squares: tuple[Polynomial, ...], null: Any) -> tuple[Polynomial,
             if i != r:
                 rows[i] -= rows[i, c] * rows[r]
         pivots.append(c)
-    exact = [[Fraction(float(x)).limit_denominator(60) for x in row] for row in rows]
-    if max(abs(float(f) - x) for row, near in zip(exact, rows, strict=True) for f, x in zip(row, near, strict=True)) > 2e-3:
+    for most, near in looks.items():
+        exact = [[Fraction(float(x)).limit_denominator(most) for x in row] for row in rows]
+        if max(abs(float(f) - x) for row, given in zip(exact, rows, strict=True) for f, x in zip(row, given, strict=True)) <= near:
+            break
+    else:
         return squares
     free = [c for c in range(len(squares)) if c not in pivots]
     found = []
