@@ -9,8 +9,10 @@ from random import Random
 from typing import Any
 
 import pytest
+import sympy as sp
 
 from duhem import POSITIVE, Criterion, Domain, verify
+from duhem.expression.parse import parse_expression
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel import claims as kernel_claims
 from duhem.proof.kernel.domain import StatedLaw
@@ -277,3 +279,30 @@ def test_a_polynomial_law_is_proved_and_checked() -> None:
     p = "sx**4 - 2.6*sx**3*sy + 3.75*sx**2*sy**2 - 2.79*sx*sy**3 + 0.99*sy**4 + (6.29*sx**2 - 7.72*sx*sy + 6.33*sy**2)*t**2 + 8.96*t**4"
     found = verify(law(f"{p} - k**4", forces=("sx", "sy", "t"), parameters={"k": POSITIVE}), claims=["convexity"])["convexity"]
     assert (found.verdict, found.method, found.trust) == (Verdict.PROVED, "sos-convexity", "checked")
+
+
+@pytest.mark.slow
+def test_zeros_of_the_second_derivative_in_skew_coordinates() -> None:
+    """A sum of few fourth powers, and (s^2 + r^2)^2 - c s^4 at its edge c = 8/9: the squares must vanish at zeros far from any axis."""
+    powers = " + ".join(f"({a}*x + ({b})*y + ({c})*z)**4" for a, b, c in ((1, 2, -1), (F(3, 2), -1, 4), (-2, F(1, 3), 1), (1, 1, 5)))
+    s, r, q = "(2*x - y/2 + z)", "(x + 5/2*y - z/2)", "(3/2*x - 2*y + z)"
+    for p, holds in (
+        (powers, True),
+        (f"({s}**2 + {r}**2 + {q}**2)**2 - 8/9*{s}**4", True),
+        (f"({s}**2 + {r}**2 + {q}**2)**2 - (8/9 + 1/10**9)*{s}**4", False),
+    ):
+        stated = law(f"{sp.expand(parse_expression(p, {x: sp.Symbol(x, real=True) for x in 'xyz'}))} - 1", forces=("x", "y", "z"))
+        evidence = convex(stated)
+        assert bool(evidence["convex sums"]) == is_convex(stated, evidence) == holds
+
+
+def test_a_sum_that_does_not_change_along_a_direction() -> None:
+    """Of three principal stresses only the differences count, with a fourth force beside them; what is left out is left out soundly."""
+    u, v = "(s1 - s3)", "(s2 - s3)"
+    for c, holds in (("6", True), ("7", False)):
+        stated = law(f"{u}**4 + {c}*{u}**2*{v}**2 + {v}**4 + t**4 - 1", forces=("s1", "s2", "s3", "t"))
+        evidence = convex(stated)
+        assert is_convex(stated, evidence) == holds
+    other = law(f"{u}**4 + 6*{u}**2*{v}**2 + {v}**4 + t**4 - s3**4/10**6 - 1", forces=("s1", "s2", "s3", "t"))
+    good = law(f"{u}**4 + 6*{u}**2*{v}**2 + {v}**4 + t**4 - 1", forces=("s1", "s2", "s3", "t"))
+    assert not is_convex(other, convex(good))

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from functools import reduce
+from math import lcm
 from typing import Any
 
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import ANY, POSITIVE, ZERO, Sign, StatedDomain, exact
-from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
+from duhem.proof.kernel.packed import Packed, Packing, is_zero_sum, product, quadratic_form
+from duhem.proof.kernel.polynomial import Polynomial, times
 from duhem.proof.kernel.term import NotWritten, parse
 
 __all__ = ["Condition", "Identity", "shown"]
@@ -54,17 +55,23 @@ def _refuted(conditions: Mapping[str, Condition], identity: Identity, domain: St
             raise NotWritten(f"{text} {op} 0 is no condition")
         return poly
 
-    parts = [reduce(times, (condition(text, ">") for text in identity["strict"]), ONE)]
+    packing, grams = Packing(), list[list[list[Fraction]]]()
+
+    def read(text: str) -> Packed:
+        return packing.of(_read(text, domain)[0])
+
+    def factors(texts: Sequence[str], op: str) -> list[Packed]:
+        return [packing.of(condition(text, op)) for text in texts]
+
+    parts = [product(factors(identity["strict"], ">"))]
     for entry in identity["sums"]:
-        squares = [_read(text, domain)[0] for text in entry["of"]]
-        gram = [[exact(x) for x in row] for row in entry["gram"]]
-        if len(gram) != len(squares) or not _positive_semidefinite(gram):
+        grams.append([[exact(x) for x in row] for row in entry["gram"]])
+        if {len(entry["of"])} != {len(grams[-1]), *map(len, grams[-1])}:
             return False
-        rows = (total(*(times({(): x}, z) for x, z in zip(row, squares, strict=True))) for row in gram)
-        form = total(*(times(z, row) for z, row in zip(squares, rows, strict=True)))
-        parts.append(reduce(times, (condition(text, ">=") for text in entry["times"]), form))
-    parts += [times(condition(entry["of"], "=="), _read(entry["by"], domain)[0]) for entry in identity["multiples"]]
-    return not total(*parts)
+        form = quadratic_form([read(text) for text in entry["of"]], grams[-1])
+        parts.append(product([form, *factors(entry["times"], ">=")]))
+    parts += [product([*factors([entry["of"]], "=="), read(entry["by"])]) for entry in identity["multiples"]]
+    return is_zero_sum(parts) and all(map(_positive_semidefinite, grams))
 
 
 def _read(text: str, domain: StatedDomain) -> tuple[Polynomial, Sign]:
@@ -75,14 +82,20 @@ def _read(text: str, domain: StatedDomain) -> tuple[Polynomial, Sign]:
     return domain.polynomial(term), known.sign
 
 
-def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:
-    """By elimination, the greatest entry of the diagonal first: what is left in the end must be 0."""
-    if rows != [list(column) for column in zip(*rows, strict=True)]:
+def _positive_semidefinite(gram: list[list[Fraction]]) -> bool:
+    """By elimination, the greatest entry of the diagonal first: what is left in the end must be 0.
+
+    In whole numbers: each step divides by the pivot before (Bareiss 1968, Math. Comp. 22, 565), which is > 0.
+    """
+    if gram != [list(column) for column in zip(*gram, strict=True)]:
         return False
+    below, before = lcm(*(x.denominator for row in gram for x in row)), 1
+    rows = [[x.numerator * (below // x.denominator) for x in row] for row in gram]
     while rows:
         k = max(range(len(rows)), key=lambda i: rows[i][i])
         if (pivot := rows[k][k]) <= 0:
             return not any(map(any, rows))
         left = [i for i in range(len(rows)) if i != k]
-        rows = [[rows[i][j] - rows[i][k] * rows[k][j] / pivot for j in left] for i in left]
+        rows = [[(pivot * rows[i][j] - rows[i][k] * rows[k][j]) // before for j in left] for i in left]
+        before = pivot
     return True

@@ -36,7 +36,9 @@ def touching_points(form: Mapping[tuple[int, ...], Fraction], spheres: Sequence[
         tried = x - np.einsum("pkv,pk->pv", axes, parts)
         new_gap, new_slopes = _system(tried, powers, factors, spheres)
         better = (new_gap**2).sum(axis=1) < size
-        x, gap, slopes = (np.where(better.reshape(-1, *[1] * (a.ndim - 1)), b, a) for a, b in ((x, tried), (gap, new_gap), (slopes, new_slopes)))
+        x, gap, slopes = (
+            np.where(better.reshape(-1, *[1] * (a.ndim - 1)), b, a) for a, b in ((x, tried), (gap, new_gap), (slopes, new_slopes))
+        )
         damping = np.clip(np.where(better, damping / 10, damping * 5), 1e-16, 1e6)
     return x[np.abs(gap).max(axis=1) < _ENOUGH * max(1.0, float(np.abs(factors).max()))]
 
