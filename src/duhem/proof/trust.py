@@ -36,6 +36,8 @@ class Confirmations:
 
     def __post_init__(self) -> None:
         self._stated = _stated(self.law)
+        self._asked: tuple[str, Proof | None, frozenset[str]] | None = None  # the last question, and its answer
+        self._answer: Proof | None = None
 
     def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Standing | None:
         """How a proof stands, where the claims it may have started from, ``rests_on``, came before; None for no proof."""
@@ -67,8 +69,11 @@ class Confirmations:
         """The proof that the kernel accepts where the claims ``settled`` hold."""
         if self._stated is None:
             return None
-        offers = [*([] if offered is None else [offered]), *(Proof(rule) for rule in rules_of(claim, self._stated))]
-        return next((p for p in offers if not objection(claim, p.rule, settled, self._stated, p.evidence)), None)
+        if (claim, offered, settled) != self._asked:
+            offers = [*([] if offered is None else [offered]), *(Proof(rule) for rule in rules_of(claim, self._stated))]
+            self._answer = next((p for p in offers if not objection(claim, p.rule, settled, self._stated, p.evidence)), None)
+            self._asked = (claim, offered, settled)
+        return self._answer
 
 
 def _stated(law: Law) -> StatedLaw | StatedCurve | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import sympy as sp
@@ -19,6 +20,7 @@ from duhem.proof.decide import Sense
 from duhem.proof.facts.bends import bends
 from duhem.proof.facts.even_roots import freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.section import Meaning, Section, meanings
 
 __all__ = ["Curvature", "curvature"]
 
@@ -74,6 +76,7 @@ class _CurvatureRules:
         """``others`` are taken for forces too."""
         self.subject, self.convex = subject, convex
         self.forces = {*subject.simple.forces, *others}
+        self.found: dict[sp.Expr, Curvature] = {}
         self.table: dict[type, Callable[..., Curvature]] = {
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Abs: self.absolute, sp.exp: self.exponential,
             sp.log: self.logarithm, sp.Max: self.maximum, sp.Min: self.minimum, Pos: self.positive_part,
@@ -85,10 +88,12 @@ class _CurvatureRules:
             self.table[relation] = self.opaque
 
     def of(self, expr: sp.Expr) -> Curvature:
-        try:
-            return fold(expr, self.table, self.leaf)
-        except InputError:
-            return _UNKNOWN
+        if expr not in self.found:
+            try:
+                self.found[expr] = fold(expr, self.table, self.leaf)
+            except InputError:
+                self.found[expr] = _UNKNOWN
+        return self.found[expr]
 
     def leaf(self, node: Any) -> Curvature:
         return self.constant(node) if node not in self.forces else Curvature(convex=True, concave=True, quasiconvex=True)
@@ -129,7 +134,49 @@ class _CurvatureRules:
             facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule=form))
         if node.has(sp.Abs, Pos, Neg) and not (facts.convex and facts.nonnegative):
             facts = self._bent(node, facts)
-        return self.even(node, self.signed(node, facts))
+        return self._together(node, self.signed(node, facts))
+
+    def _together(self, node: Any, facts: Curvature) -> Curvature:
+        """By rules that look at more than the parts one by one."""
+        if facts.convex or not node.free_symbols & self.forces:
+            return facts
+        found = self._by_section(node) if self.meaning is not None else None
+        return found if found is not None and found.quasiconvex else self.even(node, facts)
+
+    @cached_property
+    def meaning(self) -> Meaning | None:
+        """What tensor the forces are, if J2 of one stands in the law."""
+        problem = self.subject.simple
+        if self.forces != {*problem.forces}:
+            return None
+        return next((m for m in meanings(self.subject.law.force_symbols(), problem.forces) if m.shown_in(problem.g)), None)
+
+    def _by_section(self, node: Any) -> Curvature | None:
+        """The parts that are functions of J2 and J3 taken together by their degree."""
+        groups, moving = dict[sp.Expr, sp.Expr](), list[Curvature]()
+        assert self.meaning is not None
+        for part in sp.Add.make_args(node):
+            if not part.free_symbols & self.forces:
+                moving.append(self.constant(part))
+            elif (section := self.meaning.read(part)) is not None and section.degree.is_positive:
+                groups[section.degree] = groups.get(section.degree, sp.S.Zero) + section.f
+            elif not node.is_Add:
+                return None
+            else:
+                moving.append(self.of(part))
+        rule = "a function of J2 and J3 is convex where its section is"
+        for degree, f in groups.items():
+            section = Section(degree, f)
+            quasi, above = section.convex(self._asked), section.nonnegative(self._asked)
+            moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
+        one = [shape for shape in moving if not shape.constant]
+        convex = all(shape.convex for shape in moving)
+        quasi = convex or (len(one) == 1 and one[0].quasiconvex)
+        above = all(shape.nonnegative for shape in moving)
+        return Curvature(convex=convex, quasiconvex=quasi, nonnegative=above, rules=_used(*moving))
+
+    def _asked(self, expr: sp.Expr, *given: sp.Basic, strict: bool = False) -> bool:
+        return self.subject.ask(expr, Sense.POSITIVE if strict else Sense.NONNEGATIVE, *given).holds is True
 
     def _bent(self, node: Any, facts: Curvature) -> Curvature:
         """With kinks of one x taken together."""
@@ -170,7 +217,7 @@ class _CurvatureRules:
         several = Curvature(nonnegative=all(s.nonnegative for _, s in moving))  # of a product only the sign is followed
         facts = moving[0][1] if len(moving) == 1 else several
         if self.subject.nonnegative(scale):
-            return self.signed(node, facts)
+            return self._together(node, self.signed(node, facts))
         if self.subject.nonnegative(-scale):
             return self.signed(node, facts.negated())
         return self.signed(node, Curvature(convex=facts.affine, concave=facts.affine, quasiconvex=facts.affine, rules=facts.rules))
@@ -271,7 +318,7 @@ class _CurvatureRules:
             nonpositive=all(x.nonpositive for x in args),
             rules=_used(*args, rule="a maximum of convex functions is convex"),
         )
-        return self.even(node, self.signed(node, facts))
+        return self._together(node, self.signed(node, facts))
 
     def minimum(self, node: Any, *args: Curvature) -> Curvature:
         return self.maximum(node, *(x.negated() for x in args)).negated() if node.free_symbols & self.forces else self.constant(node)

@@ -13,6 +13,7 @@ from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, signs_of_product
 from duhem.proof.kernel.elementary import sign_over
 from duhem.proof.kernel.even import quasiconvex_in_even_parts
+from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import Term, minus, number
 
@@ -36,11 +37,21 @@ def facts(term: Term, domain: StatedDomain) -> Facts:
         if domain.constant(term):
             sign = _sharpened(term, domain) if term.op in ("+", "*", "name") and known.sign not in (NEGATIVE, ZERO, POSITIVE) else ANY
             known = Facts(known.defined, known.sign & sign, True, True, True)
-        elif not known.convex and (even := quasiconvex_in_even_parts(term, domain, facts, over)) is not None and even.defined:
-            known = replace(known, sign=known.sign & even.sign, convex=even.convex, quasiconvex=known.quasiconvex or even.quasiconvex)
+        elif not (known.defined and known.convex):
+            known = _of_parts_together(term, known, domain)
         domain.shown[term] = known
     found: Facts = domain.shown[term]
     return found
+
+
+def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
+    """What is shown of a term by rules that look at more than its parts one by one."""
+    if term.op in ("+", "*", "**") and (found := by_section(term, domain, facts)) is not None:
+        return found
+    even = quasiconvex_in_even_parts(term, domain, facts, over) if known.defined else None
+    if even is None:
+        return known
+    return replace(known, sign=known.sign & even.sign, convex=even.convex, quasiconvex=True)
 
 
 def _sharpened(term: Term, domain: StatedDomain) -> Sign:

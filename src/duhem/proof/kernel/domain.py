@@ -151,6 +151,7 @@ class StatedDomain:
         self.law, self._sign, self._steps = law, sign, 0
         self._named: dict[Term, str] = {}
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
+        self.kept: dict[str, Any] = {}  # what a rule looks up once a law
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
         self._gaps = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
         self.bounds = sharpened(self.bounds, self._gaps)

@@ -22,7 +22,7 @@ _MOST_ROOTS = 8
 
 
 def quasiconvex_in_even_parts(term: Term, domain: StatedDomain, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> Facts | None:
-    """What is shown of the term as a function of the forces and, in the place of its roots, of further ones; None if it is not even."""
+    """What is shown of the term with further forces in the place of its roots; None if that is not even in them, or not quasiconvex."""
     roots = list(dict.fromkeys(root for part in term.args for root in _roots(part, domain, shown)))
     if not 0 < len(roots) <= _MOST_ROOTS:
         return None
@@ -34,9 +34,12 @@ def quasiconvex_in_even_parts(term: Term, domain: StatedDomain, shown: Shown, ov
     with suppress(NotWritten):
         for sized in (False, True):
             freed = _freed(term, free, sized, domain, shown)
+            known = shown(freed, wider)
+            if not (known.defined and known.quasiconvex):
+                continue
             form = _form(freed, wider)
             if all(_form(freed.put({z: minus(z)}), wider) == form for z in free.values()):
-                return shown(freed, wider)
+                return known
     return None
 
 

@@ -1,0 +1,153 @@
+"""Functions of J2 and J3: convex where their section is, in principal stresses and in components, and no further.
+
+The thresholds are the literature's: Gudehus and Argyris K = 7/9, van Eekelen beta = 0.7925, Drucker c = -27/8 and 9/4, Cazacu and Barlat
+c = 3 sqrt(3)/4, Ottosen and Bigoni, Piccolroaz 0 <= b <= pi/3.  Drawn sections are held against f'' + f on a fine grid.
+"""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+import pytest
+
+from duhem import Criterion, verify
+from duhem.law.domain import POSITIVE, Domain
+from duhem.proof.facts.curvature import curvature
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.shape import Facts
+from duhem.proof.law_text import law_as_text
+from duhem.proof.verdict import Trust, Verdict
+
+PRINCIPAL, SIX, PLANE = ("a", "b", "c"), ("xx", "yy", "zz", "yz", "xz", "xy"), ("x", "y", "t")
+S = {
+    PRINCIPAL: ("(((a-b)**2 + (b-c)**2 + (c-a)**2)/6)", "((2*a-b-c)*(2*b-c-a)*(2*c-a-b)/27)", "(a + b + c)"),
+    SIX: (
+        "(((xx-yy)**2 + (yy-zz)**2 + (zz-xx)**2)/6 + yz**2 + xz**2 + xy**2)",
+        "(((2*xx-yy-zz)/3)*((2*yy-zz-xx)/3)*((2*zz-xx-yy)/3) + 2*yz*xz*xy - ((2*xx-yy-zz)/3)*yz**2"
+        " - ((2*yy-zz-xx)/3)*xz**2 - ((2*zz-xx-yy)/3)*xy**2)",
+        "(xx + yy + zz)",
+    ),
+    PLANE: (
+        "((x**2 - x*y + y**2)/3 + t**2)",
+        "(((2*x-y)/3)*((2*y-x)/3)*((-x-y)/3) - ((-x-y)/3)*t**2)",
+        "(x + y)",
+    ),
+}
+C3 = "(3*sqrt(3)/2*J3/J2**(3/2))"
+
+
+def acos(z: str) -> str:
+    return f"(pi/2 - atan(({z})/sqrt(1 - ({z})**2)))"
+
+
+OTTOSEN = f"A*J2 + L*sqrt(J2)*cos({acos(f'G*{C3}')}/3) + B*I1 - 1"
+LODE = f"sqrt(3*J2)*cos(E*pi/6 - {acos(f'G*{C3}')}/3) + B*I1 - 1"
+ARGYRIS = "sqrt(J2)*(1 + K)/(2*K) - (1 - K)/(2*K)*(3*sqrt(3)/2)*J3/J2 - 1"
+between = Domain.between
+
+CASES = [
+    (ARGYRIS, {"K": between("0.7778", 1)}, True),
+    (ARGYRIS, {"K": between("0.7777", 1)}, False),
+    (f"sqrt(J2)*(1 - E*{C3})**0.229 - 1", {"E": between("-0.792", "0.792")}, True),
+    (f"sqrt(J2)*(1 - E*{C3})**0.229 - 1", {"E": between(0, "0.793")}, False),
+    (f"sqrt(J2)*(1 - E*{C3})**0.229 - 1", {"E": between(0, 1)}, False),  # the section reaches 0
+    ("J2**(3/2) - E*J3 - 1", {"E": between("-1.299", "1.299")}, True),
+    ("J2**(3/2) - E*J3 - 1", {"E": between(0, "1.2991")}, False),
+    ("J2**3 - E*J3**2 - 1", {"E": between("-27/8", "9/4")}, True),
+    ("J2**3 - E*J3**2 - 1", {"E": between(0, "2.2501")}, False),
+    ("J2**3 - E*J3**2 - 1", {"E": between("-3.3751", 0)}, False),
+    ("(J2**(3/2) - E*J3)**(1/3) + B*I1 - 1", {"E": between("-1.299", "1.299")}, True),  # Cazacu, Barlat (2004) as a cone
+    (OTTOSEN, {"G": between("-0.99", "0.99"), "A": POSITIVE, "L": POSITIVE}, True),
+    (OTTOSEN, {"G": between(0, "1.001"), "A": POSITIVE, "L": POSITIVE}, False),  # no acos
+    (OTTOSEN, {"G": between(0, "0.99"), "A": POSITIVE, "L": between("-0.1", 1)}, False),
+    (LODE, {"E": between(0, 2), "G": between(0, "0.99")}, True),
+    (LODE, {"E": between(0, "2.001"), "G": between(0, "0.99")}, False),
+    (LODE, {"E": between("-0.001", 1), "G": between(0, "0.99")}, False),
+    (LODE.replace("/3)", "/2)"), {"E": between(0, 2), "G": between(0, "0.99")}, False),  # half of the angle
+    (ARGYRIS.replace("J3/J2", "J3/J2*I1/I1"), {"K": between("0.7778", 1)}, False),
+    (f"{ARGYRIS} + I1**3", {"K": between("0.7778", 1)}, False),
+]  # fmt: skip
+
+
+def law(g: str, forces: tuple[str, ...], parameters: dict[str, Domain]) -> Criterion:
+    for name, text in zip(("J2", "J3", "I1"), S[forces], strict=True):
+        g = g.replace(name, text)
+    table = {"B": POSITIVE, **parameters}
+    return Criterion(name="law", g=g, forces=forces, pressure=None, parameters={n: d for n, d in table.items() if n in g})
+
+
+def by_kernel(criterion: Criterion) -> Facts:
+    stated = StatedLaw.read(law_as_text(criterion))
+    return facts(stated.g, over(stated))
+
+
+def by_prover(criterion: Criterion) -> bool:
+    subject = FormulaSubject(criterion)
+    subject.allow(20_000_000)
+    return curvature(subject.simple.g, subject).quasiconvex
+
+
+@pytest.mark.parametrize("forces", [PRINCIPAL, SIX, PLANE], ids=len)
+@pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
+def test_the_kernel_knows_the_threshold(g: str, parameters: dict[str, Domain], convex: bool, forces: tuple[str, ...]) -> None:
+    shown = by_kernel(law(g, forces, parameters))
+    assert (shown.defined and shown.quasiconvex) is convex
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
+def test_the_prover_knows_the_threshold(g: str, parameters: dict[str, Domain], convex: bool) -> None:
+    assert by_prover(law(g, PRINCIPAL, parameters)) is convex
+
+
+@pytest.mark.parametrize(
+    "change", [("2*yz*xz*xy", "3*yz*xz*xy"), ("(2*yy-zz-xx)/3)*xz**2", "(2*yy-zz-xx)/3)*yz**2"), ("xx + yy", "xx + 2*yy")]
+)
+def test_what_is_no_invariant_is_taken_for_none(change: tuple[str, str]) -> None:
+    honest = law(f"{ARGYRIS} + B*I1**2", SIX, {"K": between("0.8", 1)})
+    spoilt = Criterion(
+        name="law", g=law_as_text(honest)["g"].replace(*change), forces=SIX, pressure=None, parameters=dict(honest.parameters)
+    )
+    assert by_kernel(honest).convex and law_as_text(spoilt)["g"] != law_as_text(honest)["g"]
+    assert by_kernel(spoilt).convex is (change[0] == "xx + yy")  # a load that is another is as good
+
+
+def bend(f: tuple[float, ...], root: float) -> float:
+    """The least f'' + f on a grid of theta, relative to f, of the root of a polynomial in cos 3 theta; nan where that is < 0."""
+    least, n = math.inf, 4000
+
+    def h(theta: float) -> float:
+        c = math.cos(3 * theta)
+        return math.pow(sum(a * c**i for i, a in enumerate(f)), root)
+
+    step = 1e-3
+    for k in range(n + 1):
+        theta = k * math.pi / 3 / n
+        least = min(least, ((h(theta + step) - 2 * h(theta) + h(theta - step)) / step**2 + h(theta)) / h(theta))
+    return least
+
+
+def test_drawn_sections_are_convex_where_a_grid_finds_them_so() -> None:
+    rng, both = Random(3), [0, 0]
+    while min(both) < 8:
+        f = (1.0, *(round(rng.uniform(-0.2, 0.2), 2) for _ in range(rng.randint(1, 3))))
+        root = rng.choice((1, 1 / 2, 1 / 3, 1 / 4))
+        if min(sum(a * c**i for i, a in enumerate(f)) for c in (k / 50 - 1 for k in range(101))) < 0.01:
+            continue
+        if abs(least := bend(f, root)) < 0.01:
+            continue  # the grid does not tell
+        g = (
+            f"(sqrt(J2)**{round(1 / root)}*("
+            + " + ".join(f"({a})*{C3}**{i}" if i else str(a) for i, a in enumerate(f))
+            + f"))**(1/{round(1 / root)}) - 1"
+        )
+        assert by_kernel(law(g, PRINCIPAL, {})).convex is (least > 0), (f, root, least)
+        both[least > 0] += 1
+
+
+def test_a_law_in_six_components_is_proved_and_checked() -> None:
+    found = verify(law(OTTOSEN, SIX, {"A": POSITIVE, "G": between(0, "0.99"), "L": POSITIVE}), claims=["convexity"])["convexity"]
+    assert (found.verdict, found.trust) == (Verdict.PROVED, Trust.CHECKED)
