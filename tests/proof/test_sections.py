@@ -61,13 +61,15 @@ CASES = [
     ("J2**3 - E*J3**2 - 1", {"E": between("-3.3751", 0)}, False),
     ("(J2**(3/2) - E*J3)**(1/3) + B*I1 - 1", {"E": between("-1.299", "1.299")}, True),  # Cazacu, Barlat (2004) as a cone
     (OTTOSEN, {"G": between("-0.99", "0.99"), "A": POSITIVE, "L": POSITIVE}, True),
+    (OTTOSEN.replace(acos(f"G*{C3}"), f"acos(G*{C3})"), {"G": between("-1", "1"), "A": POSITIVE, "L": POSITIVE}, True),
+    (OTTOSEN.replace(acos(f"G*{C3}"), f"acos(G*{C3})"), {"G": between("-1.001", "1"), "A": POSITIVE, "L": POSITIVE}, False),
     (OTTOSEN, {"G": between(0, "1.001"), "A": POSITIVE, "L": POSITIVE}, False),  # no acos
     (OTTOSEN, {"G": between(0, "0.99"), "A": POSITIVE, "L": between("-0.1", 1)}, False),
     (LODE, {"E": between(0, 2), "G": between(0, "0.99")}, True),
     (LODE, {"E": between(0, "2.001"), "G": between(0, "0.99")}, False),
     (LODE, {"E": between("-0.001", 1), "G": between(0, "0.99")}, False),
     (LODE.replace("/3)", "/2)"), {"E": between(0, 2), "G": between(0, "0.99")}, False),  # half of the angle
-    (ARGYRIS.replace("J3/J2", "J3/J2*I1/I1"), {"K": between("0.7778", 1)}, False),
+    (ARGYRIS.replace("J3/J2", "J3/J2*I1/(I1 + 1)"), {"K": between("0.7778", 1)}, False),
     (f"{ARGYRIS} + I1**3", {"K": between("0.7778", 1)}, False),
 ]  # fmt: skip
 
@@ -151,3 +153,10 @@ def test_drawn_sections_are_convex_where_a_grid_finds_them_so() -> None:
 def test_a_law_in_six_components_is_proved_and_checked() -> None:
     found = verify(law(OTTOSEN, SIX, {"A": POSITIVE, "G": between(0, "0.99"), "L": POSITIVE}), claims=["convexity"])["convexity"]
     assert (found.verdict, found.trust) == (Verdict.PROVED, Trust.CHECKED)
+
+
+@pytest.mark.parametrize(("load", "inside"), [("B*I1 - 1", True), ("B*I1 + K - 0.9", False), ("1/I1", False)])
+def test_zero_force_is_where_the_sections_are_0(load: str, inside: bool) -> None:
+    found = verify(law(f"{ARGYRIS[:-4]} + {load}", PRINCIPAL, {"K": between("0.8", 1)}), claims=["origin"])["origin"]
+    assert (found.verdict is Verdict.PROVED) is inside
+    assert found.trust is (Trust.CHECKED if inside else None)

@@ -20,7 +20,7 @@ from duhem.proof.decide import Sense
 from duhem.proof.facts.bends import bends
 from duhem.proof.facts.even_roots import freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.section import Meaning, Section, meanings
+from duhem.proof.facts.section import Meaning, Section
 
 __all__ = ["Curvature", "curvature"]
 
@@ -146,10 +146,7 @@ class _CurvatureRules:
     @cached_property
     def meaning(self) -> Meaning | None:
         """What tensor the forces are, if J2 of one stands in the law."""
-        problem = self.subject.simple
-        if self.forces != {*problem.forces}:
-            return None
-        return next((m for m in meanings(self.subject.law.force_symbols(), problem.forces) if m.shown_in(problem.g)), None)
+        return self.subject.meaning if self.forces == {*self.subject.simple.forces} else None
 
     def _by_section(self, node: Any) -> Curvature | None:
         """The parts that are functions of J2 and J3 taken together by their degree."""

@@ -20,6 +20,7 @@ from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Question, Sense
 from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
+from duhem.proof.facts.section import Meaning, meaning_of
 from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.obligations import Obligation, obligations
 from duhem.proof.statement.problem import Face, Problem, state
@@ -89,6 +90,11 @@ class FormulaSubject(Subject):
     def star(self) -> Star | None:
         """The two-degree form of the simple problem, if it has one."""
         return star_form(self.simple)
+
+    @cached_property
+    def meaning(self) -> Meaning | None:
+        """What tensor the forces of the simple problem are, if J2 of one stands in it."""
+        return meaning_of(self.simple.g, self.law.force_symbols(), self.simple.forces)
 
     @cached_property
     def support(self) -> SupportFunction | None:

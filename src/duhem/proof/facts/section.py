@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Protocol
 
 import sympy as sp
 
-__all__ = ["Meaning", "Section", "meanings"]
+__all__ = ["Meaning", "Section", "meaning_of"]
 
 _C = sp.Symbol("cos 3 theta", real=True)  # no name of a law has blanks
 _W = sp.Symbol("J3", real=True)  # where J2 = 1
@@ -146,6 +146,15 @@ class Meaning:
             return Section(sp.S.Zero, expr.func(inner.f)) if inner is not None and inner.degree == 0 else None
         return None
 
+    def emptied(self, expr: Any) -> Any:
+        """The formula where J2 = 0: with 0 for its functions of J2 and J3 of a degree above 0."""
+        if not expr.free_symbols & {*self.forces} or expr.is_Symbol:
+            return expr
+        section = self.read(expr)
+        if section is not None and section.degree.is_positive:
+            return sp.S.Zero
+        return expr.func(*map(self.emptied, expr.args))
+
     def _polynomial(self, expr: sp.Expr) -> Section | None:
         form = sp.Poly(expr, *self.forces)
         k = form.total_degree()
@@ -160,7 +169,12 @@ class Meaning:
         return Section(sp.Integer(k), sum(a * (2 * sp.sqrt(3) / 9 * _C) ** j for a, j in zip(solved[0], powers, strict=True)))
 
 
-def meanings(forces: Sequence[sp.Symbol], left: Sequence[sp.Symbol]) -> Iterator[Meaning]:
+def meaning_of(g: sp.Expr, forces: Sequence[sp.Symbol], left: Sequence[sp.Symbol]) -> Meaning | None:
+    """What tensor the forces of a law are, if J2 of one stands in its formula."""
+    return next((meaning for meaning in _meanings(forces, left) if meaning.shown_in(g)), None)
+
+
+def _meanings(forces: Sequence[sp.Symbol], left: Sequence[sp.Symbol]) -> Iterator[Meaning]:
     """The tensors that a law's forces may be, those not ``left`` being 0: principal values, components in the plane or in space."""
     x: list[Any] = [f if f in left else sp.S.Zero for f in forces]
     zero = sp.S.Zero

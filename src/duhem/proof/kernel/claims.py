@@ -16,6 +16,7 @@ from duhem.proof.kernel.piecewise import polyhedra
 from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.section import without_sections
 from duhem.proof.kernel.star import StarGauge, undefined_at_zero
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
@@ -91,9 +92,10 @@ def _inside(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def origin(law: StatedLaw, _: Evidence) -> bool:
-    """g(0) is defined and <= 0."""
-    here = _at(law, {})
-    return here.defined and not here.sign & POSITIVE
+    """g(0) is defined and <= 0; functions of J2 and J3 are 0 there, by continuity."""
+    forms = (law.g, *without_sections(law.g, over(law), facts))
+    values = (_at(law._replace(g=g), {}) for g in forms)
+    return any(here.defined and not here.sign & POSITIVE for here in values)
 
 
 def convexity(law: StatedLaw, evidence: Evidence) -> bool:

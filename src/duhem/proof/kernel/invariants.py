@@ -82,7 +82,7 @@ def _at(poly: Polynomial, point: Point) -> Polynomial:
 def invariants(forces: Sequence[str]) -> Iterator[Invariants]:
     """Those of the tensors that two to six forces may be: principal values, components in the plane or in space."""
     names = tuple(Term("name", name=f) for f in forces)
-    x = [{((name, 1),): Fraction(1)} for name in names]
+    x: list[Polynomial] = [{((name, 1),): Fraction(1)} for name in names]
     zero: Polynomial = {}
     if len(x) in (2, 3):
         yield _invariants(names, (*x, zero)[:3], (zero, zero, zero))

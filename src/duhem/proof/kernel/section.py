@@ -60,10 +60,10 @@ def _readers(domain: StatedDomain, shown: Shown) -> Sequence[_Reader]:
     if "sections" not in domain.kept:
         sums = [*_sums(domain.law.g)]
         second, third = ([x for x in sums if _degree(x, domain) == k] for k in (2, 3))
-        readers = [_Reader(domain, shown, meaning, {}) for meaning in invariants(domain.law.forces)] if second else []
-        readers = [reader for reader in readers if any(map(reader.invariant, second))]
-        domain.kept["sections"] = [reader for reader in readers if any(map(reader.invariant, third))] or readers[:2]
-    readers = domain.kept["sections"]
+        tried = (_Reader(domain, shown, meaning, {}) for meaning in invariants(domain.law.forces)) if second else ()
+        found = [reader for reader in tried if any(map(reader.invariant, second))]
+        domain.kept["sections"] = [reader for reader in found if any(map(reader.invariant, third))] or found[:2]
+    readers: list[_Reader] = domain.kept["sections"]
     return readers
 
 
@@ -221,8 +221,8 @@ class _Reader:
                 raise NotWritten("a constant may be undefined")
             return _Section(Fraction(0), _reduced(self.domain.polynomial(term)), {})
         if _degree(term, self.domain) is not None:
-            k, parts = self.meaning.of(self.domain.polynomial(term))
-            return _Section(Fraction(k), total(*(times(a, _raised(_THIRD_OF_C, j)) for j, a in parts.items())), {})
+            k, shares = self.meaning.of(self.domain.polynomial(term))
+            return _Section(Fraction(k), total(*(times(a, _raised(_THIRD_OF_C, j)) for j, a in shares.items())), {})
         match term.op:
             case "+":
                 return _total([self.read(a) for a in term.args])
