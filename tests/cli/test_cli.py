@@ -19,6 +19,7 @@ import duhem
 from duhem.cli import installation as doctor
 from duhem.errors import MissingExtraError
 from duhem.law import catalogue
+from duhem.law.atlas.entry import groups
 from duhem.left_out import LeftOut
 from duhem.proof import report_json as json_report
 from duhem.proof import report_text as text_report
@@ -252,7 +253,7 @@ def test_version(run: Run) -> None:
 def test_list_names_every_law(run: Run) -> None:
     code, out, _ = run("list")
     assert code == 0
-    assert tuple(line.split()[0] for line in out.splitlines()) == catalogue.names()
+    assert tuple(line.split()[0] for line in out.splitlines()) == (*catalogue.names(), *groups())
 
 
 @pytest.mark.slow

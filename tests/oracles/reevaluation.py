@@ -164,6 +164,14 @@ def _jet(node: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> _Jet:
     if isinstance(node, sp.exp):
         grown = _IV.exp(parts[0].value)
         return parts[0].through(grown, grown)
+    if isinstance(node, sp.log):
+        if parts[0].value.a <= 0:
+            raise OpenError
+        return parts[0].through(_IV.log(parts[0].value), 1 / parts[0].value)
+    if isinstance(node, sp.cosh | sp.sinh):
+        up, down = _IV.exp(parts[0].value), _IV.exp(-parts[0].value)
+        even, odd = (up + down) / 2, (up - down) / 2
+        return parts[0].through(even, odd) if isinstance(node, sp.cosh) else parts[0].through(odd, even)
     if isinstance(node, sp.cos | sp.sin) and not jets:
         return parts[0].through(_IV.cos(parts[0].value) if isinstance(node, sp.cos) else _IV.sin(parts[0].value), _IV.mpf(0))
     if isinstance(node, sp.tanh):

@@ -46,6 +46,16 @@ def accepted(report: Report) -> None:
     assert report.flagged == 0
 
 
+def test_a_stress_where_g_has_no_gradient_is_admissible() -> None:
+    root = duhem.Criterion(name="root", g="sqrt(a**2 + b**2) - 1", forces=("a", "b"), pressure=None)
+    zero = np.zeros((1, 2))
+    whole = {name: zero for name in ("other", "third", "inside", "beside")}
+    case = Case({}, np.eye(2), None, zero, **whole, stretch=np.ones(1), factor=2.0, path=np.zeros((1, 2, 2)), loads=np.zeros((1, 2)))
+    assert violation("feasibility", root, lambda trial, pressure, stiffness: trial, case) is None
+    outside = Case({}, np.eye(2), None, zero + 1, **whole, stretch=np.ones(1), factor=2.0, path=np.zeros((1, 2, 2)), loads=np.zeros((1, 2)))
+    assert violation("feasibility", root, lambda trial, pressure, stiffness: trial, outside) is not None
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("check", checks_for("coulomb"))
 def test_one_test_a_check_as_a_user_writes_it(check: object) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from duhem.cli.atlas import atlas
 from duhem.cli.bench import bench
 from duhem.cli.derive import derive
 from duhem.cli.doctor import doctor
@@ -27,12 +28,12 @@ __all__ = ["cli"]
 def cli() -> None:
     """Decide whether a friction or yield law is thermodynamically admissible, and prove it.
 
-    A LAW is a built-in name (duhem list), a criterion file (duhem init NAME), or module:attribute.
+    A LAW is a name (duhem list, duhem atlas), a criterion file (duhem init NAME), or module:attribute.
 
     Exit codes: 0 nothing refuted, 1 something refuted, 2 usage or file error, 3 undecided with --strict, 4 internal or
     solver failure, 130 interrupted.
     """
 
 
-for command in (verify, recheck, derive, project, simulate, bench, stress, figures, identify, list_laws, init, explain, doctor):
+for command in (verify, recheck, derive, project, simulate, bench, stress, figures, identify, list_laws, atlas, init, explain, doctor):
     cli.add_command(command)

@@ -32,9 +32,13 @@ __all__ = [
 
 
 def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    from duhem.law import catalogue
+    from itertools import chain
 
-    named = [CompletionItem(name) for name in catalogue.names() if name.startswith(incomplete)]
+    from duhem.law import catalogue
+    from duhem.law.atlas.entry import groups
+
+    every = chain(catalogue.names(), *groups().values())
+    named = [CompletionItem(name) for name in every if name.startswith(incomplete)]
     return [*named, CompletionItem(incomplete, type="file")]
 
 

@@ -6,15 +6,23 @@ import click
 
 from duhem.cli.output import endless_page, say
 
-__all__ = ["list_laws"]
+__all__ = ["group_option", "list_laws"]
+
+group_option = click.option("--group", metavar="GROUP", help="Only this group of the atlas, for example metals.")
 
 
 @click.command("list")
-def list_laws() -> None:
-    """List the laws that can be named."""
+@group_option
+def list_laws(group: str | None) -> None:
+    """List the laws that can be named; of the atlas, the published laws, a line a group."""
     from duhem.law import catalogue
+    from duhem.law.atlas import entry
 
-    names = catalogue.names()
-    width = max(map(len, names))
-    for name in names:
-        say("\n".join(endless_page().hanging(catalogue.summary(name), f"{name:<{width}}  ", " " * (width + 2))) or name)
+    if group is None:
+        laws = {name: catalogue.summary(name) for name in catalogue.names()}
+        atlas = {name: f"{len(laws)} published laws: duhem list --group {name}" for name, laws in entry.groups().items()}
+    else:
+        laws, atlas = {each.name: each.summary for each in entry.entries(group)}, {}
+    width = max(map(len, [*laws, *atlas]))
+    for name, about in [*laws.items(), *atlas.items()]:
+        say("\n".join(endless_page().hanging(about, f"{name:<{width}}  ", " " * (width + 2))) or name)

@@ -1,4 +1,4 @@
-"""Laws by name: one module of :mod:`duhem.law.builtin` each, what other distributions add, files, and ``module:attribute``.
+"""Laws by name: one module of :mod:`duhem.law.builtin` each, the atlas, what other distributions add, files, ``module:attribute``.
 
 The names are read from the file system and from entry points; only the law that is asked for is imported.
 Other distributions add laws by the entry point group ``duhem.criteria``.
@@ -13,11 +13,13 @@ from difflib import get_close_matches
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, overload
 
 from duhem.errors import InputError
+from duhem.law.atlas.entry import file_of, groups
 from duhem.law.registry import registered
 
 if TYPE_CHECKING:
@@ -31,7 +33,7 @@ _GROUP = "duhem.criteria"
 
 
 def names() -> tuple[str, ...]:
-    """Every law that can be loaded by name, sorted."""
+    """The laws that can be loaded by name, sorted; the published ones are many and named by :mod:`duhem.law.atlas.entry`."""
     return tuple(sorted({*_built_in(), *_added(), *registered()}))
 
 
@@ -44,7 +46,7 @@ def load(law: str | Path | Law) -> Any: ...  # a name decides between the kinds 
 
 
 def load(law: str | Path | Law) -> Law:
-    """A law: itself, a name of :func:`names`, the path of a criterion file, or ``module:attribute``.
+    """A law: itself, a name of :func:`names` or of the atlas, the path of a criterion file, or ``module:attribute``.
 
     InputError for a name that is unknown or a file that cannot be used.
     """
@@ -62,14 +64,16 @@ def load(law: str | Path | Law) -> Law:
     if name in (modules := _built_in()):
         import_module(modules[name])
         return registered()[name]
+    if (published := file_of(name)) is not None:
+        return _from_file(published)
     if law.endswith(".toml") or _exists(law):
         return _from_file(law)
     if name in (points := _added()):
         return _attribute(points[name].value, name)
     if ":" in law:
         return _attribute(law, law)
-    near = get_close_matches(name, names(), n=3, cutoff=0.5)
-    remedy = f"did you mean {' or '.join(near)}?" if near else "duhem list names the laws; files end in .toml"
+    near = get_close_matches(name, (*names(), *chain.from_iterable(groups().values())), n=3, cutoff=0.5)
+    remedy = f"did you mean {' or '.join(near)}?" if near else "duhem list and duhem atlas name the laws; files end in .toml"
     raise InputError(f"unknown law {law[:60]!r}", remedy=remedy)
 
 

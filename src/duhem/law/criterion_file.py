@@ -35,6 +35,7 @@ __all__ = ["read", "reads"]
 MOST_BYTES = 1_000_000
 _CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints")
 _PARAMETER = ("positive", "min", "max", "value")
+_ATLAS = ("equation", "claims", "verdicts", "note")  # what is said of the law: nothing of it is part of the law
 
 
 def read(path: str | PathLike[str]) -> Law:
@@ -54,7 +55,8 @@ class _CriterionReader(SectionReader):
     """From the document of a criterion file to the law; stops at the first fault."""
 
     def law(self) -> Law:
-        self.keys("", self.document, ("criterion", "define", "domain", "parameters", "flow", "surface", "boundary"))
+        self.keys("", self.document, ("criterion", "define", "domain", "parameters", "flow", "surface", "boundary", "atlas"))
+        self.keys("atlas", self.table("atlas", required=False), _ATLAS)
         head = self.table("criterion")
         self.keys("criterion", head, _CRITERION)
         name = self.line("criterion", "name")

@@ -54,6 +54,7 @@ def feasibility(q: Query) -> Finding:
     with np.errstate(all="ignore"):
         allowed = q.unit(found) * q.dual_length(gradient)
     level = q.region.level(found.stress, q.pressure)
+    allowed = np.where(level <= 0.0, np.fmax(allowed, 0.0), allowed)  # inside K nothing rests on a gradient, which a root may lack
     out = q.certainly(~(level <= allowed), found.stress, outside=True)
     return Finding(np.where(out, level, np.fmin(level, 0.0)), allowed)
 

@@ -1,0 +1,72 @@
+"""``duhem atlas``: the published laws, what is said of them and what holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from duhem.cli.list_laws import group_option
+from duhem.cli.output import endless_page, say
+
+if TYPE_CHECKING:
+    from duhem.law.atlas.entry import AtlasEntry
+
+__all__ = ["atlas"]
+
+_OPEN = ("tested", "undecided")
+
+
+@click.command()
+@group_option
+@click.option(
+    "--format", "form", type=click.Choice(["text", "markdown", "json"]), default="text", show_default=True, help="How to print it."
+)
+def atlas(group: str | None, form: str) -> None:
+    """Print the atlas: published laws, what the literature claims of them, and our verdicts.
+
+    A verdict is over the whole domain of the law's file; "open" is one that no method has decided.  Each name can stand
+    for a LAW in every command.
+    """
+    from duhem.law.atlas.entry import entries
+
+    laws = entries(group)
+    if form == "json":
+        import json
+
+        say(json.dumps([law.to_dict() for law in laws], indent=2, ensure_ascii=False))
+    else:
+        say(_markdown(laws) if form == "markdown" else _text(laws))
+
+
+def _word(verdict: str) -> str:
+    return "open" if verdict in _OPEN else verdict.replace("not_applicable", "-")
+
+
+def _said(law: AtlasEntry) -> str:
+    """The claims of the literature, and where they do not hold."""
+    claims = "; ".join(f"{claim}: {text}" for claim, text in law.claims.items())
+    return ". ".join(filter(None, (claims, law.note)))
+
+
+def _markdown(laws: Sequence[AtlasEntry]) -> str:
+    """One table, a row a law."""
+    head = ["law", "source", *laws[0].verdicts, "what is said of it"]
+    rows = [[f"`{law.name}`", law.source, *map(_word, law.verdicts.values()), _said(law)] for law in laws]
+    lines = [[cell.replace("|", "\\|") for cell in row] for row in [head, ["---"] * len(head), *rows]]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _text(laws: Sequence[AtlasEntry]) -> str:
+    """A table of verdicts a group, under it what is said of each law."""
+    page = endless_page()
+    parts: list[Sequence[str]] = []
+    for group in dict.fromkeys(law.group for law in laws):
+        of_group = [law for law in laws if law.group == group]
+        rows = [["law", *of_group[0].verdicts], *([law.name, *map(_word, law.verdicts.values())] for law in of_group)]
+        parts += [[group, *page.table(rows, "l")]]
+        for law in of_group:
+            about = (law.source, law.equation, _said(law))
+            parts += [[law.name, *(line for text in about if text for line in page.item(text))]]
+    return page.report(parts)

@@ -1,0 +1,85 @@
+"""What the atlas says of a published law: where it stands, what the literature claims of it, and what duhem finds.
+
+A file of the atlas is an ordinary criterion file with a table ``[atlas]``.  It is read when it is asked for; naming the laws
+reads no file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from duhem.errors import InputError
+from duhem.law.frozen_mapping import FrozenMapping
+
+__all__ = ["ASKED", "AtlasEntry", "entries", "entry", "file_of", "groups"]
+
+ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
+"""The claims of which an entry keeps verdicts; the state laws hold of every law, and duality is our own."""
+
+_FOLDER = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class AtlasEntry:
+    """One law of the atlas.
+
+    ``equation``: the criterion in the symbols of its source, with its number where it has one.  ``claims``: what the
+    literature says, claim by claim.  ``verdicts``: the word of :class:`duhem.Verdict` that verifying the law gives, for each
+    claim of ``ASKED``, over the whole domain of its file.  ``note``: where the print or what is said of it does not hold.
+    """
+
+    name: str
+    group: str
+    summary: str
+    source: str
+    equation: str
+    claims: Mapping[str, str]
+    verdicts: Mapping[str, str]
+    note: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as plain values."""
+        return vars(self) | {"claims": dict(self.claims), "verdicts": dict(self.verdicts)}
+
+
+def groups() -> dict[str, tuple[str, ...]]:
+    """The groups of the atlas and the names of their laws, both sorted."""
+    folders = sorted(folder for folder in _FOLDER.iterdir() if folder.is_dir() and not folder.name.startswith("_"))
+    return {folder.name: tuple(sorted(file.stem for file in folder.glob("*.toml"))) for folder in folders}
+
+
+def file_of(name: str) -> Path | None:
+    """The criterion file of a law of the atlas, or None."""
+    return next((_FOLDER / group / f"{name}.toml" for group, names in groups().items() if name in names), None)
+
+
+def entry(name: str) -> AtlasEntry:
+    """What the atlas says of a law; InputError where it has none of that name."""
+    file = file_of(name)
+    if file is None:
+        raise InputError(f"the atlas has no law {name[:60]!r}", remedy="duhem atlas names those it has")
+    import tomllib
+
+    document = tomllib.loads(file.read_text("utf-8"))
+    head, said = document["criterion"], document["atlas"]
+    return AtlasEntry(
+        name=name,
+        group=file.parent.name,
+        summary=head["summary"],
+        source=head["source"],
+        equation=said["equation"],
+        claims=FrozenMapping(said["claims"]),
+        verdicts=FrozenMapping(said["verdicts"]),
+        note=said.get("note", ""),
+    )
+
+
+def entries(group: str | None = None) -> tuple[AtlasEntry, ...]:
+    """The laws of one group, or of all; InputError for a group that the atlas lacks."""
+    known = groups()
+    if group is not None and group not in known:
+        raise InputError(f"the atlas has no group {group[:60]!r}", remedy=f"groups are: {', '.join(known)}")
+    return tuple(entry(name) for each in ([group] if group else known) for name in known[each])
