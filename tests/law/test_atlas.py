@@ -49,8 +49,10 @@ def test_an_entry_is_a_law(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(ENTRIES, *QUICK))
 def test_the_verdicts_are_those_that_verifying_gives(name: str) -> None:
+    """What is kept as open may be decided by now: the campaign writes it."""
     new = found(ENTRIES[name])
-    assert new.verdicts == ENTRIES[name].verdicts
+    decided = {claim: verdict for claim, verdict in ENTRIES[name].verdicts.items() if verdict not in ("tested", "undecided")}
+    assert new.verdicts == new.verdicts | decided
     assert not new.witnesses
 
 
