@@ -34,7 +34,7 @@ boundary points at exact angles show the violation.""",
     methods=(
         Consequence(FormulaSubject, by_convexity),
         ProofMethod(FormulaSubject, flow.normality_refuted),
-        ProofMethod(FormulaSubject, sampling.sampled),
+        ProofMethod(FormulaSubject, sampling.normality),
         ProofMethod(CurveSubject, curve_signs.normality),
         ProofMethod(CurveSubject, curve_deviation.normality),
         ProofMethod(CurveSubject, curve_refutation.normality_of_a_dent),

@@ -110,10 +110,9 @@ def normality_refuted(subject: FormulaSubject, choices: int = 12, near: bool = T
     """
     if subject.simple.associated:
         return None
-    from duhem.proof.search.boundary_points import BoundaryScout  # numpy, only when something is looked for
+    from duhem.proof.search.boundary_points import scouts  # numpy, only when something is looked for
 
-    for parameters in subject.choices(choices):
-        scout = BoundaryScout(subject, parameters)
+    for scout in scouts(subject, choices):
         if len(scout.boundary) < 2:
             continue
         zero = (Fraction(0),) * len(subject.simple.forces)
@@ -146,16 +145,15 @@ def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witnes
 
 def dissipation_refuted(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
     """A boundary point where force . flow < 0, at so many choices of the parameters."""
-    from duhem.proof.search.boundary_points import BoundaryScout
+    from duhem.proof.search.boundary_points import scouts
 
     def power(point: EnclosedPoint) -> sp.Expr | None:
         flow = enclosed_flow(subject, point)
         return None if flow is None else sp.Add(*(x * d for x, d in zip(subject.simple.forces, flow, strict=True)))
 
-    for parameters in subject.choices(choices):
-        scout = BoundaryScout(subject, parameters)
+    for scout in scouts(subject, choices):
         for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5)):
-            if witness := violation(subject, parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
+            if witness := violation(subject, exit.parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
                 return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
     return None
 

@@ -2,23 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
 
-__all__ = ["sampled"]
+__all__ = ["chords", "flow", "normality"]
 
 
-def sampled(subject: FormulaSubject) -> Evidence | None:
-    """Called after every scout came back empty: at how many boundary points, of how many parameter choices, they looked.
+def chords(subject: FormulaSubject) -> Evidence | None:
+    """Between how many boundary points, of how many parameter choices, chords were tried in vain; None where none were."""
+    from duhem.proof.search.sampled_chords import looked_between  # numpy, only when something was looked for
 
-    Where no boundary point was found nothing was tested.
-    """
-    from duhem.proof.search.boundary_points import BoundaryScout  # numpy, only when something is looked for
+    return _tested("no chord was found to leave K between", looked_between(subject))
 
-    found = [n for n in (BoundaryScout(subject, parameters).found for parameters in subject.choices(12)) if n > 0]
+
+def flow(subject: FormulaSubject) -> Evidence | None:
+    """At how many boundary points, of how many parameter choices, the slip was looked at in vain; None where none were found."""
+    from duhem.proof.search.boundary_points import scouts
+
+    return _tested("no violation at", [scout.found for scout in scouts(subject, 12) if scout.found > 0])
+
+
+def normality(subject: FormulaSubject) -> Evidence | None:
+    """Of an associated law it is the convexity of K."""
+    return chords(subject) if subject.problem.flow is None else flow(subject)
+
+
+def _tested(what: str, found: Sequence[int]) -> Evidence | None:
     if not found:
         return None
     choices = "1 parameter choice" if len(found) == 1 else f"{len(found)} parameter choices"
-    return Evidence(
-        Verdict.TESTED, "sampling", f"no violation at {sum(found)} boundary points of {choices} (fixed seeds); nothing is proved"
-    )
+    return Evidence(Verdict.TESTED, "sampling", f"{what} {sum(found)} boundary points of {choices} (fixed seeds); nothing is proved")

@@ -15,7 +15,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.search.suggestion import Exit, Point
 
-__all__ = ["BoundaryScout"]
+__all__ = ["BoundaryScout", "scouts"]
 
 _DIRECTIONS = 720
 _BITS = 50  # finer than any fraction made of them; the ends of witnesses in print depend on them
@@ -140,3 +140,12 @@ class BoundaryScout:
         ray = [Fraction(float(c)).limit_denominator(10**6) for c in self.directions[k]]
         ends = (Fraction(float(s * self.low[k])).limit_denominator(10**12) for s in (1 - 1e-6, 1 + 1e-6))
         return Exit(self.parameters, *(tuple(c + end * r for c, r in zip(centre, ray, strict=True)) for end in ends))
+
+
+def scouts(subject: FormulaSubject, most: int) -> Iterator[BoundaryScout]:
+    """At so many choices of the parameters; each is made once for a subject."""
+    for parameters in subject.choices(most):
+        key = (BoundaryScout, tuple(parameters.items()))
+        if key not in subject.known:
+            subject.known[key] = BoundaryScout(subject, parameters)
+        yield subject.known[key]

@@ -19,7 +19,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.search.suggestion import Chord
 
-__all__ = ["sampled_chords"]
+__all__ = ["looked_between", "sampled_chords"]
 
 Array = NDArray[np.float64]
 _ANGLES, _SECTIONS = 720, 24
@@ -33,10 +33,17 @@ def sampled_chords(subject: FormulaSubject, most: int = 40) -> Iterator[Chord]:
     for parameters in subject.choices(most):
         if not subject.budget.pays(price):
             return
-        yield from _in_choice(subject, parameters)
+        seen: list[int] = []
+        yield from _in_choice(subject, parameters, seen)
+        subject.known[sampled_chords, tuple(parameters.items())] = sum(seen)
 
 
-def _in_choice(subject: FormulaSubject, parameters: Values) -> Iterator[Chord]:
+def looked_between(subject: FormulaSubject) -> list[int]:
+    """Between how many boundary points chords were tried in vain, a parameter choice each."""
+    return [n for key, n in subject.known.items() if isinstance(key, tuple) and key[0] is sampled_chords and n > 0]
+
+
+def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int]) -> Iterator[Chord]:
     forces = subject.simple.forces
     run = compiled(subject.formula_at(parameters), forces)
 
@@ -46,7 +53,7 @@ def _in_choice(subject: FormulaSubject, parameters: Values) -> Iterator[Chord]:
     centre = _centre(value, len(forces))
     if centre is None:
         return
-    for p, q, p_anchor, q_anchor in _suspects(value, centre):
+    for p, q, p_anchor, q_anchor in _suspects(value, centre, seen):
         for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
             pull = 10.0**-digits
             yield Chord(
@@ -70,7 +77,7 @@ def _centre(value: Any, d: int) -> Array | None:
     return best if value(best) <= 0 else None
 
 
-def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
+def _suspects(value: Any, centre: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
     """Pairs of points of K whose midpoint seems outside, each with a point further inside to be pulled towards."""
     d = len(centre)
     yield from _random_pairs(value, d)
@@ -82,7 +89,7 @@ def _suspects(value: Any, centre: Array) -> Iterator[tuple[Array, Array, Array, 
             turn = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
             frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
             directions = np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1])
-        yield from _along_rays(value, centre, directions)
+        yield from _along_rays(value, centre, directions, seen)
 
 
 def _sections(d: int) -> int:
@@ -103,11 +110,13 @@ def _random_pairs(value: Any, d: int) -> Iterator[tuple[Array, Array, Array, Arr
                 yield inner[k], others[k], inner[k], others[k]
 
 
-def _along_rays(value: Any, centre: Array, directions: Array) -> Iterator[tuple[Array, Array, Array, Array]]:
+def _along_rays(value: Any, centre: Array, directions: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """``seen`` takes up how many rays left K."""
     rays = Rays(value, centre, directions)
     inside = rays.inside(_RADII)
     last, first = rays.narrowed(*first_exit(inside, _RADII))
     boundary = rays.at(last)
+    seen.append(int(np.count_nonzero((last > 0) & (last < first))))
     # A ray that comes back into K after leaving it shows a gap by itself.
     later = inside & (first[:, None] < _RADII)
     who = np.flatnonzero(later.any(axis=1))[:8]
