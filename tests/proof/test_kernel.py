@@ -10,12 +10,13 @@ from typing import Any
 
 import pytest
 
+from duhem import POSITIVE as POSITIVE_DOMAIN
 from duhem import Criterion, load, verify
 from duhem.law import builtin
 from duhem.proof.certificate import certificate
 from duhem.proof.kernel import claims as kernel_claims
 from duhem.proof.kernel import curvature
-from duhem.proof.kernel.certificate import CLAIMS
+from duhem.proof.kernel.certificate import CLAIMS, recheck
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
@@ -267,6 +268,13 @@ def test_a_fixed_law_is_certified_with_its_values() -> None:
 
 
 @pytest.mark.slow
+def test_a_thin_domain_is_shown_not_to_be_empty() -> None:
+    domains = {"m": POSITIVE_DOMAIN, "e": POSITIVE_DOMAIN}
+    thin = ("m**2 < 2*e**2", "2*e**2 < m**2 + 1/1000000000")
+    made = certificate(verify(Criterion("thin", "norm(a, m*b)/e - 1", domains, ("a", "b"), None, thin), claims=["origin"]))
+    assert [line.confirmed for line in recheck(made)] == [True]
+
+
 def test_the_kernel_needs_nothing_but_itself(certificates: dict[str, dict[str, Any]]) -> None:
     for made, found in zip(certificates.values(), rechecked(list(certificates.values())), strict=True):
         assert {c["claim"] for c in made["claims"] if c["trust"] == "checked"} == {c for c, holds in found.items() if holds}

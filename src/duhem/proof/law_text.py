@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from itertools import chain
 from typing import Any
 
 import sympy as sp
@@ -13,6 +15,7 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import simple_points
 from duhem.law.yield_surface import YieldSurface
+from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import plain_choices, rationals
 from duhem.proof.statement.problem import as_written
 
@@ -51,12 +54,22 @@ def admitted_values(law: Law) -> Mapping[str, str] | None:
     """Parameter values inside the domain, which show that a claim over it is not empty; None where no exact ones were found."""
     table = law.symbols()
     free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
-    given = [r for x in free for r in law.parameters[x.name].relations(x)]
-    for point in (*simple_points(law), *map(rationals, plain_choices(free, [*given, *law.constraints]))):
+    given = [*(r for x in free for r in law.parameters[x.name].relations(x)), *law.constraints]
+    for point in chain(simple_points(law), map(rationals, plain_choices(free, given)), _sought(law)):
         whole = {table[n]: d.value for n, d in law.parameters.items() if d.value is not None} | dict(point)
-        if all(r.subs(whole) in (sp.true, True) for r in (*given, *law.constraints)):
+        if all(r.subs(whole) in (sp.true, True) for r in given):
             return {x.name: str(value) for x, value in whole.items()}
     return None
+
+
+def _sought(law: Law) -> Iterator[Mapping[sp.Symbol, sp.Rational]]:
+    """Where constraints leave no plain ones."""
+    if isinstance(law, Criterion):
+        subject = FormulaSubject(law)
+        nowhere = (Fraction(0),) * len(subject.simple.forces)
+        for found in subject.choices(1):
+            values = rationals(subject.values_at(found, nowhere))
+            yield {x: value for x, value in values.items() if x.name in law.parameters}
 
 
 def _domain(domain: Domain) -> dict[str, Any]:

@@ -10,13 +10,13 @@ from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
-from duhem.proof.facts.extent import extent
+from duhem.proof.facts.extent import Extent, extent
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
 from duhem.proof.facts.subject import Subject
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
-__all__ = ["not_needed", "remarks", "scope", "vacuous"]
+__all__ = ["not_needed", "remarks", "scope"]
 
 _STEPS = 8_000_000  # for what is asked here and in no claim
 
@@ -46,16 +46,20 @@ def not_needed(law: Law, verdicts: Iterable[Verdict]) -> Iterator[LeftOut]:
         yield LeftOut("numerical search", "every examined claim was settled by proof")
 
 
-def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[str, ...]:
-    """What a reader should know first: defects, what is odd about the law, and what holds of it with an exception."""
-    found = [f"{claim}: {evidence.detail}" for claim, evidence in settled.items() if evidence.method == CONTRADICTION]
+def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[str, ...], bool]:
+    """What a reader should know first: defects, what is odd about the law, and what holds of it with an exception.
+
+    And whether K has no boundary point but 0, so that nothing is said when nothing is found to dissipate less than 0.
+    """
+    found = tuple(f"{claim}: {evidence.detail}" for claim, evidence in settled.items() if evidence.method == CONTRADICTION)
     if not isinstance(subject, FormulaSubject):
-        return tuple(found)
+        return found, False
     subject.allow(_STEPS)
-    return (*found, *_oddities(subject), *_tips(subject))
+    odd = extent(subject)
+    return (*found, *_oddities(subject, odd), *_tips(subject)), odd is not None and not odd.boundary
 
 
-def _oddities(subject: FormulaSubject) -> Iterator[str]:
+def _oddities(subject: FormulaSubject, odd: Extent | None) -> Iterator[str]:
     law = subject.law
     if subject.doubtful:
         first = subject.doubtful[0]
@@ -68,17 +72,12 @@ def _oddities(subject: FormulaSubject) -> Iterator[str]:
         first = subject.doubtful_flow[0]
         part = formula(_stated(subject, first.expr))
         yield f"the flow may be undefined on the boundary: it {first.does} {part}; nothing is proved of such a flow"
-    if (odd := extent(subject)) is not None:
+    if odd is not None:
         yield odd.what
     flows = (law.flow, *(surface.flow for surface in law.surfaces))
     used = law.g.free_symbols.union(*(c.free_symbols for flow in flows for c in flow or ()))
     if unused := [name for name, x in law.symbols().items() if x not in used]:
         yield f"g does not depend on {', '.join(unused)}"
-
-
-def vacuous(subject: Subject) -> bool:
-    """Whether K has no boundary point but 0, so that nothing is said when nothing is found to dissipate less than 0."""
-    return isinstance(subject, FormulaSubject) and (odd := extent(subject)) is not None and not odd.boundary
 
 
 def _tips(subject: FormulaSubject) -> Iterator[str]:

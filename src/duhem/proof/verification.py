@@ -23,7 +23,7 @@ from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
-from duhem.proof.remarks import not_needed, remarks, scope, vacuous
+from duhem.proof.remarks import not_needed, remarks, scope
 from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
 from duhem.version import __version__
@@ -175,7 +175,7 @@ def verify(
         *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in wanted),
     )
     with _alone():
-        said, empty = remarks(subject, settled), vacuous(subject)
+        said, empty = remarks(subject, settled)
     return Verification(criterion, tuple(results[True]), parts, said, tuple(results[False]), effort, empty)
 
 

@@ -26,7 +26,7 @@ def flow(subject: FormulaSubject) -> Evidence | None:
 
 def normality(subject: FormulaSubject) -> Evidence | None:
     """Of an associated law it is the convexity of K."""
-    return chords(subject) if subject.problem.flow is None else flow(subject)
+    return chords(subject) if subject.problem.associated else flow(subject)
 
 
 def _tested(what: str, found: Sequence[int]) -> Evidence | None:
