@@ -79,7 +79,7 @@ def test_the_words_say_what_was_published(path: Path) -> None:
         assert float(evaluate(law.g, here)) == pytest.approx(FORMULAS[path.stem](s, **parameters), rel=1e-12, abs=1e-12)
 
 
-@pytest.mark.parametrize("name", ["drucker_prager", "ottosen", "bigoni_piccolroaz_lode"])
+@pytest.mark.parametrize("name", ["mohr_coulomb_6", "drucker_prager", "willam_warnke_e06", "ottosen", "lubliner_cdp"])
 def test_in_six_components_it_is_the_same_law(name: str) -> None:
     rng = np.random.default_rng(4)
     text = next(path for path in FILES if path.stem == name).read_text("utf-8")
