@@ -133,10 +133,20 @@ def test_laws_of_principal_stresses_are_proved(g: str) -> None:
     phi = {"phi": Domain.between("0.05", "1.2")} if "phi" in g else {}
     found = _verdicts(g, **phi)
     assert [found[c] for c in ("origin", "convexity", "normality", "dissipation")] == [("proved", "checked")] * 4
-    assert found["smoothness"][0] != "proved"  # it has edges
+    assert found["smoothness"][0] == "refuted"  # it has edges
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("g", ["principal(s, 2) - k", "principal(s, 1) + 2*principal(s, 3) - k"])
 def test_false_neighbours_are_refuted(g: str) -> None:
     assert _verdicts(g)["convexity"][0] == "refuted"
+
+
+def test_where_no_matrix_is_diagonal_no_edge_is_seen() -> None:
+    law = Criterion(name="x", g="eigmax(a, b, -10, 0, 0, 1) - k", forces=("a", "b"), pressure=None, parameters={"k": POSITIVE})
+    assert duhem.verify(law, claims=["smoothness"])["smoothness"].verdict.value == "undecided"
+
+
+@pytest.mark.slow
+def test_a_smooth_law_of_eigenvalues_has_no_edge() -> None:
+    assert _verdicts("principal(s, 1)**2 + principal(s, 2)**2 + principal(s, 3)**2 - k")["smoothness"][0] != "refuted"

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Neg, Norm, Pos, Where
+from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.balls import certain_sign, enclose
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, oriented, thick
 from duhem.expression.number import rational
@@ -82,7 +82,7 @@ def local_pieces(
     settled = {x: value for x, value in exact.items() if x not in place}
     asked = [(o.expr.xreplace(settled), o.sense) for o in subject.doubtful] if whole_space else []
     around = {x: enclose(form, box) for x, form in place.items()}
-    near, found = _decided(subject.formula_at(parameters), around), dict[Any, LocalPiece]()
+    near, found = _decided(_diagonal(subject.formula_at(parameters), place), around), dict[Any, LocalPiece]()
     if near.has(*_KINKS) and near.count_ops() > _MOST_OPERATIONS:
         return ()  # its arms would be compared for minutes
     try:
@@ -101,6 +101,15 @@ def local_pieces(
     except TooManyBranchesError:
         return ()
     return tuple(found.values())
+
+
+def _diagonal(g: sp.Expr, place: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
+    """With the greatest entry for the greatest eigenvalue of a matrix that is diagonal throughout the plane.
+
+    Where one entry alone is the greatest its gradient in all forces is the eigenvalue's: n is an axis, and a shear's share 2 n_i n_j is 0.
+    """
+    flat = {e: sp.Max(*e.args[:3]) for e in g.atoms(EigMax) if all(sp.expand(s.xreplace({**place})) == 0 for s in e.args[3:])}
+    return g.xreplace(flat)
 
 
 def _decided(expr: sp.Basic, box: Box) -> sp.Basic:

@@ -15,7 +15,7 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Neg, Norm, Pos, Where
+from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, seams
 from duhem.expression.number import fraction, rational
@@ -30,7 +30,7 @@ __all__ = ["section_corners"]
 _PLANES, _TIPS, _PLACES = 6, 6, 6
 _DIRECTIONS = 1440
 _JUMP = 1e-4  # of the direction, in radians: a smooth boundary turns less where it is looked at so closely
-_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, EigMax, Where)
 _STEPS = 4_000  # of a place, or of looking around a plane, by the operations in the formula
 _DIGITS = 40
 _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pieces are opened there
@@ -142,14 +142,21 @@ def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator
     scout, rng, forces = BoundaryScout(subject, parameters), random.Random(4), subject.simple.forces
     if scout.centre is None or not len(scout.boundary):
         return
-    base = [Fraction(float(c)).limit_denominator(1000) for c in scout.centre]
+    still = _shears(subject.simple.g)
+    base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, scout.centre, strict=True)]
     units = [Fraction(2) ** frexp(max(abs(column), default=1))[1] for column in (scout.boundary - scout.centre).T]
+    units = [unit * (x not in still) for x, unit in zip(forces, units, strict=True)]
     for _ in range(_PLANES):
         if not subject.budget.pays(price):
             return
         u, v = ([c * unit for c, unit in zip(_direction(rng, len(forces)), units, strict=True)] for _ in range(2))
         section = PlaneSection.through(forces, base, u, v)
         yield section, _turns(subject, parameters, section)
+
+
+def _shears(g: sp.Expr) -> set[sp.Symbol]:
+    """The forces that are 0 where the matrices in g are diagonal: there one sees which eigenvalue is the greatest."""
+    return {x for node in g.atoms(EigMax) for shear in node.args[3:] for x in shear.free_symbols}
 
 
 def _direction(rng: random.Random, dimension: int) -> Point:
