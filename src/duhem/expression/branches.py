@@ -8,7 +8,7 @@ are values of branch expressions, never two-sided limits.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import combinations, product
 from typing import Any
 
@@ -28,11 +28,13 @@ class TooManyBranchesError(Exception):
 class Branch:
     """``expr`` holds where each switch has its sign: +1 for switch >= 0, -1 for switch <= 0, 0 for switch = 0.
 
-    A sign 0 makes the branch thin, a set without inside; only ``where`` gives such branches a value of their own.
+    A sign 0 makes the branch thin, a set without inside; only ``where`` gives such branches a value of their own.  The switches
+    in ``apart`` are not 0 in it: the other side of a ``where`` owns the equality.
     """
 
     signs: Mapping[sp.Expr, int]
     expr: Any
+    apart: frozenset[sp.Expr] = field(default=frozenset(), kw_only=True)
 
     def conditions(self, strict: bool = False) -> tuple[sp.Basic, ...]:
         """The region as relations; ``strict`` gives its interior."""
@@ -94,43 +96,44 @@ def _capped(found: Iterable[Branch | None], most: int) -> tuple[Branch, ...]:
     for branch in found:
         if branch is None:
             continue
-        kept.setdefault((frozenset(branch.signs.items()), branch.expr), branch)
+        kept.setdefault((frozenset(branch.signs.items()), branch.apart, branch.expr), branch)
         if len(kept) > most:
             raise TooManyBranchesError(f"more than {most} branches")
     return tuple(kept.values())
 
 
-def _signs(parts: Iterable[Branch], thin: bool) -> dict[sp.Expr, int] | None:
-    """Signs that hold together; opposite ones leave switch = 0, which counts only if ``thin`` branches do."""
+def _together(parts: Sequence[Branch], thin: bool) -> Branch | None:
+    """Where all of them hold, without a formula; opposite signs leave switch = 0, which counts only if ``thin`` branches do."""
     signs: dict[sp.Expr, int] = {}
+    apart = frozenset[sp.Expr]().union(*(part.apart for part in parts))
     for part in parts:
         for switch, sign in part.signs.items():
             if signs.setdefault(switch, sign) != sign:
-                if not thin:
+                if not thin or switch in apart:
                     return None
                 signs[switch] = 0
-    return signs
+    return Branch(signs, None, apart=apart)
 
 
 def _rebuilt(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
-    signs = _signs(parts, thin)
-    if signs is None:
+    where = _together(parts, thin)
+    if where is None:
         return
     expr = node.func(*(p.expr for p in parts))
     if not expr.has(sp.Abs):
-        yield Branch(signs, expr)
+        yield replace(where, expr=expr)
         return
     for inner in branches(expr):  # a norm that is left with one argument has become an absolute value
-        if (joint := _signs([Branch(signs, expr), inner], thin)) is not None:
-            yield Branch(joint, inner.expr)
+        if (joint := _together([where, inner], thin)) is not None:
+            yield replace(joint, expr=inner.expr)
 
 
-def _with(signs: Mapping[sp.Expr, int], more: Iterable[tuple[sp.Expr, int]], expr: sp.Expr, thin: bool = False) -> Branch | None:
-    """The branch further restricted by sign * switch >= 0; None where that contradicts.
+def _with(where: Branch, more: Iterable[tuple[sp.Expr, int]], expr: sp.Expr, thin: bool = False, strict: bool = False) -> Branch | None:
+    """The branch further restricted by sign * switch >= 0, or > 0 if ``strict``; None where that contradicts.
 
     Where it leaves only switch = 0 the answer is None too, unless ``thin`` branches count.
     """
-    joint = dict(signs)
+    joint, apart = dict(where.signs), set(where.apart)
     for switch, sign in more:
         core, flip = oriented(switch)
         wanted = sign * flip
@@ -145,37 +148,39 @@ def _with(signs: Mapping[sp.Expr, int], more: Iterable[tuple[sp.Expr, int]], exp
         elif (wanted > 0 and core.is_extended_nonnegative) or (wanted < 0 and core.is_extended_nonpositive):
             continue
         elif joint.setdefault(core, wanted) != wanted:
-            if not thin:
+            if not thin or core in apart:
                 return None
             joint[core] = 0
-    return Branch(joint, expr)
+        elif strict:
+            apart.add(core)
+    return Branch(joint, expr, apart=frozenset(apart))
 
 
 def _split(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
-    signs = _signs(parts, thin)
-    if signs is None:
+    where = _together(parts, thin)
+    if where is None:
         return
     values = [p.expr for p in parts]
     if isinstance(node, sp.Abs):
-        yield _with(signs, [(values[0], 1)], values[0])
-        yield _with(signs, [(values[0], -1)], -values[0])
+        yield _with(where, [(values[0], 1)], values[0])
+        yield _with(where, [(values[0], -1)], -values[0])
     elif isinstance(node, Pos | Neg):
-        yield _with(signs, [(values[0], node.slope)], node.slope * values[0])
-        yield _with(signs, [(values[0], -node.slope)], sp.S.Zero)
+        yield _with(where, [(values[0], node.slope)], node.slope * values[0])
+        yield _with(where, [(values[0], -node.slope)], sp.S.Zero)
     elif isinstance(node, sp.Max | sp.Min):
         sense = 1 if isinstance(node, sp.Max) else -1
         for i, value in enumerate(values):
             others = [sp.expand(value - v) for j, v in enumerate(values) if j != i and v != value]
-            yield _with(signs, [(d, sense) for d in others], value)
+            yield _with(where, [(d, sense) for d in others], value)
     else:
         condition, then, otherwise = values
         if condition in (sp.true, sp.false):
-            yield Branch(signs, then if condition is sp.true else otherwise)
+            yield replace(where, expr=then if condition is sp.true else otherwise)
             return
         gap = sp.expand(condition.gts - condition.lts)
         closed = isinstance(condition, sp.GreaterThan | sp.LessThan)  # which side owns the equality
-        yield _with(signs, [(gap, 1)], then, thin=closed)
-        yield _with(signs, [(gap, -1)], otherwise, thin=not closed)
+        yield _with(where, [(gap, 1)], then, thin=closed, strict=not closed)
+        yield _with(where, [(gap, -1)], otherwise, thin=not closed, strict=closed)
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,8 @@ def flows_along_normals(law: StatedLaw, along: Sequence[Identity], across: Seque
 
 
 def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[Identity], domain: StatedDomain) -> bool:
-    if not all(facts(part, domain).defined for part in (face.g, *(face.flow or ()), *face.others)):
+    choices = (choice for d in face.flow or () for choice, _ in pieces(d, domain))  # a flow may jump
+    if not all(facts(part, domain).defined for part in (face.g, *choices, *face.others)):
         return False
     if face.flow is None:
         return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), given in _on_face(face, (), domain))

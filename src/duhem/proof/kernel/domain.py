@@ -153,7 +153,7 @@ class StatedDomain:
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
         self.kept: dict[str, Any] = {}  # what a rule looks up once a law
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
-        self._gaps = [(self.polynomial(_gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
+        self._gaps = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
         self.bounds = sharpened(self.bounds, self._gaps)
         self.shown.clear()
 
@@ -236,7 +236,7 @@ class StatedDomain:
         """Whether a comparison of constants holds, where their signs tell."""
         if not self.constant(comparison):
             return None
-        sign, holds = self._sign(_gap(comparison), self), POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
+        sign, holds = self._sign(gap(comparison), self), POSITIVE | (ZERO if len(comparison.op) == 2 else 0)
         return True if not sign & ~holds else False if not sign & holds else None
 
     def polynomial(self, term: Term) -> Polynomial:
@@ -296,8 +296,8 @@ def inhabited(parameters: Mapping[str, Bounds], constraints: tuple[Term, ...], p
     """Whether ``point`` satisfies the domain and every constraint, so that a claim over the domain is not empty."""
     here = {Term("name", name=n): number(x) for n, x in point.items()}
     domain = StatedDomain(StatedLaw((), None, number(0), None, parameters, ()), lambda term, _: ANY)
-    gaps = [(domain.polynomial(_gap(c).put(here)), c.op) for c in constraints]
-    values = [(gap.get((), Fraction(0)), op) for gap, op in gaps if set(gap) <= {()}]
+    gaps = [(domain.polynomial(gap(c).put(here)), c.op) for c in constraints]
+    values = [(rest.get((), Fraction(0)), op) for rest, op in gaps if set(rest) <= {()}]
     inside = set(point) == set(parameters) and all(parameters[n].holds(x) for n, x in point.items())
     return inside and len(values) == len(gaps) and all(v > 0 or (v == 0 and len(op) == 2) for v, op in values)
 
@@ -309,7 +309,7 @@ def signs_of_product(a: Sign, b: Sign) -> Sign:
     return sum(i for i, s in parts.items() if s in found)
 
 
-def _gap(comparison: Term) -> Term:
+def gap(comparison: Term) -> Term:
     """What a comparison says is >= 0."""
     left, right = comparison.args if comparison.op in (">", ">=") else comparison.args[::-1]
     return Term("+", (left, minus(right)))

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
+from duhem.proof.kernel.domain import StatedDomain, gap
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, sum_of
 
 __all__ = ["pieces"]
 
-_KINKS = ("abs", "pos", "neg", "max", "min")
+_KINKS = ("abs", "pos", "neg", "max", "min", "where")
 _DEEPEST = 6  # kinks one after another: at most this many are opened
 
 
 def pieces(term: Term, domain: StatedDomain, depth: int = 0) -> Iterator[tuple[Term, tuple[Term, ...]]]:
     """Smooth formulas, each with what is >= 0 where ``term`` is it; these places cover everything.
 
-    Every abs, pos, neg, max and min of forces is opened, wherever it stands the same way; constants stay as they are.
+    Every abs, pos, neg, max, min and where of forces is opened, wherever it stands the same way; constants stay as they are.
+    Which side of a where owns the equality is left open: there both of its pieces are asked about.
     """
     kink = _innermost(term, domain)
     if kink is None:
@@ -40,6 +41,10 @@ def _innermost(term: Term, domain: StatedDomain) -> Term | None:
 def _sides(kink: Term) -> list[tuple[Term, tuple[Term, ...]]]:
     """The values a kink may have, each with what is >= 0 where it has it."""
     x = kink.args[0]
+    if kink.op == "where":
+        if x.op not in COMPARISONS:
+            raise NotWritten("a choice is by no comparison")
+        return [(kink.args[1], (gap(x),)), (kink.args[2], (minus(gap(x)),))]
     if kink.op in ("max", "min"):
         return [
             (u, tuple(sum_of(u, minus(v)) if kink.op == "max" else sum_of(v, minus(u)) for v in kink.args if v is not u)) for u in kink.args

@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any
 
 import sympy as sp
 
+from duhem.expression import Where
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.lineality import invariant_directions
 from duhem.law.formula_law import Criterion
@@ -112,11 +113,14 @@ def directions(law: Criterion) -> list[str]:
 def _smooth(forms: _Forms, face: Face) -> Iterator[tuple[sp.Poly | None, list[sp.Poly | None], list[list[sp.Expr]]]]:
     """The different smooth forms of g and flow on a face, each with what is >= 0 on every branch where it holds."""
     formulas: dict[tuple[sp.Basic, ...], list[list[sp.Expr]]] = {}
-    flow = face.flow or ()
-    for branch in _pieces(sp.Tuple(*map(forms.settled, (face.g, *flow, *face.others)))):
-        own, others = branch.expr[: 1 + len(flow)], branch.expr[1 + len(flow) :]
-        sides = [*(sign * switch for switch, sign in branch.signs.items()), *(-other for other in others)]
-        formulas.setdefault(tuple(own), []).append(sides)
+    surfaces, flow = tuple(map(forms.settled, (face.g, *face.others))), tuple(map(forms.settled, face.flow or ()))
+    jumps = any(d.has(Where) for d in flow)  # then who owns the seam is left open: each piece of g with each of the flow
+    together = [(surfaces, flow)] if not jumps else [(surfaces, ()), ((), flow)]
+    for parts in product(*(_pieces(sp.Tuple(*own, *slip)) for own, slip in together)):
+        values = [x for part in parts for x in part.expr]
+        (g, *others), components = values[: len(surfaces)], values[len(surfaces) :]
+        sides = [*(sign * switch for part in parts for switch, sign in part.signs.items()), *(-other for other in others)]
+        formulas.setdefault((g, *components), []).append(sides)
     for (g, *components), where in formulas.items():
         yield forms.form(g), list(map(forms.form, components)), where
 
@@ -143,7 +147,8 @@ class _Forms:
     def of(cls, law: Criterion) -> _Forms:
         table, forces = law.symbols(), law.force_symbols()
         free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
-        divisors = {p.base for p in law.g.atoms(sp.Pow) if p.exp.is_negative and p.base.is_positive}
+        formulas = sp.Tuple(law.g, *(d for face in faces(law) for d in face.flow or ()))
+        divisors = {p.base for p in formulas.atoms(sp.Pow) if p.exp.is_negative and p.base.is_positive}
         rest = [*([table[law.pressure]] if law.pressure else []), *(1 / x if x in divisors else x for x in free)]
         return cls(law, forces, (*forces, *(sp.Symbol(name, real=True) for name in directions(law)), *rest))
 
