@@ -152,7 +152,8 @@ class Atan2(sp.Function):
         """The angle in its cases, by ``where`` and atan; undefined at (0, 0) too."""
         y, x = self.args
         left = Where(y >= 0, sp.atan(y / x) + sp.pi, sp.atan(y / x) - sp.pi)
-        return Where(x > 0, sp.atan(y / x), Where(x < 0, left, sp.pi / 2 * y / sp.Abs(y)))
+        side = x if y.is_zero else y  # the quotient is a sign, and none at (0, 0)
+        return Where(x > 0, sp.atan(y / x), Where(x < 0, left, sp.pi / 2 * side / sp.Abs(side)))
 
     def _eval_is_extended_real(self) -> bool | None:
         return True if any(a.is_nonzero for a in self.args) else None

@@ -20,11 +20,13 @@ F = Fraction
 QUOTIENTS = (
     "abs(X)/X", "X/abs(X)", "sqrt((X)**2)/X", "X/sqrt((X)**2)", "(pos(X)/X + neg(X)/X)", "(X)**3/abs(X)**3", "norm(X)/X", "max(X, -X)/X",
     "((X)**2)**(1/2)/X", "abs(X)*(X)**(-1)", "(X)*abs(X)**(-1)", "(2*pos(X)/X - 1)", "(1 - 2*neg(X)/abs(X))", "norm(X, 0)/X", "X/norm(X)",
+    "(2*atan2(X, 0)/pi)", "(1 - 2*atan2(0, X)/pi)", "sign(X)*X/X",
 )  # fmt: skip
 # with one
 STEPS = (
     "where(X > 0, 1, -1)", "where(X >= 0, 1, -1)", "where(X < 0, -1, 1)", "(1 - 2*where(X <= 0, 1, 0))", "(where(X > 0, 2, 0) - 1)",
     "where((X)**3 > 0, 1, -1)", "where(X > 0, 1, where(X < 0, -1, 1))", "(where(X > 0, 1, 0) - where(X <= 0, 1, 0))",
+    "sign(X)", "where(X > 0 and X > -1, 1, -1)", "where(X > 0 or X > 1, 1, -1)",
 )  # fmt: skip
 LINES = ("a", "b", "(a + b)", "(a - 2*b)", "(3*a)", "(-b)")
 

@@ -23,6 +23,9 @@ MAPS = (
     "F/sqrt(1 + F**2)", "pos(F) - 2*neg(F)", "pos(F)**2 - neg(F)", "F + abs(F)/2", "max(F, F**3)", "min(F, F**3)", "F*(2 + sin(F))",
     "exp(2*F) - exp(F)", "log(1 + pos(F)) - neg(F)", "sqrt(1 + pos(F)) - 1 - neg(F)", "sqrt(pos(F)) - neg(F)**2", "F*norm(F, 1)",
     "log(3 + tanh(F)) - log(3)", "F*(1 + a**2)", "F*exp(b)", "F*(2 + sin(a))", "k*F", "F/k", "k*F + k*F**3", "F**3/(1 + F**2)",
+    "sinh(F)", "F*cosh(F)", "asin(F/(1 + abs(F)))", "pi/2 - acos(F/(1 + abs(F)))", "atan2(F, 1)", "atan2(F, 1 + F**2)", "sign(F)",
+    "sign(F)*F**2", "sign(F)*log10(1 + abs(F))", "log10(3 + tanh(F)) - log10(3)", "where(F > 0 or F < -1, F, F**3)",
+    "where(F > 0 and F < 1, F**2, F)",
 )  # fmt: skip
 
 

@@ -20,10 +20,12 @@ AT_ZERO = (
     "max(1, log(Q))", "max(1, 1/Q)", "2 + abs(Q)/Q", "1 + Q/Q", "exp(log(Q))", "1 + 0*log(Q)", "2 + 0/Q", "1 + log(Q)/log(Q + 2)**2*0",
     "1 + Q**(-1)", "1 + abs(log(Q))", "2 + log(Q) - log(Q)", "1 + Q**2/Q", "1 + Q**(-1/2)", "1 + 1/abs(Q)", "norm(1, log(Q))", "exp(-1/Q)",
     "exp(1/Q)", "1 + pos(1/Q)", "1 + Q*Q**(-1)", "max(2, tanh(log(Q)))", "min(2, 1 + 1/Q**2)", "1 + sqrt(Q)/sqrt(Q)", "2 + sin(1/Q)",
+    "max(1, log10(Q))", "2 + 0*log10(Q)", "2 + atan2(Q, 0)", "2 + cos(3*atan2(Q, 2*Q))", "2 + sinh(1/Q)/cosh(1/Q)",
 )  # fmt: skip
 BELOW = (
     "1 + sqrt(Q)", "1 + sqrt(Q)**2", "1 + Q**(1/2)", "1 + Q**(3/2)", "max(1, sqrt(Q))", "1 + 0*sqrt(Q)", "2 + sqrt(Q) - sqrt(Q)",
     "1 + abs(sqrt(Q))", "norm(1, sqrt(Q))", "1 + pos(Q)*sqrt(Q)", "1 + exp(sqrt(Q))", "1 + Q**(1/4)", "1 + (Q**3)**(1/2)",
+    "1 + acos(1 - Q)", "2 + asin(1 - Q)", "1 + 0*acos(1 - Q)", "1 + cos(acos(1 - Q))**2", "1 + where(Q < 9 or sqrt(Q) > 0, sqrt(Q), 1)",
 )  # fmt: skip
 
 
@@ -53,6 +55,12 @@ def pole(rng: random.Random) -> Trap:
 FORCES = (
     ("norm(a, b) - 1 + 0*log(a)", "c", "s"),  # the half-disc a > 0
     ("norm(a, b) - 1 + log(a) - log(a)", "c", "s"),
+    ("norm(a, b) - 1 + 0*log10(a)", "c", "s"),
+    ("norm(a, b) - 1 + 0*acos(2*a)", "oc", "s"),  # |a| <= 1/2
+    ("norm(a, b) - 1 + asin(2*a) - asin(2*a)", "oc", "s"),
+    ("cos(acos(2*a))*2 + b**2 - 1", "oc", "s"),
+    ("norm(a, b) - 1 + 0*atan2(a, 0)", "", "cn"),  # without the line a = 0
+    ("norm(a, b) - 2 + sin(atan2(a, 0))**2", "", "cn"),
     ("norm(a, b) - 1 + sqrt(a) - sqrt(a)", "oc", "s"),  # a >= 0
     ("norm(a, b) - 1 + 0*sqrt(a)", "oc", "s"),
     ("sqrt(a)**2 + b**2 - 1", "oc", "s"),

@@ -70,8 +70,10 @@ def obligations(tree: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Ob
         yield Obligation(1 - x, Sense.NONNEGATIVE, does, given)
         yield Obligation(1 + x, Sense.NONNEGATIVE, does, given)
     elif isinstance(tree, Atan2):
-        far = sp.Add(*(_evaluated(x) ** 2 for x in tree.args))
-        yield Obligation(far, Sense.ZERO, "takes the angle of a point at the squared distance", given)
+        point = [_evaluated(x) for x in tree.args]
+        if not any(x.is_nonzero for x in point):
+            far = sp.Add(*(x**2 for x in point))
+            yield Obligation(far, Sense.POSITIVE, "takes the angle of a point at the squared distance", given)
     elif isinstance(tree, sp.tan):
         yield Obligation(sp.cos(_evaluated(tree.args[0])), Sense.ZERO, "divides by", given)
 
