@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from duhem.derivation.derive import derive
+from duhem.law import POSITIVE, Criterion
 from tests.derivation.derived import LAWS, derived
 
 
@@ -61,3 +63,10 @@ def test_latex_writes_the_symbols_of_the_paper() -> None:
 def test_markdown_has_every_equation() -> None:
     d = derived("antoni2007")
     assert d.markdown().count("$$") == 2 * len(d)
+
+
+def test_the_words_of_a_formula_are_those_of_its_file() -> None:
+    """A sign stands as one, and what holds on the line alone, where it is 0, is no piece."""
+    law = Criterion("signs", "sign(sigma_a)*sigma_a/mu + abs(sigma_b)*cosh(atan2(sigma_b, sigma_a)) - abs(sigma_n)", {"mu": POSITIVE})
+    written = derive(law).text()
+    assert "sign(sigma_a)" in written and "atan2(sigma_b, sigma_a)" in written and "where(" not in written and "if sigma_a = 0" not in written

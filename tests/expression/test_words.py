@@ -47,6 +47,8 @@ def test_words_say_what_they_mean_to_sympy() -> None:
     assert parse("log10(1000) + log10(1/10)") == 2
     assert parse("log10(x)") == sp.log(x) / sp.log(10)
     assert sp.diff(parse("x*sign(x)"), x) == parse("sign(x)")
+    assert formula(parse("x*sign(x - y)")) == "x*sign(x - y)" and formula(Where(x > 0, 1, Where(x < 1, -1, 0))).startswith("where(")
+    assert sp.latex(parse("2*sign(x)**2")) == r"2 \operatorname{sgn}\left(x\right)^{2}"
     for text in ("sign(x)", "log10(m)", "atan2(y, x)*sinh(x) - cosh(y)", "acos(x/2) + asin(y/4)", "where(x > 0 or y < 1 and x < y, m, x)"):
         assert parse(formula(parse(text))) == parse(text)
 

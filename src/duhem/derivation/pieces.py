@@ -17,7 +17,7 @@ import sympy as sp
 
 from duhem.derivation.numerical_check import BITS, ROUGH, finite, sample_values
 from duhem.expression import mpmath_
-from duhem.expression.branches import Branch, TooManyBranchesError, branches
+from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.rays_mpmath import reach
 from duhem.expression.vocabulary import Norm
 from duhem.law.formula_law import Criterion
@@ -62,9 +62,9 @@ class Seams:
 
 
 def pieces(law: Criterion) -> Pieces | None:
-    """The branches of g, or None where they are too many to print."""
+    """The branches of g with an inside, or None where they are too many to print."""
     try:
-        found = branches(law.g, most=MOST)
+        found = thick(branches(law.g, most=MOST))
     except TooManyBranchesError:
         return None
     forces = law.force_symbols()

@@ -15,6 +15,7 @@ from sympy.printing.str import StrPrinter
 from duhem.derivation.equation import Derivation, Equation
 from duhem.derivation.notation import Names
 from duhem.derivation.support_function import compression
+from duhem.expression.vocabulary import Where
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import latex, markdown, text
 
@@ -60,10 +61,15 @@ class _Text(_PositiveFirst, StrPrinter):
     """Formulas in the words of a criterion file."""
 
     def _print_Function(self, expr: Any) -> str:
-        name = {"Pos": "pos", "Neg": "neg", "Norm": "norm", "Where": "where", "Atan2": "atan2", "EigMax": "eigmax"}.get(
+        name = {"Pos": "pos", "Neg": "neg", "Norm": "norm", "Atan2": "atan2", "EigMax": "eigmax"}.get(
             expr.func.__name__, expr.func.__name__
         )
         return f"{name}({', '.join(self._print(a) for a in expr.args)})"
+
+    def _print_Where(self, expr: Where) -> str:
+        if expr.sign_of is not None:
+            return f"sign({self._print(expr.sign_of)})"
+        return f"where({', '.join(self._print(a) for a in expr.args)})"
 
     def _print_Abs(self, expr: Any) -> str:
         return f"abs({self._print(expr.args[0])})"

@@ -7,6 +7,8 @@ from typing import Any
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+from duhem.expression.vocabulary import Where
+
 __all__ = ["formula"]
 
 
@@ -21,6 +23,9 @@ class _Printer(StrPrinter):
 
     def _print_Function(self, expr: sp.Function) -> str:
         return self._word(type(expr).__name__.lower(), expr.args)
+
+    def _print_Where(self, expr: Where) -> str:
+        return self._word("where", expr.args) if expr.sign_of is None else self._word("sign", [expr.sign_of])
 
     def _print_LatticeOp(self, expr: sp.Basic) -> str:
         return self._word(type(expr).__name__.lower(), sorted(expr.args, key=sp.default_sort_key))

@@ -111,6 +111,12 @@ class Where(sp.Function):
             return reduce(lambda inner, part: cls(part, a, inner), reversed(condition.args), b)
         return a if a == b else None
 
+    @property
+    def sign_of(self) -> sp.Expr | None:
+        """x where this is what ``sign(x)`` is built as, for whoever prints it."""
+        condition = self.args[0]
+        return condition.lhs if isinstance(condition, sp.StrictGreaterThan) and self == _sign(condition.lhs) else None
+
     def _eval_derivative(self, s: sp.Symbol) -> sp.Expr:
         condition, a, b = self.args
         return Where(condition, a.diff(s), b.diff(s))
@@ -119,6 +125,9 @@ class Where(sp.Function):
         return True
 
     def _latex(self, printer: Any, exp: str | None = None) -> str:
+        if self.sign_of is not None:
+            body = rf"\operatorname{{sgn}}\left({printer.doprint(self.sign_of)}\right)"
+            return rf"{body}^{{{exp}}}" if exp else body
         condition, a, b = (printer.doprint(x) for x in self.args)
         body = rf"\begin{{cases}} {a} & {condition} \\ {b} & \text{{otherwise}} \end{{cases}}"
         return rf"\left({body}\right)^{{{exp}}}" if exp else body
