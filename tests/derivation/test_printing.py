@@ -69,4 +69,5 @@ def test_the_words_of_a_formula_are_those_of_its_file() -> None:
     """A sign stands as one, and what holds on the line alone, where it is 0, is no piece."""
     law = Criterion("signs", "sign(sigma_a)*sigma_a/mu + abs(sigma_b)*cosh(atan2(sigma_b, sigma_a)) - abs(sigma_n)", {"mu": POSITIVE})
     written = derive(law).text()
-    assert "sign(sigma_a)" in written and "atan2(sigma_b, sigma_a)" in written and "where(" not in written and "if sigma_a = 0" not in written
+    assert "sign(sigma_a)" in written and "atan2(sigma_b, sigma_a)" in written
+    assert "where(" not in written and "if sigma_a = 0" not in written
