@@ -13,6 +13,7 @@ import sympy as sp
 from duhem.derivation.potential import SupportFunction
 from duhem.derivation.support_function import support_function
 from duhem.expression import Where
+from duhem.expression.below import smooth_below
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.number import fraction, rational
 from duhem.expression.switches import plain_switches
@@ -114,23 +115,20 @@ class FormulaSubject(Subject):
 
         None where there are too many of them, or the boundary may lie elsewhere than on g = 0.
         """
-        if not self.continuous or self.pieces is None:
-            return None
         if not face.others:
+            if not self.continuous or self.pieces is None:
+                return None
             return tuple((piece.expr, (*piece.conditions(), sp.Eq(piece.expr, 0))) for piece in self.pieces)
-        together = sp.Tuple(face.g, *face.others)
-        if not self.joined(*together):
+        if self.doubtful or not (self.joined(self.simple.g) and self.joined(face.g)):
             return None
         try:
-            pieces = plain_switches(thick(branches(together)))
+            pieces = plain_switches(thick(branches(face.g)))
         except TooManyBranchesError:
             return None
-        within = [(*piece.conditions(), *(sp.LessThan(other, 0) for other in piece.expr[1:])) for piece in pieces]
-        return tuple(
-            (piece.expr[0], (*(r for r in given if r is not sp.true), sp.Eq(piece.expr[0], 0)))
-            for piece, given in zip(pieces, within, strict=True)
-            if sp.false not in given
-        )
+        within = [sp.LessThan(smooth, 0) for other in face.others for smooth in smooth_below(other)]
+        if sp.false in within:
+            return ()
+        return tuple((p.expr, (*p.conditions(), *(r for r in within if r != sp.true), sp.Eq(p.expr, 0))) for p in pieces)
 
     @cached_property
     def continuous(self) -> bool:

@@ -14,7 +14,7 @@ from itertools import combinations
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, StatedFace, StatedLaw
-from duhem.proof.kernel.pieces import pieces
+from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
 from duhem.proof.kernel.polynomial import Polynomial, slope, times, total
 from duhem.proof.kernel.refutation import Condition, Identity, shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
@@ -48,7 +48,7 @@ def flows_along_normals(law: StatedLaw, along: Sequence[Identity], across: Seque
 
 
 def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[Identity], domain: StatedDomain) -> bool:
-    choices = (choice for d in face.flow or () for choice, _ in pieces(d, domain))  # a flow may jump
+    choices = (choice for d in face.flow or () for choice, _ in pieces(d, domain, CHOICES))  # a flow may jump
     if not all(facts(part, domain).defined for part in (face.g, *choices, *face.others)):
         return False
     if face.flow is None:
@@ -79,10 +79,11 @@ def _parallel(
 
 def _on_face(face: StatedFace, beside: Sequence[Term], domain: StatedDomain) -> Iterator[tuple[tuple[Term, ...], dict[str, Condition]]]:
     """Smooth pieces of the face's g and of the formulas ``beside`` it, with what holds where they are the boundary."""
-    count = 1 + len(beside)
-    for piece, sides in pieces(Term(",", (face.g, *beside, *face.others)), domain):
-        own, others = piece.args[:count], piece.args[count:]
-        yield own, _on_boundary(own[0], (*sides, *map(minus, others)), domain)
+    inside = [minus(smaller) for other in face.others for smaller in below(other)]
+    if any(chooses(g, domain) for g in (face.g, *face.others)):
+        raise NotWritten("g may jump, and then K ends where no g is 0")
+    for piece, sides in pieces(Term(",", (face.g, *beside)), domain, CHOICES):
+        yield piece.args, _on_boundary(piece.args[0], (*sides, *inside), domain)
 
 
 def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Sequence[Identity]) -> bool:

@@ -30,6 +30,7 @@ __all__ = [
     "StatedLaw",
     "declared",
     "exact",
+    "gap",
     "inhabited",
 ]
 

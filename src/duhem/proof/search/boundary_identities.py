@@ -14,6 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import Where
+from duhem.expression.below import smooth_below
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.lineality import invariant_directions
 from duhem.law.formula_law import Criterion
@@ -113,14 +114,12 @@ def directions(law: Criterion) -> list[str]:
 def _smooth(forms: _Forms, face: Face) -> Iterator[tuple[sp.Poly | None, list[sp.Poly | None], list[list[sp.Expr]]]]:
     """The different smooth forms of g and flow on a face, each with what is >= 0 on every branch where it holds."""
     formulas: dict[tuple[sp.Basic, ...], list[list[sp.Expr]]] = {}
-    surfaces, flow = tuple(map(forms.settled, (face.g, *face.others))), tuple(map(forms.settled, face.flow or ()))
+    own, flow = forms.settled(face.g), tuple(map(forms.settled, face.flow or ()))
+    inside = [-smooth for other in face.others for smooth in smooth_below(forms.settled(other))]
     jumps = any(d.has(Where) for d in flow)  # then who owns the seam is left open: each piece of g with each of the flow
-    together = [(surfaces, flow)] if not jumps else [(surfaces, ()), ((), flow)]
-    for parts in product(*(_pieces(sp.Tuple(*own, *slip)) for own, slip in together)):
-        values = [x for part in parts for x in part.expr]
-        (g, *others), components = values[: len(surfaces)], values[len(surfaces) :]
-        sides = [*(sign * switch for part in parts for switch, sign in part.signs.items()), *(-other for other in others)]
-        formulas.setdefault((g, *components), []).append(sides)
+    for parts in product(*map(_pieces, (sp.Tuple(own), sp.Tuple(*flow)) if jumps else (sp.Tuple(own, *flow),))):
+        sides = [sign * switch for part in parts for switch, sign in part.signs.items()]
+        formulas.setdefault(tuple(x for part in parts for x in part.expr), []).append([*sides, *inside])
     for (g, *components), where in formulas.items():
         yield forms.form(g), list(map(forms.form, components)), where
 
@@ -184,8 +183,8 @@ class _Forms:
             return [known]
         found = list[Mapping[str, Any]]()
         for conditions in where:
-            sides = [self.form(side) for side in conditions]
-            if not sides or None in sides or (known := self.refuted(goal, op, {_BOUNDARY: boundary}, sides)) is None:
+            sides = [form for side in conditions if (form := self.form(side)) is not None]  # fewer conditions, a stronger statement
+            if not sides or (known := self.refuted(goal, op, {_BOUNDARY: boundary}, sides)) is None:
                 return []
             found.append(known)
         return found
