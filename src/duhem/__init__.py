@@ -28,6 +28,7 @@ __all__ = [
     "Verdict",
     "Verification",
     "Witness",
+    "YieldSurface",
     "__version__",
     "criterion",
     "derive",
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import ParametricCriterion
     from duhem.law.domain import POSITIVE, REAL, Domain
     from duhem.law.formula_law import Criterion, criterion
+    from duhem.law.yield_surface import YieldSurface
     from duhem.path import History, Path, simulate
     from duhem.projection.projector import project
     from duhem.projection.result import Projection, Status
@@ -60,6 +62,7 @@ _HOMES = {
     "law.curve_law": ("ParametricCriterion",),
     "law.domain": ("POSITIVE", "REAL", "Domain"),
     "law.formula_law": ("Criterion", "criterion"),
+    "law.yield_surface": ("YieldSurface",),
     "path": ("History", "Path", "simulate"),
     "projection.projector": ("project",),
     "projection.result": ("Projection", "Status"),

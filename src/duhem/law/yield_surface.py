@@ -21,9 +21,9 @@ __all__ = ["YieldSurface", "as_expression"]
 class YieldSurface(Verbatim):
     """K lies in {g <= 0}; where g = 0 the slip is a non-negative multiple of ``flow``, one expression per force.
 
-    ``potential`` is a formula whose gradient is the flow, instead of ``flow``; neither means associated: the slip is normal to K.
-    Text and SymPy expressions as for :class:`duhem.law.formula_law.Criterion`, which reads them; ``written`` and
-    ``written_flow`` are g and flow as they were given, where that was text.
+    ``potential`` is a formula whose gradient is the flow, instead of ``flow``; neither means associated: the slip is in the normal
+    cone of {g <= 0}.  Text and SymPy expressions as for :class:`duhem.law.formula_law.Criterion`, which reads them; ``written``
+    and ``written_flow`` are g and flow as they were given, where that was text.
     """
 
     g: sp.Expr

@@ -25,6 +25,7 @@ The intrinsic dissipation of the law reduces to D = sigma . u_in' (Clausius-Duhe
 It follows from 0 in K and normality (Fenchel: D = Phi*(sigma) + Phi(u_in') >= 0), but does not need them: a star-shaped K
 with associated flow dissipates by Euler's relation, as does any g = A - B of degrees a > b with B > 0, and a non-associated
 law may dissipate too.
+Of several surfaces each flow is asked wherever its surface is 0 in K; then every non-negative combination dissipates too.
 Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.
 For a boundary curve T with flow d it is the sign of T . d all around, in balls or by sign rules for all parameters.""",
     methods=(

@@ -28,6 +28,9 @@ Normality rule (Moreau 1970; Antoni et al. 2007, Eqs. 28, 36): u_in' in dI_K(sig
 tangential plane at frozen sigma_n.  d is in the normal cone at sigma exactly when d . (tau - sigma) <= 0 for all tau in K.
 An associated law obeys it by definition when K is convex; when K is not, grad g fails it where a chord leaves K.
 A law with a flow of its own obeys it when that flow is a non-negative multiple of grad g on the boundary.
+Where K is bounded by several surfaces the slip at a point is a non-negative combination of the flows of those that are 0
+there (Koiter 1953): each must be in the normal cone of K wherever its surface is 0 in K.  A surface without a flow slips
+along the normals of its own {g <= 0}, which are normals of K, for K lies in that.
 Refuted by a boundary point, held between two rational ones, and a point tau of K towards which the flow points.
 For a boundary curve the deviation between flow and normal is greatest at an angle found by branch and bound in balls; two
 boundary points at exact angles show the violation.""",

@@ -31,8 +31,10 @@ _REMEDY = "keep its domain away from there (positive = true, or a least value ab
 _MOST_POINTS = 64
 
 
-def open_obligations(subject: Subject, problem: Problem, trees: Iterable[sp.Basic], on_boundary: bool = False) -> tuple[Obligation, ...]:
-    """Those of formulas of the law, as written, that are not shown to be met for all forces but zero, or where g = 0.
+def open_obligations(
+    subject: Subject, problem: Problem, trees: Iterable[sp.Basic], there: tuple[sp.Basic, ...] = ()
+) -> tuple[Obligation, ...]:
+    """Those of formulas of the law, as written, that are not shown to be met for all forces but zero, or for those of a place.
 
     Raises InputError where one is broken by admitted parameter values, whatever the forces and the pressure.
     """
@@ -40,10 +42,9 @@ def open_obligations(subject: Subject, problem: Problem, trees: Iterable[sp.Basi
         raise InputError(f"{formula(problem.law.g)} is undefined at the fixed values", where=problem.law.name, remedy=_REMEDY)
     needed = dict.fromkeys(o for tree in trees for o in obligations(tree))
     found = tuple(o for o in needed if not _everywhere(subject, problem, o))
-    if not (found and on_boundary):
+    if not (found and there):
         return found
-    here = sp.Eq(problem.g, 0, evaluate=False)
-    return tuple(o for o in found if not _everywhere(subject, problem, o._replace(given=(*o.given, here))))
+    return tuple(o for o in found if not _everywhere(subject, problem, o._replace(given=(*o.given, *there))))
 
 
 def _everywhere(subject: Subject, problem: Problem, obligation: Obligation) -> bool:

@@ -60,13 +60,18 @@ class FormulaSubject(Subject):
 
     @cached_property
     def doubtful_flow(self) -> tuple[Obligation, ...]:
-        """The same of a flow of the law's own, of which only the boundary counts."""
-        return open_obligations(self, self.problem, self.problem.stated_flow, on_boundary=not self.doubtful)
+        """The same of flows of the law's own, of which only that part of the boundary counts on which they act."""
+        found = list[Obligation]()
+        for face, trees in zip(self.problem.faces, self.problem.stated_flows, strict=True):
+            inside = (sp.LessThan(smooth, 0) for other in face.others for smooth in smooth_below(other))
+            there = (sp.Eq(face.g, 0, evaluate=False), *(r for r in inside if isinstance(r, sp.LessThan)))
+            found += open_obligations(self, self.problem, trees, () if self.doubtful else there)
+        return tuple(found)
 
     @property
     def doubted(self) -> tuple[sp.Basic, ...]:
         """The formulas as written of which something is doubtful."""
-        return ((self.problem.stated,) if self.doubtful else ()) + (self.problem.stated_flow if self.doubtful_flow else ())
+        return ((self.problem.stated,) if self.doubtful else ()) + (sum(self.problem.stated_flows, ()) if self.doubtful_flow else ())
 
     def check_defined(self) -> None:
         """Raise InputError where g or the flow is undefined for admitted parameter values, whatever the forces."""

@@ -60,7 +60,7 @@ def declared(given: Mapping[str, Any], others: tuple[str, ...]) -> Declared:
 
 
 class StatedFace(NamedTuple):
-    """Where ``g`` = 0 and the others are <= 0 the slip is a non-negative multiple of ``flow``, or normal to K for None."""
+    """Where ``g`` = 0 and the others are <= 0 the slip is a non-negative multiple of ``flow``, or for None normal to {g <= 0}."""
 
     g: Term
     flow: tuple[Term, ...] | None

@@ -31,7 +31,8 @@ __all__ = ["Face", "Problem", "as_written", "faces", "state"]
 class Face(NamedTuple):
     """A part of K's boundary with one rule for the slip: where ``g`` = 0 and every one of ``others`` is <= 0.
 
-    There ``flow`` is in the cone of slips (Koiter 1953); None for the normality rule.  A law of one surface has one face.
+    There ``flow`` is in the cone of slips (Koiter 1953); None for the normality rule: what is normal to {g <= 0} is, as K lies in
+    that.  A law of one surface has one face.
     """
 
     g: sp.Expr
@@ -54,14 +55,14 @@ class Problem:
     """``g`` over ``forces`` and ``magnitude`` (N = |sigma_n| > 0, None without pressure); ``given`` bounds the rest.
 
     ``stated`` is the formula's tree as it was written: g is what it becomes where all of its parts are defined.
-    ``stated_flow`` are those of flows of the law's own, and of potentials whose gradients they are.
+    ``stated_flows`` are, for each face, those of its flow and of the potential whose gradient that is.
     ``slice`` holds what the simplifications fixed: symbols of the law set to a number.  The slip is told by ``faces``, which cover
     the boundary.
     """
 
     law: Criterion
     stated: sp.Expr
-    stated_flow: tuple[sp.Expr, ...]
+    stated_flows: tuple[tuple[sp.Expr, ...], ...]
     g: sp.Expr
     forces: tuple[sp.Symbol, ...]
     magnitude: sp.Symbol | None
@@ -140,7 +141,7 @@ def state(law: Criterion) -> Problem:
     return Problem(
         law=law,
         stated=_trees(law, law, values)[0],
-        stated_flow=tuple(tree for trees in (_trees(law, s, values) for s in law.surfaces or (law,)) for tree in trees[1:]),
+        stated_flows=((),) if law.associated else tuple(tuple(_trees(law, s, values)[1:]) for s in law.surfaces or (law,)),
         g=algebraic_angles(law.g.subs(swap)),
         forces=law.force_symbols(),
         magnitude=magnitude,
