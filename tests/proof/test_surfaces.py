@@ -240,3 +240,11 @@ T = ["rho*cos(phi)", "rho*sin(phi)"]
     assert found(curve, "convexity") == {"convexity": convexity}
     rows = confirmed(certificate(verification))
     assert rows["origin"] and rows["convexity"] == (convexity == "proved checked") and rows["dissipation"]
+
+
+def test_the_kernel_proves_nothing_where_g_jumps() -> None:
+    jumps = law(("where(s > -1/2, 1, s - 1)", ""), ("t - 1", 'flow = ["0", "1"]'), ("-t - 1", ""))  # K ends at s = -1/2, where no g is 0
+    for text in (jumps, HEAD + 'g = "where(s > -1/2, 1, s - 1)"\n'):
+        given = stated(law_as_text(reads(text)))
+        assert objection("dissipation", "boundary-power", frozenset(), given, {"outward": []})
+        assert not found(text, "dissipation")["dissipation"].startswith("proved")
