@@ -191,6 +191,7 @@ def test_what_is_empty_for_some_parameters_is_not_called_unbounded() -> None:
         "norm(a, b) - sqrt(1 - abs(p))",
         "max(norm(a, b) - 1, 1/(a*b))",
         "max(where(a > 1, 1, -1), where(b > 1, 1, -1))",
+        "min(norm(a, b) - 1, 2*pos(b)/b - 1/2)",
     ],
 )
 def test_no_formula_ends_the_run(g: str) -> None:

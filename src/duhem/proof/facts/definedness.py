@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Where
+from duhem.expression import Atan2, Where
 from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.proof.decide import Answer, Question, Sense
@@ -90,7 +90,7 @@ def _check(problem: Problem, obligation: Obligation, given: tuple[sp.Basic, ...]
 def _check_between(problem: Problem, obligation: Obligation, points: Iterable[Point]) -> None:
     """A divisor of both signs over a product of intervals is 0 in between, if it does not jump."""
     symbols = obligation.symbols()
-    jumps = obligation.expr.has(Where)
+    jumps = obligation.expr.has(Where, Atan2)
     if obligation.sense is not Sense.ZERO or jumps or obligation.given or any(c.free_symbols & symbols for c in problem.law.constraints):
         return
     above: Point | None = None

@@ -54,7 +54,10 @@ def _places(subject: FormulaSubject, parameters: Values) -> Iterator[Point]:
     g = subject.formula_at(parameters)
     yield tuple(Fraction(0) for _ in forces)
     for i, x in enumerate(forces):
-        along = g.xreplace({y: sp.S.Zero for y in forces if y != x})
+        try:
+            along = g.xreplace({y: sp.S.Zero for y in forces if y != x})
+        except (ValueError, TypeError):  # SymPy compares something with nan
+            continue
         if along.is_polynomial(x) and (form := sp.Poly(along, x)).domain in (sp.ZZ, sp.QQ) and not form.is_ground:
             for root in sorted(form.ground_roots()):
                 if root:
