@@ -18,11 +18,12 @@ from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, fold
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.proof.decide import Sense
 from duhem.proof.facts.bends import bends
-from duhem.proof.facts.even_roots import freed, outermost_roots
+from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.loads import above_within, concave_above_within, loads_of
 from duhem.proof.facts.section import Meaning, Section
 
-__all__ = ["Curvature", "curvature"]
+__all__ = ["Curvature", "convex_in_its_region", "curvature"]
 
 
 @dataclass(frozen=True)
@@ -67,14 +68,31 @@ def curvature(expr: sp.Expr, subject: FormulaSubject, convex: Mapping[sp.Expr, b
     return _CurvatureRules(subject, convex).of(expr)
 
 
+def convex_in_its_region(subject: FormulaSubject) -> Curvature:
+    """Facts about g where loads in it allow it to be <= 0; of the maximum that it is, the parts that are no loads together."""
+    g, forces = subject.simple.g, subject.simple.forces
+    rules = _CurvatureRules(subject, FrozenMapping(), loads=tuple(loads_of(g, forces)))
+    if not rules.loads:
+        return _UNKNOWN
+    shapes = [rules.of(part) for part in (g.args if isinstance(g, sp.Max) else (g,))]
+    quasi = all(shape.quasiconvex for shape in shapes)
+    return Curvature(quasiconvex=quasi, rules=_used(*shapes, rule="K lies where the loads in g allow it"))
+
+
 def _used(*shapes: Curvature, rule: str = "") -> tuple[str, ...]:
     return tuple(dict.fromkeys([r for s in shapes for r in s.rules] + ([rule] if rule else [])))
 
 
 class _CurvatureRules:
-    def __init__(self, subject: FormulaSubject, convex: Mapping[sp.Expr, bool], others: Collection[sp.Symbol] = ()) -> None:
-        """``others`` are taken for forces too."""
-        self.subject, self.convex = subject, convex
+    def __init__(
+        self,
+        subject: FormulaSubject,
+        convex: Mapping[sp.Expr, bool],
+        others: Collection[sp.Symbol] = (),
+        loads: Collection[sp.Expr] = (),
+    ) -> None:
+        """``others`` are taken for forces too; it is asked where all ``loads`` are >= 0."""
+        self.subject, self.convex, self.loads = subject, convex, loads
         self.forces = {*subject.simple.forces, *others}
         self.found: dict[sp.Expr, Curvature] = {}
         self.table: dict[type, Callable[..., Curvature]] = {
@@ -96,7 +114,10 @@ class _CurvatureRules:
         return self.found[expr]
 
     def leaf(self, node: Any) -> Curvature:
-        return self.constant(node) if node not in self.forces else Curvature(convex=True, concave=True, quasiconvex=True)
+        if node not in self.forces:
+            return self.constant(node)
+        affine = Curvature(convex=True, concave=True, quasiconvex=True)
+        return self._within(node, affine) if self.loads else affine
 
     def constant(self, node: sp.Expr) -> Curvature:
         low = self.subject.nonnegative(node)
@@ -109,6 +130,18 @@ class _CurvatureRules:
             return self.constant(node)
         if node.is_extended_nonnegative:
             facts = replace(facts, nonnegative=True)
+        if self.loads:
+            facts = self._within(node, facts)
+        return facts
+
+    def _within(self, node: sp.Expr, facts: Curvature) -> Curvature:
+        """Signs of loads, and of concave functions of one load, where loads are >= 0."""
+        above = self.subject.nonnegative
+        if facts.affine and node.is_polynomial(*self.forces):
+            low, high = (above_within(side, self.loads, self.forces, above) for side in (node, -node))
+            facts = replace(facts, nonnegative=facts.nonnegative or low, nonpositive=facts.nonpositive or high)
+        if facts.concave and not facts.nonnegative and concave_above_within(node, self.loads, self.forces, above):
+            return replace(facts, nonnegative=True)
         return facts
 
     def opaque(self, node: Any, *parts: Curvature) -> Curvature:
@@ -193,14 +226,15 @@ class _CurvatureRules:
         if facts.convex or not node.free_symbols & self.forces or not node.has(sp.Pow, Norm):
             return facts
         roots = dict.fromkeys(outermost_roots(node, self.forces, self._convex_root))
-        if node in roots or not 0 < len(roots) <= _MOST_ROOTS or (found := freed(node, roots, self.forces)) is None:
+        if node in roots or not 0 < len(roots) <= _MOST_ROOTS:
             return facts
-        expr, others = found
-        shape = _CurvatureRules(self.subject, self.convex, (*(self.forces - {*self.subject.simple.forces}), *others)).of(expr)
-        if not shape.quasiconvex or (facts.quasiconvex and not shape.convex):
-            return facts
-        rules = _used(*map(self.of, roots), shape, rule="f(x, r) with f convex, even in r and r convex >= 0 is convex")
-        return replace(facts, convex=shape.convex, quasiconvex=True, nonnegative=facts.nonnegative or shape.nonnegative, rules=rules)
+        for expr, others in freed(node, roots, self.forces):
+            shape = _CurvatureRules(self.subject, self.convex, (*(self.forces - {*self.subject.simple.forces}), *others)).of(expr)
+            if not shape.quasiconvex or (facts.quasiconvex and not shape.convex) or not even(expr, others):
+                continue
+            rules = _used(*map(self.of, roots), shape, rule="f(x, r) with f convex, even in r and r convex >= 0 is convex")
+            return replace(facts, convex=shape.convex, quasiconvex=True, nonnegative=facts.nonnegative or shape.nonnegative, rules=rules)
+        return facts
 
     def _convex_root(self, root: sp.Expr) -> bool:
         shape = self.of(root)
@@ -213,11 +247,22 @@ class _CurvatureRules:
         moving = [(f, s) for f, s in zip(node.args, factors, strict=True) if f.free_symbols & self.forces]
         several = Curvature(nonnegative=all(s.nonnegative for _, s in moving))  # of a product only the sign is followed
         facts = moving[0][1] if len(moving) == 1 else several
+        if len(moving) == 2 and self._size_by_its_logarithm([f for f, _ in moving], scale):
+            rules = ("x log x is convex for x > 0",)
+            return Curvature(convex=True, quasiconvex=True, rules=rules)
         if self.subject.nonnegative(scale):
             return self._together(node, self.signed(node, facts))
         if self.subject.nonnegative(-scale):
             return self.signed(node, facts.negated())
         return self.signed(node, Curvature(convex=facts.affine, concave=facts.affine, quasiconvex=facts.affine, rules=facts.rules))
+
+    def _size_by_its_logarithm(self, factors: list[sp.Expr], scale: sp.Expr) -> bool:
+        """c x log(d x) with x >= 0 affine and c >= 0."""
+        x, logarithm = sorted(factors, key=lambda f: isinstance(f, sp.log))
+        if not isinstance(logarithm, sp.log) or not self.of(logarithm.args[0]).affine or not self.of(logarithm.args[0]).nonnegative:
+            return False
+        share = sp.cancel(scale * x / logarithm.args[0])
+        return not share.free_symbols & self.forces and self.subject.nonnegative(share)
 
     def power(self, node: Any, base: Curvature, exponent: Curvature) -> Curvature:
         if not node.free_symbols & self.forces:
@@ -245,7 +290,7 @@ class _CurvatureRules:
         if self.subject.positive(p):
             if gauge := self._gauge(node.base, p):
                 return Curvature(convex=True, quasiconvex=True, nonnegative=True, rules=gauge)
-            concave = base.concave and self.subject.nonnegative(1 - p)
+            concave = (base.concave and self.subject.nonnegative(1 - p)) or self._geometric_mean(node.base, p)
             return Curvature(
                 concave=concave, quasiconvex=base.quasiconvex, nonnegative=True, rules=_used(base, rule="x^p is increasing on x >= 0")
             )
@@ -273,6 +318,14 @@ class _CurvatureRules:
                 return None
             rules += inner.rules
         return tuple(dict.fromkeys(rules)) if self.subject.nonnegative(q - 1) else None
+
+    def _geometric_mean(self, base: sp.Expr, p: sp.Expr) -> bool:
+        """(x y ...)^p, n factors that are concave and >= 0 and n p <= 1."""
+        base = base.args[0] if isinstance(base, Pos) and self.of(base.args[0]).nonnegative else base
+        moving = [f for f in sp.Mul.make_args(base) if f.free_symbols & self.forces]
+        scale = sp.Mul(*(f for f in sp.Mul.make_args(base) if not f.free_symbols & self.forces))
+        shapes = [self.of(f) for f in moving] if self.subject.nonnegative(1 - len(moving) * p) and self.subject.nonnegative(scale) else []
+        return len(shapes) > 1 and all(x.concave and x.nonnegative for x in shapes)
 
     def _quadratic(self, expr: sp.Expr, root: bool = False) -> str | None:
         """A polynomial of degree 2 with positive semidefinite matrix; with ``root``, non-negative together with its constant."""
@@ -302,6 +355,8 @@ class _CurvatureRules:
 
     def positive_part(self, node: Any, x: Curvature) -> Curvature:
         rule = "a ramp of an affine function is convex"
+        if x.nonnegative and node.free_symbols & self.forces:
+            return x
         return self.signed(node, Curvature(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule=rule)))
 
     def negative_part(self, node: Any, x: Curvature) -> Curvature:

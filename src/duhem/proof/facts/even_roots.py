@@ -13,7 +13,7 @@ import sympy as sp
 
 from duhem.expression import Norm
 
-__all__ = ["freed", "outermost_roots"]
+__all__ = ["even", "freed", "outermost_roots"]
 
 
 def outermost_roots(expr: sp.Expr, forces: Collection[sp.Symbol], convex: Callable[[sp.Expr], bool]) -> Iterator[sp.Expr]:
@@ -26,15 +26,17 @@ def outermost_roots(expr: sp.Expr, forces: Collection[sp.Symbol], convex: Callab
         yield from outermost_roots(part, forces, convex)
 
 
-def freed(expr: sp.Expr, roots: Collection[sp.Expr], forces: Collection[sp.Symbol]) -> tuple[sp.Expr, tuple[sp.Symbol, ...]] | None:
-    """The formula with a free z for each root, or |z| where no other part of the forces is added to it; None if it is not even in each."""
+def freed(expr: sp.Expr, roots: Collection[sp.Expr], forces: Collection[sp.Symbol]) -> Iterator[tuple[sp.Expr, tuple[sp.Symbol, ...]]]:
+    """The formula with a free z for each root; then with |z| where no other part of the forces is added to it."""
     names = {root: sp.Dummy(f"z{i}", real=True) for i, root in enumerate(roots)}
     for sized in (False, True):
-        found = _freed(expr, names, sized, set(forces))
-        turned = [found.xreplace({z: -z}) for z in names.values()]
-        if all(other == found or sp.expand(other - found) == 0 for other in turned):
-            return found, tuple(names.values())
-    return None
+        yield _freed(expr, names, sized, set(forces)), tuple(names.values())
+
+
+def even(expr: sp.Expr, names: Collection[sp.Symbol]) -> bool:
+    """Whether it is even in each of some symbols."""
+    turned = [expr.xreplace({z: -z}) for z in names]
+    return all(other == expr or sp.expand(other - expr) == 0 for other in turned)
 
 
 def _freed(expr: Any, names: dict[sp.Expr, sp.Symbol], sized: bool, forces: set[sp.Symbol]) -> Any:

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, times, total, written
+from duhem.proof.kernel.loads import multiple
+from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
@@ -41,7 +42,7 @@ def nonnegative_when_bent(terms: Sequence[Term], domain: StatedDomain, shown: Sh
     """Whether a sum is a phi >= 0 of one x, the rest of it being a multiple of x."""
     try:
         bends, rest = _bends(terms, domain)
-        slope = _multiple(domain.polynomial(sum_of(*rest)), bends[0][1].x, domain) if len(bends) == 1 else None
+        slope = multiple(domain.polynomial(sum_of(*rest)), bends[0][1].x, domain) if len(bends) == 1 else None
     except NotWritten:
         return False
     if slope is None:
@@ -98,24 +99,3 @@ def _factor(term: Term, x: Term, domain: StatedDomain) -> Term | None:
     parts = factors(term)
     moving = [f for f in parts if not domain.constant(f)]
     return product_of(*(f for f in parts if domain.constant(f))) if moving == [x] else None
-
-
-def _multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:
-    """c where rest = c x; read off a part of x that has a number as its coefficient."""
-    if not rest:
-        return {}
-    parts = _by_forces(x, domain)
-    plain = next((m for m, c in parts.items() if m and set(c) == {()}), None)
-    if plain is None:
-        return None
-    scale = {m: c / parts[plain][()] for m, c in _by_forces(rest, domain).get(plain, {}).items()}
-    return scale if rest == times(scale, x) else None
-
-
-def _by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomial]:
-    """The coefficients of what depends on the forces."""
-    found: dict[Monomial, Polynomial] = {}
-    for m, c in poly.items():
-        moving = tuple((x, n) for x, n in m if not domain.constant(x))
-        found[moving] = total(found.get(moving, {}), {tuple((x, n) for x, n in m if domain.constant(x)): c})
-    return found

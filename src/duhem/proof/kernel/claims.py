@@ -15,6 +15,7 @@ from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.piecewise import polyhedra
 from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
+from duhem.proof.kernel.region import convex_in_its_region
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.section import without_sections
 from duhem.proof.kernel.star import StarGauge, undefined_at_zero
@@ -99,9 +100,9 @@ def origin(law: StatedLaw, _: Evidence) -> bool:
 
 
 def convexity(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is defined everywhere and quasiconvex, so that every {g <= 0} is convex."""
+    """g is defined everywhere and quasiconvex, so that every {g <= 0} is convex; or it is so in a convex region that K lies in."""
     shape = _shape(law, evidence)
-    return shape.defined and shape.quasiconvex
+    return (shape.defined and shape.quasiconvex) or convex_in_its_region(law, facts, over)
 
 
 def curved(law: StatedLaw, evidence: Evidence) -> bool:

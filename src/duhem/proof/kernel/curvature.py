@@ -13,9 +13,11 @@ from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, signs_of_product
 from duhem.proof.kernel.elementary import sign_over
 from duhem.proof.kernel.even import quasiconvex_in_even_parts
+from duhem.proof.kernel.loads import multiple, sign_within
+from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.shape import Facts
-from duhem.proof.kernel.term import Term, minus, number
+from duhem.proof.kernel.term import Term, factors, minus, number
 
 __all__ = ["Facts", "facts", "over"]
 
@@ -39,6 +41,8 @@ def facts(term: Term, domain: StatedDomain) -> Facts:
             known = Facts(known.defined, known.sign & sign, True, True, True)
         elif not (known.defined and known.convex):
             known = _of_parts_together(term, known, domain)
+        if domain.sides and not domain.constant(term):
+            known = replace(known, sign=known.sign & sign_within(term, known, domain, facts))
         domain.shown[term] = known
     found: Facts = domain.shown[term]
     return found
@@ -90,6 +94,8 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             return _total(term, parts, domain)
         case "*":
             return _product(term, parts, domain)
+        case "abs" | "pos" if x.nonnegative and not domain.constant(term):
+            return x
         case "norm" | "abs":
             convex, nonzero = all(p.convex_in_size for p in parts), any(not p.sign & ZERO for p in parts)
             return Facts(
@@ -166,11 +172,23 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
         sign = signs_of_product(sign, p.sign)
         scale = signs_of_product(scale, p.sign) if domain.constant(a) else scale
     if len(moving) != 1:
-        return Facts(defined, sign)
+        convex = len(moving) == 2 and not scale & NEGATIVE and _size_by_its_logarithm(term, domain)
+        return Facts(defined, sign, convex, False, convex)
     x = moving[0] if not scale & NEGATIVE else moving[0].negated()
     if scale & NEGATIVE and scale & POSITIVE:
         return Facts(defined, sign, x.affine, x.affine, x.affine)
     return replace(x, defined=defined, sign=sign)
+
+
+def _size_by_its_logarithm(term: Term, domain: StatedDomain) -> bool:
+    """x log(c x) with x affine and > 0, c > 0."""
+    moving = [f for f in term.args if not domain.constant(f)]
+    logarithm = next((f for f in moving if f.op == "log"), None)
+    if logarithm is None or not (size := facts(logarithm.args[0], domain)).affine or size.sign != POSITIVE:
+        return False
+    (x,) = [f for f in moving if f is not logarithm] or [logarithm]
+    share = multiple(domain.polynomial(x), domain.polynomial(logarithm.args[0]), domain)
+    return bool(share) and share is not None and not facts(written(share), domain).sign & NEGATIVE
 
 
 def _greatest(parts: list[Facts]) -> Facts:
@@ -208,10 +226,23 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
     if not facts(Term("+", (term.args[1], number(-1))), domain).sign & NEGATIVE:
         return Facts(defined, sign, base.convex, False, base.quasiconvex)
     if exponent.sign == POSITIVE:
+        mean = _geometric_mean(term, domain)
         below_one = not facts(Term("+", (_ONE, minus(term.args[1]))), domain).sign & NEGATIVE
         convex = _minkowski(term, domain) or _root_of_quadratic(term, domain)
-        return Facts(defined, sign, convex, base.concave and below_one, base.quasiconvex or convex)
+        return Facts(defined, sign, convex, (base.concave and below_one) or mean, base.quasiconvex or convex)
     return Facts(defined, sign)
+
+
+def _geometric_mean(term: Term, domain: StatedDomain) -> bool:
+    """(x y ...)^p, n factors that are concave and >= 0 and n p <= 1."""
+    base, exponent = term.args
+    if base.op == "pos" and facts(base.args[0], domain).nonnegative:
+        base = base.args[0]
+    parts = factors(base) if base.op == "*" else []
+    moving = [facts(f, domain) for f in parts if not domain.constant(f)]
+    scale = facts(Term("*", (_ONE, *(f for f in parts if domain.constant(f)))), domain)
+    enough = facts(Term("+", (_ONE, minus(Term("*", (number(len(moving)), exponent))))), domain)
+    return len(moving) > 1 and all(x.concave and x.nonnegative for x in moving) and scale.nonnegative and enough.nonnegative
 
 
 def _root_of_quadratic(term: Term, domain: StatedDomain) -> bool:

@@ -153,6 +153,7 @@ class StatedDomain:
         self._named: dict[Term, str] = {}
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
         self.kept: dict[str, Any] = {}  # what a rule looks up once a law
+        self.sides: dict[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
         self._gaps = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
         self.bounds = sharpened(self.bounds, self._gaps)
@@ -259,6 +260,8 @@ class StatedDomain:
                 for _ in range(n):
                     found = self._times(found, base)
                 return found
+            if base == ONE:
+                return ONE
             if -_MOST_POWER <= n < 0 and len(base) == 1:
                 ((monomial, c),) = base.items()
                 return {tuple((x, k * n) for x, k in monomial): c**n}

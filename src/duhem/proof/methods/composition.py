@@ -9,7 +9,7 @@ import sympy as sp
 from duhem.expression import Norm
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
-from duhem.proof.facts.curvature import curvature
+from duhem.proof.facts.curvature import convex_in_its_region, curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
 from duhem.proof.search.boundary_identities import composed_of_sums
@@ -21,6 +21,8 @@ __all__ = ["convexity", "smoothness"]
 def convexity(subject: FormulaSubject) -> Evidence | None:
     """K is convex if g is quasiconvex by the composition rules (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)."""
     facts = curvature(subject.simple.g, subject)
+    if not facts.quasiconvex:
+        facts = convex_in_its_region(subject)
     if not facts.quasiconvex:
         return None
     kind = "convex" if facts.convex else "quasiconvex"

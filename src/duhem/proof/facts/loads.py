@@ -1,0 +1,73 @@
+"""Loads, which are affine in the forces, known to be >= 0 in a region: the signs that they leave, and the region that K lies in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator
+
+import sympy as sp
+
+from duhem.expression import Where
+
+__all__ = ["above_within", "concave_above_within", "loads_of"]
+
+
+def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
+    """What is >= 0 wherever g has a value and is <= 0: loads in a maximum, turned round, and those under a logarithm."""
+    if g.has(Where):
+        return
+    for part in _greatest(g):
+        if _affine(part, forces):
+            yield sp.expand(-part)
+        yield from (x.args[0] for x in sorted(part.atoms(sp.log), key=sp.default_sort_key) if _affine(x.args[0], forces))
+
+
+def _greatest(g: sp.Expr) -> tuple[sp.Expr, ...]:
+    return g.args if isinstance(g, sp.Max) else (g,)
+
+
+def _affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
+    moving = sorted(expr.free_symbols & set(forces), key=str)
+    return bool(moving) and expr.is_polynomial(*moving) and sp.Poly(expr, *moving).total_degree() == 1
+
+
+def above_within(expr: sp.Expr, loads: Collection[sp.Expr], forces: Collection[sp.Symbol], above: Callable[[sp.Expr], bool]) -> bool:
+    """Whether an affine expression is a load >= 0, times a constant >= 0, and another such constant; ``above`` tells of constants."""
+    return any(split is not None and all(map(above, split)) for split in (_split(expr, load, forces) for load in loads))
+
+
+def _split(expr: sp.Expr, load: sp.Expr, forces: Collection[sp.Symbol]) -> tuple[sp.Expr, sp.Expr] | None:
+    """(c, d) with expr = c load + d."""
+    x = next(f for f in sorted(forces, key=str) if load.has(f))
+    share = sp.cancel(sp.diff(expr, x) / sp.diff(load, x))
+    rest = sp.simplify(sp.expand(expr - share * load))
+    return None if (share.free_symbols | rest.free_symbols) & set(forces) else (share, rest)
+
+
+def concave_above_within(
+    expr: sp.Expr, loads: Collection[sp.Expr], forces: Collection[sp.Symbol], above: Callable[[sp.Expr], bool]
+) -> bool:
+    """Whether a concave expression depends on one load alone, which has two ends, and is >= 0 at both of them."""
+    return any(_above_at_both_ends(expr, one, two, forces, above) for one in loads for two in loads if one != two)
+
+
+def _above_at_both_ends(
+    expr: sp.Expr, load: sp.Expr, other: sp.Expr, forces: Collection[sp.Symbol], above: Callable[[sp.Expr], bool]
+) -> bool:
+    split = _split(other, load, forces)
+    if split is None or above(split[0]) or not above(-split[0]):
+        return False
+    x = next(f for f in sorted(forces, key=str) if load.has(f))
+    along = sp.Symbol("the load", real=True)
+    (place,) = sp.solve(load - along, x)
+    alone = expr.xreplace({x: place}) if not (place.free_symbols & set(forces)) else _alone(expr, x, place)
+    if alone.free_symbols & set(forces):
+        return False
+    return all(above(sp.simplify(alone.subs(along, end))) for end in (sp.S.Zero, -split[1] / split[0]))
+
+
+def _alone(expr: sp.Expr, x: sp.Symbol, place: sp.Expr) -> sp.Expr:
+    """The expression with x put, every sum in it expanded so that other forces drop out."""
+    if not expr.has(x) or not expr.args:
+        return place if expr == x else expr
+    found = expr.func(*(_alone(a, x, place) for a in expr.args))
+    return sp.expand(found) if found.is_Add or found.is_Mul else found

@@ -1,0 +1,106 @@
+"""Loads, which are affine in the forces: multiples of one another, and signs where some of them are known to be >= 0."""
+
+from __future__ import annotations
+
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, times, total, written
+from duhem.proof.kernel.shape import Facts, Shown
+from duhem.proof.kernel.term import NotWritten, Term, number
+
+__all__ = ["multiple", "sign_within"]
+
+
+def multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:
+    """c where rest = c x; read off a part of x whose coefficient is a number, or a product of constants that are not 0."""
+    share = _share(rest, x, domain)
+    return share if share is not None and rest == times(share, x) else None
+
+
+def _share(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:
+    """c where the moving parts may be such multiples; {} where the rest has none of a part of x."""
+    if not rest:
+        return {}
+    parts = _by_forces(x, domain)
+    for moving, c in parts.items():
+        if moving and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
+            ((m, factor),) = c.items()
+            inverse: Polynomial = {tuple((y, -n) for y, n in m): 1 / factor}
+            return times(_by_forces(rest, domain).get(moving, {}), inverse)
+    return None
+
+
+def _by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomial]:
+    """The coefficients of what depends on the forces."""
+    found: dict[Monomial, Polynomial] = {}
+    for m, c in poly.items():
+        moving = tuple((x, n) for x, n in m if not domain.constant(x))
+        found[moving] = total(found.get(moving, {}), {tuple((x, n) for x, n in m if domain.constant(x)): c})
+    return found
+
+
+def sign_within(term: Term, known: Facts, domain: StatedDomain, shown: Shown) -> Sign:
+    """The signs that the loads >= 0 of the domain leave: of an affine term, a multiple of one and a constant; of a concave one that
+    depends on one load alone and is >= 0 at both of its ends, no sign < 0.
+    """
+    try:
+        found = _of_affine(term, domain, shown) if known.affine else ANY
+        if (
+            found & known.sign & NEGATIVE
+            and known.concave
+            and any(_above_at_both_ends(term, x, y, domain, shown) for x in domain.sides for y in domain.sides)
+        ):
+            found &= ZERO | POSITIVE
+        return found
+    except NotWritten:
+        return ANY
+
+
+def _of_affine(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
+    found, poly = ANY, domain.polynomial(term)
+    for side, strict in domain.sides.items():
+        if (split := _split(poly, domain.polynomial(side), domain)) is None:
+            continue
+        way, left = (shown(written(part), domain).sign for part in split)
+        if not way & NEGATIVE and not left & NEGATIVE:
+            found &= POSITIVE if left == POSITIVE or (strict and way == POSITIVE) else ZERO | POSITIVE
+        if not way & POSITIVE and not left & POSITIVE:
+            found &= NEGATIVE if left == NEGATIVE or (strict and way == NEGATIVE) else ZERO | NEGATIVE
+    return found
+
+
+def _split(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> tuple[Polynomial, Polynomial] | None:
+    """(c, d) with poly = c load + d, both constant and c not plainly 0."""
+    if not (share := _share(poly, load, domain)):
+        return None
+    rest = total(poly, {m: -c for m, c in times(share, load).items()})
+    return None if any(not domain.constant(x) for m in rest for x, _ in m) else (share, rest)
+
+
+def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomain, shown: Shown) -> bool:
+    """Whether a term that depends on the load ``side`` alone is >= 0 where that is 0, and at its other end, where ``other`` is."""
+    load, end = domain.polynomial(side), domain.polynomial(other)
+    split = _split(end, load, domain)
+    if split is None or shown(written(split[0]), domain).sign != NEGATIVE or not _of_load(term, load, domain):
+        return False
+    values = [shown(term.put(_zero(x, domain)), domain) for x in (load, end)]
+    return all(here.defined and here.nonnegative for here in values)
+
+
+def _of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
+    """Whether the forces enter a term through multiples of a load and constants alone."""
+    if domain.constant(term):
+        return True
+    if term.op in ("+", "*", "name") and _split(domain.polynomial(term), load, domain) is not None:
+        return True
+    return term.op != "name" and all(_of_load(a, load, domain) for a in term.args)
+
+
+def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:
+    """Forces at which a load is 0: all but one of them 0."""
+    parts = _by_forces(load, domain)
+    for moving, c in parts.items():
+        if len(moving) == 1 and moving[0][1] == 1 and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
+            ((m, factor),) = c.items()
+            place = times({tuple((y, -n) for y, n in m): -1 / factor}, parts.get((), {}))
+            return {**{Term("name", name=f): number(0) for f in domain.law.forces}, moving[0][0]: written(place)}
+    raise NotWritten("a load has no force with a coefficient that is not 0")

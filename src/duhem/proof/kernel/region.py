@@ -1,0 +1,49 @@
+"""K where g need not be quasiconvex everywhere: g = max(f, loads), or g has a logarithm of a load.
+
+K lies where all loads in the maximum are <= 0, and where those under a logarithm are > 0: elsewhere g is > 0 or has no value.  That
+region is convex, and so is K where g is defined and quasiconvex in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.shape import Shown
+from duhem.proof.kernel.term import Term, minus
+
+__all__ = ["convex_in_its_region"]
+
+
+def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> bool:
+    """Whether g is defined and quasiconvex where all of its loads allow it to be <= 0, and there are such loads."""
+    domain, parts = over(law), [*_greatest(law.g)]
+    if any(_chooses(part) for part in parts):
+        return False  # what is not chosen need not have a value
+    loads = [part for part in parts if not domain.constant(part) and shown(part, domain).affine and shown(part, domain).defined]
+    inside = over(law)
+    inside.sides |= dict.fromkeys(map(minus, loads), False)
+    for part in parts:
+        inside.sides |= dict.fromkeys((x for x in _under_logarithms(part) if not domain.constant(x) and shown(x, domain).affine), True)
+    found = [shown(part, inside) for part in parts if part not in loads]
+    return bool(inside.sides) and all(known.defined and known.quasiconvex for known in found)
+
+
+def _greatest(term: Term) -> Iterator[Term]:
+    """What a maximum is taken of."""
+    if term.op != "max":
+        yield term
+        return
+    for a in term.args:
+        yield from _greatest(a)
+
+
+def _chooses(term: Term) -> bool:
+    return term.op == "where" or any(map(_chooses, term.args))
+
+
+def _under_logarithms(term: Term) -> Iterator[Term]:
+    for a in term.args:
+        yield from _under_logarithms(a)
+    if term.op == "log":
+        yield term.args[0]
