@@ -44,6 +44,7 @@ def test_by_hand_in_every_arithmetic(entries: tuple[int, ...], greatest: int) ->
     assert float(numpy_.evaluate(FORM, {x: float(v) for x, v in here.items()})) == pytest.approx(greatest, abs=1e-14)
     assert fold(FORM, floats.TABLE, lambda x: float(here[x])) == pytest.approx(greatest, abs=1e-7)
     assert abs(mpmath_.evaluate(FORM, here, 60) - greatest) < mpmath.mpf("1e-25")
+    assert float(EigMax(*entries).evalf(20)) == pytest.approx(greatest, abs=1e-9)
     ball = balls.enclose(FORM, {x: balls.ball(Fraction(int(v))) for x, v in here.items()})
     assert ball.contains(greatest) and ball.rad() < 1e-6
     with balls.precision(400):

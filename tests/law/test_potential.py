@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -12,6 +13,7 @@ import duhem
 from duhem import Criterion
 from duhem.errors import InputError
 from duhem.expression import Where
+from duhem.expression.matrices import rows
 from duhem.identification.criterion_text import criterion_text
 from duhem.law.criterion_file import reads
 from duhem.law.domain import POSITIVE
@@ -39,6 +41,7 @@ POTENTIALS = (
     "abs(a)*b + pos(a - b) - 2*neg(a + b)",
     "max(a, b, -a)*min(a, 2*b)",
     "where(a < b, a**2, k*b)",
+    "eigmax(a, b, a*b, a/2, 1, b)",
     "where(a < b and a > -1, a**2, k*b)",
 )
 POINTS = ((0.7, -1.3), (-0.4, 0.9), (2.5, 1.1), (-1.7, -0.6))
@@ -51,6 +54,8 @@ def _value(term: Term, at: dict[str, float]) -> float:
     if term.op == "where":
         return _value(term.args[1 if _value(term.args[0], at) else 2], at)
     x, *rest = values = [_value(a, at) for a in term.args]
+    if term.op == "eigmax":
+        return float(np.linalg.eigvalsh(rows(*values))[-1])
     words = {
         "abs": abs,
         "pos": lambda x: max(x, 0.0),
@@ -94,6 +99,9 @@ VERDICTS = {
     ("a**2 + 2*b**2 - k", "a**2 + b**2"): ("refuted", "proved"),
     ("norm(a, b) - k", "a**2 - b**2"): ("refuted", "refuted"),
     ("norm(a, b) - k", "-norm(a, b)"): ("refuted", "refuted"),
+    ("norm(a, b) + a/5 - k", "norm(a, b) + a/20"): ("refuted", "proved"),
+    ("norm(a, b) + a/5 - k", "norm(a, b) + a/5"): ("proved", "proved"),
+    ("norm(a, b) + a/5 - k", "norm(a, b) + 2*a"): ("refuted", "refuted"),
 }
 
 
@@ -116,6 +124,32 @@ def test_a_potential_must_be_defined_for_its_gradient_to_be(potential: str) -> N
     text = law_as_text(_law("norm(a, b) - k", "a**2 + b**2"))
     assert not objection("dissipation", "boundary-power", frozenset(), stated(text), {})
     assert objection("dissipation", "boundary-power", frozenset(), stated(text | {"flow": {"potential": potential}}), {})
+
+
+@pytest.mark.parametrize(
+    ("potential", "share", "confirmed"),
+    [
+        ("norm(a, b) + a/20", "1/4", True),
+        ("norm(a, b) + a/20", "1/3", False),
+        ("norm(a, b) + a/20", "a", False),
+        ("norm(a, b) + a/4", "5/4", False),  # more dilatancy than friction
+        ("norm(a, b) + a/20 - norm(a, b)**2/9", "1/4", False),
+        ("norm(a, b) + a/20 + exp(a)", "1/4", False),
+        ("log(a)*0 + norm(a, b) + a/20", "1/4", False),
+    ],
+)
+def test_the_kernel_takes_a_share_of_g_from_the_power(potential: str, share: str, confirmed: bool) -> None:
+    text = law_as_text(_law("norm(a, b) + a/5 - k", "a")) | {"flow": {"potential": potential}}
+    assert (not objection("dissipation", "potential", frozenset(), stated(text), {"share": share})) == confirmed
+
+
+def test_at_the_tip_of_a_cone_the_flow_is_a_mean_of_those_around() -> None:
+    """Drucker-Prager with dilatancy below friction: the formula of the flow is 0/0 at the tip."""
+    g, potential = "sqrt(J2(s)) + alpha*I1(s) - k", "sqrt(J2(s)) + beta*I1(s)"
+    given = {"stress": {"name": "s", "kind": "principal"}, "pressure": None, "constraints": ("beta <= alpha",)}
+    law = Criterion(name="x", g=g, potential=potential, parameters=dict.fromkeys(("alpha", "beta", "k"), POSITIVE), **given)
+    found = duhem.verify(law, claims=["dissipation"])["dissipation"]
+    assert (found.verdict.value, str(found.trust)) == ("proved", "checked")
 
 
 def test_a_certificate_holds_the_potential_and_not_its_gradient() -> None:

@@ -12,7 +12,10 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
+import mpmath
 import sympy as sp
+
+from duhem.expression.matrices import rows
 
 __all__ = ["NODES", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "symbol"]
 
@@ -190,6 +193,11 @@ class EigMax(sp.Function):
         diagonal = (y * z - yz**2, x * z - xz**2, x * y - xy**2)
         doubled = (2 * (xy * xz - x * yz), 2 * (xy * yz - y * xz), 2 * (xz * yz - z * xy))  # a shear stands twice in the matrix
         return (*diagonal, *doubled)[argindex - 1] / sp.Add(*diagonal)
+
+    def _eval_evalf(self, prec: int) -> sp.Float:
+        with mpmath.workprec(prec + 16):
+            values = mpmath.eigsy(mpmath.matrix(rows(*(a._to_mpmath(prec + 16) for a in self.args))), eigvals_only=True)
+            return sp.Float(max(values), precision=prec)
 
     def _eval_is_extended_real(self) -> bool:
         return True

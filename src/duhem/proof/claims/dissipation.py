@@ -31,6 +31,7 @@ For a boundary curve T with flow d it is the sign of T . d all around, in balls 
     methods=(
         Consequence(FormulaSubject, by_normality),
         ProofMethod(FormulaSubject, degrees.dissipation),
+        ProofMethod(FormulaSubject, degrees.dissipation_of_potential),
         ProofMethod(FormulaSubject, polar.dissipation),
         ProofMethod(FormulaSubject, flow.dissipation_refuted),
         ProofMethod(FormulaSubject, implicit.dissipation),

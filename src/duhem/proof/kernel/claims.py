@@ -10,7 +10,7 @@ from duhem.proof.kernel.boundary import curves_inward, flows_along_normals, flow
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
-from duhem.proof.kernel.homogeneity import grows_along_rays
+from duhem.proof.kernel.homogeneity import grows_along_rays, potential_flows_outward
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.piecewise import polyhedra
 from duhem.proof.kernel.polyhedron import union_is_convex
@@ -186,6 +186,11 @@ def power(law: StatedLaw, evidence: Evidence) -> bool:
     return flows_outward(law, evidence.get("outward", ()))
 
 
+def potential(law: StatedLaw, evidence: Evidence) -> bool:
+    """The flow is the gradient of a potential, and the power is the ``share`` of the evidence times g, and something >= 0 (Euler)."""
+    return law.potential is not None and potential_flows_outward(law.potential, law.g, parse(evidence["share"]), over(law))
+
+
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
     """The ``potential`` of the evidence is the support function of K where its forms ``flat`` vanish, in the ``slips`` of the forces.
 
@@ -232,6 +237,7 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),
     ("dissipation", "euler"): (_ORIGIN, euler),
     ("dissipation", "homogeneity"): (_NONE, homogeneity),
+    ("dissipation", "potential"): (_NONE, potential),
     ("dissipation", "boundary-power"): (_NONE, power),
     ("duality", "polar-gauge"): (_NONE, polar_gauge),
     ("state_laws", "symbolic"): (_NONE, quadratic_energy),

@@ -81,6 +81,7 @@ class StatedLaw(NamedTuple):
     constraints: tuple[Term, ...]
     ranges: tuple[tuple[str, Bounds], ...] = ()  # of forces and the pressure, where they are bounded
     surfaces: tuple[tuple[Term, tuple[Term, ...] | None], ...] = ()
+    potential: Term | None = None  # of which the flow is the gradient
 
     @classmethod
     def read(cls, given: Mapping[str, Any]) -> StatedLaw:
@@ -107,7 +108,10 @@ class StatedLaw(NamedTuple):
             return g, None if given_flow is None else slips
 
         if "surfaces" not in given:
-            return cls(forces, pressure, *bound(given), parameters, constraints, ranges)
+            law = cls(forces, pressure, *bound(given), parameters, constraints, ranges)
+            if isinstance(given["flow"], Mapping):
+                law = law._replace(potential=without_angles(parse(given["flow"]["potential"])).put(fixed))
+            return law
         if "g" in given or "flow" in given or not given["surfaces"]:
             raise NotWritten("a law of several surfaces has its g and flow from them")
         surfaces = tuple(map(bound, given["surfaces"]))

@@ -1,7 +1,8 @@
 """A formula by its degrees in the forces: what is of degree k becomes r^k times itself at r times the forces, r > 0.
 
 With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler).  Where g = 0 it is the sum of (k - m) G_k as well,
-for every m; one of these sums that is positive everywhere shows that g rises outward on its zeros.
+for every m; one of these sums that is positive everywhere shows that g rises outward on its zeros.  The power of a flow that is the
+gradient of a potential is such a sum too, and so is its limit where gradients meet.
 """
 
 from __future__ import annotations
@@ -12,11 +13,11 @@ from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import POSITIVE, StatedDomain
 from duhem.proof.kernel.identity import value, written
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["grows_along_rays"]
+__all__ = ["grows_along_rays", "potential_flows_outward"]
 
-_ALIKE = ("abs", "pos", "neg", "norm", "max", "min")
+_ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
 
 def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
@@ -24,6 +25,17 @@ def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
     parts = _by_degree(g, domain)
     sums = (sum_of(*(product_of(number(k - m), part) for k, part in parts.items() if k != m)) for m in parts)
     return any(facts(power, domain).sign == POSITIVE for power in sums)
+
+
+def potential_flows_outward(potential: Term, g: Term, share: Term, domain: StatedDomain) -> bool:
+    """Whether sigma . d >= 0 wherever g = 0, d a mean of gradients of the potential around: it is ``share`` g + something >= 0.
+
+    What has a degree is continuous, so that the boundary of K lies on g = 0 and the sum is a limit of itself.
+    """
+    if not all(facts(part, domain).defined for part in (potential, g, share)) or not domain.constant(share) or not _by_degree(g, domain):
+        return False
+    power = sum_of(*(product_of(number(k), part) for k, part in _by_degree(potential, domain).items()))
+    return domain.nonnegative(sum_of(power, minus(product_of(share, g))))
 
 
 def _by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:

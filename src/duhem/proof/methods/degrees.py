@@ -6,14 +6,19 @@ well, for every m; one of these that is positive shows that g rises outward ther
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import sympy as sp
 
-from duhem.proof.decide import Sense
+from duhem.expression.parse import parse_expression
+from duhem.expression.text import formula
+from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.statement.star import by_degree
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
-__all__ = ["dissipation"]
+__all__ = ["dissipation", "dissipation_of_potential"]
 
 
 def dissipation(subject: FormulaSubject) -> Evidence | None:
@@ -30,3 +35,42 @@ def dissipation(subject: FormulaSubject) -> Evidence | None:
             detail = f"g has parts of degree {', '.join(map(str, sorted(parts)))} in the forces, so sigma . grad g > 0 wherever g = 0"
             return Evidence(Verdict.PROVED, f"homogeneity ({answer.method})", detail, proof=Proof("homogeneity"))
     return None
+
+
+def dissipation_of_potential(subject: FormulaSubject) -> Evidence | None:
+    """A flow that is the gradient of a potential P has sigma . d = sum of k P_k; where g = 0 a multiple of g may be taken from it.
+
+    So it is for every mean of gradients that meet at a kink or a tip, of which the formula of the flow says nothing.
+    """
+    law, problem = subject.law, subject.problem
+    if law.potential is None or not subject.joined(problem.g):
+        return None
+    potential = parse_expression(law.potential, law.symbols()).subs({**law.settled(), **problem.compressed})
+    if (parts := by_degree(replace(problem, g=potential))) is None or not subject.joined(potential):
+        return None
+    power, g = (_by_forces(expr, problem.forces) for expr in (sp.Add(*(k * part for k, part in parts.items())), problem.g))
+    for share in dict.fromkeys([sp.S.Zero, *(sp.cancel(power[part] / c) for part, c in g.items() if part in power and part != 1)]):
+        rest = sp.Add(*(sp.factor(power.get(part, 0) - share * g.get(part, 0)) * part for part in {**power, **g}))
+        answer = subject.decided(Question(rest, Sense.NONNEGATIVE, problem.given))
+        if answer.holds is True:
+            detail = (
+                f"the potential has parts of degree {', '.join(map(str, sorted(parts)))} in the forces, so force . flow >= 0 wherever g = 0"
+            )
+            stated = formula(_in_pressure(subject, share))
+            return Evidence(Verdict.PROVED, f"potential ({answer.method})", detail, proof=Proof("potential", {"share": stated}))
+    return None
+
+
+def _by_forces(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> Mapping[sp.Expr, sp.Expr]:
+    """The terms of a sum: what depends on the forces, and its coefficient."""
+    found: dict[sp.Expr, sp.Expr] = {}
+    for term in sp.Add.make_args(sp.expand(expr, deep=False)):
+        scale, part = term.as_independent(*forces, as_Add=False)
+        found[part] = found.get(part, sp.S.Zero) + scale
+    return found
+
+
+def _in_pressure(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
+    """In the law's own names."""
+    magnitude, pressure = subject.problem.magnitude, subject.law.pressure
+    return expr if magnitude is None or pressure is None else expr.xreplace({magnitude: -subject.law.symbols()[pressure]})
