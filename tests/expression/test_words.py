@@ -15,11 +15,12 @@ import pytest
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Atan2, Where, ball_series, balls, floats, fold, jets, mpmath_, numpy_, symbol
+from duhem.expression import Atan2, Norm, Where, ball_series, balls, floats, fold, jets, mpmath_, numpy_, symbol
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.parse import parse_as_written, parse_expression
 from duhem.expression.text import formula
 from duhem.expression.weights import degree
+from duhem.law import Criterion
 
 x, y = symbol("x"), symbol("y")
 m = symbol("m", positive=True)
@@ -77,6 +78,13 @@ def test_conditions_joined_in_python_mean_the_same() -> None:
     assert Where(sp.Or(x > 0, y > 0), x, y) == Where(x > 0, x, Where(y > 0, x, y))
     assert Where(sp.And(x > 0, sp.Not(y > 0)), 1, 2) == parse("where(y <= 0 and x > 0, 1, 2)")  # in the order SymPy has them
     assert Where(sp.And(m > 0, x > 0), 1, 2) == Where(x > 0, 1, 2)
+
+
+def test_sympy_s_own_sign_and_angle_are_read_as_ours() -> None:
+    a, b = symbol("a"), symbol("b")
+    given = Criterion("own", sp.sign(a) * a + Norm(a, b) * sp.cos(2 * sp.atan2(b, a)) - 1, forces=("a", "b"), pressure=None)
+    assert given.g == parse_expression("sign(a)*a + norm(a, b)*cos(2*atan2(b, a)) - 1", {"a": a, "b": b})
+    assert sp.diff(given.g, a).has(sp.DiracDelta) is False
 
 
 def test_what_a_joined_condition_does_not_reach_needs_no_value() -> None:

@@ -38,6 +38,18 @@ def test_scaling_keeps_the_formula(name: str, parameters: dict[str, float]) -> N
     assert formula.degree >= 1  # every one of these laws has a degree
 
 
+def test_an_angle_is_of_points_of_one_unit() -> None:
+    """What is added to a coordinate is a datum with the unit of the forces."""
+    law = Criterion("turned", "norm(sigma_a, sigma_b)*(2 + cos(atan2(sigma_b, sigma_a + 0.3*sigma_n)/2)) + sigma_n")
+    n = law.symbols()["sigma_n"]
+    formula = scaled(law.g, law.force_symbols(), n)
+    assert formula.degree == 1
+    a, b = law.force_symbols()
+    size, load, s = np.array([4.0, 0.5]), np.array([-2.0, -3.0]), {a: np.array([0.25, -1.0]), b: np.array([-0.5, 2.0])}
+    raw = evaluate(law.g, {f: v * size for f, v in s.items()} | {n: load})
+    np.testing.assert_allclose(raw / size, evaluate(formula.expr, s | formula.values(load, size)), rtol=1e-14)
+
+
 def test_a_formula_without_degree_keeps_its_unit_as_a_datum() -> None:
     law = Criterion("exponential", "exp(sigma_a/0.3) + abs(sigma_b) + sigma_n")
     n = law.symbols()["sigma_n"]

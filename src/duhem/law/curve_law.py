@@ -19,6 +19,7 @@ from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import parse_expression, parse_relation
 from duhem.expression.verbatim import Verbatim
+from duhem.expression.vocabulary import adopted
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion
 from duhem.law.registry import register
@@ -74,7 +75,11 @@ class ParametricCriterion(Verbatim):
         return hash((self.name, self.boundary, self.forces, self.pressure, self.parameters, self.constraints, self.flow))
 
     def _in_angle(self, given: Any, known: Mapping[str, sp.Symbol], what: str) -> sp.Expr:
-        expr = parse_expression(given, known, where=f"{what} of {self.name}") if isinstance(given, str) else sp.sympify(given, strict=True)
+        expr = (
+            parse_expression(given, known, where=f"{what} of {self.name}")
+            if isinstance(given, str)
+            else adopted(sp.sympify(given, strict=True))
+        )
         inside = {known[self.angle], *(known[name] for name in self.parameters)}
         if stray := expr.free_symbols - inside:
             raise InputError(f"{what} uses {sorted(map(str, stray))}", where=self.name, remedy="use the angle and the parameters only")

@@ -13,6 +13,7 @@ from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.gradient import gradient
 from duhem.expression.parse import parse_expression, written_out
 from duhem.expression.verbatim import Verbatim
+from duhem.expression.vocabulary import adopted
 
 __all__ = ["YieldSurface", "as_expression"]
 
@@ -59,8 +60,8 @@ class YieldSurface(Verbatim):
 
 
 def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
-    """Text, read over the symbols ``known``, or a SymPy expression as it is."""
-    return parse_expression(given, known, where=where, short=short) if isinstance(given, str) else sp.sympify(given, strict=True)
+    """Text, read over the symbols ``known``, or a SymPy expression, its own sign and atan2 as words of ours."""
+    return parse_expression(given, known, where=where, short=short) if isinstance(given, str) else adopted(sp.sympify(given, strict=True))
 
 
 def _gradient(
