@@ -9,6 +9,7 @@ import pytest
 
 import duhem
 from duhem.errors import InputError
+from duhem.expression import WORDS
 from duhem.law import catalogue
 from duhem.law.criterion_file import read, reads
 
@@ -131,3 +132,8 @@ def test_the_package_exports_what_it_lists() -> None:
         assert getattr(duhem, name) is not None
     with pytest.raises(AttributeError):
         duhem.nothing  # noqa: B018
+
+
+def test_the_template_names_every_word() -> None:
+    lines = [line for line in catalogue.template("mine").splitlines() if line.startswith("#   abs ")]
+    assert [sorted(line.removeprefix("#").split()) for line in lines] == [sorted(WORDS)]

@@ -166,8 +166,9 @@ forces = ["sigma_a", "sigma_b"]
 pressure = "sigma_n"
 
 # The admissible states are g <= 0.  Decimals are read exactly.  The words are
-#   abs sqrt exp log sin cos tan tanh atan min max pos neg norm where
-# with pos(x) = max(x, 0), neg(x) = max(-x, 0), norm(x, y) = sqrt(x**2 + y**2) and where(x > 0, a, b).
+#   abs sign sqrt exp log log10 sin cos tan asin acos atan atan2 sinh cosh tanh min max pos neg norm eigmax where
+# with pos(x) = max(x, 0), neg(x) = max(-x, 0), norm(x, y) = sqrt(x**2 + y**2), where(x > 0 and y > 0, a, b), and
+# eigmax(xx, yy, zz, yz, xz, xy), the greatest eigenvalue of a symmetric matrix.
 g = "norm((sigma_a - shift*abs(sigma_n))/mu_a, sigma_b/mu_b) - abs(sigma_n)"
 
 # Relations between parameters, part of their domain (optional).
