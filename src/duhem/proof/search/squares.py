@@ -11,31 +11,18 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import product as pairs
-from types import MappingProxyType
 from typing import Any
 
-__all__ = ["Balance", "Block", "Exponents", "Multiples", "Polynomial", "added", "balanced", "times"]
+from duhem.proof.search.blocks import Block, Exponents, Polynomial, added, times
+from duhem.proof.search.faces import positive_somewhere, vanishing, without_flat_directions
 
-Exponents = tuple[int, ...]
-Polynomial = Mapping[Exponents, Fraction]
+__all__ = ["Balance", "Multiples", "balanced"]
+
 Gram = tuple[tuple[Fraction, ...], ...]
 _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
 _FLAT = (1e-4, 1e-5, 1e-6)  # an eigenvalue that small, relative to the greatest, is taken for 0
-_BLUNT = MappingProxyType({60: 2e-3})  # the greatest denominator of what is taken for rational, and how near it is
-_LOOKS, _FAR = 500, 1e-6  # points at which a form is looked at, and what is taken for another sign
-_STARTS, _GAP = 4, 1e-4  # looks for zeros a square; how far singular values drop behind the last that is not 0
-
-
-@dataclass(frozen=True)
-class Block:
-    """The sums of squares of combinations of ``squares``, multiplied by ``factor``; ``name`` tells whoever asks which."""
-
-    name: Any
-    factor: Polynomial
-    squares: tuple[Polynomial, ...]
 
 
 @dataclass(frozen=True)
@@ -55,24 +42,6 @@ class Balance:
     multiples: tuple[tuple[Any, Polynomial], ...]
 
 
-def added(*polynomials: Polynomial) -> Polynomial:
-    """Their sum."""
-    total: dict[Exponents, Fraction] = {}
-    for p in polynomials:
-        for m, c in p.items():
-            total[m] = total.get(m, Fraction(0)) + c
-    return {m: c for m, c in total.items() if c}
-
-
-def times(p: Polynomial, q: Polynomial) -> Polynomial:
-    """Their product."""
-    total: dict[Exponents, Fraction] = {}
-    for (m, c), (n, d) in pairs(p.items(), q.items()):
-        k = tuple(map(int.__add__, m, n))
-        total[k] = total.get(k, Fraction(0)) + c * d
-    return {m: c for m, c in total.items() if c}
-
-
 def balanced(
     start: Polynomial, blocks: Sequence[Block], multiples: Sequence[Multiples], spheres: Sequence[Sequence[int]] = ()
 ) -> Balance | None:
@@ -80,7 +49,7 @@ def balanced(
 
     -start is homogeneous in the variables of each of ``spheres``, if they are given, and nothing is known but that it is to be >= 0.
     """
-    if spheres and _positive_somewhere(start, spheres):
+    if spheres and positive_somewhere(start, spheres):
         return None
     touched = not spheres or bool(multiples) or any(set(b.factor) != {(0,) * len(next(iter(start)))} for b in blocks)
     for flat in (*_FLAT, None):
@@ -92,11 +61,13 @@ def balanced(
             return None
         if (exact := system.exact(values)) is not None:
             return system.found(exact)
-        smaller = None if touched else _vanishing(start, blocks, spheres)
+        found = None if touched else vanishing(start, blocks, spheres)
         touched = True
-        if smaller is None and (flat is None or (smaller := _reduced(system, values, flat)) is None):
+        if found is None and flat is not None:
+            found = without_flat_directions(blocks, list(system._grams(values)), flat)
+        if found is None:
             return None
-        blocks = smaller
+        blocks = found
     return None
 
 
@@ -248,87 +219,6 @@ class _System:
         rest = iter(values[len(values) - sum(len(m.by) for m in self.multiples) :])
         by = [(m.name, {k: c for k, c in zip(m.by, rest, strict=False) if c}) for m in self.multiples]
         return Balance(tuple(sums), tuple((name, p) for name, p in by if p))
-
-
-def _positive_somewhere(start: Polynomial, spheres: Sequence[Sequence[int]]) -> bool:
-    """Whether it is, by far, at one of many points."""
-    import numpy as np
-
-    from duhem.proof.search.touching_points import on_spheres, values_at
-
-    factors = [float(c) for c in start.values()]
-    return bool(values_at(on_spheres(len(next(iter(start))), spheres, _LOOKS), start).max() > _FAR * np.abs(factors).max())
-
-
-def _vanishing(start: Polynomial, blocks: Sequence[Block], spheres: Sequence[Sequence[int]]) -> list[Block] | None:
-    """The blocks without what does not vanish at the zeros of ``start``, as far as these look rational; None if all does."""
-    import numpy as np
-
-    from duhem.proof.search.touching_points import touching_points, values_at
-
-    found = touching_points({m: -c for m, c in start.items()}, spheres, _STARTS * sum(len(b.squares) for b in blocks))
-    kept, less = list[Block](), False
-    for block in blocks if len(found) else ():
-        values = np.stack([values_at(found, q) for q in block.squares], axis=1)
-        _, sizes, axes = np.linalg.svd(values)
-        sizes = np.concatenate([sizes, np.zeros(len(axes) - len(sizes))])
-        drops = sizes[1:] / np.maximum(sizes[:-1], 1e-300)
-        last = int(np.argmin(drops)) if len(drops) else 0
-        if sizes[0] < _GAP or (len(drops) and drops[last] > _GAP):
-            kept.append(block)
-            continue
-        rank = last + 1 if len(drops) else 1
-        precision = max(1e-14, float(sizes[rank] / sizes[0]) if rank < len(sizes) else 0.0)
-        left = _complement(block.squares, axes[:rank], {int((0.01 / precision) ** 0.5): 100 * precision})
-        less = less or len(left) < len(block.squares)
-        if left:
-            kept.append(replace(block, squares=left))
-    return kept if less else None
-
-
-def _reduced(system: _System, values: Any, flat: float) -> list[Block] | None:
-    """The blocks without the directions in which the Gram matrices are flat, as far as these look rational; None if none is."""
-    import numpy as np
-
-    kept, less = list[Block](), False
-    for block, gram in zip(system.blocks, system._grams(values), strict=True):
-        sizes, axes = np.linalg.eigh(np.array(gram, dtype=float))
-        null = sizes < flat * max(1.0, float(np.abs(sizes).max()))
-        left = block.squares if not null.any() else _complement(block.squares, axes[:, null].T)
-        less = less or len(left) < len(block.squares)
-        if left:
-            kept.append(replace(block, squares=left))
-    return kept if less else None
-
-
-def _complement(squares: tuple[Polynomial, ...], null: Any, looks: Mapping[int, float] = _BLUNT) -> tuple[Polynomial, ...]:
-    """Combinations of ``squares`` that span what is orthogonal to the rows of ``null``, these made rational; all where they are not.
-
-    They are rational if for one of the greatest denominators in ``looks`` all are so near.
-    """
-    import numpy as np
-
-    rows, pivots = np.array(null), list[int]()
-    for r in range(len(rows)):  # Gauss-Jordan, the greatest entry as pivot: entries of a rational space come out rational
-        p, c = max(((p, c) for p in range(r, len(rows)) for c in range(rows.shape[1])), key=lambda at: abs(rows[at]))
-        rows[[r, p]] = rows[[p, r]]
-        rows[r] /= rows[r, c]
-        for i in range(len(rows)):
-            if i != r:
-                rows[i] -= rows[i, c] * rows[r]
-        pivots.append(c)
-    for most, near in looks.items():
-        exact = [[Fraction(float(x)).limit_denominator(most) for x in row] for row in rows]
-        if max(abs(float(f) - x) for row, given in zip(exact, rows, strict=True) for f, x in zip(row, given, strict=True)) <= near:
-            break
-    else:
-        return squares
-    free = [c for c in range(len(squares)) if c not in pivots]
-    found = []
-    for f in free:
-        parts = [squares[f], *({m: -row[f] * c for m, c in squares[p].items()} for p, row in zip(pivots, exact, strict=True))]
-        found.append(added(*parts))
-    return tuple(found)
 
 
 def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:
