@@ -306,3 +306,15 @@ def test_a_sum_that_does_not_change_along_a_direction() -> None:
     other = law(f"{u}**4 + 6*{u}**2*{v}**2 + {v}**4 + t**4 - s3**4/10**6 - 1", forces=("s1", "s2", "s3", "t"))
     good = law(f"{u}**4 + 6*{u}**2*{v}**2 + {v}**4 + t**4 - 1", forces=("s1", "s2", "s3", "t"))
     assert not is_convex(other, convex(good))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("over", "holds"), [(-F(1, 10**9), True), (F(1, 10**9), False)])
+def test_a_margin_in_which_a_solver_drowns(over: Fraction, holds: bool) -> None:
+    """The same beside the edge, in four forces: the numbers are of one size only in units of their own."""
+    s, r, q, p = "(2*x - y/2 + z)", "(x + 5/2*y - z/2)", "(3/2*x - 2*y + z + w)", "(x - w)"
+    form = parse_expression(
+        f"({s}**2 + {r}**2 + {q}**2 + {p}**2)**2 - (8/9 + ({over}))*{s}**4", {x: sp.Symbol(x, real=True) for x in "xyzw"}
+    )
+    stated = law(f"{sp.expand(form)} - 1", forces=("x", "y", "z", "w"))
+    assert is_convex(stated, convex(stated)) == holds

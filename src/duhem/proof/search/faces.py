@@ -1,6 +1,8 @@
 """Smaller cones for a sum of squares that only just is one (facial reduction): what every square must look like.
 
-Where the form is 0 each square vanishes.  What a solver's matrix is flat in may be left out as well.  All of it is found in floats and made rational: a wrong guess finds no identity, and nothing else.
+Where the form is 0 each square vanishes; where it is all but 0, so do they, and are better counted in smaller units.  What a
+solver's matrix is flat in may be left out as well.  All of it is found in floats and made rational: a wrong guess finds no
+identity, and nothing else.
 """
 
 from __future__ import annotations
@@ -14,11 +16,14 @@ from typing import Any
 from duhem.proof.search.blocks import Block, Polynomial, added
 from duhem.proof.search.touching_points import on_spheres, touching_points, values_at
 
-__all__ = ["positive_somewhere", "vanishing", "without_flat_directions"]
+__all__ = ["Matrix", "combined", "positive_somewhere", "stretched", "vanishing", "without_flat_directions"]
 
+Matrix = list[list[Fraction]]
 _BLUNT = MappingProxyType({60: 2e-3})  # the greatest denominator of what is taken for rational, and how near it is
+_FINE = 10**7  # what need not be rational is rounded to such fractions
 _LOOKS, _FAR = 500, 1e-6  # points at which a form is looked at, and what is taken for another sign
 _STARTS, _GAP = 4, 1e-4  # looks for zeros a square; how far singular values drop behind the last that is not 0
+_NEARLY = 1e-4  # a depth or a gradient of a form that is all but 0
 
 
 def positive_somewhere(start: Polynomial, spheres: Sequence[Sequence[int]]) -> bool:
@@ -40,6 +45,32 @@ def vanishing(start: Polynomial, blocks: Sequence[Block], spheres: Sequence[Sequ
         if left:
             kept.append(replace(block, squares=left))
     return kept if less else None
+
+
+def stretched(start: Polynomial, blocks: Sequence[Block], spheres: Sequence[Sequence[int]]) -> list[Matrix] | None:
+    """For each block the combinations of its squares in which no number of a sum of squares is small; None if that changes nothing.
+
+    Of what ``start`` allows but little it is the smaller unit: the root of the depth at the points where it is all but 0.
+    """
+    import numpy as np
+
+    found = touching_points({m: -c for m, c in start.items()}, spheres, _STARTS * sum(len(b.squares) for b in blocks), _NEARLY)
+    depths = -values_at(found, start) if len(found) else np.ones(1)
+    if not (depths < _NEARLY).any():
+        return None
+    deep = depths < _NEARLY
+    unit = Fraction(1, 10 ** round(-float(np.log10(np.sqrt(np.clip(np.median(depths[deep]), 1e-14, 1e-2))))))
+    matrices, some = list[Matrix](), False
+    for block in blocks:
+        rank, axes, _ = _span(found[deep], block)
+        rows, pivots = _orthogonal(axes[:rank], {_FINE: 1.0}) if rank else (None, [])
+        size = range(len(block.squares))
+        some = some or bool(pivots)
+        fine = [i for i in size if i not in pivots] if rows is None else []
+        matrices.append(
+            [*(rows or []), *([Fraction(int(i == j)) for j in size] for i in fine), *([unit * (p == j) for j in size] for p in pivots)]
+        )
+    return matrices if some else None
 
 
 def _span(points: Any, block: Block) -> tuple[int, Any, float]:
@@ -73,9 +104,20 @@ def without_flat_directions(blocks: Sequence[Block], grams: Sequence[Any], flat:
 
 
 def _complement(squares: tuple[Polynomial, ...], null: Any, looks: Mapping[int, float]) -> tuple[Polynomial, ...]:
-    """Combinations of ``squares`` that span what is orthogonal to the rows of ``null``, these made rational; all where they are not.
+    """Combinations of ``squares`` that span what is orthogonal to the rows of ``null``, these made rational; all where they are not."""
+    rows = _orthogonal(null, looks)[0]
+    return squares if rows is None else tuple(combined(squares, row) for row in rows)
 
-    They are rational if for one of the greatest denominators in ``looks`` all are so near.
+
+def combined(squares: Sequence[Polynomial], row: Sequence[Fraction]) -> Polynomial:
+    """Their sum, each with its number."""
+    return added(*({m: x * c for m, c in q.items()} for q, x in zip(squares, row, strict=True) if x))
+
+
+def _orthogonal(null: Any, looks: Mapping[int, float]) -> tuple[list[list[Fraction]] | None, list[int]]:
+    """Rows that span what is orthogonal to those of ``null``, these made rational, and the places at which none of them stands alone.
+
+    They are rational if for one of the greatest denominators in ``looks`` all are so near; if not, there are no rows.
     """
     import numpy as np
 
@@ -93,10 +135,9 @@ def _complement(squares: tuple[Polynomial, ...], null: Any, looks: Mapping[int, 
         if max(abs(float(f) - x) for row, given in zip(exact, rows, strict=True) for f, x in zip(row, given, strict=True)) <= near:
             break
     else:
-        return squares
-    free = [c for c in range(len(squares)) if c not in pivots]
+        return None, pivots
     found = []
-    for f in free:
-        parts = [squares[f], *({m: -row[f] * c for m, c in squares[p].items()} for p, row in zip(pivots, exact, strict=True))]
-        found.append(added(*parts))
-    return tuple(found)
+    for f in (c for c in range(rows.shape[1]) if c not in pivots):
+        at = {f: Fraction(1), **{p: -row[f] for p, row in zip(pivots, exact, strict=True)}}
+        found.append([at.get(c, Fraction(0)) for c in range(rows.shape[1])])
+    return found, pivots

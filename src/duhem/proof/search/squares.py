@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any
 
 from duhem.proof.search.blocks import Block, Exponents, Polynomial, added, times
-from duhem.proof.search.faces import positive_somewhere, vanishing, without_flat_directions
+from duhem.proof.search.faces import combined, positive_somewhere, stretched, vanishing, without_flat_directions
 
 __all__ = ["Balance", "Multiples", "balanced"]
 
@@ -22,6 +22,8 @@ Gram = tuple[tuple[Fraction, ...], ...]
 _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
+_PROJECTED, _INSIDE = 400, 0.2  # times a solution is moved onto the equations and so far into the cone, in its own units
+_SETTLED = 3  # times it is moved onto the equations in the end
 _FLAT = (1e-4, 1e-5, 1e-6)  # an eigenvalue that small, relative to the greatest, is taken for 0
 
 
@@ -62,6 +64,8 @@ def balanced(
         if (exact := system.exact(values)) is not None:
             return system.found(exact)
         found = None if touched else vanishing(start, blocks, spheres)
+        if not touched and found is None and (exact := system.exact_by_stretching(spheres)) is not None:
+            return system.found(exact)
         touched = True
         if found is None and flat is not None:
             found = without_flat_directions(blocks, list(system._grams(values)), flat)
@@ -148,6 +152,62 @@ class _System:
                 return exact
         return None
 
+    def exact_by_stretching(self, spheres: Sequence[Sequence[int]]) -> list[Fraction] | None:
+        """The same from a solution in other units, where a margin is so thin that in these it drowns; for columns in one row each."""
+        import numpy as np
+
+        alone = self._alone()
+        if not alone or (matrices := stretched(self.start, self.blocks, spheres)) is None:
+            return None
+        changed = [
+            replace(b, squares=tuple(combined(b.squares, row) for row in rows)) for b, rows in zip(self.blocks, matrices, strict=True)
+        ]
+        other = _System.of(self.start, changed, ())
+        if other is None or other.rows.keys() != self.rows.keys() or (solution := other.solved()) is None or solution[0] <= 0:
+            return None
+        grams = [np.array(gram, dtype=float) for gram in other._grams(solution[1])]
+        try:
+            units = [np.linalg.cholesky(gram).T @ np.array(rows, dtype=float) for gram, rows in zip(grams, matrices, strict=True)]
+        except np.linalg.LinAlgError:
+            return None
+        exact_units = [[[Fraction(float(x)) for x in row] for row in unit] for unit in units]
+        table, target = self._table(units), np.zeros(len(self.rows))
+        for m, c in self.start.items():
+            target[self.rows[m]] = -float(c)
+        back, values = np.linalg.pinv(table), [np.eye(len(unit)) for unit in units]
+        for _ in range(_PROJECTED):  # onto the equations and into the cone in turn
+            values = _less(values, back @ (table @ np.concatenate([v.ravel() for v in values]) - target))
+            spectra = [np.linalg.eigh(v) for v in values]
+            if min(float(sizes[0]) for sizes, _ in spectra) > _INSIDE / 2:
+                break
+            values = [axes @ np.diag(np.maximum(sizes, _INSIDE)) @ axes.T for sizes, axes in spectra]
+        here = list[Fraction]()
+        for _ in range(_SETTLED):
+            here = [x for gram, rows in zip(values, exact_units, strict=True) for x in _upper(_congruent(gram, rows))]
+            gap, parts = np.zeros(len(self.rows)), ({m: x * c for m, c in p.items()} for x, p in zip(here, self.columns, strict=True))
+            for m, missing in added(self.start, *parts).items():
+                gap[self.rows[m]] = float(missing)
+            values = _less(values, back @ gap)
+        exact = self._corrected(alone, here)
+        return exact if all(_positive_semidefinite(gram) for gram in self._grams(exact)) else None
+
+    def _table(self, units: Sequence[Any]) -> Any:
+        """The equations by the entries of matrices Y, the Gram matrices being U' Y U."""
+        import numpy as np
+
+        table, first, parts = np.zeros((len(self.rows), len(self.columns))), 0, list[Any]()
+        for j, p in enumerate(self.columns):
+            for m, c in p.items():
+                table[self.rows[m], j] = float(c)
+        for unit in units:
+            size = len(unit)
+            cells = [(i, j) for j in range(size) for i in range(j + 1)]
+            both = (np.outer(unit[:, i], unit[:, j]) for i, j in cells)
+            entries = np.stack([((b + b.T) / 2).ravel() for b in both])
+            parts.append(table[:, first : first + len(cells)] @ entries)
+            first += len(cells)
+        return np.hstack(parts)
+
     def _alone(self) -> Mapping[int, Sequence[tuple[int, Fraction]]]:
         """For each row the columns in nothing but it, with their numbers there; empty where some row has none."""
         alone: dict[int, list[tuple[int, Fraction]]] = {}
@@ -219,6 +279,28 @@ class _System:
         rest = iter(values[len(values) - sum(len(m.by) for m in self.multiples) :])
         by = [(m.name, {k: c for k, c in zip(m.by, rest, strict=False) if c}) for m in self.multiples]
         return Balance(tuple(sums), tuple((name, p) for name, p in by if p))
+
+
+def _less(matrices: Sequence[Any], entries: Any) -> list[Any]:
+    """The symmetric matrices without the entries, one after the other."""
+    left = []
+    for one in matrices:
+        part, entries = entries[: one.size].reshape(one.shape), entries[one.size :]
+        left.append(one - (part + part.T) / 2)
+    return left
+
+
+def _congruent(gram: Any, rows: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
+    """S' G S."""
+    exact = [[Fraction(float(x)) for x in row] for row in gram]
+    size = range(len(exact))
+    half = [[sum((exact[i][k] * rows[k][j] for k in size if rows[k][j]), Fraction(0)) for j in size] for i in size]
+    return [[sum((rows[k][i] * half[k][j] for k in size if rows[k][i]), Fraction(0)) for j in size] for i in size]
+
+
+def _upper(gram: Sequence[Sequence[Fraction]]) -> list[Fraction]:
+    """Its entries as the columns have them."""
+    return [gram[i][j] for j in range(len(gram)) for i in range(j + 1)]
 
 
 def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:

@@ -15,8 +15,11 @@ _TRIED, _STEPS, _ENOUGH = 40, 80, 1e-12  # random points for each start; how oft
 _MOST = 40_000_000  # entries of second derivatives, all starts together
 
 
-def touching_points(form: Mapping[tuple[int, ...], Fraction], spheres: Sequence[Sequence[int]], starts: int) -> Any:
-    """Zeros of the form as rows, the variables of each of ``spheres``, in which it is homogeneous, having unit length."""
+def touching_points(form: Mapping[tuple[int, ...], Fraction], spheres: Sequence[Sequence[int]], starts: int, near: float = _ENOUGH) -> Any:
+    """Zeros of the form as rows, the variables of each of ``spheres``, in which it is homogeneous, having unit length.
+
+    With a greater ``near`` also points at which the gradient is as small, compared with the form's numbers.
+    """
     import numpy as np
 
     powers, factors = np.array(list(form)), np.array([float(c) for c in form.values()])
@@ -40,7 +43,7 @@ def touching_points(form: Mapping[tuple[int, ...], Fraction], spheres: Sequence[
             np.where(better.reshape(-1, *[1] * (a.ndim - 1)), b, a) for a, b in ((x, tried), (gap, new_gap), (slopes, new_slopes))
         )
         damping = np.clip(np.where(better, damping / 10, damping * 5), 1e-16, 1e6)
-    return x[np.abs(gap).max(axis=1) < _ENOUGH * max(1.0, float(np.abs(factors).max()))]
+    return x[np.abs(gap).max(axis=1) < near * max(1.0, float(np.abs(factors).max()))]
 
 
 def values_at(x: Any, form: Mapping[tuple[int, ...], Fraction]) -> Any:
