@@ -86,17 +86,20 @@ def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
     return facts(law.g.put({Term("name", name=f): value for f, value in place.items()}), domain)
 
 
+def _at_zero(law: StatedLaw) -> list[Facts]:
+    """g at the origin, as its text says it and by continuity: functions of J2 and J3 are 0 there."""
+    return [_at(law._replace(g=g), {}) for g in (law.g, *without_sections(law.g, over(law), facts))]
+
+
 def _inside(law: StatedLaw, evidence: Evidence) -> bool:
     """Whether g < 0 at the point ``inside`` of the evidence, the origin without one."""
-    here = _at(law, evidence.get("inside", {}))
-    return here.defined and here.sign == NEGATIVE
+    point = evidence.get("inside", {})
+    return any(here.defined and here.sign == NEGATIVE for here in ([_at(law, point)] if point else _at_zero(law)))
 
 
 def origin(law: StatedLaw, _: Evidence) -> bool:
-    """g(0) is defined and <= 0; functions of J2 and J3 are 0 there, by continuity."""
-    forms = (law.g, *without_sections(law.g, over(law), facts))
-    values = (_at(law._replace(g=g), {}) for g in forms)
-    return any(here.defined and not here.sign & POSITIVE for here in values)
+    """g(0) is defined and <= 0."""
+    return any(here.defined and not here.sign & POSITIVE for here in _at_zero(law))
 
 
 def convexity(law: StatedLaw, evidence: Evidence) -> bool:

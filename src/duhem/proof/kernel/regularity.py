@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.section import apart_from_axis
 from duhem.proof.kernel.term import Term, number
 
 __all__ = ["smooth_near_the_boundary"]
@@ -30,7 +31,9 @@ class Kinks:
 def smooth_near_the_boundary(law_g: Term, domain: StatedDomain) -> bool:
     """Whether g is C^1 wherever g = 0: no kink is left, and where a tip is 0, g is not."""
     found = _regularity(law_g, domain)
-    return found is not None and not found.kinks and all(_apart(law_g, tip, domain) for tip in found.tips)
+    if found is None or found.kinks:
+        return False
+    return all(_apart(law_g, tip, domain) or apart_from_axis(law_g, tip, domain, facts) for tip in found.tips)
 
 
 def _apart(g: Term, tip: Term, domain: StatedDomain) -> bool:

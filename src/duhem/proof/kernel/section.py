@@ -25,7 +25,7 @@ from duhem.proof.kernel.positivity import RAY, nonnegative
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 
-__all__ = ["by_section", "without_sections"]
+__all__ = ["apart_from_axis", "by_section", "without_sections"]
 
 _ROOT = Term("**", (number(3), number(Fraction(1, 2))))
 _THIRD_OF_C: Polynomial = {((RAY, 1), (_ROOT, 1)): Fraction(2, 9)}  # J3 = (2 sqrt(3)/9) c for J2 = 1
@@ -53,6 +53,18 @@ def without_sections(term: Term, domain: StatedDomain, shown: Shown) -> Iterator
     """The term as it is where J2 = 0: with 0 for its functions of J2 and J3 of a degree above 0, as its parts may be read."""
     for reader in _readers(domain, shown):
         yield reader.emptied(term)
+
+
+def apart_from_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> bool:
+    """Whether ``tip`` is 0 only where J2 = 0, and g, by continuity, is there a constant of one strict sign."""
+    for reader in _readers(domain, shown):
+        section, there = reader.read_or_none(tip), reader.emptied(g)
+        if section is None or not domain.constant(there) or not reader.holds(section.poly, strict=True):
+            continue
+        value = shown(there, domain)
+        if value.defined and value.sign in (NEGATIVE, POSITIVE):
+            return True
+    return False
 
 
 def _readers(domain: StatedDomain, shown: Shown) -> Sequence[_Reader]:

@@ -1,0 +1,38 @@
+"""Smoothness of laws of J2 and J3: the axis where J2 = 0, at which cos 3 theta has no value, must be off the boundary."""
+
+import pytest
+
+from duhem import Criterion, Domain
+from duhem.proof.kernel.certificate import stated
+from duhem.proof.kernel.claims import objection
+from duhem.proof.law_text import law_as_text
+
+J2, J3 = "((a-b)**2+(b-c)**2+(c-a)**2)/6", "(2*a-b-c)*(2*b-c-a)*(2*c-a-b)/27"
+ARGYRIS = f"sqrt({J2})*(1+K)/(2*K) + (1-K)/(2*K)*(3*sqrt(3)/2)*({J3})/({J2}) - k"
+EEKELEN = f"sqrt({J2})*(1 + K*(3*sqrt(3)/2)*({J3})/({J2})**(3/2))**0.229 - k"
+POSITIVE = Domain(positive=True)
+
+
+def smooth(g, shape, size=POSITIVE):
+    law = Criterion("law", g, {"K": shape, "k": size}, forces=("a", "b", "c"), pressure=None)
+    return not objection("smoothness", "composition", frozenset(), stated(law_as_text(law)), {})
+
+
+@pytest.mark.parametrize(("g", "shape"), [(ARGYRIS, Domain.between("0.8", 1)), (EEKELEN, Domain.fixed("0.7"))])
+def test_a_cylinder_is_smooth(g, shape):
+    assert smooth(g, shape)
+
+
+@pytest.mark.parametrize(
+    ("g", "shape", "size"),
+    [
+        (ARGYRIS, Domain.between("0.8", 1), Domain.between(0, 1)),  # for k = 0 K is the axis
+        (ARGYRIS + " + a + b + c", Domain.between("0.8", 1), POSITIVE),  # a cone: its tip is on the axis
+        (ARGYRIS + " + abs(a - b)", Domain.between("0.8", 1), POSITIVE),  # a kink
+        (ARGYRIS, Domain.between("0.5", 1), POSITIVE),  # not shown to be convex
+        (EEKELEN, Domain.fixed("1.1"), POSITIVE),  # what is raised to a power is 0 at some angle
+        (EEKELEN.replace("- k", "+ k"), Domain.fixed("0.7"), POSITIVE),  # K is empty
+    ],
+)
+def test_what_only_looks_like_one_is_not_shown_to_be(g, shape, size):
+    assert not smooth(g, shape, size)
