@@ -38,14 +38,8 @@ NOT_CONVEX = [name for name, said in ENTRIES.items() if said.verdicts["convexity
 
 DRIVEN = [name for name in ENTRIES if name not in (*OWN_FLOW, *NOT_CONVEX)]
 
-# Single checks that a law is not put to, and why.
-NO_VALUE = "g has no value where J2 = 0, at the origin too"
-VERTICES = "its vertices have more normals than pieces, and no tangent"
-LEFT_OUT: dict[str, tuple[tuple[str, ...], str]] = {
-    **dict.fromkeys(("abaqus-linear", "argyris", "bigoni-piccolroaz", "menetrey-willam", "ottosen"), (("origin",), NO_VALUE)),
-    **dict.fromkeys(("van-eekelen", "willam-warnke"), (("origin",), NO_VALUE)),
-    "schmid-fcc": (("tangent", "slope"), VERTICES),
-}
+# At the origin g is 0/0: the suite, which works in floating point, cannot see that 0 is in K.
+NO_VALUE = ("abaqus-linear", "argyris", "menetrey-willam", "ottosen", "van-eekelen", "willam-warnke")
 QUICK = ("howe-cutkosky", "modified-cam-clay", "orowan", "yamada-sun")
 
 
@@ -58,14 +52,20 @@ def fixed(name: str) -> Criterion:
 
 def test_most_laws_are_driven() -> None:
     assert len(DRIVEN) >= 80
-    assert {*LEFT_OUT, *QUICK} <= {*DRIVEN}
+    assert {*NO_VALUE, *QUICK} <= {*DRIVEN}
+
+
+def left_out(name: str) -> set[str]:
+    """Checks that a law is not put to: an apex has more normals than there are pieces, and the closest point no tangent there."""
+    smooth = ENTRIES[name].verdicts["smoothness"] == "proved"
+    return {*(() if smooth else ("tangent", "slope")), *(("origin",) if name in NO_VALUE else ())}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(DRIVEN, *QUICK))
 def test_the_increments_of_a_law_conform(name: str) -> None:
     law = fixed(name)
-    checks = [check for check in checks_for(law) if check.name not in LEFT_OUT.get(name, ((), ""))[0]]
+    checks = [check for check in checks_for(law) if check.name not in left_out(name)]
     pressure = -1.0 if law.pressure else None  # at zero pressure K is a point and has no tangent
     size = np.eye(len(law.forces))
     report = conformance(law, projection(law, tangent=True), max_examples=2, rows=8, stiffness=size, pressure=pressure, checks=checks)
