@@ -159,9 +159,14 @@ def test_parameters_are_drawn_inside_thin_constraints(constraints: tuple[str, ..
 
 
 def test_sampling_says_what_it_looked_at() -> None:
-    found = verify(law("abs(a) + a**2*b**2*tanh(b) - b"), claims=["dissipation"])["dissipation"]
+    found = verify(law("abs(a) + a**2*b**2*tanh(b)**2 - b"), claims=["dissipation"])["dissipation"]
     assert found.verdict is Verdict.TESTED
     assert re.match(r"no violation at \d\d+ boundary points of 1 parameter choice ", found.detail)  # 0 is an apex of K
+
+
+def test_a_part_of_k_that_no_ray_from_an_apex_leaves_is_found() -> None:
+    found = verify(law("abs(a) + a**2*b**2*tanh(b) - b"), claims=["dissipation"])["dissipation"]  # b < 0 with a far away is in K too
+    assert found.verdict is Verdict.REFUTED and found.witness is not None
 
 
 def test_without_a_boundary_point_nothing_was_tested() -> None:

@@ -21,6 +21,7 @@ from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.term import NotWritten, parse
 from duhem.proof.law_text import law_as_text
 from duhem.proof.verification import Verification
+from tests.campaigns.polygons import drawn, said
 from tests.oracles import drawn_formulas
 
 HEAD = '[criterion]\nname = "x"\nforces = ["s", "t"]\npressure = false\n'
@@ -122,6 +123,18 @@ def test_a_flow_needs_a_value_on_its_own_surface_alone() -> None:
     assert found(law(cone, ("s - 1", "")), "dissipation")["dissipation"].startswith("proved")
     at_boundary = ("s**2 + t**2 - 4", 'flow = ["s/norm(s - 2, t)", "t/norm(s - 2, t)"]')
     assert not found(law(at_boundary, ("t - 1", "")), "dissipation")["dissipation"].startswith("proved")
+
+
+def test_polygons_of_surfaces() -> None:
+    for polygon in drawn(3, 5):
+        truth = polygon.truth()
+        for claim, verdict in said(polygon).items():
+            assert verdict.startswith(("proved checked" if truth[claim] else "refuted", "tested"))
+
+
+def test_a_line_through_zero_force_bounds_k_too() -> None:
+    half = law(("s", 'flow = ["1", "1"]'), ("s**2 + t**2 - 4", ""))
+    assert found(half, "normality", "dissipation") == {"normality": "refuted", "dissipation": "refuted"}
 
 
 # -- the kernel --------------------------------------------------------------------------------------------------------

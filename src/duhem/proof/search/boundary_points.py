@@ -37,9 +37,10 @@ class BoundaryScout:
         else:
             directions = rng.standard_normal((_DIRECTIONS, d))
         rays = np.round(directions, 6)
-        self.centre = np.zeros(d) if self.value(np.zeros(d)) <= 0 else self._lowest(rng, d)
+        # On the boundary 0 is no centre: it may be an apex, and rays from it run along the faces that meet there.
+        self.centre = np.zeros(d) if self.value(np.zeros(d)) < 0 else self._lowest(rng, d)
         self.directions, self.low = self._ends(rays)
-        if not len(self.low) and self.centre is not None and not self.centre.any():  # 0 may be the apex of a cone
+        if not len(self.low) and self.centre is not None and not self.centre.any():  # every ray from 0 may stay in K
             self.centre = self._lowest(rng, d)
             self.directions, self.low = self._ends(rays)
         self.boundary = np.zeros((0, d)) if self.centre is None else self.centre + self.low[:, None] * self.directions
