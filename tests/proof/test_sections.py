@@ -17,6 +17,7 @@ from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust, Verdict
@@ -160,3 +161,20 @@ def test_zero_force_is_where_the_sections_are_0(load: str, inside: bool) -> None
     found = verify(law(f"{ARGYRIS[:-4]} + {load}", PRINCIPAL, {"K": between("0.8", 1)}), claims=["origin"])["origin"]
     assert (found.verdict is Verdict.PROVED) is inside
     assert found.trust is (Trust.CHECKED if inside else None)
+
+
+@pytest.mark.parametrize(
+    ("g", "smooth"),
+    [
+        (ARGYRIS, True),
+        (f"sqrt(J2)*(1 - 0.7*{C3})**0.229 - 1", True),
+        (f"{ARGYRIS} + B*I1", False),  # a cone: its tip lies where J2 = 0
+        (f"{ARGYRIS} + abs(a - b)", False),  # a kink beside the section
+        ("abs(sqrt(J2)/2 + J3/J2) + sqrt(J2) - 1", False),  # a kink of the section
+        (OTTOSEN.replace("A*J2 + L*", "").replace("G", "1").replace("+ B*I1", ""), False),  # corners: it is Rankine's
+        (f"sqrt(J2)*(1 - {C3})**(1/2) - 1", False),  # the root of 0
+    ],
+)
+def test_a_section_is_smooth_but_on_the_axis(g: str, smooth: bool) -> None:
+    stated = StatedLaw.read(law_as_text(law(g, PRINCIPAL, {"K": between("0.8", 1)})))
+    assert smooth_near_the_boundary(stated.g, over(stated)) is smooth
