@@ -13,6 +13,7 @@ from typing import Any
 
 from duhem.errors import InputError
 from duhem.law.frozen_mapping import FrozenMapping
+from duhem.law.placed_toml import parsed
 
 __all__ = ["ASKED", "AtlasEntry", "entries", "entry", "file_of", "groups"]
 
@@ -61,9 +62,7 @@ def entry(name: str) -> AtlasEntry:
     file = file_of(name)
     if file is None:
         raise InputError(f"the atlas has no law {name[:60]!r}", remedy="duhem atlas names those it has")
-    import tomllib
-
-    document = tomllib.loads(file.read_text("utf-8"))
+    document = parsed(file.read_text("utf-8"), f"{file}").document
     head, said = document["criterion"], document["atlas"]
     return AtlasEntry(
         name=name,

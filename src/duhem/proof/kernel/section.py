@@ -67,15 +67,15 @@ def apart_from_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> b
     return False
 
 
-def _readers(domain: StatedDomain, shown: Shown) -> Sequence[_Reader]:
+def _readers(domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:
     """One for each meaning of the forces in which some sum of the law is J2, and some sum J3 if there is such a meaning."""
     if "sections" not in domain.kept:
         sums = [*_sums(domain.law.g)]
         second, third = ([x for x in sums if _degree(x, domain) == k] for k in (2, 3))
-        tried = (_Reader(domain, shown, meaning, {}) for meaning in invariants(domain.law.forces)) if second else ()
+        tried = (_SectionReader(domain, shown, meaning, {}) for meaning in invariants(domain.law.forces)) if second else ()
         found = [reader for reader in tried if any(map(reader.invariant, second))]
         domain.kept["sections"] = [reader for reader in found if any(map(reader.invariant, third))] or found[:2]
-    readers: list[_Reader] = domain.kept["sections"]
+    readers: list[_SectionReader] = domain.kept["sections"]
     return readers
 
 
@@ -103,7 +103,7 @@ def _degree(term: Term, domain: StatedDomain) -> int | None:
 
 
 @dataclass(frozen=True)
-class _Reader:
+class _SectionReader:
     domain: StatedDomain
     shown: Shown
     meaning: Invariants

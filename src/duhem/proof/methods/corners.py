@@ -11,7 +11,7 @@ from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.search.seam_crossings import crossings
 from duhem.proof.search.section_corners import section_corners
 from duhem.proof.search.sharp_points import sharp_points
-from duhem.proof.search.suggestion import Corner
+from duhem.proof.search.suggestion import SectionCorner
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.corner import corner
 from duhem.proof.witness.sharp_point import sharp_point
@@ -42,10 +42,10 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
     return None
 
 
-def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[Corner]:
+def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
     forces = subject.simple.forces
     if len(forces) > 2:
         yield from section_corners(subject, parameters)
     elif len(forces) == 2:
         plane = PlaneSection.whole((forces[0], forces[1]))
-        yield from (Corner(parameters, plane, crossing.point) for crossing in crossings(subject, parameters))
+        yield from (SectionCorner(parameters, plane, crossing.point) for crossing in crossings(subject, parameters))

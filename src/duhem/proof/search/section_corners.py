@@ -23,7 +23,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.search.newton import common_zero
-from duhem.proof.search.suggestion import Corner, Point
+from duhem.proof.search.suggestion import Point, SectionCorner
 
 __all__ = ["section_corners"]
 
@@ -38,7 +38,7 @@ _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pie
 Place = tuple[float, float]
 
 
-def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[Corner]:
+def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
     """Corners in planes at a parameter choice, the tips of cones first; found, not certain; while steps are left."""
     price = _STEPS * sp.count_ops(subject.simple.g)
     kinked = subject.simple.g.has(*_KINKS)
@@ -49,7 +49,7 @@ def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[Cor
             yield from _polished(subject, parameters, section, place)
 
 
-def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Sequence[float]) -> Iterator[Corner]:
+def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection, place: Sequence[float]) -> Iterator[SectionCorner]:
     """The common zeros of g and of a seam near a place, to many digits, where the gradients beside it are not parallel."""
     middle = [Fraction(c).limit_denominator(10**12) for c in place]
     reach = _AROUND * Fraction(max(*map(abs, place), 1e-3)).limit_denominator(1000)
@@ -59,7 +59,7 @@ def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection
             found = common_zero([seam.after.expr, *seam.crossed], section.at, [float(c) for c in middle], _DIGITS)
             near = found is not None and all(abs(f - c) <= 2 * reach for f, c in zip(found, middle, strict=True))
             if found is not None and near and _turned(seam, section.at, found):
-                yield Corner(parameters, section, found)
+                yield SectionCorner(parameters, section, found)
 
 
 def _turned(seam: Seam, unknowns: Sequence[sp.Symbol], place: Point) -> bool:
@@ -116,23 +116,21 @@ def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
     import numpy as np
 
     from duhem.expression.numpy_ import compiled
+    from duhem.expression.rays import Rays
 
     level = compiled(h, (a, b))
     radii = 10.0 ** np.linspace(-4, 4, 400)
     grid = np.concatenate([-radii[::-1], radii])
 
-    def sign(x: Any) -> Any:
-        return np.sign(level(x, np.full_like(x, 1e-9)))
+    def height(points: Any) -> Any:
+        return level(points[..., 0], np.full(points.shape[:-1], 1e-9))
 
-    signs = sign(grid)
-    found = []
-    for k in np.flatnonzero(signs[:-1] * signs[1:] < 0):
-        low, high = grid[k], grid[k + 1]
-        for _ in range(60):
-            middle = (low + high) / 2
-            low, high = (middle, high) if sign(np.array([middle]))[0] == signs[k] else (low, middle)
-        found.append(float((low + high) / 2))
-    return found
+    signs = np.sign(height(grid[:, None]))
+    changes = np.flatnonzero(signs[:-1] * signs[1:] < 0)
+    rises = signs[changes] < 0
+    rays = Rays(height, np.zeros(1), np.ones((len(changes), 1)))
+    low, high = rays.narrowed(grid[changes + ~rises], grid[changes + rises])
+    return [float(x) for x in (low + high) / 2]
 
 
 def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator[tuple[PlaneSection, list[Place]]]:

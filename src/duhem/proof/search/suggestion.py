@@ -8,7 +8,7 @@ from fractions import Fraction
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection
 
-__all__ = ["Chord", "Corner", "Exit", "Point", "SharpPoint"]
+__all__ = ["Chord", "Exit", "Point", "SectionCorner", "SharpPoint"]
 
 Point = tuple[Fraction, ...]  # in the force space of the simple problem
 
@@ -32,7 +32,7 @@ class Exit:
 
 
 @dataclass(frozen=True)
-class Corner:
+class SectionCorner:
     """A place in a plane of forces at which, as it seems, the boundary has a corner."""
 
     parameters: Values
