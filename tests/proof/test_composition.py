@@ -20,8 +20,9 @@ from duhem import Criterion, InputError, load
 from duhem.expression import numpy_
 from duhem.expression.cvxpy_ import expression
 from duhem.law.catalogue import names
-from duhem.proof.facts.curvature import Curvature, curvature
+from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.shape import Curvature
 from duhem.proof.methods import chords, composition
 
 cp = pytest.importorskip("cvxpy")

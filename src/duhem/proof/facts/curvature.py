@@ -7,7 +7,7 @@ through increasing maps (Agrawal, Boyd 2020): a set {g <= 0} is convex when g is
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -22,38 +22,9 @@ from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.loads import above_within, concave_above_within, loads_of
 from duhem.proof.facts.section import Meaning, Section
+from duhem.proof.facts.shape import Curvature, used
 
-__all__ = ["Curvature", "convex_in_its_region", "curvature"]
-
-
-@dataclass(frozen=True)
-class Curvature:
-    """Facts proved about a node as a function of the forces; a flag left False says nothing.
-
-    ``nonnegative`` and ``nonpositive`` hold for all forces and parameters; ``rules`` are the theorems used.
-    """
-
-    constant: bool = False
-    convex: bool = False
-    concave: bool = False
-    quasiconvex: bool = False
-    nonnegative: bool = False
-    nonpositive: bool = False
-    rules: tuple[str, ...] = ()
-
-    @property
-    def affine(self) -> bool:
-        """Both convex and concave."""
-        return self.convex and self.concave
-
-    @property
-    def by_a_matrix(self) -> bool:
-        """Whether the matrix of a quadratic form was looked at, which is more than composition."""
-        return any("quadratic" in rule for rule in self.rules)
-
-    def negated(self) -> Curvature:
-        """Facts of the opposite."""
-        return Curvature(self.constant, self.concave, self.convex, self.concave, self.nonpositive, self.nonnegative, self.rules)
+__all__ = ["convex_in_its_region", "curvature"]
 
 
 _UNKNOWN = Curvature()
@@ -76,11 +47,7 @@ def convex_in_its_region(subject: FormulaSubject) -> Curvature:
         return _UNKNOWN
     shapes = [rules.of(part) for part in (g.args if isinstance(g, sp.Max) else (g,))]
     quasi = all(shape.quasiconvex for shape in shapes)
-    return Curvature(quasiconvex=quasi, rules=_used(*shapes, rule="K lies where the loads in g allow it"))
-
-
-def _used(*shapes: Curvature, rule: str = "") -> tuple[str, ...]:
-    return tuple(dict.fromkeys([r for s in shapes for r in s.rules] + ([rule] if rule else [])))
+    return Curvature(quasiconvex=quasi, rules=used(*shapes, rule="K lies where the loads in g allow it"))
 
 
 class _CurvatureRules:
@@ -158,13 +125,13 @@ class _CurvatureRules:
             quasiconvex=convex or (len(moving) == 1 and moving[0].quasiconvex),
             nonnegative=all(t.nonnegative for t in terms),
             nonpositive=all(t.nonpositive for t in terms),
-            rules=_used(*terms),
+            rules=used(*terms),
         )
         if node in self.convex:
             facts = replace(facts, convex=True, quasiconvex=True, nonnegative=facts.nonnegative or self.convex[node])
-            facts = replace(facts, rules=_used(facts, rule="a polynomial is convex by sums of squares"))
+            facts = replace(facts, rules=used(facts, rule="a polynomial is convex by sums of squares"))
         elif not convex and (form := self._quadratic(node)):
-            facts = replace(facts, convex=True, quasiconvex=True, rules=_used(facts, rule=form))
+            facts = replace(facts, convex=True, quasiconvex=True, rules=used(facts, rule=form))
         if node.has(sp.Abs, Pos, Neg) and not (facts.convex and facts.nonnegative):
             facts = self._bent(node, facts)
         return self._together(node, self.signed(node, facts))
@@ -203,7 +170,7 @@ class _CurvatureRules:
         convex = all(shape.convex for shape in moving)
         quasi = convex or (len(one) == 1 and one[0].quasiconvex)
         above = all(shape.nonnegative for shape in moving)
-        return Curvature(convex=convex, quasiconvex=quasi, nonnegative=above, rules=_used(*moving))
+        return Curvature(convex=convex, quasiconvex=quasi, nonnegative=above, rules=used(*moving))
 
     def _asked(self, expr: sp.Expr, *given: sp.Basic, strict: bool = False) -> bool:
         return self.subject.ask(expr, Sense.POSITIVE if strict else Sense.NONNEGATIVE, *given).holds is True
@@ -217,7 +184,7 @@ class _CurvatureRules:
         if found and not facts.convex and all(b.convex(self.subject.nonnegative, inner[b.x].convex, inner[b.x].concave) for b in found):
             other = self.of(rest)
             if other.convex:
-                rules = _used(*inner.values(), other, rule="a x+ + b x- is convex for a + b >= 0, of a convex x for a >= -b >= 0 too")
+                rules = used(*inner.values(), other, rule="a x+ + b x- is convex for a + b >= 0, of a convex x for a >= -b >= 0 too")
                 return replace(facts, convex=True, quasiconvex=True, rules=rules)
         return facts
 
@@ -232,7 +199,7 @@ class _CurvatureRules:
             shape = _CurvatureRules(self.subject, self.convex, (*(self.forces - {*self.subject.simple.forces}), *others)).of(expr)
             if not shape.quasiconvex or (facts.quasiconvex and not shape.convex) or not even(expr, others):
                 continue
-            rules = _used(*map(self.of, roots), shape, rule="f(x, r) with f convex, even in r and r convex >= 0 is convex")
+            rules = used(*map(self.of, roots), shape, rule="f(x, r) with f convex, even in r and r convex >= 0 is convex")
             return replace(facts, convex=shape.convex, quasiconvex=True, nonnegative=facts.nonnegative or shape.nonnegative, rules=rules)
         return facts
 
@@ -273,7 +240,7 @@ class _CurvatureRules:
         if p.is_Integer and p > 0 and p % 2 == 0:
             if base.affine or (base.convex and base.nonnegative) or (base.concave and base.nonpositive):
                 return Curvature(
-                    convex=True, quasiconvex=True, nonnegative=True, rules=_used(base, rule="even powers of affine functions are convex")
+                    convex=True, quasiconvex=True, nonnegative=True, rules=used(base, rule="even powers of affine functions are convex")
                 )
             return Curvature(nonnegative=True)
         if not base.nonnegative:
@@ -284,7 +251,7 @@ class _CurvatureRules:
                     convex=True,
                     quasiconvex=True,
                     nonnegative=True,
-                    rules=_used(base, rule="x^p is convex and increasing on x >= 0 for p >= 1"),
+                    rules=used(base, rule="x^p is convex and increasing on x >= 0 for p >= 1"),
                 )
             return Curvature(quasiconvex=base.quasiconvex, nonnegative=True, rules=base.rules)
         if self.subject.positive(p):
@@ -292,7 +259,7 @@ class _CurvatureRules:
                 return Curvature(convex=True, quasiconvex=True, nonnegative=True, rules=gauge)
             concave = (base.concave and self.subject.nonnegative(1 - p)) or self._geometric_mean(node.base, p)
             return Curvature(
-                concave=concave, quasiconvex=base.quasiconvex, nonnegative=True, rules=_used(base, rule="x^p is increasing on x >= 0")
+                concave=concave, quasiconvex=base.quasiconvex, nonnegative=True, rules=used(base, rule="x^p is increasing on x >= 0")
             )
         return Curvature(nonnegative=True)
 
@@ -346,18 +313,18 @@ class _CurvatureRules:
 
     def absolute(self, node: Any, x: Curvature) -> Curvature:
         convex = x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive)
-        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=_used(x, rule="|x| is convex")))
+        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=used(x, rule="|x| is convex")))
 
     def norm(self, node: Any, *args: Curvature) -> Curvature:
         convex = all(x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive) for x in args)
         rule = "a Euclidean norm of affine or of convex non-negative functions is convex"
-        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=_used(*args, rule=rule)))
+        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=used(*args, rule=rule)))
 
     def positive_part(self, node: Any, x: Curvature) -> Curvature:
         rule = "a ramp of an affine function is convex"
         if x.nonnegative and node.free_symbols & self.forces:
             return x
-        return self.signed(node, Curvature(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=_used(x, rule=rule)))
+        return self.signed(node, Curvature(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=used(x, rule=rule)))
 
     def negative_part(self, node: Any, x: Curvature) -> Curvature:
         return self.positive_part(node, x.negated())
@@ -368,7 +335,7 @@ class _CurvatureRules:
             quasiconvex=all(x.quasiconvex for x in args),
             nonnegative=any(x.nonnegative for x in args),
             nonpositive=all(x.nonpositive for x in args),
-            rules=_used(*args, rule="a maximum of convex functions is convex"),
+            rules=used(*args, rule="a maximum of convex functions is convex"),
         )
         return self._together(node, self.signed(node, facts))
 
@@ -376,7 +343,7 @@ class _CurvatureRules:
         return self.maximum(node, *(x.negated() for x in args)).negated() if node.free_symbols & self.forces else self.constant(node)
 
     def exponential(self, node: Any, x: Curvature) -> Curvature:
-        rules = _used(x, rule="exp is convex and increasing")
+        rules = used(x, rule="exp is convex and increasing")
         return self.signed(node, Curvature(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=rules))
 
     def logarithm(self, node: Any, x: Curvature) -> Curvature:
@@ -386,25 +353,25 @@ class _CurvatureRules:
         """The greatest of n . A n over unit vectors n, which are affine where the entries are."""
         if not all(x.affine for x in entries):
             return _UNKNOWN
-        rules = _used(*entries, rule="the greatest eigenvalue of a symmetric matrix is a convex function of it")
+        rules = used(*entries, rule="the greatest eigenvalue of a symmetric matrix is a convex function of it")
         return self.signed(node, Curvature(convex=True, quasiconvex=True, rules=rules))
 
     def rising_bend(self, node: Any, x: Curvature) -> Curvature:
         """asin and sinh: increasing and odd, convex from 0 on."""
         convex, concave = x.convex and x.nonnegative, x.concave and x.nonpositive
-        rules = _used(x, rule="asin and sinh are increasing, convex from 0 on")
+        rules = used(x, rule="asin and sinh are increasing, convex from 0 on")
         return self.signed(node, Curvature(False, convex, concave, x.quasiconvex, x.nonnegative, x.nonpositive, rules))
 
     def arc_cosine(self, node: Any, x: Curvature) -> Curvature:
         """acos x = pi/2 + asin(-x)."""
         convex, concave = x.concave and x.nonpositive, x.convex and x.nonnegative
-        rules = _used(x, rule="acos is decreasing, concave from 0 on")
+        rules = used(x, rule="acos is decreasing, concave from 0 on")
         return self.signed(node, Curvature(False, convex, concave, x.concave, nonnegative=True, rules=rules))
 
     def even_bend(self, node: Any, x: Curvature) -> Curvature:
         """cosh: a convex function of |x|."""
         convex = x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive)
-        rules = _used(x, rule="cosh is convex and even")
+        rules = used(x, rule="cosh is convex and even")
         return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=rules))
 
     def increasing(self, node: Any, x: Curvature) -> Curvature:
@@ -412,6 +379,6 @@ class _CurvatureRules:
             quasiconvex=x.quasiconvex,
             nonnegative=x.nonnegative,
             nonpositive=x.nonpositive,
-            rules=_used(x, rule="an increasing map keeps sublevel sets"),
+            rules=used(x, rule="an increasing map keeps sublevel sets"),
         )
         return self.signed(node, facts)

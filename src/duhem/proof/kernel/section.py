@@ -11,36 +11,36 @@ whose derivative in phi is -8 sin(b - phi) sin(3 phi), so that it is sin(3 b) >=
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isqrt
-from typing import Any, NamedTuple
 
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.invariants import Invariants, invariants
-from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, joined, slope, times, total, written
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, joined, times, total, written
 from duhem.proof.kernel.positivity import RAY, nonnegative
+from duhem.proof.kernel.section_value import (
+    MOST_POWER,
+    ROOT,
+    SectionValue,
+    added,
+    base_of,
+    bend,
+    multiplied,
+    power_of,
+    raised_to,
+    reduced,
+    widened,
+)
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 
 __all__ = ["apart_from_axis", "by_section", "without_sections"]
 
-_ROOT = Term("**", (number(3), number(Fraction(1, 2))))
-_THIRD_OF_C: Polynomial = {((RAY, 1), (_ROOT, 1)): Fraction(2, 9)}  # J3 = (2 sqrt(3)/9) c for J2 = 1
+_THIRD_OF_C: Polynomial = {((RAY, 1), (ROOT, 1)): Fraction(2, 9)}  # J3 = (2 sqrt(3)/9) c for J2 = 1
 _ABOVE = Fraction(577350269190, 10**12)  # > 1/sqrt(3)
 _PI = Term("name", name="pi")
-_MOST_POWER = 12
-Base = tuple[tuple[Any, Fraction], ...]  # a polynomial > 0, as its terms in order
-
-
-class _Section(NamedTuple):
-    """rho^degree times ``poly`` times positive polynomials in c, each to the power, a polynomial of constants, that ``powers`` gives."""
-
-    degree: Fraction
-    poly: Polynomial
-    powers: Mapping[Base, Polynomial]
 
 
 def by_section(term: Term, domain: StatedDomain, shown: Shown) -> Facts | None:
@@ -107,7 +107,7 @@ class _SectionReader:
     domain: StatedDomain
     shown: Shown
     meaning: Invariants
-    known: dict[Term, _Section | None]  # what was read
+    known: dict[Term, SectionValue | None]  # what was read
 
     def invariant(self, term: Term) -> bool:
         """Whether a sum is a polynomial in J2 and J3."""
@@ -117,7 +117,7 @@ class _SectionReader:
 
     def facts(self, term: Term) -> Facts | None:
         """None for a product or power that is no such function."""
-        groups, moving, constants = dict[Fraction, list[_Section]](), list[Facts](), list[Facts]()
+        groups, moving, constants = dict[Fraction, list[SectionValue]](), list[Facts](), list[Facts]()
         for part in term.args if term.op == "+" else (term,):
             if self.domain.constant(part):
                 constants.append(self.shown(part, self.domain))
@@ -137,25 +137,25 @@ class _SectionReader:
         quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
         return Facts(all(known.defined for known in (*moving, *constants)), _of_sum(sign), convex, False, quasi)
 
-    def together(self, sections: list[_Section]) -> Facts:
+    def together(self, sections: list[SectionValue]) -> Facts:
         """What is shown of a sum of one degree."""
         with suppress(NotWritten):
-            return self.of_one(_total(sections))
+            return self.of_one(added(sections))
         each = [self.of_one(section) for section in sections]
         convex, nonnegative_ = all(x.convex for x in each), all(x.nonnegative for x in each)
         return Facts(True, ZERO | POSITIVE | (0 if nonnegative_ else NEGATIVE), convex, False, convex)
 
-    def of_one(self, section: _Section) -> Facts:
+    def of_one(self, section: SectionValue) -> Facts:
         with suppress(NotWritten):
             k = section.degree
             if k == 1:
                 above = self.holds(section.poly)
                 sign = ZERO | POSITIVE | (0 if above else NEGATIVE)
-                convex = self.holds(_bend(section.poly, section.powers))
+                convex = self.holds(bend(section.poly, section.powers))
                 return Facts(True, sign, convex, False, convex)
             if self.holds(section.poly, strict=True):
-                root = _times_powers(_with(section.powers, section.poly, ONE), {(): 1 / k})
-                convex = self.holds(_bend(ONE, root))
+                root = raised_to(widened(section.powers, section.poly, ONE), {(): 1 / k})
+                convex = self.holds(bend(ONE, root))
                 return Facts(True, ZERO | POSITIVE, convex and k > 1, False, convex)
         return Facts(True)
 
@@ -192,7 +192,7 @@ class _SectionReader:
         if x.op == "atan":
             b = total(b, {((_PI, 1),): Fraction(1, 6)})
             square = total(ONE, {m: -c for m, c in times(z.poly, z.poly).items()})
-            if z.powers != {_base(square): {(): Fraction(-1, 2)}}:
+            if z.powers != {base_of(square): {(): Fraction(-1, 2)}}:
                 raise NotWritten("an atan is no acos")
         elif z.powers:
             raise NotWritten("an acos is of another argument")
@@ -214,66 +214,66 @@ class _SectionReader:
 
     # -- reading -------------------------------------------------------------------------------------------------------
 
-    def read_or_none(self, term: Term) -> _Section | None:
+    def read_or_none(self, term: Term) -> SectionValue | None:
         if term not in self.known:
             self.known[term] = None
             with suppress(NotWritten):
                 self.known[term] = self._read(term)
         return self.known[term]
 
-    def read(self, term: Term) -> _Section:
+    def read(self, term: Term) -> SectionValue:
         """NotWritten where it is no such function."""
         if (known := self.read_or_none(term)) is None:
             raise NotWritten("it is no function of J2 and J3")
         return known
 
-    def _read(self, term: Term) -> _Section:
+    def _read(self, term: Term) -> SectionValue:
         if self.domain.constant(term):
             if not self.shown(term, self.domain).defined:
                 raise NotWritten("a constant may be undefined")
-            return _Section(Fraction(0), _reduced(self.domain.polynomial(term)), {})
+            return SectionValue(Fraction(0), reduced(self.domain.polynomial(term)), {})
         if _degree(term, self.domain) is not None:
             k, shares = self.meaning.of(self.domain.polynomial(term))
-            return _Section(Fraction(k), total(*(times(a, _raised(_THIRD_OF_C, j)) for j, a in shares.items())), {})
+            return SectionValue(Fraction(k), total(*(times(a, power_of(_THIRD_OF_C, j)) for j, a in shares.items())), {})
         match term.op:
             case "+":
-                return _total([self.read(a) for a in term.args])
+                return added([self.read(a) for a in term.args])
             case "*":
                 parts = factors(term)
                 plain = [f for f in parts if _degree(f, self.domain) is not None]
                 read = [self.read(f) for f in parts if f not in plain]
-                return _product([self.read(Term("*", (number(1), *plain))), *read] if plain else read)
+                return multiplied([self.read(Term("*", (number(1), *plain))), *read] if plain else read)
             case "**":
                 return self.power(self.read(term.args[0]), term.args[1])
         raise NotWritten(f"{term.op} is not read in J2 and J3")
 
-    def power(self, base: _Section, exponent: Term) -> _Section:
+    def power(self, base: SectionValue, exponent: Term) -> SectionValue:
         e = self.domain.polynomial(exponent)
         known = e.get((), Fraction(0)) if set(e) <= {()} else None
         if not (self.domain.constant(exponent) and self.shown(exponent, self.domain).defined) or (known is None and base.degree):
             raise NotWritten("an exponent varies")
-        if known is not None and known.denominator == 1 and 0 <= known <= _MOST_POWER:
-            return _product([base] * int(known))
+        if known is not None and known.denominator == 1 and 0 <= known <= MOST_POWER:
+            return multiplied([base] * int(known))
         if not self.holds(base.poly, strict=True):
             raise NotWritten("what is divided by or under a root may be <= 0")
         degree = base.degree * known if known is not None else Fraction(0)
         if set(base.poly) == {()} and known is not None and known.denominator <= 2:  # a number, perhaps a root of one
-            number_ = _reduced({((Term("**", (number(base.poly[()]), number(Fraction(1, 2)))), int(2 * known)),): Fraction(1)})
-            return _Section(degree, number_, _times_powers(base.powers, e))
-        return _Section(degree, ONE, _times_powers(_with(base.powers, base.poly, ONE), e))
+            number_ = reduced({((Term("**", (number(base.poly[()]), number(Fraction(1, 2)))), int(2 * known)),): Fraction(1)})
+            return SectionValue(degree, number_, raised_to(base.powers, e))
+        return SectionValue(degree, ONE, raised_to(widened(base.powers, base.poly, ONE), e))
 
     def holds(self, poly: Polynomial, strict: bool = False) -> bool:
         """Whether it is >= 0, or > 0, for -1 <= c <= 1 over the whole domain."""
-        poly = _reduced(poly)
-        whole = {dict(m).get(_ROOT, 0) % 2 for m in poly}
+        poly = reduced(poly)
+        whole = {dict(m).get(ROOT, 0) % 2 for m in poly}
         if whole == {1}:  # a multiple of sqrt(3)
-            poly = _reduced({joined(m, ((_ROOT, -1),)): c for m, c in poly.items()})
+            poly = reduced({joined(m, ((ROOT, -1),)): c for m, c in poly.items()})
         elif len(whole) == 2:  # c = sqrt(3) w
-            turned = _reduced({joined(m, ((_ROOT, dict(m).get(RAY, 0)),)): c for m, c in poly.items()})
-            odd = {dict(m).get(_ROOT, 0) % 2 for m in turned}
+            turned = reduced({joined(m, ((ROOT, dict(m).get(RAY, 0)),)): c for m, c in poly.items()})
+            odd = {dict(m).get(ROOT, 0) % 2 for m in turned}
             if len(odd) == 2:
                 raise NotWritten("sqrt(3) stands in some coefficients alone")
-            turned = _reduced({joined(m, ((_ROOT, -1),)): c for m, c in turned.items()}) if odd == {1} else turned
+            turned = reduced({joined(m, ((ROOT, -1),)): c for m, c in turned.items()}) if odd == {1} else turned
             return nonnegative(turned, (-_ABOVE, _ABOVE), self.domain, strict)
         return nonnegative(poly, (Fraction(-1), Fraction(1)), self.domain, strict)
 
@@ -285,113 +285,3 @@ def _of_sum(signs: Sign) -> Sign:
 
 def _third_of_pi() -> Term:
     return Term("*", (number(Fraction(1, 3)), _PI))
-
-
-# -- sections as values ------------------------------------------------------------------------------------------------
-
-
-def _bend(poly: Polynomial, powers: Mapping[Base, Polynomial]) -> Polynomial:
-    """A positive multiple of 9 (1 - c^2) f'' - 9 c f' + f for f = P W, W = prod F_i^(e_i): with W'/W = N/D, D = prod F_i."""
-    bases = [dict(base) for base in powers]
-    d, n = ONE, dict[Any, Fraction]()
-    for base in bases:
-        d = times(d, base)
-    for i, e in enumerate(powers.values()):
-        part = times(e, slope(bases[i], RAY))
-        for j, base in enumerate(bases):
-            part = part if i == j else times(part, base)
-        n = total(n, part)
-    first, second = slope(poly, RAY), slope(slope(poly, RAY), RAY)
-    square = times(d, d)
-    rate = total(times(first, square), times(poly, times(n, d)))  # D^2 f'/W
-    spread = total(times(slope(n, RAY), d), _scaled(-1, times(n, slope(d, RAY))), times(n, n))
-    bend = total(times(second, square), _scaled(2, times(first, times(n, d))), times(poly, spread))  # D^2 f''/W
-    weight: Polynomial = {(): Fraction(9), ((RAY, 2),): Fraction(-9)}
-    return total(times(weight, bend), times({((RAY, 1),): Fraction(-9)}, rate), times(poly, square))
-
-
-def _product(sections: Iterable[_Section]) -> _Section:
-    degree, poly, powers = Fraction(0), ONE, dict[Base, Polynomial]()
-    for section in sections:
-        degree, poly = degree + section.degree, _reduced(times(poly, section.poly))
-        for base, e in section.powers.items():
-            powers[base] = total(powers.get(base, {}), e)
-    return _Section(degree, poly, {base: e for base, e in powers.items() if e})
-
-
-def _total(sections: list[_Section]) -> _Section:
-    """NotWritten where they have different degrees or roots; a whole power that one has and another lacks is multiplied out."""
-    sections = [section for section in sections if section.poly] or sections[:1]
-    degree = sections[0].degree
-    if any(section.degree != degree for section in sections):
-        raise NotWritten("different degrees are added")
-    shared: dict[Base, Polynomial] = {}
-    for base in {base for section in sections for base in section.powers}:
-        powers = [section.powers.get(base, {}) for section in sections]
-        apart = [total(e, _scaled(-1, powers[0])) for e in powers]
-        if not all(set(e) <= {()} and e.get((), Fraction(0)).denominator == 1 for e in apart):
-            raise NotWritten("different roots are added")
-        shared[base] = total(powers[0], {(): min(e.get((), Fraction(0)) for e in apart)})
-    poly: Polynomial = {}
-    for section in sections:
-        part = section.poly
-        for base, least in shared.items():
-            left = total(section.powers.get(base, {}), _scaled(-1, least)).get((), Fraction(0))
-            part = times(part, _raised(dict(base), int(left)))
-        poly = total(poly, part)
-    return _Section(degree, _reduced(poly), {base: e for base, e in shared.items() if e})
-
-
-def _with(powers: Mapping[Base, Polynomial], poly: Polynomial, e: Polynomial) -> dict[Base, Polynomial]:
-    """With one positive polynomial more."""
-    base = _base(poly)
-    found = {**powers, base: total(powers.get(base, {}), e)}
-    return {b: n for b, n in found.items() if n and dict(b) != ONE}
-
-
-def _times_powers(powers: Mapping[Base, Polynomial], e: Polynomial) -> dict[Base, Polynomial]:
-    return {base: times(n, e) for base, n in powers.items()}
-
-
-def _raised(poly: Polynomial, n: int) -> Polynomial:
-    if n > _MOST_POWER:
-        raise NotWritten("a power is too high")
-    found = ONE
-    for _ in range(n):
-        found = times(found, poly)
-    return _reduced(found)
-
-
-def _scaled(factor: int, poly: Polynomial) -> Polynomial:
-    return {m: factor * c for m, c in poly.items()}
-
-
-def _base(poly: Polynomial) -> Base:
-    return tuple(sorted(poly.items()))
-
-
-def _reduced(poly: Polynomial) -> Polynomial:
-    """With sqrt(3)^2 = 3, and numbers or sqrt(3) in the place of roots of squares or of 3 times a square."""
-    found: Polynomial = {}
-    for m, c in poly.items():
-        left, power = list[tuple[Term, int]](), 0
-        for x, n in m:
-            share, odd = _share(x)
-            if share == 0:
-                left.append((x, n))
-            else:
-                power, c = power + n * odd, c * share**n
-        odd = power % 2
-        c *= Fraction(3) ** ((power - odd) // 2)
-        found = total(found, {tuple(sorted([*left, (_ROOT, 1)] if odd else left)): c})
-    return found
-
-
-def _share(x: Term) -> tuple[Fraction, int]:
-    """(q, 1) where x = q sqrt(3) and (q, 0) where x = q, for the root of a number; else (0, 0)."""
-    if x.op == "**" and x.args[0].op == "number" and x.args[1] == _ROOT.args[1] and x.args[0].value > 0:
-        for odd, square in enumerate((x.args[0].value, x.args[0].value / 3)):
-            root = Fraction(isqrt(square.numerator), isqrt(square.denominator))
-            if root * root == square:
-                return root, odd
-    return Fraction(0), 0
