@@ -21,6 +21,7 @@ from duhem.proof.facts.bends import bends
 from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.loads import above_within, concave_above_within, loads_of
+from duhem.proof.facts.quadratic_form import semidefinite
 from duhem.proof.facts.section import Meaning, Section
 from duhem.proof.facts.shape import Curvature, used
 
@@ -28,6 +29,7 @@ __all__ = ["convex_in_its_region", "curvature"]
 
 
 _UNKNOWN = Curvature()
+_SEMIDEFINITE = "a quadratic function with positive semidefinite matrix is convex"
 _MOST_ROOTS = 8
 
 
@@ -130,8 +132,8 @@ class _CurvatureRules:
         if node in self.convex:
             facts = replace(facts, convex=True, quasiconvex=True, nonnegative=facts.nonnegative or self.convex[node])
             facts = replace(facts, rules=used(facts, rule="a polynomial is convex by sums of squares"))
-        elif not convex and (form := self._quadratic(node)):
-            facts = replace(facts, convex=True, quasiconvex=True, rules=used(facts, rule=form))
+        elif not convex and semidefinite(node, self.forces, self.subject):
+            facts = replace(facts, convex=True, quasiconvex=True, rules=used(facts, rule=_SEMIDEFINITE))
         if node.has(sp.Abs, Pos, Neg) and not (facts.convex and facts.nonnegative):
             facts = self._bent(node, facts)
         return self._together(node, self.signed(node, facts))
@@ -265,7 +267,7 @@ class _CurvatureRules:
 
     def _gauge(self, base: sp.Expr, p: sp.Expr) -> tuple[str, ...] | None:
         """(sum c_i v_i^q)^(1/q), q >= 1, v_i convex and >= 0 (or affine, q even): a norm of convex functions (Minkowski)."""
-        if p == sp.S.Half and self._quadratic(base, root=True):
+        if p == sp.S.Half and semidefinite(base, self.forces, self.subject, root=True):
             return ("the square root of a non-negative quadratic form is a seminorm",)
         q, rules = sp.simplify(1 / p), ["Minkowski's inequality: a p-norm with p >= 1 of convex functions >= 0 is convex"]
         terms = [t for part in sp.Add.make_args(base) for t in sp.Add.make_args(sp.expand(part, power_base=False, power_exp=False))]
@@ -293,23 +295,6 @@ class _CurvatureRules:
         scale = sp.Mul(*(f for f in sp.Mul.make_args(base) if not f.free_symbols & self.forces))
         shapes = [self.of(f) for f in moving] if self.subject.nonnegative(1 - len(moving) * p) and self.subject.nonnegative(scale) else []
         return len(shapes) > 1 and all(x.concave and x.nonnegative for x in shapes)
-
-    def _quadratic(self, expr: sp.Expr, root: bool = False) -> str | None:
-        """A polynomial of degree 2 with positive semidefinite matrix; with ``root``, non-negative together with its constant."""
-        forces = sorted(self.forces, key=str)
-        if not expr.is_polynomial(*forces):
-            return None
-        form = sp.Poly(expr, *forces)
-        if form.total_degree() != 2:
-            return None
-        lift = sp.Dummy("t", real=True)
-        homogeneous = (
-            form.homogenize(lift).as_expr()
-            if root
-            else sum(c * sp.prod(x**k for x, k in zip(forces, m, strict=True)) for m, c in form.terms() if sum(m) == 2)
-        )
-        answer = self.subject.ask(homogeneous, Sense.NONNEGATIVE)
-        return "a quadratic function with positive semidefinite matrix is convex" if answer.holds is True else None
 
     def absolute(self, node: Any, x: Curvature) -> Curvature:
         convex = x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive)
