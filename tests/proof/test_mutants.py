@@ -216,6 +216,12 @@ BULGE = f"{R}**4 + where({{}}, {{}}*(sigma_a**4 + sigma_a**3*{R} + sigma_a**2*{R
 LENS = ("mu_a**2 <= 2*mu_b**2", "mu_b**2 <= 2*mu_a**2")
 HIPPOPEDE = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*norm(mu_a*sigma_a, mu_b*sigma_b)"
 
+# flat sides, on which the midpoints of chords seem outside in floats
+RHOMBUS = "where(sigma_a > 0, sigma_a, -sigma_a)/3 + where(sigma_b > 0, sigma_b, -sigma_b)/7 - abs(sigma_n)"
+# two discs that touch at sigma_a = sqrt(2)/3, where the gradient vanishes
+DISC = "((sigma_a - (sqrt(2)/3 {} 1)*abs(sigma_n))**2 + sigma_b**2 - sigma_n**2)"
+TOUCHING = f"{DISC.format('+')}*{DISC.format('-')}"
+
 TABLE = [
     Row(_built_in("antoni2007"), "convexity", True),
     Row(_built_in("antoni2007"), "smoothness", True),
@@ -237,6 +243,8 @@ TABLE = [
     Row(_law("sigma_b**2 - sigma_a**2*(1 + sigma_a/abs(sigma_n))"), "smoothness", False, hard=True),
     Row(_law("sin(norm(sigma_a, sigma_b)/abs(sigma_n)) - 1/2"), "dissipation", False, hard=True),
     Row(_law("norm(sigma_a - 2*abs(sigma_n), sigma_b) - abs(sigma_n)"), "origin", False),
+    Row(_law(RHOMBUS), "convexity", True),
+    Row(_law(TOUCHING), "smoothness", False, hard=True),
 ]
 APART = "((sigma_a - 3*abs(sigma_n))**2 + sigma_b**2 - abs(sigma_n)**2)*((sigma_a + 3*abs(sigma_n))**2 + sigma_b**2 - abs(sigma_n)**2)"
 

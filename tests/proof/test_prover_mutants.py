@@ -170,7 +170,8 @@ def no_outer_power(g: sp.Expr) -> sp.Expr:
 
 
 def associated(subject: FormulaSubject) -> Any:
-    return replace(_simple(subject), flow=None)
+    simple = _simple(subject)
+    return replace(simple, faces=tuple(face._replace(flow=None) for face in simple.faces))
 
 
 def faces_alone(self: Any, *relations: Any) -> Any:

@@ -102,7 +102,7 @@ def test_a_report_keeps_to_its_width_and_loses_nothing(name: str) -> None:
 def test_a_coordinate_of_a_witness_stands_on_one_line(name: str, width: int) -> None:
     done = verified(name)
     said = done(Page(width))
-    every = [m.group() for line in done(Page(None)).splitlines() for m in COORDINATE.finditer(line)]
+    every = [m.group() for line in done(Page(None)).splitlines() for m in COORDINATE.finditer(line) if not m.group().startswith("g =")]
     assert len(every) > 4 and [coordinate for coordinate in every if coordinate not in said] == []
 
 
