@@ -21,7 +21,7 @@ NAMES = (
     "abs_sigma_n", "abs_p", "abs_a", "N", "n", "t", "x", "y", "z", "u", "v", "w", "s", "r", "c", "q", "tip", "v0", "v1", "l_0_0", "l_1_0",
     "L_0_0", "k_0_0", "d_a", "d_b", "dd_a", "e0", "E0", "theta", "gamma", "beta", "zeta", "lamda", "Lambda", "sigma", "psi", "phi", "S",
     "E", "I", "O", "Q", "C", "oo", "nan", "zoo", "pi_", "Symbol", "Dummy", "Abs", "Max", "Rational", "_", "__", "_x", "x0", "re", "im",
-    "sign", "Pos", "Norm", "Where", "True_", "true", "false", "Id", "u_0", "w_0", "one", "half", "σ", "μ", "θ",
+    "signed", "Pos", "Norm", "Where", "True_", "true", "false", "Id", "u_0", "w_0", "one", "half", "σ", "μ", "θ",
     "λ", "γ", "\u0430", "\uff58", "\u00b5", "\U0001d461", "\u2113", "\u2126", "\u017f", "\ufb01", "x\u0301", "\u00e9", "e\u0301",
 )  # fmt: skip
 RESERVED = ("lambda", "pi", "norm", "abs", "where", "max", "and", "None", "True", "if")
