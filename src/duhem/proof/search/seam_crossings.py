@@ -19,6 +19,7 @@ from duhem.proof.search.suggestion import Point
 __all__ = ["Crossing", "crossings"]
 
 _MOST = 16  # crossings of one seam
+_MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power, and takes minutes
 _START = 8_000  # steps from one cell to a crossing, or to none
 
 
@@ -33,6 +34,9 @@ class Crossing:
 def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
     """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain; while steps are left."""
     exact, forces = rationals(parameters), subject.simple.forces
+    exponents = {x for power in subject.simple.g.atoms(sp.Pow) for x in power.exp.free_symbols}
+    if any(abs(value.p) > _MOST_EXPONENT for x, value in exact.items() if x in exponents):
+        return
     grid = _Grid(forces, subject.formula_at(parameters))
     for seam in seams(subject.pieces or ()):
         if len(seam.crossed) != 1:
