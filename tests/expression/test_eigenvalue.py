@@ -149,5 +149,6 @@ def test_where_no_matrix_is_diagonal_no_edge_is_seen() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_a_smooth_law_of_eigenvalues_has_no_edge() -> None:
     assert _verdicts("principal(s, 1)**2 + principal(s, 2)**2 + principal(s, 3)**2 - k")["smoothness"][0] != "refuted"
