@@ -13,13 +13,11 @@ import pytest
 
 from duhem import Criterion
 from duhem.law.domain import POSITIVE, REAL, Domain
-from duhem.proof.facts.curvature import curvature
-from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.shape import Facts
 from duhem.proof.law_text import law_as_text
 from tests.oracles import drawn_formulas
+from tests.proof.composed import by_kernel, by_prover
 
 FORCES = ("a", "b", "t")
 R = "sqrt(((a - h*b)/2)**2 + (p*t)**2)"
@@ -30,17 +28,6 @@ SIDES = "abs(x) - k*(x)".replace("x", "2*a - b + h*t")
 
 def law(g: str, **parameters: Domain) -> Criterion:
     return Criterion(name="law", g=g, forces=FORCES, pressure=None, parameters=parameters)
-
-
-def by_kernel(criterion: Criterion) -> Facts:
-    stated = StatedLaw.read(law_as_text(criterion))
-    return facts(stated.g, over(stated))
-
-
-def by_prover(criterion: Criterion) -> bool:
-    subject = FormulaSubject(criterion)
-    subject.allow(20_000_000)
-    return curvature(subject.simple.g, subject).quasiconvex
 
 
 SHAPE = {"h": REAL, "p": POSITIVE}

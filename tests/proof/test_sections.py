@@ -13,14 +13,12 @@ import pytest
 
 from duhem import Criterion, verify
 from duhem.law.domain import POSITIVE, Domain
-from duhem.proof.facts.curvature import curvature
-from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from duhem.proof.kernel.shape import Facts
 from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust, Verdict
+from tests.proof.composed import by_kernel, by_prover
 
 PRINCIPAL, SIX, PLANE = ("a", "b", "c"), ("xx", "yy", "zz", "yz", "xz", "xy"), ("x", "y", "t")
 S = {
@@ -80,17 +78,6 @@ def law(g: str, forces: tuple[str, ...], parameters: dict[str, Domain]) -> Crite
         g = g.replace(name, text)
     table = {"B": POSITIVE, **parameters}
     return Criterion(name="law", g=g, forces=forces, pressure=None, parameters={n: d for n, d in table.items() if n in g})
-
-
-def by_kernel(criterion: Criterion) -> Facts:
-    stated = StatedLaw.read(law_as_text(criterion))
-    return facts(stated.g, over(stated))
-
-
-def by_prover(criterion: Criterion) -> bool:
-    subject = FormulaSubject(criterion)
-    subject.allow(20_000_000)
-    return curvature(subject.simple.g, subject).quasiconvex
 
 
 @pytest.mark.parametrize("forces", [PRINCIPAL, SIX, PLANE], ids=len)

@@ -19,7 +19,7 @@ from duhem.proof.search.suggestion import Point
 __all__ = ["Crossing", "crossings"]
 
 _MOST = 16  # crossings of one seam
-_MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power, and takes minutes
+_MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
 _START = 8_000  # steps from one cell to a crossing, or to none
 
 

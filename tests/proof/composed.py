@@ -1,0 +1,26 @@
+"""What composition shows of a law's formula, asked of the kernel and of the prover, each by itself."""
+
+from __future__ import annotations
+
+from duhem import Criterion
+from duhem.proof.facts.curvature import curvature
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.shape import Facts
+from duhem.proof.law_text import law_as_text
+
+__all__ = ["by_kernel", "by_prover"]
+
+
+def by_kernel(criterion: Criterion) -> Facts:
+    """The facts that the kernel shows of g as written."""
+    stated = StatedLaw.read(law_as_text(criterion))
+    return facts(stated.g, over(stated))
+
+
+def by_prover(criterion: Criterion) -> bool:
+    """Whether the prover shows g quasiconvex."""
+    subject = FormulaSubject(criterion)
+    subject.allow(20_000_000)
+    return curvature(subject.simple.g, subject).quasiconvex
