@@ -35,6 +35,9 @@ CASES = [
     ("norm(a, b) + k*p*log(abs(p))", {"k": POSITIVE}, False),
     ("norm(a, b) + where(p > 1, p*log(p), 0)", {}, False),
     ("max(a**2 - p*b, -p)", {}, False),
+    ("max(norm(a, b) + sqrt(p) - 1, -p)", {}, False),  # >= 0 in the region alone, and no seminorm
+    ("max(norm(a, b) + sqrt(p*(1 - p)) - 1, -p, p - 1)", {}, False),
+    ("max(b + sqrt(p**2 + a**2) - 1, -p)", {}, True),
     ("max(a**2/p + b**2 - 1, -p)", {}, False),  # it divides by 0 at the end
 ]  # fmt: skip
 

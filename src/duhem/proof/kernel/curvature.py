@@ -222,7 +222,7 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
     if not base.nonnegative:
         rising = bool(whole and p and p > 0)
         return Facts(defined, base.sign if whole and p else ANY, False, False, rising and base.quasiconvex)
-    sign = base.sign if exponent.sign == POSITIVE else POSITIVE
+    sign = base.sign if exponent.sign == POSITIVE else POSITIVE | (base.sign if exponent.sign & POSITIVE else 0)
     if not facts(Term("+", (term.args[1], number(-1))), domain).sign & NEGATIVE:
         return Facts(defined, sign, base.convex, False, base.quasiconvex)
     if exponent.sign == POSITIVE:
@@ -246,7 +246,9 @@ def _geometric_mean(term: Term, domain: StatedDomain) -> bool:
 
 
 def _root_of_quadratic(term: Term, domain: StatedDomain) -> bool:
-    """sqrt(x . A x + b . x + c), what is under the root being >= 0: a seminorm of (x, 1)."""
+    """sqrt(x . A x + b . x + c), what is under the root being >= 0 for all x, in no region alone: a seminorm of (x, 1)."""
+    if domain.sides and not facts(term.args[0], over(domain.law)).nonnegative:
+        return False
     degrees = [[n if x.op == "name" else 3 for x, n in m if not domain.constant(x)] for m in domain.polynomial(term.args[0])]
     return domain.polynomial(term.args[1]) == {(): Fraction(1, 2)} and all(min(d, default=0) >= 0 and sum(d) <= 2 for d in degrees)
 
