@@ -21,6 +21,7 @@ from duhem.proof.facts.bends import bends
 from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.loads import above_within, concave_above_within, loads_of
+from duhem.proof.facts.profile import convex_by_its_profile
 from duhem.proof.facts.quadratic_form import semidefinite
 from duhem.proof.facts.section import Meaning, Section
 from duhem.proof.facts.shape import Curvature, used
@@ -45,9 +46,10 @@ def convex_in_its_region(subject: FormulaSubject) -> Curvature:
     """Facts about g where loads in it allow it to be <= 0; of the maximum that it is, the parts that are no loads together."""
     g, forces = subject.simple.g, subject.simple.forces
     rules = _CurvatureRules(subject, FrozenMapping(), loads=tuple(loads_of(g, forces)))
-    if not rules.loads:
+    parts = g.args if isinstance(g, sp.Max) else (g,)
+    if not rules.loads and not any(part.is_polynomial(*forces) for part in parts):
         return _UNKNOWN
-    shapes = [rules.of(part) for part in (g.args if isinstance(g, sp.Max) else (g,))]
+    shapes = [rules.in_the_region(part) for part in parts]
     quasi = all(shape.quasiconvex for shape in shapes)
     return Curvature(quasiconvex=quasi, rules=used(*shapes, rule="K lies where the loads in g allow it"))
 
@@ -81,6 +83,13 @@ class _CurvatureRules:
             except InputError:
                 self.found[expr] = _UNKNOWN
         return self.found[expr]
+
+    def in_the_region(self, part: sp.Expr) -> Curvature:
+        """A part of a maximum that K lies under."""
+        facts = self.of(part)
+        if not facts.quasiconvex and convex_by_its_profile(part, self.loads, self.subject):
+            return Curvature(quasiconvex=True, rules=("{Q <= h(t)} is convex for a seminorm sqrt Q and a concave profile sqrt h",))
+        return facts
 
     def leaf(self, node: Any) -> Curvature:
         if node not in self.forces:

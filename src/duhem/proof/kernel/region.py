@@ -1,7 +1,7 @@
 """K where g need not be quasiconvex everywhere: g = max(f, loads), or g has a logarithm of a load.
 
 K lies where all loads in the maximum are <= 0, and where those under a logarithm are > 0: elsewhere g is > 0 or has no value.  That
-region is convex, and so is K where g is defined and quasiconvex in it.
+region is convex, and so is K where g is defined and each part of the maximum quasiconvex in it, or a body with a convex profile.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import Term, minus
 
@@ -16,7 +17,7 @@ __all__ = ["convex_in_its_region"]
 
 
 def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> bool:
-    """Whether g is defined and quasiconvex where all of its loads allow it to be <= 0, and there are such loads."""
+    """Whether g is defined, and every part of it quasiconvex or a body with a convex profile where all of its loads allow it to be <= 0."""
     domain, parts = over(law), [*_greatest(law.g)]
     if any(_chooses(part) for part in parts):
         return False  # what is not chosen need not have a value
@@ -25,8 +26,10 @@ def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw
     inside.sides |= dict.fromkeys(map(minus, loads), False)
     for part in parts:
         inside.sides |= dict.fromkeys((x for x in _under_logarithms(part) if not domain.constant(x) and shown(x, domain).affine), True)
-    found = [shown(part, inside) for part in parts if part not in loads]
-    return bool(inside.sides) and all(known.defined and known.quasiconvex for known in found)
+    found = [(part, shown(part, inside)) for part in parts if part not in loads]
+    return all(
+        (known.defined and known.quasiconvex) or convex_by_its_profile(part, [*inside.sides], inside, shown) for part, known in found
+    )
 
 
 def _greatest(term: Term) -> Iterator[Term]:
