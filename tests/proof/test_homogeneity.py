@@ -86,3 +86,30 @@ def test_nothing_of_an_exponential_is_proved_beyond_that(one):
 def test_where_the_exponent_may_be_0_the_tip_may_be_on_the_boundary():
     found = verify(load(LOADED, Domain.between(0, Fraction(1))), claims=["origin", "smoothness"])
     assert found["origin"].verdict is Verdict.PROVED and found["smoothness"].verdict is not Verdict.PROVED
+
+
+CONE = "max(-a, -b, -c, (a + b + c)*(a*b + b*c + c*a) - k*a*b*c)"  # Matsuoka, Nakai (1974)
+
+
+@pytest.mark.parametrize(
+    "g", [CONE, "max(-a, a**2 - b**2, k*c*norm(a, b))", "abs(a) - k*norm(b, c)", "max(a**3, min(b, -c**2))", "(a*b*c)**3"]
+)
+def test_the_normals_of_a_cone_are_across_the_force(g):
+    one = law(g, k=POSITIVE)
+    found = degrees.dissipation(FormulaSubject(one))
+    assert found is not None and found.verdict is Verdict.PROVED and checked(one)
+
+
+@pytest.mark.parametrize(
+    "one",
+    [
+        law("max(-a, -b, -c, (a + b + c)*(a*b + b*c + c*a) - k*a*b*c - a)", k=POSITIVE),
+        law("max(-a, -b - k, c)", k=POSITIVE),  # its tip is elsewhere
+        law("max(a + b**2, -c)"),
+        law("where(a > 1, a**2 - b**2, a**2 - 2*b**2)"),
+        law("a**2*b + a*b*p", forces=("a", "b"), pressure="p"),
+        Criterion("law", "abs(a) - norm(b, c)", {}, forces=("a", "b", "c"), pressure=None, flow=("-a", "-b", "-c")),
+    ],
+)
+def test_what_only_looks_like_a_cone(one):
+    assert degrees.dissipation(FormulaSubject(one)) is None and not checked(one)

@@ -10,7 +10,7 @@ from duhem.proof.kernel.boundary import curves_inward, flows_along_normals, flow
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
-from duhem.proof.kernel.homogeneity import grows_along_rays, potential_flows_outward
+from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.piecewise import polyhedra
 from duhem.proof.kernel.polyhedron import union_is_convex
@@ -179,9 +179,9 @@ def euler(law: StatedLaw, _: Evidence) -> bool:
 
 
 def homogeneity(law: StatedLaw, _: Evidence) -> bool:
-    """d g(r sigma)/dr > 0 at r = 1 wherever g = 0: so sigma . n > 0 for every limit n of grad g there."""
+    """d g(r sigma)/dr > 0 at r = 1 wherever g = 0: so sigma . n > 0 for every limit n of grad g there; or K is a cone: it is 0."""
     domain = over(law)
-    return law.associated and facts(law.g, domain).defined and grows_along_rays(law.g, domain)
+    return law.associated and facts(law.g, domain).defined and (is_cone(law.g, domain) or grows_along_rays(law.g, domain))
 
 
 def power(law: StatedLaw, evidence: Evidence) -> bool:

@@ -2,7 +2,8 @@
 
 With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Euler).  Where g = 0 it is the sum of (k - m) G_k as well,
 for every m; one of these sums that is positive everywhere shows that g rises outward on its zeros.  The power of a flow that is the
-gradient of a potential is such a sum too, and so is its limit where gradients meet.
+gradient of a potential is such a sum too, and so is its limit where gradients meet.  Of one degree alone g keeps its sign along each
+ray: K is a cone, and sigma . n = 0 for every normal n at sigma.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from duhem.proof.kernel.identity import value, written
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["grows_along_rays", "potential_flows_outward"]
+__all__ = ["grows_along_rays", "is_cone", "potential_flows_outward"]
 
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
@@ -25,6 +26,16 @@ def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
     parts = _by_degree(g, domain)
     sums = (sum_of(*(product_of(number(k - m), part) for k, part in parts.items() if k != m)) for m in parts)
     return any(facts(power, domain).sign == POSITIVE for power in sums)
+
+
+def is_cone(g: Term, domain: StatedDomain) -> bool:
+    """Whether g keeps its sign along each ray from 0, every part of a maximum being of one degree."""
+    if g.op in ("max", "min"):
+        return all(is_cone(part, domain) for part in g.args)
+    try:
+        return len(_by_degree(g, domain)) == 1
+    except (NotWritten, ValueError):
+        return False
 
 
 def potential_flows_outward(potential: Term, g: Term, share: Term, domain: StatedDomain) -> bool:

@@ -19,6 +19,7 @@ __all__ = [
     "convexity_at_deepest_dents",
     "convexity_at_dents",
     "convexity_at_seams",
+    "convexity_between_exact_rays",
     "convexity_by_scouting",
     "convexity_by_thorough_scouting",
 ]
@@ -46,6 +47,13 @@ def _scouted(subject: FormulaSubject, most: int) -> Evidence | None:
     from duhem.proof.search.sampled_chords import sampled_chords  # numpy, only when something is looked for
 
     return _refuted(subject, sampled_chords(subject, most))
+
+
+def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:
+    """Between points of faces, edges or whiskers of K that no sample meets."""
+    from duhem.proof.search.exact_rays import chords_between_exact_rays
+
+    return _refuted(subject, chords_between_exact_rays(subject))
 
 
 def convexity_at_clear_dents(subject: FormulaSubject) -> Evidence | None:

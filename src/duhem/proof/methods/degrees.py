@@ -2,6 +2,7 @@
 
 With G_k the part of g of degree k in the forces, sigma . grad g is the sum of k G_k.  Where g = 0 it is the sum of (k - m) G_k as
 well, for every m; one of these that is positive shows that g rises outward there.  For g = A - B of degrees a > b it is (a - b) B.
+Of one degree alone g keeps its sign along each ray: K is a cone.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.statement.problem import Problem
 from duhem.proof.statement.star import by_degree
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
@@ -24,6 +26,9 @@ __all__ = ["dissipation", "dissipation_of_potential"]
 def dissipation(subject: FormulaSubject) -> Evidence | None:
     """sigma . grad g > 0 wherever g = 0 but at zero force, where the power is 0; so it is for every limit of such gradients at a kink."""
     problem = subject.simple
+    if subject.problem.associated and _cone(problem) and subject.joined(problem.g):
+        detail = "g keeps its sign along each ray from 0, so K is a cone: its normals are across the force, and the power is 0"
+        return Evidence(Verdict.PROVED, "homogeneity", detail, proof=Proof("homogeneity"))
     if not subject.problem.associated or (parts := by_degree(problem)) is None or not subject.joined(problem.g):
         return None
     away = sp.StrictGreaterThan(sp.Add(*(x**2 for x in problem.forces)), 0)
@@ -35,6 +40,13 @@ def dissipation(subject: FormulaSubject) -> Evidence | None:
             detail = f"g has parts of degree {', '.join(map(str, sorted(parts)))} in the forces, so sigma . grad g > 0 wherever g = 0"
             return Evidence(Verdict.PROVED, f"homogeneity ({answer.method})", detail, proof=Proof("homogeneity"))
     return None
+
+
+def _cone(problem: Problem) -> bool:
+    """Whether g has one degree, or is the greatest or least of such."""
+    if isinstance(problem.g, sp.Max | sp.Min):
+        return all(_cone(replace(problem, g=part)) for part in problem.g.args)
+    return len(by_degree(problem) or ()) == 1
 
 
 def dissipation_of_potential(subject: FormulaSubject) -> Evidence | None:

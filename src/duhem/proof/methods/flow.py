@@ -77,7 +77,8 @@ def normality_refuted_by_chord(subject: FormulaSubject, chord: Witness) -> Evide
     )
     # n . (midpoint - sigma) > 0 where a segment to the midpoint leaves K, whatever it comes from; so for p or q as well
     starts = [p, q, [Fraction(0)] * len(p), *([c * s for c in end] for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
-    for start, target in itertools.product(starts, (q, p)):
+    ways = ((start, target) for start in itertools.chain(starts, _centre(subject, parameters)) for target in (q, p))
+    for start, target in ways:
         if start is target:
             continue
 
@@ -91,6 +92,13 @@ def normality_refuted_by_chord(subject: FormulaSubject, chord: Witness) -> Evide
         if witness is not None:
             return Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
     return None
+
+
+def _centre(subject: FormulaSubject, parameters: Values) -> Iterator[list[Fraction]]:
+    """A point well inside K; the ends of a chord may lie on its boundary, with no way into K between them."""
+    from duhem.proof.search.boundary_points import scouts
+
+    yield from (list(exit.inside) for scout in scouts(subject, 6) if scout.parameters == parameters for exit in scout.towards_zero_force())
 
 
 def _read(subject: FormulaSubject, chord: Witness) -> tuple[Values, list[Fraction], list[Fraction], list[Fraction]]:

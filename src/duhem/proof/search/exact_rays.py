@@ -1,0 +1,97 @@
+"""Chords between points of K on rays that are known exactly: K may have faces, edges or whiskers that no sample meets.
+
+The rays lie along, between and opposite to the axes of the forces, and along the edges in which loads of g are 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import combinations, islice, product
+from math import gcd, lcm
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.expression.numpy_ import compiled
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.loads import loads_of
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.search.suggestion import Chord, Point
+
+__all__ = ["chords_between_exact_rays"]
+
+_POWERS = range(-20, 21)  # points lie at powers of 2
+_NODE, _POINTS, _EDGES = 200, 240, 12  # steps of each node of the formula; most points of K, most edges
+_NOTHING = 1e-12  # a height below this part of the greatest around is taken for 0
+_TRIED = 6  # chords for an exact look
+
+
+def chords_between_exact_rays(subject: FormulaSubject, most: int = 4) -> Iterator[Chord]:
+    """Those whose midpoint is highest above K, at so many choices of the parameters."""
+    forces = subject.simple.forces
+    price = _NODE * sum(1 for _ in sp.preorder_traversal(subject.simple.g))
+    for parameters in subject.choices(most) if len(forces) > 1 else ():
+        if not subject.budget.pays(price * len(forces)):
+            return
+        g = subject.formula_at(parameters)
+        yield from _between(g, forces, list(_rays(g, forces)), parameters)
+
+
+def _rays(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[int, ...]]:
+    """Directions in whole numbers."""
+    n, seen = len(forces), set[tuple[int, ...]]()
+    rows = [[load.diff(x) for x in forces] for load in loads_of(g, forces)]
+    rows = [row for row in rows if all(c.is_Rational for c in row)]
+    edges = list[tuple[int, ...]]()
+    for some in islice(combinations(rows, n - 1), _EDGES):
+        if len(flat := sp.Matrix(some).nullspace()) == 1:
+            scale = lcm(*(int(c.q) for c in flat[0]))
+            edge = [int(c * scale) for c in flat[0]]
+            edges += [tuple(s * c // gcd(*edge) for c in edge) for s in (1, -1)]
+    axes = product((-1, 0, 1), repeat=n) if n < 4 else ()
+    few = (
+        tuple(s * (k == i) + t * (k == j) for k in range(n)) for i, j in combinations(range(n), 2) for s, t in product((-1, 0, 1), repeat=2)
+    )
+    between = (tuple(a + b for a, b in zip(one, two, strict=True)) for one, two in combinations(edges, 2))
+    for ray in (*edges, *few, *axes, *between):
+        if any(ray) and ray not in seen:
+            seen.add(ray)
+            yield ray
+
+
+def _between(g: sp.Expr, forces: Sequence[sp.Symbol], rays: Sequence[tuple[int, ...]], parameters: Values) -> Iterator[Chord]:
+    run = compiled(g, forces)
+
+    def value(points: NDArray[Any]) -> NDArray[Any]:
+        heights = np.asarray(run(*np.moveaxis(points, -1, 0)), dtype=float)
+        return np.where(np.isfinite(heights), heights, np.nan)
+
+    lengths = 2.0 ** np.array(_POWERS)
+    points = np.array(rays, dtype=float)[:, None, :] * lengths[:, None]
+    heights = value(points)
+    inside = heights <= _NOTHING * np.nanmax(np.abs(heights), axis=0, initial=0.0)
+    ends = [(i, k) for i, row in enumerate(inside) for k in _ends(row)][:_POINTS]
+    if len(ends) < 2:
+        return
+    known = np.array([points[i, k] for i, k in ends])
+    one, two = np.triu_indices(len(ends), 1)
+    middle = value((known[one] + known[two]) / 2)
+    order = np.argsort(-np.where(np.isnan(middle), -np.inf, middle), kind="stable")[:_TRIED]
+    for k in order:
+        if middle[k] > 0:
+            yield Chord(parameters, _place(rays, ends[one[k]]), _place(rays, ends[two[k]]))
+
+
+def _ends(inside: NDArray[Any]) -> list[int]:
+    """Where a ray leaves K, and half-way and a quarter of the way there; of one that does not leave it some places."""
+    last = [k for k in range(len(inside) - 1) if inside[k] and not inside[k + 1]]
+    places = [k - j for k in last for j in (0, 1, 2)] if last else [len(inside) // 2 + j for j in (-2, 0, 2)]
+    return [k for k in places if k >= 0 and inside[k]]
+
+
+def _place(rays: Sequence[tuple[int, ...]], end: tuple[int, int]) -> Point:
+    i, k = end
+    return tuple(c * Fraction(2) ** _POWERS[k] for c in rays[i])

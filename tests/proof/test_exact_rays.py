@@ -1,0 +1,51 @@
+"""Sets with faces, edges and whiskers that no sample meets, and neighbours that are convex."""
+
+from __future__ import annotations
+
+import pytest
+
+from duhem import Criterion, verify
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import chords
+from duhem.proof.verdict import Verdict
+
+CONE = "max(-a, -b, -c, (a + b + c)*(a*b + b*c + c*a) - 35/3*a*b*c)"  # Matsuoka, Nakai (1974): with the axes
+TURNED = {"a": "(a + 2*b)", "b": "(a - b + c)", "c": "(b - 3*c)"}
+
+
+def turned(g: str) -> str:
+    return "".join(TURNED.get(x, x) for x in g.replace("max", "M")).replace("M", "max")
+
+
+def found(g: str, forces: tuple[str, ...]) -> bool:
+    subject = FormulaSubject(Criterion(name="law", g=g, forces=forces, pressure=None))
+    subject.allow(4_000_000)
+    return chords.convexity_between_exact_rays(subject) is not None
+
+
+@pytest.mark.parametrize(
+    ("g", "forces", "dented"),
+    [
+        (CONE, "abc", True),
+        (turned(CONE), "abc", True),
+        (CONE.replace("(a*b + b*c + c*a)", "(a + b + c)**2").replace("35/3", "30"), "abc", False),  # Lade, Duncan (1975): without
+        (turned(CONE).replace("*35/3", "*0"), "abc", True),
+        ("max(-a, -b, -c, a*b + b*c + c*a)", "abc", True),  # the axes alone
+        ("max(-a, -b, a*b)", "ab", True),
+        ("max(-a, -b, a - b, b - a)", "ab", False),  # a ray
+        ("min(norm(a, b) - 1, abs(a) + pos(abs(b) - 2))", "ab", True),  # a disc with whiskers
+        ("min(norm(a, b) - 1, abs(a) + pos(abs(b) - 1))", "ab", False),
+        ("min(norm(a, b, c) - 1, norm(a - b, c) + pos(abs(b) - 1))", "abc", True),
+        ("max(norm(a, b) - 1, where(abs(a) > 0, 0, b))", "ab", True),  # without half of its diameter
+        ("max(norm(a, b) - 1, where(abs(a) > 0, 0, -1))", "ab", False),
+    ],
+)
+def test_what_no_sample_meets(g: str, forces: str, dented: bool) -> None:
+    assert found(g, tuple(forces)) is dented
+
+
+@pytest.mark.slow
+def test_what_follows_for_the_slip() -> None:
+    law = Criterion(name="law", g=CONE, forces=("a", "b", "c"), pressure=None)
+    result = verify(law, claims=["convexity", "normality"])
+    assert {r.verdict for r in result.results} == {Verdict.REFUTED}
