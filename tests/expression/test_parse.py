@@ -121,7 +121,7 @@ FAULTS = {
     "(((2*x)**64)**64)**64": (5, "too large"),
     "(" * 100 + "x" + ")" * 100: (65, "nested too deeply"),
     "-" * 1500 + "x": (246, "nested too deeply"),
-    "x" + "+x" * 1000: (2005, "too large"),
+    "x" + "+x" * 2000: (4005, "too large"),
     "x" * 30_000: (5, "characters"),
     f"max({','.join('x' * 40)})": (5, "arguments"),
 }

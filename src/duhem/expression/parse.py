@@ -28,7 +28,7 @@ from duhem.expression.vocabulary import NODES, WORDS
 __all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "ratio"]
 
 MOST_CHARACTERS = 20_000
-MOST_TOKENS = 2_000
+MOST_TOKENS = 4_000
 MOST_DEPTH = 60
 MOST_NODES = 8_000  # of what is written out with parts of it repeated
 
@@ -253,7 +253,9 @@ class _Reader:
         return self.starts[line - 1] + characters
 
     def segment(self, node: ast.expr) -> str:
-        return ast.get_source_segment(f"({self.text}\n)", node) or ""
+        if node.end_lineno is None or node.end_col_offset is None:
+            return ""
+        return self.text[self.start(node) : self.offset(node.end_lineno, node.end_col_offset)]
 
     def quote(self, node: ast.expr) -> str:
         """The node as it stands in the text that was given."""

@@ -25,6 +25,7 @@ from duhem.proof.facts.profile import convex_by_its_profile
 from duhem.proof.facts.quadratic_form import semidefinite
 from duhem.proof.facts.section import Meaning, Section
 from duhem.proof.facts.shape import Curvature, used
+from duhem.proof.facts.spectrum import spectrum
 
 __all__ = ["convex_in_its_region", "curvature"]
 
@@ -152,7 +153,21 @@ class _CurvatureRules:
         if facts.convex or not node.free_symbols & self.forces:
             return facts
         found = self._by_section(node) if self.meaning is not None else None
-        return found if found is not None and found.quasiconvex else self.even(node, facts)
+        return found if found is not None and found.quasiconvex else self._by_spectrum(node, self.even(node, facts))
+
+    def _by_spectrum(self, node: Any, facts: Curvature) -> Curvature:
+        """As a symmetric function of eigenvalues."""
+        if facts.quasiconvex or not node.has(EigMax, sp.Max, sp.Min):
+            return facts
+        found = spectrum(node, self.forces, lambda entry: self.of(entry).affine)
+        if found is None:
+            return facts
+        others = (*(self.forces - {*self.subject.simple.forces}), *found.names)
+        shape = _CurvatureRules(self.subject, self.convex, others, self.loads).of(found.freed)
+        if not shape.quasiconvex or not found.symmetric():
+            return facts
+        rules = used(shape, rule="a symmetric convex function of the eigenvalues is convex in the matrix")
+        return replace(facts, convex=shape.convex, quasiconvex=True, nonnegative=facts.nonnegative or shape.nonnegative, rules=rules)
 
     @cached_property
     def meaning(self) -> Meaning | None:
@@ -225,6 +240,15 @@ class _CurvatureRules:
         moving = [(f, s) for f, s in zip(node.args, factors, strict=True) if f.free_symbols & self.forces]
         several = Curvature(nonnegative=all(s.nonnegative for _, s in moving))  # of a product only the sign is followed
         facts = moving[0][1] if len(moving) == 1 else several
+        sizes = [(f.args[0], s) for f, s in moving if isinstance(f, sp.Abs)]
+        if (
+            len(moving) == 2
+            and sizes
+            and sizes[0][1].convex
+            and any(f.is_Pow and f.base == sizes[0][0] and f.exp.is_even and f.exp.is_positive for f, _ in moving)
+        ):
+            shape = sizes[0][1]  # |x|^3 is kept as x^2 |x|
+            facts = Curvature(convex=True, quasiconvex=True, nonnegative=True, rules=used(shape, rule="odd powers of |x| are convex"))
         if len(moving) == 2 and self._size_by_its_logarithm([f for f, _ in moving], scale):
             rules = ("x log x is convex for x > 0",)
             return Curvature(convex=True, quasiconvex=True, rules=rules)

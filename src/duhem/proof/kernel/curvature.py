@@ -17,6 +17,7 @@ from duhem.proof.kernel.loads import multiple, sign_within
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.shape import Facts
+from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
 from duhem.proof.kernel.term import Term, factors, minus, number
 
 __all__ = ["Facts", "facts", "over"]
@@ -52,10 +53,10 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     """What is shown of a term by rules that look at more than its parts one by one."""
     if term.op in ("+", "*", "**") and (found := by_section(term, domain, facts)) is not None:
         return found
-    even = quasiconvex_in_even_parts(term, domain, facts, over) if known.defined else None
-    if even is None:
-        return known
-    return replace(known, sign=known.sign & even.sign, convex=even.convex, quasiconvex=True)
+    for rule in (quasiconvex_in_even_parts, quasiconvex_in_eigenvalues):
+        if known.defined and (found := rule(term, domain, facts, over)) is not None:
+            return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
+    return known
 
 
 def _sharpened(term: Term, domain: StatedDomain) -> Sign:

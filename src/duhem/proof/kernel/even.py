@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 
+from duhem.proof.kernel.alike import alike
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
-from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of
 
@@ -37,8 +37,7 @@ def quasiconvex_in_even_parts(term: Term, domain: StatedDomain, shown: Shown, ov
             known = shown(freed, wider)
             if not (known.defined and known.quasiconvex):
                 continue
-            form = _form(freed, wider)
-            if all(_form(freed.put({z: minus(z)}), wider) == form for z in free.values()):
+            if all(alike(freed.put({z: minus(z)}), freed, wider) for z in free.values()):
                 return known
     return None
 
@@ -76,24 +75,3 @@ def _multiple(term: Term, names: dict[Term, Term], domain: StatedDomain) -> Term
     if len([f for f in parts if not domain.constant(f)]) > 1 or not any(f in names for f in parts):
         return None
     return product_of(*(names.get(f, f) for f in parts))
-
-
-def _form(term: Term, domain: StatedDomain) -> Polynomial:
-    """The term multiplied out, what stands under |.|, a norm or an even power with one of its two signs, arguments in order."""
-    return domain.polynomial(_ordered(term, domain))
-
-
-def _ordered(term: Term, domain: StatedDomain) -> Term:
-    if not term.args:
-        return term
-    args = [_sorted(domain.polynomial(_ordered(a, domain))) for a in term.args]
-    if term.op in ("abs", "norm") or (term.op == "**" and args[1].op == "number" and args[1].value % 2 == 0):
-        sized = 1 if term.op == "**" else len(args)
-        args[:sized] = [min(a, _sorted(domain.polynomial(minus(a)))) for a in args[:sized]]
-    return Term(term.op, tuple(sorted(args) if term.op in ("norm", "max", "min") else args))
-
-
-def _sorted(poly: Polynomial) -> Term:
-    if set(poly) <= {()}:
-        return number(poly.get((), 0))
-    return written(dict(sorted(poly.items())))
