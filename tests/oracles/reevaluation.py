@@ -18,6 +18,8 @@ from mpmath.ctx_iv import MPIntervalContext
 
 from duhem import Criterion, Witness
 from duhem.expression import Neg, Norm, Pos, Where
+from duhem.expression.inert_number import InertNumber
+from duhem.expression.vocabulary import EigMax
 
 __all__ = ["Interval", "confirmed", "gradient", "value"]
 
@@ -120,8 +122,20 @@ def _compare(relation: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> boo
     return None
 
 
+def _greatest_eigenvalue(entries: Sequence[Interval]) -> Interval:
+    """By Weyl: no eigenvalue moves by more than the norm of what is added to the matrix; its rounding is far below 1e-40."""
+    middle = [_MP.mpf(e.mid) for e in entries]
+    x, y, z, yz, xz, xy = middle
+    found = max(_MP.eigsy(_MP.matrix([[x, xy, xz], [xy, y, yz], [xz, yz, z]]), eigvals_only=True))
+    moved = 2 * sum(_MP.mpf((abs(e - m)).b) for e, m in zip(entries, map(_IV.mpf, middle), strict=True))
+    radius = moved + _MP.mpf("1e-40") * (1 + sum(map(abs, middle)))
+    return _IV.mpf([found - radius, found + radius])
+
+
 def _jet(node: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> _Jet:
     some = next(iter(values.values()))
+    if isinstance(node, InertNumber):
+        node = node.value
     if node.is_Symbol:
         return values[node]
     if node.is_Rational:
@@ -133,13 +147,14 @@ def _jet(node: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> _Jet:
             return _jet(a if side else b, values, jets)
         return _jet(a, values, jets).hull(_jet(b, values, jets))
     if node.is_Pow:
-        if not node.exp.is_Rational:
+        number = node.exp.value if isinstance(node.exp, InertNumber) else node.exp
+        if not number.is_Rational:
             exponent = _jet(node.exp, values, False).value
             base = _jet(node.base, values, jets)
             if jets or base.value.a <= 0:
                 raise OpenError
             return base.through(_IV.exp(exponent * _IV.log(base.value)), _IV.mpf(0))
-        return _power(_jet(node.base, values, jets), Fraction(int(node.exp.p), int(node.exp.q)), jets)
+        return _power(_jet(node.base, values, jets), Fraction(int(number.p), int(number.q)), jets)
     parts = [_jet(a, values, jets) for a in node.args]
     if node.is_Add:
         return reduce(_Jet.__add__, parts)
@@ -161,6 +176,8 @@ def _jet(node: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> _Jet:
             return _choose(a, b, largest if gap.a >= 0 else not largest if gap.b <= 0 else None)
 
         return reduce(pick, parts)
+    if isinstance(node, EigMax) and not jets:
+        return parts[0].through(_greatest_eigenvalue([p.value for p in parts]), _IV.mpf(0))
     if isinstance(node, sp.exp):
         grown = _IV.exp(parts[0].value)
         return parts[0].through(grown, grown)
