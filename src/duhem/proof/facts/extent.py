@@ -87,7 +87,7 @@ def _point(subject: FormulaSubject) -> str:
 
 def _invariant(subject: FormulaSubject) -> int:
     """In how many directions of the forces g does not change."""
-    return len(subject.problem.forces) - len(subject.simple.forces)
+    return len(subject.problem.principal().forces) - len(subject.simple.forces)
 
 
 def _cause(subject: FormulaSubject) -> str:

@@ -16,6 +16,7 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.angles import algebraic_angles
+from duhem.expression.isotropy import shears_of_isotropic
 from duhem.expression.lineality import invariant_directions
 from duhem.expression.parse import parse_as_written, parse_expression
 from duhem.expression.text import formula
@@ -91,11 +92,16 @@ class Problem:
         return {} if self.magnitude is None or self.law.pressure is None else {self.law.symbols()[self.law.pressure]: -self.magnitude}
 
     def simplest(self) -> Problem:
-        """An equivalent slice: outer monotone maps dropped, invariant forces and scaling parameters fixed."""
+        """An equivalent slice: outer monotone maps dropped, shears of isotropic laws, invariant forces and scaling parameters fixed."""
         g = without_outer_map(self.g)
         faces = (self.faces[0]._replace(g=g),) if len(self.faces) == 1 else self.faces
         plain = replace(self, g=g, faces=faces)
-        return plain.quotient().dimensionless() if plain.associated else plain
+        return plain.principal().quotient().dimensionless() if plain.associated else plain
+
+    def principal(self) -> Problem:
+        """Shear components set to 0 where g does not change when the stress is turned (Davis 1957, Lewis 1996)."""
+        shears = shears_of_isotropic(self.g, self.forces)
+        return self if shears is None else _replaced(self, dict.fromkeys(shears, sp.S.Zero))
 
     def quotient(self) -> Problem:
         """Forces set to 0 along directions in which g does not change (hydrostatic pressure for J2-J3 laws)."""

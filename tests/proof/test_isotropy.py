@@ -1,0 +1,151 @@
+"""Laws that do not change when the stress is turned, decided in principal stresses: who is one, and who only looks like one."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from duhem import Criterion, Domain, verify
+from duhem.expression.isotropy import shears_of_isotropic
+from duhem.law.criterion_file import reads
+from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.isotropy import in_principal_stresses
+from duhem.proof.law_text import law_as_text
+from tests.oracles.reevaluation import confirmed
+
+FORCES = ("xx", "yy", "zz", "yz", "xz", "xy")
+J2 = "(((xx - yy)**2 + (yy - zz)**2 + (zz - xx)**2)/6 + yz**2 + xz**2 + xy**2)"
+DET = "(xx*yy*zz + 2*yz*xz*xy - xx*yz**2 - yy*xz**2 - zz*xy**2)"
+GREATEST = "eigmax(xx, yy, zz, yz, xz, xy)"
+
+
+def law(g: str, forces: tuple[str, ...] = FORCES, **more: object) -> Criterion:
+    return Criterion(name="law", g=g, forces=forces, pressure=None, **more)  # type: ignore[arg-type]
+
+
+def both(stated: Criterion) -> bool:
+    """What the prover and the kernel say of it; they must agree."""
+    prover = shears_of_isotropic(stated.g, stated.force_symbols()) is not None
+    kernel = in_principal_stresses(StatedLaw.read(law_as_text(stated))) is not None
+    assert prover == kernel
+    return prover
+
+
+@pytest.mark.parametrize(
+    "g",
+    [
+        f"{J2} - 1",
+        f"sqrt({J2}) + k*(xx + yy + zz) - 1",
+        f"{DET} - 1",
+        f"{GREATEST} - 1",
+        "eigmax(-xx, -yy, -zz, -yz, -xz, -xy) + xx + yy + zz - 1",
+        f"abs({DET})**(1/3) + max({GREATEST}, {J2}) - exp(-xx - yy - zz)",
+        f"where({DET} > 0, sqrt({J2}), 2*sqrt({J2})) - 1",
+        "eigmax(2*xx + yy + zz, xx + 2*yy + zz, xx + yy + 2*zz, yz, xz, xy) - 1",
+        "eigmax(xx**2 + xy**2 + xz**2, yy**2 + xy**2 + yz**2, zz**2 + xz**2 + yz**2,"
+        " xy*xz + yz*(yy + zz), xy*yz + xz*(xx + zz), xz*yz + xy*(xx + yy)) - 1",
+        f"(xx + yy + zz)*{J2}*sqrt({J2}) - 1",
+    ],
+)
+def test_what_is_isotropic(g: str) -> None:
+    assert both(law(g, parameters={"k": Domain()}) if "k*" in g else law(g))
+
+
+def test_the_order_of_the_shear_components_is_found() -> None:
+    renamed = {"yz": "xy", "xz": "yz", "xy": "xz"}
+    turned = "".join(renamed.get(part, part) for part in DET.replace("(", "( ").replace("*", " * ").split(" "))
+    assert both(law(f"{turned} - 1"))
+    assert not both(law(f"{DET} + {turned} - 1"))  # each of the two with another order
+
+
+@pytest.mark.parametrize(
+    "g",
+    [
+        f"{J2} + xy**2/1000000000 - 1",
+        f"{J2.replace('yz**2', '2*yz**2')} - 1",
+        f"{J2.replace('/6', '/5')} - 1",
+        f"{DET.replace('2*', '-2*')} - 1",
+        f"{DET.replace('- zz', '+ zz')} - 1",
+        "eigmax(xx, yy, zz, xz, yz, xy) + eigmax(xx, yy, zz, yz, xz, xy) - 1",
+        "eigmax(xx, yy, zz, yz, xz, 2*xy) - 1",
+        "eigmax(xx, yy, 0, yz, xz, xy) - 1",
+        "eigmax(xx, yy, zz, yz, xz, xy + 1) - 1",
+        "eigmax(xx, yy, zz, -yz, xz, xy) + xx*yz**2 - 1",
+        f"where(xy > 0, sqrt({J2}), 2*sqrt({J2})) - 1",
+        f"max({J2}, xy) - 1",
+        f"sqrt({J2}) + sqrt(xx**2 + yy**2 + zz**2 + 2*yz**2 + 2*xz**2 + 2*xy**2 + xy**4) - 1",
+        f"{J2}**(1 + xy**2) - 1",
+        "abs(xx) + abs(yy) + abs(zz) + abs(yz) + abs(xz) + abs(xy) - 1",
+    ],
+)
+def test_what_only_looks_isotropic(g: str) -> None:
+    assert not both(law(g))
+
+
+def test_where_it_is_undefined_counts_too() -> None:
+    """The prover reads 0*log(x) as 0, and says that of such a formula only what the kernel confirms is proved."""
+    assert in_principal_stresses(StatedLaw.read(law_as_text(law(f"{J2} + 0*log(xy) - 1")))) is None
+    found = verify(law(f"{J2} + 0*log(xy) - 1"), claims=["convexity"])
+    assert found["convexity"].verdict.value in ("tested", "undecided") and "logarithm of xy" in found.remarks[0]
+
+
+def test_what_does_not_change_is_counted_in_six_components() -> None:
+    assert "g does not change along 1 direction of the forces" in verify(law(f"{J2} - 1"), claims=["origin"]).remarks[0]
+
+
+@pytest.mark.parametrize("g", ["xx**2 + yy**2 + zz**2 - 1", "(xx - yy)**2 + 4*xy**2 - 1"])
+def test_fewer_components_are_taken_as_they_are(g: str) -> None:
+    assert not both(law(g, tuple(x for x in FORCES if x in g)))
+
+
+def test_a_range_of_a_component_or_a_flow_is_of_that_component() -> None:
+    ranged = StatedLaw.read(law_as_text(law(f"{J2} - 1", domain={"xx": Domain(low=-1, high=1)})))
+    flowing = StatedLaw.read(law_as_text(law(f"{J2} - 1", flow=("xx", "yy", "zz", "yz", "xz", "xy"))))
+    assert in_principal_stresses(ranged) is None and in_principal_stresses(flowing) is None
+
+
+def test_duality_is_not_asked_in_principal_stresses() -> None:
+    """The support function of K in six slips is another than that in three."""
+    stated = StatedLaw.read(law_as_text(law(f"{GREATEST} - 1")))
+    evidence = {"potential": "abs(a) + abs(b) + abs(c)", "slips": {"xx": "a", "yy": "b", "zz": "c"}}
+    assert objection("duality", "polar-gauge", frozenset(), stated, evidence)
+
+
+@pytest.mark.parametrize(
+    ("g", "convex"),
+    [
+        ("J2(s)**(3/2) + 1.29*J3(s) - 1", True),
+        ("J2(s)**(3/2) + 1.3*J3(s) - 1", False),
+        ("3*principal(s, 1) + 2*principal(s, 2) + principal(s, 3) - 1", True),
+        ("3*principal(s, 1) + 1*principal(s, 2) + 1.001*principal(s, 3) - 1", False),
+    ],
+)
+def test_what_is_decided_in_principal_stresses_holds_of_all_six(g: str, convex: bool) -> None:
+    head = '[criterion]\nname = "law"\nstress = { name = "s", kind = "3d" }\npressure = false\n'
+    stated = reads(f'{head}g = "{g}"\n', "law")
+    found = verify(stated, claims=["convexity"])["convexity"]
+    assert found.verdict.value == ("proved" if convex else "refuted")
+    if convex:
+        assert str(found.trust) == "checked"
+    else:
+        assert found.witness is not None and confirmed(stated, "convexity", found.witness)
+
+
+def test_the_kernel_reads_the_same_values_in_principal_stresses() -> None:
+    """The reduced formula at a diagonal tensor is the formula there."""
+    from duhem.proof.kernel.curvature import facts, over
+    from duhem.proof.kernel.term import Term, number
+
+    rng = random.Random(4)
+    stated = StatedLaw.read(law_as_text(law(f"2*{J2} + 0.3*{DET} + {GREATEST} - 1")))
+    reduced = in_principal_stresses(stated)
+    assert reduced is not None and reduced.forces == FORCES[:3]
+    for _ in range(20):
+        point = {x: rng.randint(-9, 9) for x in FORCES[:3]} | dict.fromkeys(FORCES[3:], 0)
+        swap = {Term("name", name=x): number(v) for x, v in point.items()}
+        x, y, z = (point[c] for c in FORCES[:3])
+        exact = 2 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 6 + 0.3 * x * y * z + max(x, y, z) - 1
+        shown = facts(reduced.g.put(swap), over(reduced))
+        assert shown.defined and (shown.sign & (4 if exact > 0 else 1)) and shown.sign in (1, 2, 4)
