@@ -4,6 +4,7 @@ import sympy as sp
 
 from duhem.expression import Where
 from duhem.expression.branches import branches
+from duhem.expression.inert_number import InertNumber
 
 X = sp.Symbol("x", real=True)
 OPEN, CLOSED = Where(X > 0, 1, -1), Where(X >= 0, 1, -1)
@@ -26,3 +27,12 @@ def test_a_side_without_the_equality_meets_no_branch_that_is_there_alone():
     at_zero = Where(X >= 0, Where(X <= 0, 5, 0), 0)  # 5 at x = 0 alone
     assert (0, (5, -1)) in _regions(at_zero, OPEN) and not any(found == (5, 1) for _, found in _regions(at_zero, OPEN))
     assert (0, (5, 1)) in _regions(at_zero, CLOSED) and not any(found == (5, -1) for _, found in _regions(at_zero, CLOSED))
+
+
+def test_an_exponent_of_long_integers_is_left_alone_on_a_branch() -> None:
+    """SymPy makes polynomials of degree 1000001 of it where it asks cosh for its sign."""
+    a = sp.Symbol("a", real=True)
+    long, short = InertNumber(sp.Rational(1000001, 1000000)), InertNumber(sp.Rational(101, 100))
+    above, below = branches(sp.cosh(sp.Abs(a) ** long - 1))
+    assert {above.expr, below.expr} == {sp.cosh(a**long - 1), sp.cosh((-a) ** long - 1)}
+    assert branches(sp.Abs(a) ** short)[0].expr == a ** sp.Rational(101, 100)

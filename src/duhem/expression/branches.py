@@ -15,9 +15,12 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.fold import fold
+from duhem.expression.inert_number import InertNumber
 from duhem.expression.vocabulary import EigMax, Neg, Pos, Where
 
 __all__ = ["Branch", "Seam", "TooManyBranchesError", "branches", "oriented", "seam", "seams", "thick"]
+
+_MOST_DEGREE = 10_000
 
 
 class TooManyBranchesError(Exception):
@@ -115,11 +118,16 @@ def _together(parts: Sequence[Branch], thin: bool) -> Branch | None:
     return Branch(signs, None, apart=apart)
 
 
+def _left_alone(exponent: sp.Expr) -> sp.Expr:
+    """An exponent that SymPy would make polynomials of that degree of is kept as it was written."""
+    return InertNumber(exponent) if exponent.is_Rational and max(abs(exponent.p), exponent.q) > _MOST_DEGREE else exponent
+
+
 def _rebuilt(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Branch | None]:
     where = _together(parts, thin)
     if where is None:
         return
-    expr = node.func(*(p.expr for p in parts))
+    expr = node.func(*(_left_alone(p.expr) if node.is_Pow and p is parts[1] else p.expr for p in parts))
     if not expr.has(sp.Abs):
         yield replace(where, expr=expr)
         return

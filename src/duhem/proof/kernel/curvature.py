@@ -13,7 +13,7 @@ from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, signs_of_product
 from duhem.proof.kernel.elementary import sign_over
 from duhem.proof.kernel.even import quasiconvex_in_even_parts
-from duhem.proof.kernel.loads import multiple, sign_within
+from duhem.proof.kernel.loads import collected, multiple, sign_within
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.shape import Facts
@@ -53,6 +53,8 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     """What is shown of a term by rules that look at more than its parts one by one."""
     if term.op in ("+", "*", "**") and (found := by_section(term, domain, facts)) is not None:
         return found
+    if term.op == "+" and known.defined and (like := collected(term, domain)) != term and (found := facts(like, domain)).convex:
+        return replace(found, sign=found.sign & known.sign)
     for rule in (quasiconvex_in_even_parts, quasiconvex_in_eigenvalues):
         if known.defined and (found := rule(term, domain, facts, over)) is not None:
             return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
