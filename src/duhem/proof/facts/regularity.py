@@ -3,11 +3,14 @@
 A kink of abs, pos or neg sits where its argument vanishes.  A function that itself vanishes there loses the kink under
 any power p > 1 and inside a Euclidean norm, which leaves only the tip where the norm is 0.  This is why Eq. (35) of
 Antoni et al. (2007) is C^1 across the quadrant seams though pos and neg are not.
+
+Let G(x, z) be C^1 and even in every z_i, and r_i(x) >= 0 convex, and C^1 where it is > 0.  Then G(x, r(x)) is C^1, where r_i = 0 too:
+dG/dz_i is 0 for z_i = 0, and r_i is Lipschitz.  So f(u - r) + f(u + r) is C^1 for an f that is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,11 +19,14 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, fold
 from duhem.expression.branches import oriented
+from duhem.proof.facts.curvature import curvature
+from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
 
 __all__ = ["Regularity", "regularity"]
 
 _NONE: frozenset[sp.Expr] = frozenset()
+_MOST_ROOTS = 8
 
 
 @dataclass(frozen=True)
@@ -51,8 +57,9 @@ def regularity(expr: sp.Expr, subject: FormulaSubject) -> Regularity:
 
 
 class _RegularityRules:
-    def __init__(self, subject: FormulaSubject) -> None:
-        self.subject, self.forces = subject, set(subject.simple.forces)
+    def __init__(self, subject: FormulaSubject, others: Collection[sp.Symbol] = ()) -> None:
+        """``others`` are taken for forces too."""
+        self.subject, self.forces = subject, {*subject.simple.forces, *others}
 
     def of(self, expr: sp.Expr) -> Regularity:
         smooth = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan)
@@ -78,10 +85,31 @@ class _RegularityRules:
         return Regularity() if self.constant(node) else _OPAQUE
 
     def add(self, node: sp.Expr, *terms: Regularity) -> Regularity:
-        if not all(t.known for t in terms):
-            return _OPAQUE
-        zero = frozenset.intersection(*(t.vanishing for t in terms)) | {oriented(node)[0]}
-        return Regularity(True, frozenset().union(*(t.kinks for t in terms)), zero, frozenset().union(*(t.tips for t in terms)))
+        found = _OPAQUE
+        if all(t.known for t in terms):
+            zero = frozenset.intersection(*(t.vanishing for t in terms)) | {oriented(node)[0]}
+            found = Regularity(True, frozenset().union(*(t.kinks for t in terms)), zero, frozenset().union(*(t.tips for t in terms)))
+        return found if found.known and not found.kinks and not found.tips else self.even_in_roots(node) or found
+
+    def even_in_roots(self, node: sp.Expr) -> Regularity | None:
+        """Of a sum that is C^1 and even in its roots; what is singular but for the roots themselves stays a tip."""
+        if not node.free_symbols & self.forces or self.forces != {*self.subject.simple.forces} or not node.has(sp.Pow, Norm):
+            return None
+        roots = [*dict.fromkeys(outermost_roots(node, self.forces, self.convex_root))]
+        inner = [self.of(y) for root in roots for y in (root.args if isinstance(root, Norm) else root.args[:1])]
+        if not 0 < len(roots) <= _MOST_ROOTS or not all(y.known and y.cancelling for y in inner):
+            return None
+        for expr, others in freed(node, roots, self.forces):
+            found = _RegularityRules(self.subject, others).of(expr)
+            if found.known and not found.kinks and even(expr, others):
+                back = dict(zip(others, roots, strict=True))
+                tips = frozenset(tip.xreplace(back) for tip in found.tips).union(*(y.tips for y in inner))
+                return Regularity(True, _NONE, frozenset({oriented(node)[0]}), tips)
+        return None
+
+    def convex_root(self, root: sp.Expr) -> bool:
+        shape = curvature(root, self.subject)
+        return shape.convex and shape.nonnegative and not shape.affine
 
     def mul(self, node: sp.Expr, *factors: Regularity) -> Regularity:
         if not all(t.known for t in factors):

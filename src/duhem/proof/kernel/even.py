@@ -8,38 +8,54 @@ Lewis 1996, SIAM J. Optim. 6, 164).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
+from typing import NamedTuple
 
 from duhem.proof.kernel.alike import alike
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of
 
-__all__ = ["quasiconvex_in_even_parts"]
+__all__ = ["FreedOfRoots", "freed_of_roots", "quasiconvex_in_even_parts"]
 
 _MOST_ROOTS = 8
 
 
 def quasiconvex_in_even_parts(term: Term, domain: StatedDomain, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> Facts | None:
     """What is shown of the term with further forces in the place of its roots; None if that is not even in them, or not quasiconvex."""
+    with suppress(NotWritten):
+        for freed in freed_of_roots(term, domain, shown, over):
+            known = shown(freed.term, freed.domain)
+            if known.defined and known.quasiconvex and freed.even():
+                return known
+    return None
+
+
+class FreedOfRoots(NamedTuple):
+    """A ``term`` of a wider ``domain``: with forces that may be any numbers in the place of ``roots``, which are convex and >= 0."""
+
+    term: Term
+    domain: StatedDomain
+    roots: Mapping[Term, Term]
+
+    def even(self) -> bool:
+        """Whether it is even in each of these forces."""
+        return all(alike(self.term.put({z: minus(z)}), self.term, self.domain) for z in self.roots)
+
+
+def freed_of_roots(term: Term, domain: StatedDomain, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> Iterator[FreedOfRoots]:
+    """The term with a force z for each of its outermost roots; then with |z| where no affine part is added."""
     roots = list(dict.fromkeys(root for part in term.args for root in _roots(part, domain, shown)))
     if not 0 < len(roots) <= _MOST_ROOTS:
-        return None
+        return
     names = [f"root {i}" for i in range(len(roots))]  # no name of a law has blanks
     while {*names} & {*domain.law.forces}:
         names = [f"{name} inside" for name in names]
     wider = over(domain.law._replace(forces=(*domain.law.forces, *names)))
     free = {root: Term("name", name=name) for root, name in zip(roots, names, strict=True)}
-    with suppress(NotWritten):
-        for sized in (False, True):
-            freed = _freed(term, free, sized, domain, shown)
-            known = shown(freed, wider)
-            if not (known.defined and known.quasiconvex):
-                continue
-            if all(alike(freed.put({z: minus(z)}), freed, wider) for z in free.values()):
-                return known
-    return None
+    for sized in (False, True):
+        yield FreedOfRoots(_freed(term, free, sized, domain, shown), wider, {z: root for root, z in free.items()})
 
 
 def _roots(term: Term, domain: StatedDomain, shown: Shown) -> Iterator[Term]:

@@ -2,17 +2,22 @@
 
 A function that vanishes where it has a kink, and is Lipschitz, loses the kink under a power > 1 and inside a Euclidean
 norm: only the tip is left where the norm is 0.
+
+Let G(x, z) be C^1 and even in every z_i, and r_i(x) >= 0 convex, and C^1 where it is > 0.  Then G(x, r(x)) is C^1, where r_i = 0 too:
+dG/dz_i is 0 for z_i = 0, and r_i is Lipschitz, so that the share dG/dz_i grad r_i of the gradient tends to 0 there.
 """
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
-from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.even import freed_of_roots
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.section import apart_from_axis
-from duhem.proof.kernel.term import Term, number
+from duhem.proof.kernel.term import NotWritten, Term, number
 
 __all__ = ["smooth_near_the_boundary"]
 
@@ -51,6 +56,28 @@ def _switch(term: Term, domain: StatedDomain) -> Switch:
 
 
 def _regularity(term: Term, domain: StatedDomain) -> Kinks | None:
+    found = _of_parts(term, domain)
+    if term.op == "+" and (found is None or found.kinks or found.tips):
+        with suppress(NotWritten):
+            return _even_in_roots(term, domain) or found
+    return found
+
+
+def _even_in_roots(term: Term, domain: StatedDomain) -> Kinks | None:
+    """Of a sum that is C^1 and even in its roots; what is singular but for the roots themselves stays a tip."""
+    for freed in freed_of_roots(term, domain, facts, over):
+        found = _regularity(freed.term, freed.domain)
+        if found is None or found.kinks or not facts(freed.term, freed.domain).defined or not freed.even():
+            continue
+        inner = [_regularity(y, domain) for root in freed.roots.values() for y in (root.args if root.op == "norm" else root.args[:1])]
+        known = [y for y in inner if y is not None and y.kinks <= y.zeros]
+        if len(known) == len(inner):
+            tips = frozenset(tip.put(freed.roots) for tip in found.tips).union(*(y.tips for y in known))
+            return Kinks(zeros=frozenset({_switch(term, domain)}), tips=tips)
+    return None
+
+
+def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
     if domain.constant(term):
         return Kinks()
     if term.op == "name":
