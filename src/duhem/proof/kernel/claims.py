@@ -18,6 +18,7 @@ from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.region import convex_in_its_region
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.rounded import round_at_its_ends
 from duhem.proof.kernel.section import without_sections
 from duhem.proof.kernel.star import StarGauge, undefined_at_zero
 from duhem.proof.kernel.support import is_support_function
@@ -129,9 +130,11 @@ def polyhedral(law: StatedLaw, _: Evidence) -> bool:
 
 
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative."""
+    """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
-    return shape.defined and shape.convex and _inside(law, evidence) and smooth_near_the_boundary(law.g, over(law))
+    if not _inside(law, evidence):
+        return False
+    return (shape.defined and shape.convex and smooth_near_the_boundary(law.g, over(law))) or round_at_its_ends(law)
 
 
 def regular(law: StatedLaw, evidence: Evidence) -> bool:

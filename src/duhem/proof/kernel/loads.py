@@ -10,7 +10,7 @@ from duhem.proof.kernel.polynomial import Monomial, Polynomial, times, total, wr
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
-__all__ = ["collected", "multiple", "sign_within"]
+__all__ = ["at_end_of", "collected", "multiple", "sign_within"]
 
 
 def collected(term: Term, domain: StatedDomain) -> Term:
@@ -95,6 +95,14 @@ def _split(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> tuple[Po
         return None
     rest = total(poly, {m: -c for m, c in times(share, load).items()})
     return None if any(not domain.constant(x) for m in rest for x, _ in m) else (share, rest)
+
+
+def at_end_of(load: Term, term: Term, domain: StatedDomain) -> Term:
+    """The constant that a term is where a load is 0; NotWritten where the forces enter it by more than that load."""
+    known = domain.polynomial(load)
+    if not _of_load(term, known, domain):
+        raise NotWritten("the forces enter by more than one load")
+    return term.put(_zero(known, domain))
 
 
 def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomain, shown: Shown) -> bool:

@@ -13,23 +13,30 @@ from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import Term, minus
 
-__all__ = ["convex_in_its_region"]
+__all__ = ["convex_in_its_region", "loads_and_others"]
 
 
 def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> bool:
     """Whether g is defined, and every part of it quasiconvex or a body with a convex profile where all of its loads allow it to be <= 0."""
-    domain, parts = over(law), [*_greatest(law.g)]
-    if any(_chooses(part) for part in parts):
+    domain = over(law)
+    if _chooses(law.g):
         return False  # what is not chosen need not have a value
-    loads = [part for part in parts if not domain.constant(part) and shown(part, domain).affine and shown(part, domain).defined]
+    loads, others = loads_and_others(law.g, domain, shown)
     inside = over(law)
     inside.sides |= dict.fromkeys(map(minus, loads), False)
-    for part in parts:
+    for part in others:
         inside.sides |= dict.fromkeys((x for x in _under_logarithms(part) if not domain.constant(x) and shown(x, domain).affine), True)
-    found = [(part, shown(part, inside)) for part in parts if part not in loads]
+    found = [(part, shown(part, inside)) for part in others]
     return all(
         (known.defined and known.quasiconvex) or convex_by_its_profile(part, [*inside.sides], inside, shown) for part, known in found
     )
+
+
+def loads_and_others(g: Term, domain: StatedDomain, shown: Shown) -> tuple[list[Term], list[Term]]:
+    """What a maximum is taken of: loads, which are affine and defined everywhere, and the rest."""
+    parts = [*_greatest(g)]
+    loads = [part for part in parts if not domain.constant(part) and shown(part, domain).affine and shown(part, domain).defined]
+    return loads, [part for part in parts if part not in loads]
 
 
 def _greatest(term: Term) -> Iterator[Term]:

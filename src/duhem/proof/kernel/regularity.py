@@ -9,17 +9,18 @@ dG/dz_i is 0 for z_i = 0, and r_i is Lipschitz, so that the share dG/dz_i grad r
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
 from duhem.proof.kernel.curvature import facts, over
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.even import freed_of_roots
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.section import apart_from_axis
-from duhem.proof.kernel.term import NotWritten, Term, number
+from duhem.proof.kernel.section import sign_on_axis
+from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
-__all__ = ["smooth_near_the_boundary"]
+__all__ = ["smooth_but_where_zero", "smooth_near_the_boundary"]
 
 Switch = frozenset[tuple[object, object]]
 
@@ -35,17 +36,28 @@ class Kinks:
 
 def smooth_near_the_boundary(law_g: Term, domain: StatedDomain) -> bool:
     """Whether g is C^1 wherever g = 0: no kink is left, and where a tip is 0, g is not."""
-    found = _regularity(law_g, domain)
+    return all(any(sign in (NEGATIVE, POSITIVE) for sign in signs) for signs in _signs_at_tips(law_g, domain))
+
+
+def smooth_but_where_zero(term: Term, domain: StatedDomain) -> bool:
+    """Whether a term is C^1 wherever it is not 0."""
+    return all(ZERO in signs for signs in _signs_at_tips(term, domain))
+
+
+def _signs_at_tips(term: Term, domain: StatedDomain) -> Iterator[tuple[Sign, Sign]]:
+    """For each tip the sign of the term where that is 0, read in two ways; any sign where the term may not be C^1 elsewhere."""
+    found = _regularity(term, domain)
     if found is None or found.kinks:
-        return False
-    return all(_apart(law_g, tip, domain) or apart_from_axis(law_g, tip, domain, facts) for tip in found.tips)
+        yield ANY, ANY
+    else:
+        yield from ((_sign_without(term, tip, domain), sign_on_axis(term, tip, domain, facts)) for tip in found.tips)
 
 
-def _apart(g: Term, tip: Term, domain: StatedDomain) -> bool:
-    """Whether g with the tip put to 0 is a constant of one strict sign: g has that value wherever the tip is 0."""
-    put = g.put({tip: number(0)})
+def _sign_without(term: Term, tip: Term, domain: StatedDomain) -> Sign:
+    """That of the term with the tip put to 0, where that is a constant: so it is wherever the tip is 0."""
+    put = term.put({tip: number(0)})
     rest = facts(put, domain)
-    return rest.defined and domain.constant(put) and rest.sign in (NEGATIVE, POSITIVE)
+    return rest.sign if rest.defined and domain.constant(put) else ANY
 
 
 def _switch(term: Term, domain: StatedDomain) -> Switch:
@@ -100,6 +112,8 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         return Kinks(kinks, tips=tips)
     if term.op in ("sin", "sinh", "tanh", "atan"):
         return Kinks(kinks, known[0].zeros, tips)
+    if term.op in ("asin", "acos"):  # of x, for x^2 < 1
+        return Kinks(kinks, tips=tips | {Term("+", (number(1), minus(Term("*", term.args * 2))))})
     if term.op == "norm" and all(p.kinks <= p.zeros for p in known):
         return Kinks(frozenset(), every, tips | {term})
     if term.op == "**" and domain.constant(term.args[1]):

@@ -36,7 +36,7 @@ from duhem.proof.kernel.section_value import (
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 
-__all__ = ["apart_from_axis", "by_section", "without_sections"]
+__all__ = ["by_section", "sign_on_axis", "without_sections"]
 
 _THIRD_OF_C: Polynomial = {((RAY, 1), (ROOT, 1)): Fraction(2, 9)}  # J3 = (2 sqrt(3)/9) c for J2 = 1
 _ABOVE = Fraction(577350269190, 10**12)  # > 1/sqrt(3)
@@ -55,16 +55,16 @@ def without_sections(term: Term, domain: StatedDomain, shown: Shown) -> Iterator
         yield reader.emptied(term)
 
 
-def apart_from_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> bool:
-    """Whether ``tip`` is 0 only where J2 = 0, and g, by continuity, is there a constant of one strict sign."""
+def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign:
+    """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
     for reader in _readers(domain, shown):
         section, there = reader.read_or_none(tip), reader.emptied(g)
         if section is None or not domain.constant(there) or not reader.holds(section.poly, strict=True):
             continue
         value = shown(there, domain)
-        if value.defined and value.sign in (NEGATIVE, POSITIVE):
-            return True
-    return False
+        if value.defined:
+            return value.sign
+    return ANY
 
 
 def _readers(domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:
