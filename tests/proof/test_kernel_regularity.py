@@ -10,7 +10,7 @@ import pytest
 
 from duhem.proof.kernel import regularity
 from duhem.proof.kernel.claims import objection, rules_of
-from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, StatedLaw
 from tests.oracles import drawn_formulas
 
 POSITIVE = {"positive": True}
@@ -151,7 +151,7 @@ def test_what_is_confirmed_of_drawn_laws_is_smooth() -> None:
 
 
 WRONG_RULES = {
-    "a tip is never on the boundary": ("_apart", lambda g, tip, domain: True),
+    "a tip is never on the boundary": ("_sign_without", lambda g, tip, domain: NEGATIVE),
     "all kinks are one": ("_switch", lambda term, domain: frozenset({("kink", 1)})),
 }
 

@@ -3,7 +3,7 @@
 from duhem.proof.claims.claim import Claim, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import composition, corners, curve_signs, implicit, polar
+from duhem.proof.methods import composition, corners, curve_signs, implicit, polar, rounded
 
 CLAIM = Claim(
     name="smoothness",
@@ -18,6 +18,7 @@ about two opposite directions leave K.
 A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in its angle and T' is never 0.""",
     methods=(
         ProofMethod(FormulaSubject, composition.smoothness),
+        ProofMethod(FormulaSubject, rounded.smoothness),
         ProofMethod(FormulaSubject, polar.smoothness),
         ProofMethod(FormulaSubject, corners.smoothness_at_sharp_points),
         ProofMethod(FormulaSubject, corners.smoothness),

@@ -16,7 +16,6 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, fold
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.proof.decide import Sense
 from duhem.proof.facts.bends import bends
 from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -35,12 +34,15 @@ _SEMIDEFINITE = "a quadratic function with positive semidefinite matrix is conve
 _MOST_ROOTS = 8
 
 
-def curvature(expr: sp.Expr, subject: FormulaSubject, convex: Mapping[sp.Expr, bool] = FrozenMapping()) -> Curvature:
+def curvature(
+    expr: sp.Expr, subject: FormulaSubject, convex: Mapping[sp.Expr, bool] = FrozenMapping(), loads: Collection[sp.Expr] = ()
+) -> Curvature:
     """Facts about ``expr`` over the forces of the subject's simple problem, for every parameter of its domain.
 
-    The sums in ``convex`` are known to be convex, though not by these rules; true of those that are >= 0 as well.
+    The sums in ``convex`` are known to be convex, though not by these rules; true of those that are >= 0 as well.  It is asked where
+    all ``loads`` are >= 0.
     """
-    return _CurvatureRules(subject, convex).of(expr)
+    return _CurvatureRules(subject, convex, loads=loads).of(expr)
 
 
 def convex_in_its_region(subject: FormulaSubject) -> Curvature:
@@ -190,16 +192,13 @@ class _CurvatureRules:
         rule = "a function of J2 and J3 is convex where its section is"
         for degree, f in groups.items():
             section = Section(degree, f)
-            quasi, above = section.convex(self._asked), section.nonnegative(self._asked)
+            quasi, above = section.convex(self.subject.asked), section.nonnegative(self.subject.asked)
             moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
         one = [shape for shape in moving if not shape.constant]
         convex = all(shape.convex for shape in moving)
         quasi = convex or (len(one) == 1 and one[0].quasiconvex)
         above = all(shape.nonnegative for shape in moving)
         return Curvature(convex=convex, quasiconvex=quasi, nonnegative=above, rules=used(*moving))
-
-    def _asked(self, expr: sp.Expr, *given: sp.Basic, strict: bool = False) -> bool:
-        return self.subject.ask(expr, Sense.POSITIVE if strict else Sense.NONNEGATIVE, *given).holds is True
 
     def _bent(self, node: Any, facts: Curvature) -> Curvature:
         """With kinks of one x taken together."""

@@ -150,6 +150,14 @@ class FormulaSubject(Subject):
         value = self.simple.g.xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
         return None if value.has(sp.nan, sp.zoo, sp.oo) else value
 
+    @cached_property
+    def limit_at_origin(self) -> sp.Expr | None:
+        """g at zero force, by continuity where it is undefined there: functions of J2 and J3 are 0."""
+        value = self.at_origin
+        if value is None and self.meaning is not None:
+            value = self.meaning.emptied(self.simple.g).xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
+        return None if value is None or value.has(sp.nan, sp.zoo, sp.oo) else value
+
     def joined(self, *exprs: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> bool:
         """Whether the expressions never jump: built in without ``where``, else shown for every two branches where they meet."""
         together = sp.Tuple(*exprs)
@@ -249,6 +257,10 @@ class FormulaSubject(Subject):
             if (answer := self.decided(question)).holds is not True:
                 break
         return answer
+
+    def asked(self, expr: sp.Expr, *given: sp.Basic, strict: bool = False) -> bool:
+        """Whether an expression is >= 0, or > 0, where the relations hold (False also when undecided)."""
+        return self.ask(expr, Sense.POSITIVE if strict else Sense.NONNEGATIVE, *given).holds is True
 
     def nonnegative(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is >= 0 on the whole domain (False also when undecided)."""

@@ -8,7 +8,7 @@ import sympy as sp
 
 from duhem.expression import Where
 
-__all__ = ["above_within", "concave_above_within", "loads_of"]
+__all__ = ["above_within", "alone", "concave_above_within", "loads_and_others", "loads_of"]
 
 
 def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
@@ -19,6 +19,12 @@ def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
         if _affine(part, forces):
             yield sp.expand(-part)
         yield from (x.args[0] for x in sorted(part.atoms(sp.log), key=sp.default_sort_key) if _affine(x.args[0], forces))
+
+
+def loads_and_others(g: sp.Expr, forces: Collection[sp.Symbol]) -> tuple[list[sp.Expr], list[sp.Expr]]:
+    """What a maximum is taken of: loads and the rest."""
+    parts = _greatest(g)
+    return [part for part in parts if _affine(part, forces)], [part for part in parts if not _affine(part, forces)]
 
 
 def _greatest(g: sp.Expr) -> tuple[sp.Expr, ...]:
@@ -39,8 +45,10 @@ def _split(expr: sp.Expr, load: sp.Expr, forces: Collection[sp.Symbol]) -> tuple
     """(c, d) with expr = c load + d."""
     x = next(f for f in sorted(forces, key=str) if load.has(f))
     share = sp.cancel(sp.diff(expr, x) / sp.diff(load, x))
-    rest = sp.simplify(sp.expand(expr - share * load))
-    return None if (share.free_symbols | rest.free_symbols) & set(forces) else (share, rest)
+    if share.free_symbols & set(forces) or any(sp.cancel(sp.diff(expr, y) - share * sp.diff(load, y)) != 0 for y in forces):
+        return None
+    zero = dict.fromkeys(forces, sp.S.Zero)
+    return share, sp.cancel(expr.xreplace(zero) - share * load.xreplace(zero))
 
 
 def concave_above_within(
@@ -56,18 +64,24 @@ def _above_at_both_ends(
     split = _split(other, load, forces)
     if split is None or above(split[0]) or not above(-split[0]):
         return False
-    x = next(f for f in sorted(forces, key=str) if load.has(f))
     along = sp.Symbol("the load", real=True)
-    (place,) = sp.solve(load - along, x)
-    alone = expr.xreplace({x: place}) if not (place.free_symbols & set(forces)) else _alone(expr, x, place)
-    if alone.free_symbols & set(forces):
+    of_load = alone(expr, load, along, forces)
+    if of_load is None:
         return False
-    return all(above(sp.simplify(alone.subs(along, end))) for end in (sp.S.Zero, -split[1] / split[0]))
+    return all(above(sp.simplify(of_load.subs(along, end))) for end in (sp.S.Zero, -split[1] / split[0]))
 
 
-def _alone(expr: sp.Expr, x: sp.Symbol, place: sp.Expr) -> sp.Expr:
+def alone(expr: sp.Expr, load: sp.Expr, along: sp.Symbol | sp.Integer, forces: Collection[sp.Symbol]) -> sp.Expr | None:
+    """The expression where a load is ``along``; None where the forces enter by more than that load."""
+    x = next(f for f in sorted(forces, key=str) if load.has(f))
+    place = sp.expand(x + (along - load) / sp.diff(load, x))
+    found = expr.xreplace({x: place}) if not (place.free_symbols & set(forces)) else _put(expr, x, place)
+    return None if found.free_symbols & set(forces) else found
+
+
+def _put(expr: sp.Expr, x: sp.Symbol, place: sp.Expr) -> sp.Expr:
     """The expression with x put, every sum in it expanded so that other forces drop out."""
     if not expr.has(x) or not expr.args:
         return place if expr == x else expr
-    found = expr.func(*(_alone(a, x, place) for a in expr.args))
+    found = expr.func(*(_put(a, x, place) for a in expr.args))
     return sp.expand(found) if found.is_Add or found.is_Mul else found

@@ -67,7 +67,8 @@ class _RegularityRules:
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, Norm: self.norm,
             sp.Abs: self.ramp, Pos: self.ramp, Neg: self.ramp,
         } | {f: self.smooth for f in smooth}  # fmt: skip
-        table |= {f: self.opaque for f in (sp.Max, sp.Min, Where, sp.log, sp.tan, sp.asin, sp.acos, Atan2, EigMax)}
+        table |= dict.fromkeys((sp.asin, sp.acos), self.arc)
+        table |= {f: self.opaque for f in (sp.Max, sp.Min, Where, sp.log, sp.tan, Atan2, EigMax)}
         for relation in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan):
             table[relation] = self.opaque
         try:
@@ -124,11 +125,20 @@ class _RegularityRules:
         keeps = isinstance(node, sp.sin | sp.sinh | sp.tanh | sp.atan)
         return Regularity(x.known, x.kinks, x.vanishing if keeps else _NONE, x.tips)
 
+    def arc(self, node: Any, x: Regularity) -> Regularity:
+        """Of x, for x^2 < 1."""
+        return Regularity() if self.constant(node) else Regularity(x.known, x.kinks, _NONE, x.tips | {1 - node.args[0] ** 2})
+
     def ramp(self, node: Any, x: Regularity) -> Regularity:
         if not x.known or self.constant(node):
             return x if not self.constant(node) else Regularity()
         switch = oriented(node.args[0])[0]
         return Regularity(True, x.kinks | {switch}, x.vanishing | {switch}, x.tips)
+
+    def above_in_section(self, base: sp.Expr) -> bool:
+        """Whether it is a function of J2 and J3 that is > 0 where J2 is."""
+        section = self.subject.meaning.read(base) if self.subject.meaning is not None else None
+        return section is not None and section.positive(self.subject.asked)
 
     def norm(self, node: Any, *args: Regularity) -> Regularity:
         if not all(a.known and a.cancelling for a in args):
@@ -146,7 +156,7 @@ class _RegularityRules:
             return _OPAQUE
         if p.is_Integer and p > 0:
             return Regularity(True, _NONE if p > 1 and base.cancelling else base.kinks, base.vanishing, base.tips)
-        if not (node.base.is_extended_nonnegative or self.subject.nonnegative(node.base)):
+        if not (node.base.is_extended_nonnegative or self.above_in_section(node.base) or self.subject.nonnegative(node.base)):
             return _OPAQUE  # undefined where the base is negative
         if self.subject.positive(p - 1):
             return Regularity(True, _NONE if base.cancelling else base.kinks, base.vanishing, base.tips)

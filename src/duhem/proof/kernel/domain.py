@@ -269,6 +269,8 @@ class StatedDomain:
             if -_MOST_POWER <= n < 0 and len(base) == 1:
                 ((monomial, c),) = base.items()
                 return {tuple((x, k * n) for x, k in monomial): c**n}
+        if term.op == "**" and self.constant(term) and self.polynomial(term.args[0]) == ONE:
+            return ONE  # whatever the power
         return {((term, 1),): Fraction(1)}
 
     def _times(self, one: Polynomial, two: Polynomial) -> Polynomial:

@@ -9,7 +9,6 @@ dG/dz_i is 0 for z_i = 0, and r_i is Lipschitz, so that the share dG/dz_i grad r
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -36,21 +35,21 @@ class Kinks:
 
 def smooth_near_the_boundary(law_g: Term, domain: StatedDomain) -> bool:
     """Whether g is C^1 wherever g = 0: no kink is left, and where a tip is 0, g is not."""
-    return all(any(sign in (NEGATIVE, POSITIVE) for sign in signs) for signs in _signs_at_tips(law_g, domain))
+    found = _regularity(law_g, domain)
+    if found is None or found.kinks:
+        return False
+    return all(any(sign in (NEGATIVE, POSITIVE) for sign in _signs_at(tip, law_g, domain)) for tip in found.tips)
 
 
 def smooth_but_where_zero(term: Term, domain: StatedDomain) -> bool:
     """Whether a term is C^1 wherever it is not 0."""
-    return all(ZERO in signs for signs in _signs_at_tips(term, domain))
-
-
-def _signs_at_tips(term: Term, domain: StatedDomain) -> Iterator[tuple[Sign, Sign]]:
-    """For each tip the sign of the term where that is 0, read in two ways; any sign where the term may not be C^1 elsewhere."""
     found = _regularity(term, domain)
-    if found is None or found.kinks:
-        yield ANY, ANY
-    else:
-        yield from ((_sign_without(term, tip, domain), sign_on_axis(term, tip, domain, facts)) for tip in found.tips)
+    return found is not None and found.kinks <= found.zeros and all(ZERO in _signs_at(tip, term, domain) for tip in found.tips)
+
+
+def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
+    """The sign of a term where a tip is 0, read in two ways."""
+    return _sign_without(term, tip, domain), sign_on_axis(term, tip, domain, facts)
 
 
 def _sign_without(term: Term, tip: Term, domain: StatedDomain) -> Sign:

@@ -16,7 +16,7 @@ from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.loads import at_end_of
 from duhem.proof.kernel.region import loads_and_others
-from duhem.proof.kernel.regularity import smooth_but_where_zero, smooth_near_the_boundary
+from duhem.proof.kernel.regularity import smooth_but_where_zero
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["round_at_its_ends"]
@@ -49,7 +49,8 @@ def _gauge_and_parts(f: Term, domain: StatedDomain) -> tuple[Term, list[Term]]:
         scales, parts = _apart(factors(base.args[0] if base.op == "pos" else base), domain)
         below_one = facts(sum_of(number(1), minus(e)), domain).sign
         if domain.constant(e) and facts(e, domain).sign == below_one == facts(product_of(*scales), domain).sign == POSITIVE:
-            return sum_of(*(term for term in f.args if term is not root)), parts
+            rest = [term for term in f.args if term is not root]
+            return rest[0] if len(rest) == 1 else sum_of(*rest), parts
     raise NotWritten("no root is subtracted")
 
 

@@ -15,15 +15,13 @@ __all__ = ["origin", "origin_refuted"]
 
 def origin(subject: FormulaSubject) -> Evidence | None:
     """g(0) <= 0 for every pressure and parameter; functions of J2 and J3 are 0 there, by continuity."""
-    value, meaning = subject.at_origin, subject.meaning if subject.at_origin is None else None
-    if meaning is not None:
-        value = meaning.emptied(subject.simple.g).xreplace(dict.fromkeys(subject.simple.forces, sp.S.Zero))
-    if value is None or value.has(sp.nan, sp.zoo, sp.oo):
+    value = subject.limit_at_origin
+    if value is None:
         return None
     answer = subject.ask(-value, Sense.NONNEGATIVE)
     if answer.holds is not True:
         return None
-    stated = subject.law.g if meaning is None else value
+    stated = value if subject.at_origin is None else subject.law.g
     stated = stated.xreplace(dict.fromkeys(subject.law.force_symbols(), sp.S.Zero))
     return Evidence(Verdict.PROVED, f"evaluation ({answer.method})", f"g(0) = {formula(stated)} <= 0")
 
