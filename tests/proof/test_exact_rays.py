@@ -1,4 +1,4 @@
-"""Sets with faces, edges and whiskers that no sample meets, and neighbours that are convex."""
+"""Sets with faces, edges, whiskers and narrow dents that no sample meets, and neighbours that are convex."""
 
 from __future__ import annotations
 
@@ -49,3 +49,24 @@ def test_what_follows_for_the_slip() -> None:
     law = Criterion(name="law", g=CONE, forces=("a", "b", "c"), pressure=None)
     result = verify(law, claims=["convexity", "normality"])
     assert {r.verdict for r in result.results} == {Verdict.REFUTED}
+
+
+@pytest.mark.parametrize(
+    ("g", "forces", "dented"),
+    [
+        ("(a**2)**(6/5) + 4*b**2 + c**2 + a*b*c**2/10 - 1", "abc", True),  # a dent 1e-16 deep: no second derivative by a
+        ("(a**2)**(6/5) + 4*b**2 + c**2 - 1", "abc", False),
+        ("(a**2)**(4/5) + 4*b**2 + c**2 + a*b*c**2/10 - 1", "abc", False),  # an infinite one
+        ("a**2 + 4*b**2 + c**2 + a*b*c**2/10 - 1", "abc", False),
+        ("(a**2)**(6/5) + b**2 + c**2 + d**2 + a*(b - d)*c**2/10 - 1", "abcd", True),
+        ("(a**2)**(6/5) + b**2 + c**2 + d**2 + a*(b - d)*c*(c - 2)*0 - 1", "abcd", False),
+        ("((a + b)**2)**(6/5) + 4*(a - b)**2 + c**2 + (a**2 - b**2)*c**2/10 - 1", "abc", True),  # Hill (1990), at pure shear
+        ("10*abs(a)**(5/2) + b**2 - a**2/1000 - 1", "ab", True),
+        ("10*abs(a)**(5/2) + b**2 + a**2/1000 - 1", "ab", False),
+    ],
+)
+def test_dents_too_narrow_for_samples(g: str, forces: str, dented: bool) -> None:
+    subject = FormulaSubject(Criterion(name="law", g=g, forces=tuple(forces), pressure=None))
+    subject.allow(4_000_000)
+    evidence = chords.convexity_at_narrow_dents(subject)
+    assert (evidence is not None) is dented

@@ -15,7 +15,8 @@ polynomial g, unless a polar form is at hand); a chord across the deepest dent o
 chord that leaves K, then for one between exact points of its faces, edges and whiskers;
 polyhedra (K is the intersection of the half-spaces of its faces); polar form (for the gauge gamma of a star-shaped K in
 two forces, gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams included); chords across a dent or a kink so
-found; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch.
+found; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch;
+chords across dents at places without second derivatives.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
 boundary points that the curve does not wind around.""",
@@ -32,6 +33,7 @@ boundary points that the curve does not wind around.""",
         ProofMethod(FormulaSubject, chords.convexity_at_seams),
         ProofMethod(FormulaSubject, implicit.convexity),
         ProofMethod(FormulaSubject, implicit.hessian),
+        ProofMethod(FormulaSubject, chords.convexity_at_narrow_dents),
         ProofMethod(FormulaSubject, chords.convexity_by_thorough_scouting),
         ProofMethod(FormulaSubject, sampling.chords),
         ProofMethod(CurveSubject, curve_signs.convexity),

@@ -18,6 +18,7 @@ __all__ = [
     "convexity_at_clear_dents",
     "convexity_at_deepest_dents",
     "convexity_at_dents",
+    "convexity_at_narrow_dents",
     "convexity_at_seams",
     "convexity_between_exact_rays",
     "convexity_by_scouting",
@@ -54,6 +55,13 @@ def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:
     from duhem.proof.search.exact_rays import chords_between_exact_rays
 
     return _refuted(subject, chords_between_exact_rays(subject))
+
+
+def convexity_at_narrow_dents(subject: FormulaSubject) -> Evidence | None:
+    """Where a ray that is known exactly leaves K at a point without second derivatives, or with none inward."""
+    from duhem.proof.search.exact_rays import dents_on_exact_rays
+
+    return _refuted(subject, dents_on_exact_rays(subject))
 
 
 def convexity_at_clear_dents(subject: FormulaSubject) -> Evidence | None:

@@ -6,8 +6,9 @@ crosses a seam and its two tangents point inward, a chord from one side to the o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
+from functools import partial
 from math import floor
 from typing import Any
 
@@ -25,44 +26,79 @@ __all__ = ["dent_chords", "kink_chords"]
 
 
 def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence[Any], dps: int = 60) -> Iterator[Chord]:
-    """Chords through the boundary point seen from the origin in ``direction`` (two forces), the longest first."""
+    """Chords through the boundary point seen from the origin in ``direction``, the longest first.
+
+    In more than two forces along the tangent in which the second differences of that length are least.
+    """
     from mpmath import MPContext
 
     context = MPContext()
     context.dps = dps
     forces = subject.simple.forces
-    g = subject.formula_at(parameters)
+    run = mpmath_.compiled([subject.formula_at(parameters)], forces, context)
 
     def value(point: Sequence[Any]) -> Any:
-        return mpmath_.evaluate(g, dict(zip(forces, point, strict=True)), dps)
+        return run(*point)[0]
 
     ray = [context.mpf(c.numerator) / c.denominator for c in map(fraction, direction)]
-    size = context.hypot(*ray)
+    size = context.norm(ray)
     ray = [c / size for c in ray]
-    end = reach(context, value, [0, 0], ray, int(3.4 * dps))
+    end = reach(context, value, [0] * len(ray), ray, int(3.4 * dps))
     if end is None:
         return
     x = [end * c for c in ray]
     step = end * context.mpf(10) ** (-dps // 3)
-    slope = [
-        (value([x[0] + step, x[1]]) - value([x[0] - step, x[1]])) / (2 * step),
-        (value([x[0], x[1] + step]) - value([x[0], x[1] - step])) / (2 * step),
-    ]
-    length = context.hypot(*slope)
+    units = [[context.mpf(i == k) for i in range(len(ray))] for k in range(len(ray))]
+
+    def moved(along: Any, tangent: Sequence[Any], out: Any = 0, normal: Sequence[Any] = ray) -> list[Any]:
+        return [c + along * t + out * n for c, t, n in zip(x, tangent, normal, strict=True)]
+
+    slope = [(value(moved(step, unit)) - value(moved(-step, unit))) / (2 * step) for unit in units]
+    length = context.norm(slope)
     if not length > 0:
         return
     normal = [c / length for c in slope]
-    tangent = [-normal[1], normal[0]]
+    frame = _tangents(context, normal)
 
-    def moved(along: Any, out: Any) -> list[Any]:
-        return [x[k] + along * tangent[k] + out * normal[k] for k in (0, 1)]
+    def bend(t: Any, tangent: Sequence[Any]) -> Any:
+        return value(moved(t, tangent)) + value(moved(-t, tangent))
 
     for k in range(2, 60):
         t = end * context.mpf(2) ** -k
-        bend = -(value(moved(t, 0)) + value(moved(-t, 0))) / (2 * length)
-        if bend > 0:
-            p, q = (_rounded(moved(s * t, bend / 2), bend / 1000) for s in (1, -1))
+        tangent = frame[0] if len(frame) == 1 else _least(context, frame, partial(bend, t))
+        if tangent is not None and (rise := -bend(t, tangent) / (2 * length)) > 0:
+            p, q = (_rounded(moved(s * t, tangent, rise / 2, normal), rise / 1000) for s in (1, -1))
             yield Chord(parameters, p, q)
+
+
+def _tangents(context: Any, normal: Sequence[Any]) -> list[list[Any]]:
+    """Unit vectors across the normal and each other."""
+    if len(normal) == 2:
+        return [[-normal[1], normal[0]]]
+    found = [list(normal)]
+    for k in sorted(range(len(normal)), key=lambda i: abs(normal[i])):
+        left = [context.mpf(i == k) for i in range(len(normal))]
+        for v in found:
+            share = context.fdot(left, v)
+            left = [c - share * d for c, d in zip(left, v, strict=True)]
+        if context.norm(left) > 1e-6:
+            found.append(_unit(left, context))
+    return found[1:]
+
+
+def _least(context: Any, frame: Sequence[Sequence[Any]], bend: Callable[[Sequence[Any]], Any]) -> list[Any] | None:
+    """The unit vector in a frame at which the form that takes ``bend`` as its values is least."""
+    n = len(frame)
+    form = context.matrix(n, n)
+    for i in range(n):
+        form[i, i] = bend(frame[i])
+    for i in range(n):
+        for j in range(i):
+            form[i, j] = form[j, i] = (bend([a + b for a, b in zip(frame[i], frame[j], strict=True)]) - form[i, i] - form[j, j]) / 2
+    if not all(map(context.isfinite, form)):
+        return None
+    axes = context.eigsy(form)[1]
+    return _unit([sum(axes[i, 0] * v[k] for i, v in enumerate(frame)) for k in range(len(frame[0]))], context)
 
 
 def kink_chords(subject: FormulaSubject, most: int = 12) -> Iterator[Chord]:
@@ -108,7 +144,7 @@ def _across(subject: FormulaSubject, parameters: Values, crossing: Crossing, dps
 
 
 def _unit(vector: list[Any], context: Any) -> list[Any]:
-    size = context.hypot(*vector)
+    size = context.norm(vector)
     return [c / size if size else context.zero for c in vector]
 
 
