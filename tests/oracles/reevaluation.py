@@ -85,10 +85,15 @@ def _power(base: _Jet, exponent: Fraction, jets: bool) -> _Jet:
                 raise OpenError
             return base.through(1 / x**-n, n / x ** (1 - n))
         return base.through(x**n, n * x ** (n - 1) if n > 1 else _IV.mpf(1))
-    if x.b < 0 or (x.a <= 0 and (exponent < 0 or (jets and exponent < 1))):
+    return _raised(base, _rational(exponent), jets)
+
+
+def _raised(base: _Jet, p: Interval, jets: bool) -> _Jet:
+    """To any constant power, of what is not < 0."""
+    x = base.value
+    if x.b < 0 or (x.a <= 0 and (p.a <= 0 or (jets and p.a < 1))):
         raise OpenError
     x = _IV.mpf([max(x.a, 0), x.b])
-    p = _rational(exponent)
 
     def raised(q: Interval) -> Interval:
         top = _IV.exp(q * _IV.log(_IV.mpf([x.b, x.b]))) if x.b > 0 else _IV.mpf(0)
@@ -149,11 +154,10 @@ def _jet(node: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> _Jet:
     if node.is_Pow:
         number = node.exp.value if isinstance(node.exp, InertNumber) else node.exp
         if not number.is_Rational:
-            exponent = _jet(node.exp, values, False).value
-            base = _jet(node.base, values, jets)
-            if jets or base.value.a <= 0:
+            exponent = _jet(node.exp, values, jets)
+            if jets and any(slope.a < 0 or slope.b > 0 for slope in exponent.slopes):
                 raise OpenError
-            return base.through(_IV.exp(exponent * _IV.log(base.value)), _IV.mpf(0))
+            return _raised(_jet(node.base, values, jets), exponent.value, jets)
         return _power(_jet(node.base, values, jets), Fraction(int(number.p), int(number.q)), jets)
     parts = [_jet(a, values, jets) for a in node.args]
     if node.is_Add:
