@@ -120,7 +120,7 @@ def differences(rng: random.Random, name: str) -> Trial:
     """c sum |s_i - s_j|^m <= 1 of the principal stresses: convex if and only if m >= 1."""
     kind = rng.choice(["3d", "principal"])
     m, margin = near(rng) if rng.random() < 0.3 else (rng.choice([F(4, 5), F(3, 2), F(2), F(6), F(8)]), "generic")
-    parts = [f"(principal(s, {i}) - principal(s, {j}))**({m})" for i, j in ((1, 2), (2, 3), (1, 3))]
+    parts = [f"abs(principal(s, {i}) - principal(s, {j}))**({m})" for i, j in ((1, 2), (2, 3), (1, 3))]
     g = f"{F(rng.randint(1, 6), 3)}*({' + '.join(parts)}) - 1"
     return Trial(f"differences, {kind}", _tensor(name, kind, g), _around_zero(m >= 1), margin)
 
