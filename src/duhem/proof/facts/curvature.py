@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import sympy as sp
@@ -25,6 +25,7 @@ from duhem.proof.facts.quadratic_form import semidefinite
 from duhem.proof.facts.section import Meaning, Section
 from duhem.proof.facts.shape import Curvature, used
 from duhem.proof.facts.spectrum import spectrum
+from duhem.proof.facts.word_curvature import WORDS, greatest
 
 __all__ = ["convex_in_its_region", "curvature"]
 
@@ -70,12 +71,11 @@ class _CurvatureRules:
         self.forces = {*subject.simple.forces, *others}
         self.found: dict[sp.Expr, Curvature] = {}
         self.table: dict[type, Callable[..., Curvature]] = {
-            sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Abs: self.absolute, sp.exp: self.exponential,
-            sp.log: self.logarithm, sp.Max: self.maximum, sp.Min: self.minimum, Pos: self.positive_part,
-            Neg: self.negative_part, Norm: self.norm, EigMax: self.greatest_eigenvalue, sp.tanh: self.increasing, sp.atan: self.increasing,
-            sp.asin: self.rising_bend, sp.sinh: self.rising_bend, sp.acos: self.arc_cosine, sp.cosh: self.even_bend,
-            sp.sin: self.opaque, sp.cos: self.opaque, sp.tan: self.opaque, Atan2: self.opaque, Where: self.opaque,
+            sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Max: self.maximum, sp.Min: self.minimum,
+            sp.log: self.opaque, sp.sin: self.opaque, sp.cos: self.opaque, sp.tan: self.opaque, Atan2: self.opaque, Where: self.opaque,
         }  # fmt: skip
+        for word, rule in WORDS.items():
+            self.table[word] = partial(self.word, rule)
         for relation in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan):
             self.table[relation] = self.opaque
 
@@ -129,6 +129,9 @@ class _CurvatureRules:
         if isinstance(node, sp.Expr) and not node.free_symbols & self.forces:
             return self.constant(node)
         return _UNKNOWN
+
+    def word(self, rule: Callable[..., Curvature], node: Any, *args: Curvature) -> Curvature:
+        return self.signed(node, rule(*args))
 
     def add(self, node: Any, *terms: Curvature) -> Curvature:
         convex, concave = all(t.convex for t in terms), all(t.concave for t in terms)
@@ -328,74 +331,8 @@ class _CurvatureRules:
         shapes = [self.of(f) for f in moving] if self.subject.nonnegative(1 - len(moving) * p) and self.subject.nonnegative(scale) else []
         return len(shapes) > 1 and all(x.concave and x.nonnegative for x in shapes)
 
-    def absolute(self, node: Any, x: Curvature) -> Curvature:
-        convex = x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive)
-        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=used(x, rule="|x| is convex")))
-
-    def norm(self, node: Any, *args: Curvature) -> Curvature:
-        convex = all(x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive) for x in args)
-        rule = "a Euclidean norm of affine or of convex non-negative functions is convex"
-        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=used(*args, rule=rule)))
-
-    def positive_part(self, node: Any, x: Curvature) -> Curvature:
-        rule = "a ramp of an affine function is convex"
-        if x.nonnegative and node.free_symbols & self.forces:
-            return x
-        return self.signed(node, Curvature(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=used(x, rule=rule)))
-
-    def negative_part(self, node: Any, x: Curvature) -> Curvature:
-        return self.positive_part(node, x.negated())
-
     def maximum(self, node: Any, *args: Curvature) -> Curvature:
-        facts = Curvature(
-            convex=all(x.convex for x in args),
-            quasiconvex=all(x.quasiconvex for x in args),
-            nonnegative=any(x.nonnegative for x in args),
-            nonpositive=all(x.nonpositive for x in args),
-            rules=used(*args, rule="a maximum of convex functions is convex"),
-        )
-        return self._together(node, self.signed(node, facts))
+        return self._together(node, self.signed(node, greatest(*args)))
 
     def minimum(self, node: Any, *args: Curvature) -> Curvature:
         return self.maximum(node, *(x.negated() for x in args)).negated() if node.free_symbols & self.forces else self.constant(node)
-
-    def exponential(self, node: Any, x: Curvature) -> Curvature:
-        rules = used(x, rule="exp is convex and increasing")
-        return self.signed(node, Curvature(convex=x.convex, quasiconvex=x.quasiconvex, nonnegative=True, rules=rules))
-
-    def logarithm(self, node: Any, x: Curvature) -> Curvature:
-        return self.opaque(node, x)
-
-    def greatest_eigenvalue(self, node: Any, *entries: Curvature) -> Curvature:
-        """The greatest of n . A n over unit vectors n, which are affine where the entries are."""
-        if not all(x.affine for x in entries):
-            return _UNKNOWN
-        rules = used(*entries, rule="the greatest eigenvalue of a symmetric matrix is a convex function of it")
-        return self.signed(node, Curvature(convex=True, quasiconvex=True, rules=rules))
-
-    def rising_bend(self, node: Any, x: Curvature) -> Curvature:
-        """asin and sinh: increasing and odd, convex from 0 on."""
-        convex, concave = x.convex and x.nonnegative, x.concave and x.nonpositive
-        rules = used(x, rule="asin and sinh are increasing, convex from 0 on")
-        return self.signed(node, Curvature(False, convex, concave, x.quasiconvex, x.nonnegative, x.nonpositive, rules))
-
-    def arc_cosine(self, node: Any, x: Curvature) -> Curvature:
-        """acos x = pi/2 + asin(-x)."""
-        convex, concave = x.concave and x.nonpositive, x.convex and x.nonnegative
-        rules = used(x, rule="acos is decreasing, concave from 0 on")
-        return self.signed(node, Curvature(False, convex, concave, x.concave, nonnegative=True, rules=rules))
-
-    def even_bend(self, node: Any, x: Curvature) -> Curvature:
-        """cosh: a convex function of |x|."""
-        convex = x.affine or (x.convex and x.nonnegative) or (x.concave and x.nonpositive)
-        rules = used(x, rule="cosh is convex and even")
-        return self.signed(node, Curvature(convex=convex, quasiconvex=convex, nonnegative=True, rules=rules))
-
-    def increasing(self, node: Any, x: Curvature) -> Curvature:
-        facts = Curvature(
-            quasiconvex=x.quasiconvex,
-            nonnegative=x.nonnegative,
-            nonpositive=x.nonpositive,
-            rules=used(x, rule="an increasing map keeps sublevel sets"),
-        )
-        return self.signed(node, facts)
