@@ -40,9 +40,10 @@ class Criterion(Verbatim):
 
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over
     :meth:`symbols`; text is parsed safely, nothing in it is executed.  ``flow`` is the slip direction field, one
-    expression per force; None means associated (normality rule, Antoni et al. 2007, Eq. 36).  ``closed_form`` states the
-    shape of K where the slip increment onto it has one.  ``written`` and ``written_flow`` are g and the flow as they were
-    given, where that was text: an expression is simplified as it is built, and who checks a proof wants what was stated.
+    expression per force; None means associated (normality rule, Antoni et al. 2007, Eq. 36); at an apex, where it may have no value, it is
+    any mean of its limits (Koiter 1953).  ``closed_form`` states the shape of K where the slip increment onto it has one.  ``written``
+    and ``written_flow`` are g and the flow as they were given, where that was text: an expression is simplified as it is built, and who
+    checks a proof wants what was stated.
 
     ``stress`` declares a stress instead of ``forces``: its components are the forces, and its invariants are words.  ``define``
     maps local names to formulas, each in terms of those above it, for everything that is given as text.  ``potential`` is a formula

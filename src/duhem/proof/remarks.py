@@ -71,7 +71,10 @@ def _oddities(subject: FormulaSubject, odd: Extent | None) -> Iterator[str]:
     elif subject.doubtful_flow:
         first = subject.doubtful_flow[0]
         part = formula(_stated(subject, first.expr))
-        yield f"the flow may be undefined on the boundary: it {first.does} {part}; nothing is proved of such a flow"
+        yield (
+            f"the flow may be undefined on the boundary: it {first.does} {part}; "
+            "of such a flow nothing is proved but what the kernel confirms"
+        )
     if odd is not None:
         yield odd.what
     flows = (law.flow, *(surface.flow for surface in law.surfaces))

@@ -6,7 +6,7 @@ from functools import partial
 from duhem.proof.claims.claim import Claim, Consequence, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import curve_refutation, curve_signs, degrees, flow, implicit, polar, sampling
+from duhem.proof.methods import curve_refutation, curve_signs, degrees, flow, implicit, polar, power_share, sampling
 from duhem.proof.verdict import Evidence, Verdict
 
 
@@ -25,6 +25,7 @@ The intrinsic dissipation of the law reduces to D = sigma . u_in' (Clausius-Duhe
 It follows from 0 in K and normality (Fenchel: D = Phi*(sigma) + Phi(u_in') >= 0), but does not need them: a star-shaped K
 with associated flow dissipates by Euler's relation, as does any g = A - B of degrees a > b with B > 0, and a non-associated
 law may dissipate too.
+Where g has a tip, as at an apex, and the formula of the flow no value, the slip is any mean of limits of the flow there (Koiter 1953).
 Of several surfaces each flow is asked wherever its surface is 0 in K; then every non-negative combination dissipates too.
 Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.
 For a boundary curve T with flow d it is the sign of T . d all around, in balls or by sign rules for all parameters.""",
@@ -32,6 +33,7 @@ For a boundary curve T with flow d it is the sign of T . d all around, in balls 
         Consequence(FormulaSubject, by_normality),
         ProofMethod(FormulaSubject, degrees.dissipation),
         ProofMethod(FormulaSubject, degrees.dissipation_of_potential),
+        ProofMethod(FormulaSubject, power_share.dissipation),
         ProofMethod(FormulaSubject, polar.dissipation),
         ProofMethod(FormulaSubject, flow.dissipation_refuted),
         ProofMethod(FormulaSubject, implicit.dissipation),

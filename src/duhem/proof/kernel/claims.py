@@ -16,6 +16,7 @@ from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.piecewise import polyhedra
 from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
+from duhem.proof.kernel.power_share import flows_with_a_share_of_g
 from duhem.proof.kernel.region import convex_in_its_region
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.rounded import round_at_its_ends
@@ -204,6 +205,11 @@ def potential(law: StatedLaw, evidence: Evidence) -> bool:
     return law.potential is not None and potential_flows_outward(law.potential, law.g, parse(evidence["share"]), over(law))
 
 
+def power_share(law: StatedLaw, evidence: Evidence) -> bool:
+    """The power is the ``share`` of the evidence times g, and its ``rest`` >= 0."""
+    return flows_with_a_share_of_g(law, parse(evidence["share"]), parse(evidence["rest"]))
+
+
 def polar_gauge(law: StatedLaw, evidence: Evidence) -> bool:
     """The ``potential`` of the evidence is the support function of K where its forms ``flat`` vanish, in the ``slips`` of the forces.
 
@@ -252,6 +258,7 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("dissipation", "homogeneity"): (_NONE, homogeneity),
     ("dissipation", "potential"): (_NONE, potential),
     ("dissipation", "boundary-power"): (_NONE, power),
+    ("dissipation", "power-share"): (_NONE, power_share),
     ("duality", "polar-gauge"): (_NONE, polar_gauge),
     ("state_laws", "symbolic"): (_NONE, quadratic_energy),
 }

@@ -19,7 +19,7 @@ from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.section import sign_on_axis
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
-__all__ = ["smooth_but_where_zero", "smooth_near_the_boundary"]
+__all__ = ["smooth_but_where_zero", "smooth_near_the_boundary", "tips"]
 
 Switch = frozenset[tuple[object, object]]
 
@@ -45,6 +45,12 @@ def smooth_but_where_zero(term: Term, domain: StatedDomain) -> bool:
     """Whether a term is C^1 wherever it is not 0."""
     found = _regularity(term, domain)
     return found is not None and found.kinks <= found.zeros and all(ZERO in _signs_at(tip, term, domain) for tip in found.tips)
+
+
+def tips(term: Term, domain: StatedDomain) -> frozenset[Term]:
+    """What is 0 where a term may be singular; nothing where more than that is open."""
+    found = _regularity(term, domain)
+    return frozenset() if found is None or found.kinks else found.tips
 
 
 def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
