@@ -13,6 +13,7 @@ from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.exact import by_exact
 from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
 from duhem.proof.decide.question import Answer, Question, Sense
+from duhem.proof.decide.rays import between_rays
 from duhem.proof.decide.smt import by_smt
 
 __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
@@ -46,6 +47,11 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
         return quick
     if question.expr.has(*_KINKS) or any(r.has(*_KINKS) for r in question.given):
         return _by_branches(question, budget)
+    match between_rays(question, budget):
+        case Question() as question:
+            pass
+        case Answer() as answer:
+            return answer
     try:
         system = polynomial_system(question, budget.part(budget.left // 4))
     except (NotAlgebraicError, SpentError) as fault:
