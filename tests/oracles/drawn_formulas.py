@@ -89,10 +89,20 @@ def value(term: Term, at: Mapping[str, float]) -> float:
 _SEVERAL = {
     "+": sum, "*": math.prod, "max": max, "min": min, "norm": lambda x: math.hypot(*x),
     "<": lambda x: x[0] < x[1], "<=": lambda x: x[0] <= x[1], ">": lambda x: x[0] > x[1], ">=": lambda x: x[0] >= x[1],
-    "atan2": lambda x: math.atan2(*x) if any(x) else math.log(0),
+    "atan2": lambda x: math.atan2(*x) if any(x) else math.log(0), "eigmax": lambda x: _greatest_eigenvalue(*x),
 }  # fmt: skip
 _ONE = {
-    "abs": abs, "exp": math.exp, "log": math.log, "sin": math.sin, "cos": math.cos, "tanh": math.tanh, "atan": math.atan,
+    "abs": abs, "exp": math.exp, "log": math.log, "sin": math.sin, "cos": math.cos, "tan": math.tan, "tanh": math.tanh, "atan": math.atan,
     "asin": math.asin, "acos": math.acos, "sinh": math.sinh, "cosh": math.cosh,
     "pos": lambda x: max(x, 0.0), "neg": lambda x: max(-x, 0.0),
 }  # fmt: skip
+
+
+def _greatest_eigenvalue(xx: float, yy: float, zz: float, yz: float, xz: float, xy: float) -> float:
+    """Of a symmetric matrix, by its invariants."""
+    mean = (xx + yy + zz) / 3
+    x, y, z = xx - mean, yy - mean, zz - mean
+    second = (x * x + y * y + z * z) / 2 + yz * yz + xz * xz + xy * xy
+    third = x * y * z + 2 * yz * xz * xy - x * yz**2 - y * xz**2 - z * xy**2
+    angle = math.acos(max(-1.0, min(1.0, third / 2 * (3 / second) ** 1.5))) / 3 if second else 0.0
+    return mean + 2 * math.sqrt(second / 3) * math.cos(angle)

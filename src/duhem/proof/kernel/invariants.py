@@ -47,7 +47,7 @@ class Invariants(NamedTuple):
     def _solved(self, poly: Polynomial, k: int, powers: Sequence[int]) -> dict[int, Polynomial]:
         """The a_j, from the values at as many points."""
         rows, used = list[tuple[list[Fraction], Polynomial]](), list[int]()
-        for values in product((0, 1, -1, 2, 3), repeat=len(self.forces)):
+        for values in product(range(4), repeat=len(self.forces)):
             point = dict(zip(self.forces, map(Fraction, reversed(values)), strict=True))
             two, three = (_at(form, point).get((), Fraction(0)) for form in (self.second, self.third))
             row, value = [two ** ((k - 3 * j) // 2) * three**j for j in powers], _at(poly, point)

@@ -13,11 +13,12 @@ from typing import NamedTuple
 
 __all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "bounded", "factors", "minus", "number", "parse", "product_of", "sum_of"]
 
+_OF_ONE = (
+    "abs", "sign", "sqrt", "exp", "log", "log10", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "pos", "neg",
+)  # fmt: skip
 # least and greatest number of arguments
 WORDS = {
-    "abs": (1, 1), "sign": (1, 1), "sqrt": (1, 1), "exp": (1, 1), "log": (1, 1), "log10": (1, 1), "sin": (1, 1), "cos": (1, 1),
-    "tan": (1, 1), "asin": (1, 1), "acos": (1, 1), "atan": (1, 1), "atan2": (2, 2), "sinh": (1, 1), "cosh": (1, 1), "tanh": (1, 1),
-    "pos": (1, 1), "neg": (1, 1), "min": (1, 99), "max": (1, 99), "norm": (1, 99), "eigmax": (6, 6), "where": (3, 3),
+    **dict.fromkeys(_OF_ONE, (1, 1)), **dict.fromkeys(("norm", "max", "min"), (1, 99)), "atan2": (2, 2), "eigmax": (6, 6), "where": (3, 3),
 }  # fmt: skip
 COMPARISONS = ("<=", ">=", "<", ">")
 _JOINTS = ("and", "or")
@@ -173,7 +174,7 @@ def _atom(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
     if depth > _DEEPEST:
         raise NotWritten("the formula nests too deeply")
     token = tokens[at]
-    if token[0].isdigit() or (token[0] == "." and len(token) > 1):
+    if token[0] == "." or token[0].isdecimal():
         return number(Fraction(token)), at + 1
     if token == "(":
         term, at = _condition(tokens, at + 1, depth + 1)

@@ -1,0 +1,228 @@
+"""What the kernel shows of formulas, exactly: no more, which would be false for some of them, and no less.
+
+Each line says the signs that a formula may have, its curvature, and whether it may be undefined somewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+
+from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.shape import Facts
+from duhem.proof.kernel.term import parse
+
+PARAMETERS = {
+    "m": {"positive": True},
+    "e": {"min": "0", "max": "1/2"},
+    "q": {"min": "-1", "max": "1"},
+    "p": {"min": "1", "max": "4"},
+    "k": {"min": "-2", "max": "-1/2"},
+    "u": {},
+}
+SIGNS = {1: "<", 2: "=", 3: "<=", 4: ">", 5: "!=", 6: ">=", 7: "?"}
+
+
+def domain(sides: Mapping[str, bool] | None = None) -> StatedDomain:
+    """Forces a and b, pressure s; ``sides`` are loads >= 0, or > 0 where True."""
+    found = over(
+        StatedLaw.read({"forces": ("a", "b"), "pressure": "s", "parameters": PARAMETERS, "constraints": [], "g": "a", "flow": None})
+    )
+    found.sides |= {parse(load): strict for load, strict in (sides or {}).items()}
+    return found
+
+
+def said(known: Facts) -> str:
+    """In words; what is convex is quasiconvex too."""
+    words = [word for word in ("convex", "concave", "quasiconvex") if getattr(known, word)]
+    if words[:1] == ["convex"]:
+        assert words.pop() == "quasiconvex"
+    words = ["affine"] if words == ["convex", "concave"] else words
+    return " ".join([SIGNS[known.sign], *words, *([] if known.defined else ["undefined"])])
+
+
+CONSTANTS = [
+    ("0", "= affine"), ("1", "> affine"), ("-1", "< affine"), ("pi", "> affine"), ("s", "< affine"), ("q", "? affine"),
+    ("abs(q - q)", "= affine"), ("where(m > 0, a, log(k))", "? affine undefined"), ("where(m > 0, a, b**2)", "? affine"),
+    ("where(m <= 0, a, b**2)", ">= convex"), ("where(q > 0, a, b)", "? undefined"), ("where(k >= -1/2, 1, 2)", "? affine undefined"),
+    ("m - m", "= affine"), ("p - 1", ">= affine"), ("p - 1/2", "> affine"), ("1 - p", "<= affine"), ("1/2 - p", "< affine"),
+    ("q + 2*e", "? affine"), ("e*(p - 1)", ">= affine"), ("(q - 2)*(e + 1)", "< affine"), ("(1 - q)*(1 + q)", ">= affine"),
+    ("abs(q) - 3/2", "< affine"), ("abs(q) - 1", "<= affine"), ("abs(q) - 1/2", "? affine"), ("-3/2 + abs(q)", "< affine"),
+    ("-m + abs(q*m/2)", "< affine"), ("-m + abs(q*m)", "<= affine"), ("-m/2 + abs(q*m)", "? affine"), ("1 - abs(q)", "? affine"),
+    ("norm(m, m) - 2*m", "< affine"), ("-2*m + norm(m, m)", "< affine"), ("-2*m + norm(m, m) - e", "< affine"),
+    ("norm(m, m) - m", "? affine"), ("norm(m, m) - e", "? affine"), ("norm(m, m) + 2*m", "> affine"), ("1*sin(e + 1)", "> affine"),
+    ("sin(e + 1) - sin(1/2)", "> affine"), ("sin(m)", "? affine"), ("0 + cos(q)", "> affine"), ("cos(3/2*q)", "> affine"),
+    ("cos(1.51*q)", "? affine"), ("cos(q - e)", "> affine"), ("cos(q + e)", "> affine"), ("cos(-q - e)", "> affine"),
+    ("cos(e + 1.01)", "? affine"), ("cos(-e - 1.01)", "? affine"), ("cos(2*a)", "?"), ("exp(m) - 1", "> affine"),
+    ("1 - exp(m)", "< affine"), ("exp(k) - 1", "< affine"), ("1 - exp(-m)", "> affine"), ("exp(q) - 1", "? affine"),
+    ("2 - exp(k)", "> affine"), ("m*(exp(k*m) - 1)", "< affine"), ("norm(q, e)", ">= affine"), ("norm(q, m)", "> affine"),
+    ("norm(e, 0)", ">= affine"), ("abs(k)", "> affine"), ("abs(q)", ">= affine"), ("pos(k)", "= affine"), ("neg(k)", "> affine"),
+    ("pos(m)", "> affine"), ("neg(m)", "= affine"), ("pos(q)", ">= affine"), ("neg(q)", ">= affine"), ("neg(e)", "= affine"),
+    ("exp(m - m)", "> affine"), ("cos(m - m)", "> affine"), ("sin(m - m)", "= affine"), ("log(m)", "? affine"), ("log(p)", ">= affine"),
+    ("log(e)", "< affine undefined"), ("log(1 + m)", "> affine"), ("log(e + 1/2)", "<= affine"), ("log(1/2)", "< affine"),
+    ("m**q", "> affine"), ("k**2", "> affine"), ("k**3", "< affine"), ("k**-3", "< affine"), ("k**-2", "> affine"),
+    ("k**(1/2)", "? affine undefined"), ("e**(1/2)", ">= affine"), ("e**-1", "> affine undefined"), ("e**0", "> affine"),
+    ("e**q", ">= affine undefined"), ("e**m", ">= affine"), ("q**2", ">= affine"), ("q**3", "? affine"), ("q**4", ">= affine"),
+    ("q**-2", ">= affine undefined"), ("p**(1/2)", "> affine"), ("(p - 1)**(1/2)", ">= affine"), ("(q + 1)**e", ">= affine undefined"),
+    ("u**2", ">= affine"), ("u**2 + 1", "> affine"), ("u", "? affine"), ("abs(u)", ">= affine"), ("u - u", "= affine"),
+    ("u**2 - u**2 + 1", "> affine"), ("tan(q)", "? affine undefined"), ("tanh(q)", "? affine"), ("tanh(m)", "> affine"),
+    ("atan(k)", "< affine"), ("sinh(k)", "< affine"), ("cosh(q)", "> affine"), ("asin(q)", "? affine"), ("acos(q)", ">= affine"),
+    ("acos(k)", "> affine undefined"), ("asin(2*q)", "? affine undefined"), ("max(q, m)", "> affine"), ("max(q, e)", ">= affine"),
+    ("max(k, -m)", "< affine"), ("max(q, -m)", "? affine"), ("min(q, k)", "< affine"), ("min(m, e)", ">= affine"),
+    ("min(m, p)", "> affine"), ("min(q, m)", "? affine"), ("norm(3*m, 4*m) - 5*m", "<= affine"), ("norm(3*m, 4*m) - 51*m/10", "< affine"),
+    ("norm(3*m, 4*m) - 49*m/10", "? affine"), ("e*norm(m, m) + norm(3*m, 4*m) - 5*m", "? affine"), ("where(m > 0, 1, 2) - 1", "= affine"),
+    ("abs(q) + abs(e) - 1", "? affine"), ("m - exp(-m)", "? affine"), ("e**(p - 1)", ">= affine undefined"),
+    ("0**e", ">= affine undefined"), ("(q + 1)**u", ">= affine undefined"), ("(m - m)**p", "= affine"),
+]  # fmt: skip
+
+FORMULAS = [
+    ("abs(a)", ">= convex"), ("abs(abs(a))", ">= convex"), ("pos(a**2)", ">= convex"), ("neg(abs(a))", "="), ("abs(abs(a) - 1)", ">="),
+    ("abs(-abs(a) - 1)", "> convex"), ("abs(m*a)", ">= convex"), ("norm(a, b)", ">= convex"), ("norm(a, m)", "> convex"),
+    ("norm(a*b, 1)", ">"), ("norm(0*a, a*0)", "= convex"), ("norm(-abs(a), b)", ">= convex"), ("norm(-abs(a) + m, b)", ">="),
+    ("norm(log(e), a)", "> convex undefined"), ("norm(a, e)", ">= convex"), ("max(a, b)", "? convex"), ("max(a, m)", "> convex"),
+    ("max(a, 0)", ">= convex"), ("max(a, abs(b))", ">= convex"), ("max(k, -abs(a))", "<="), ("max(-abs(a), -b**2)", "<="),
+    ("max(-1 - abs(a), k)", "<"), ("max(log(1 + abs(a)), b)", ">= quasiconvex"), ("max(log(1 + abs(a)), a*b)", ">="),
+    ("max(a, log(e))", "? convex undefined"), ("min(a, b)", "? concave"), ("min(a, k)", "< concave"), ("min(m, abs(a))", ">="),
+    ("min(m, 1 + abs(a))", ">"), ("min(-a**2, b)", "<= concave"), ("min(a, b**2)", "?"), ("min(abs(a), abs(b))", ">="),
+    ("eigmax(a, b, a + b, 0, 0, 0)", "? convex"), ("eigmax(a, b, m, 0, 0, 0)", "> convex"), ("eigmax(a, b, 0, a, b, a - b)", "? convex"),
+    ("eigmax(abs(a), b, a, 0, 0, 0)", ">= convex"), ("eigmax(abs(a), b, a, 0, 0, b)", "?"), ("eigmax(a, b, a, 0, 0, abs(b))", "?"),
+    ("eigmax(a, b, a, 0, 0, 0/e)", "? convex undefined"), ("eigmax(a, b, a, m - m, 0, 0)", "? convex"),
+    ("eigmax(k, k, k, b, 0, 0)", "? convex"), ("pos(a)", ">= convex"), ("neg(a)", ">= convex"), ("pos(min(a, b))", ">="),
+    ("neg(min(a, b))", ">= convex"), ("neg(max(a, b))", ">="), ("pos(log(1 + abs(a)))", ">= quasiconvex"),
+    ("pos(tanh(a))", ">= quasiconvex"), ("neg(tanh(a))", ">="), ("pos(-1 - abs(a))", "="), ("neg(-1 - abs(a))", "> convex"),
+    ("neg(1 + abs(a))", "="), ("neg(-a**2)", ">= convex"), ("exp(abs(a))", "> convex"), ("exp(-abs(a))", ">"),
+    ("exp(log(1 + abs(a)))", "> quasiconvex"), ("exp(a/e)", "> convex undefined"), ("log(1 + abs(a))", ">= quasiconvex"),
+    ("log(2 + abs(a))", "? quasiconvex"), ("log(1/2 + abs(a))", "? quasiconvex"), ("log(a)", "? concave quasiconvex undefined"),
+    ("log(abs(a))", "? quasiconvex undefined"), ("log(exp(a))", "? quasiconvex"), ("log(norm(a, m))", "? quasiconvex"),
+    ("log(norm(a, m)*0 + 1)", "? quasiconvex"), ("sinh(abs(a))", ">= convex"), ("sinh(abs(a) - 1)", "? quasiconvex"),
+    ("sinh(-abs(a))", "<= concave"), ("sinh(1 - abs(a))", "?"), ("sinh(log(1 + abs(a)))", ">= quasiconvex"), ("sinh(a)", "? quasiconvex"),
+    ("cosh(a)", "> convex"), ("cosh(abs(a))", "> convex"), ("cosh(-abs(a))", "> convex"), ("cosh(abs(a) - 1)", ">"),
+    ("cosh(log(e) + a)", "> convex undefined"), ("atan2(a, m)", "?"), ("atan2(a, b)", "? undefined"), ("atan2(a, q)", "? undefined"),
+    ("atan2(a, log(e) + 1)", "? undefined"), ("tanh(abs(a))", ">= quasiconvex"), ("atan(-abs(a))", "<="), ("atan(a)", "? quasiconvex"),
+    ("tan(a)", "? undefined"), ("sin(a)", "?"), ("cos(a)", "?"), ("cos(a/e)", "? undefined"), ("asin(a)", "? quasiconvex undefined"),
+    ("acos(min(max(a, -1), 1))", ">= undefined"), ("asin(min(max(a, -1), 1))", "? undefined"),
+    ("asin(min(max(a, 0), 1))", ">= undefined"), ("acos(min(pos(a), 1))", ">= undefined"), ("asin(min(abs(a), 1/2))", ">= undefined"),
+    ("abs(a) + b**2 + 1", "> convex"), ("abs(a) + 0*b", ">= convex"), ("abs(a) - 1", "? convex"), ("0*a + 0*b", "= affine"),
+    ("log(1 + abs(a)) + q", "? quasiconvex"), ("log(1 + abs(a)) + log(1 + abs(b))", ">="), ("-abs(a) - m", "< concave"),
+    ("-abs(a) - e", "<= concave"), ("-abs(a) + e", "? concave"), ("abs(a) + log(e)", "? convex undefined"), ("abs(a) + a*b", "?"),
+    ("min(a, b) + a", "? concave"), ("a - b", "? affine"), ("abs(a) - q*a", ">= convex"), ("abs(a) - a", ">= convex"),
+    ("abs(a) - 2*a", "? convex"), ("abs(a) - a + 1", "? convex"), ("abs(a) + q*a + abs(b)", "? convex"),
+    ("2*pos(a) - neg(a)", "? convex"), ("pos(a) - 2*neg(a)", "?"), ("pos(a) - neg(a)", "? convex"), ("pos(a) + q*neg(a)", "? convex"),
+    ("pos(a) - neg(-a)", ">= convex"), ("2*pos(a) - pos(-a)", "? convex"), ("abs(2*a) - 2*a + q*a", "? convex"),
+    ("abs(a - b) + a - b", ">= convex"), ("abs(a - b) + (b - a)/2", ">= convex"), ("abs(a) + m*abs(a) - (1 + m)*a", ">= convex"),
+    ("k*abs(a) - k*abs(a)", ">= convex"), ("pos(a) + abs(a)*k", "?"), ("abs(a)*b - b*a", "?"),
+    ("abs(max(a, b)) + max(a, b)", ">= convex"), ("abs(max(a, b)) - max(a, b)", ">="), ("abs(min(a, b)) - min(a, b)", ">= convex"),
+    ("abs(min(a, b)) + min(a, b)", ">="), ("pos(a) + pos(b) - 2*neg(b) - 2*neg(a)", "?"), ("abs(a) - 2*abs(b)", "?"),
+    ("m*abs(a)", ">= convex"), ("k*abs(a)", "<= concave"), ("q*abs(a)", "?"), ("e*abs(a)", ">= convex"), ("q*a", "? affine"),
+    ("k*a", "? affine"), ("a*b", "?"), ("a*a", "?"), ("abs(a)*abs(b)", ">="), ("abs(a)*(-1 - abs(b))", "<="), ("0*a*b", "="),
+    ("m*k*log(1 + abs(a))", "<="), ("m*log(1 + abs(a))", ">= quasiconvex"), ("-m*min(a, b)", "? convex"),
+    ("(e - e)*a**3", "= quasiconvex"), ("a**3*q", "?"), ("a**3*k", "?"), ("log(e)*a", "? affine undefined"), ("a*log(m)", "? affine"),
+    ("-2*(a - b)*k*m", "? affine"),
+]  # fmt: skip
+
+POWERS = [
+    ("a**2", ">= convex"), ("a**3", "? quasiconvex"), ("a**4", ">= convex"), ("a**5", "? quasiconvex"), ("a**-1", "? undefined"),
+    ("a**-2", ">= undefined"), ("a**0", "> affine"), ("a**1", "? affine"), ("a**q", "? undefined"), ("a**(1/2)", "? undefined"),
+    ("a**(3/2)", "? undefined"), ("(1/a)**0", "> affine undefined"), ("abs(a)**p", ">= convex"), ("abs(a)**(p - 1)", ">= undefined"),
+    ("abs(a)**(p + 1)", ">= convex"), ("abs(a)**(p - 1/2)", ">= quasiconvex"), ("abs(a)**e", ">= undefined"),
+    ("abs(a)**m", ">= quasiconvex"), ("abs(a)**k", "> undefined"), ("abs(a)**(1/2)", ">= quasiconvex"), ("abs(a)**(3/2)", ">= convex"),
+    ("abs(a)**(2 - p)", ">= undefined"), ("(1 + abs(a))**e", ">"), ("(1 + abs(a))**-1", ">"), ("(1 + abs(a))**(-1/2)", ">"),
+    ("(1 + abs(a))**k", ">"), ("(1 + abs(a))**q", ">"), ("(1 + abs(a))**u", ">"), ("(1 + abs(a))**b", ">"), ("m**a", ">"),
+    ("e**a", "? undefined"), ("abs(a)**a", "? undefined"), ("(-1 - abs(a))**2", "> convex"), ("(-1 - abs(a))**3", "<"),
+    ("(-1 - abs(a))**-1", "<"), ("(-1 - abs(a))**-2", ">"), ("(-abs(a))**2", ">= convex"), ("(-abs(a))**3", "<="),
+    ("(-abs(a))**(1/2)", "? undefined"), ("(abs(a) - 1)**2", ">="), ("min(a, 0)**2", ">= convex"), ("max(a, 0)**2", ">= convex"),
+    ("max(a, 0)**3", ">= convex"), ("max(a, b)**3", "? quasiconvex"), ("max(a, b)**2", ">="), ("max(a, b)**-3", "? undefined"),
+    ("log(1 + abs(a))**2", ">="), ("log(1 + abs(a))**3", ">= quasiconvex"), ("log(1 + abs(a))**(1/2)", ">= quasiconvex"),
+    ("log(e)**2", "> affine undefined"), ("(a**2)**(1/2)", ">= convex"), ("sqrt(a**2 + b**2)", ">= convex"),
+    ("sqrt((a + b)**2 + (a - 2*b)**2 + 1)", "> convex"), ("sqrt((a - b)**2 + m*b**2 + e)", ">= convex"),
+    ("sqrt((a - b)**2 + e)", ">= convex"), ("sqrt(a**2 + abs(b)**2 + 1)", "> convex"), ("sqrt(a**4)", ">= quasiconvex"),
+    ("sqrt(a**4 + b**2)", ">= quasiconvex"), ("sqrt(a**2*b**2)", ">="), ("sqrt(a**2 + abs(b))", ">= quasiconvex"),
+    ("sqrt(a**2*b**2/m**4 + 1)", ">"), ("sqrt(1 + a**2/m)", "> convex"), ("sqrt(1 + abs(a))", "> quasiconvex"),
+    ("(a**2 + b**2)**(1/3)", ">= quasiconvex"), ("(a**2 + b**2)**(3/4)", ">= quasiconvex"), ("(a**2)**(1/4)", ">= quasiconvex"),
+    ("(abs(a)**3 + abs(b)**3)**(1/3)", ">= convex"), ("(abs(a)**3 + 2*abs(b)**3)**(1/3)", ">= convex"),
+    ("(abs(a)**3 + m*abs(b)**3)**(1/3)", ">= convex"), ("(abs(a)**3 + q*abs(b)**3)**(1/3)", "? undefined"),
+    ("(abs(a)**3 - abs(b)**3/2)**(1/3)", "? undefined"), ("(abs(a)**3 + e**-1*abs(b)**3)**(1/3)", ">= quasiconvex undefined"),
+    ("(abs(a)**3 + abs(b)**2)**(1/3)", ">= quasiconvex"), ("(abs(a)**3 + abs(b)**3)**(1/2)", ">= quasiconvex"),
+    ("(abs(a)**3 + 1)**(1/3)", "> quasiconvex"), ("(pos(a)**3 + neg(b)**3)**(1/3)", ">= convex"),
+    ("(abs(a)**p + abs(b)**p)**(1/p)", ">= convex"), ("(abs(a)**p + abs(b)**p)**(1/(p + 1))", ">= quasiconvex"),
+    ("(abs(a)**m + abs(b)**m)**(1/m)", ">="), ("(abs(a)**4*m)**(1/4)", ">= convex"), ("((a - b)**4 + b**4)**(1/4)", ">= convex"),
+    ("((-abs(a))**4 + b**4)**(1/4)", ">= convex"), ("((abs(a) - 1)**4 + b**4)**(1/4)", ">="), ("(abs(a)**3*abs(b)**3 + 1)**(1/3)", ">"),
+    ("(abs(a)**3 + abs(b))**(1/3)", ">= quasiconvex"), ("(abs(a*b)**3 + abs(b)**3)**(1/3)", ">="),
+    ("((abs(a)**(1/2))**3 + abs(b)**3)**(1/3)", ">="), ("(abs(a)**(1/2) + abs(b)**(1/2))**2", ">="),
+    ("sqrt(2*abs(a)**2 + 3*norm(a, b)**2 + 5)", "> convex"), ("sqrt(abs(a)**2 + a**2*b**2 + 1)", ">"),
+    ("(norm(a, b)**2 + 7)**(1/2)", "> convex"), ("(norm(a, b)**2 - 7)**(1/2)", "? undefined"),
+    ("(abs(a)**2 + k + 3)**(1/2)", "? undefined"), ("(max(abs(a), abs(b))**(3/2) + norm(a, b)**(3/2))**(2/3)", ">= convex"),
+    ("abs(a + sqrt(b**2 + 1))**3 + abs(a - sqrt(b**2 + 1))**3", ">= convex"),
+    ("abs(a + sqrt(b**2 + 1))**3 + abs(a - 2*sqrt(b**2 + 1))**3", ">="), ("max(abs(a + norm(b, 1)), abs(a - norm(b, 1)))", ">= convex"),
+    ("exp(norm(a, b)) + exp(-norm(a, b))", "> convex"), ("(exp(norm(a, b)) + exp(-norm(a, b)))**2", "> convex"),
+    ("exp(norm(a, b)) + exp(-2*norm(a, b))", ">"), ("norm(a + norm(a, b), a - norm(a, b))", ">= convex"),
+    ("norm(a + norm(a, b), b - norm(a, b))", ">="), ("(a + norm(a, b))**2 + (a - norm(a, b))**2", ">= convex"),
+    ("(a + norm(a, b))**2 - (a - norm(a, b))**2", "?"), ("(abs(a)**2 + b**2)**2 + 3*norm(a, b)**4 - norm(a, b)**4", "?"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "expected"), [*CONSTANTS, *FORMULAS, *POWERS])
+def test_what_is_shown_everywhere(text: str, expected: str) -> None:
+    assert said(facts(parse(text), domain())) == expected
+
+
+REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
+    ({"a": False}, [
+        ("a", ">= affine"), ("a + 1", "> affine"), ("a - 1", "? affine"), ("-a", "<= affine"), ("m*a + e", ">= affine"),
+        ("m*a + m", "> affine"), ("k*a - 1", "< affine"), ("k*a", "<= affine"), ("q*a", "? affine"), ("-2*a - m", "< affine"),
+        ("a + b", "? affine"), ("2*a/m", ">= affine"), ("sqrt(a)", ">= concave quasiconvex"), ("a**e", ">= undefined"),
+        ("a**(1/2)*b", "?"), ("log(a)", "? concave quasiconvex undefined"), ("log(a + 1)", ">= concave quasiconvex"),
+        ("log(1 + a)", ">= concave quasiconvex"), ("log(1 + m*a)", ">= concave quasiconvex"), ("a*log(a)", "? undefined"),
+        ("a**2", ">= convex"), ("a**3", ">= convex"), ("abs(a)", ">= affine"), ("1/(1 + a)", ">"), ("a**p", ">= convex"),
+        ("(2*a + 1)**(1/3)", "> concave quasiconvex"), ("-sqrt(a)", "<= convex"), ("sqrt(a)*log(a + 1)", ">="),
+        ("sqrt(a + a**2)", ">= quasiconvex"), ("a - a", "? affine"), ("0*a + 1", "> affine"),
+    ]),
+    ({"a": True}, [
+        ("a", "> affine"), ("m*a", "> affine"), ("k*a", "< affine"), ("e*a", ">= affine"), ("a + e", "> affine"), ("a - 1", "? affine"),
+        ("-a", "< affine"), ("-a - e", "< affine"), ("log(a)", "? concave quasiconvex"), ("log(2*a)", "? concave quasiconvex"),
+        ("log(a + 1)", "> concave quasiconvex"), ("log(e*a)", "? concave quasiconvex undefined"),
+        ("log(-a)", "< concave quasiconvex undefined"), ("a*log(a)", "? convex"), ("2*a*log(a/m)", "? convex"), ("a*log(a + 1)", ">"),
+        ("(a + 1)*log(a + 1)", "> convex"), ("(a + 1)*log(a)", "?"), ("m*a*log(3*a)", "? convex"), ("-a*log(a)", "? concave"),
+        ("q*a*log(a)", "?"), ("e*a*log(a)", "? convex"), ("-2*a*log(3*a)*k", "?"), ("b*log(a)", "?"), ("log(a)*log(a)", "?"),
+        ("a*log(abs(a))", "?"), ("a*b*log(a)", "?"), ("1/a", ">"), ("a**-1", ">"), ("a**(1/2)", "> concave quasiconvex"),
+        ("sqrt(a)", "> concave quasiconvex"),
+    ]),
+    ({"a": False, "b": False}, [
+        ("a*b", ">="), ("sqrt(a*b)", ">= concave"), ("sqrt(m*a*b)", ">= concave"), ("sqrt(q*a*b)", "? undefined"),
+        ("sqrt(k*a*b)", "? undefined"), ("(a*b)**(1/3)", ">= concave"), ("(a*b)**(2/3)", ">="), ("(a*b*(a + b))**(1/3)", ">= concave"),
+        ("(a*b*(a + b))**(1/2)", ">="), ("(a*b)**e", ">= undefined"), ("(a*b)**(p/8)", ">= concave"), ("(a*b)**(p/7)", ">="),
+        ("sqrt(pos(a*b))", ">= concave"), ("sqrt(a*abs(b))", ">= concave"), ("sqrt(a*(b + 1))", ">= concave"),
+        ("sqrt(a*(b - 1))", "? undefined"), ("a + b", ">= affine"), ("a + 2*b + 1", "> affine"), ("a - b", "? affine"),
+        ("sqrt(a + b)", ">= concave quasiconvex"), ("sqrt(a)+sqrt(b)", ">= concave"), ("sqrt(a*sqrt(b))", ">= concave"),
+        ("-sqrt(a*b)", "<= convex"),
+    ]),
+    ({"a": False, "1 - a": False}, [
+        ("a", ">= affine"), ("1 - a", ">= affine"), ("a - 1", "<= affine"), ("a - 2", "< affine"), ("2 - a", "> affine"),
+        ("1/2 - a", "? affine"), ("a*(1 - a)", ">="), ("sqrt(a*(1 - a))", ">= concave"), ("sqrt(a*(2 - a))", ">= concave"),
+        ("sqrt(a*(1/2 - a))", "? undefined"), ("a - a**2", ">= concave"), ("a - a**3", ">= concave"), ("a - 1.01*a**2", "? concave"),
+        ("a - a**2/2", ">= concave"), ("sqrt(a - pos(a)**2)", ">= concave"), ("sqrt(a - pos(a)**m)", "? undefined"),
+        ("sqrt(a - pos(a)**(p + 1))", "? undefined"), ("sqrt(a - pos(a)**p)", "? undefined"), ("a - pos(a)**(1/2)", "? convex"),
+        ("a - b**2", "? concave"), ("sqrt(a - a**2 + b)", "? undefined"), ("sqrt((a - pos(a)**2)*(1 + a))", ">= concave"),
+        ("sqrt(pos((a - pos(a)**2)*(1 + a)))", ">= concave"), ("sqrt((a - pos(a)**2)*(2 - a))", ">= concave"),
+        ("log(1 + a) - a/2", ">= concave"), ("log(1 + a) - a", "? concave"),
+    ]),
+    ({"m*a - e": False, "b - k*a": False}, [
+        ("a", ">= affine"), ("m*a", ">= affine"), ("m*a - e", ">= affine"), ("2*m*a - e", ">= affine"), ("m*a + 1", "> affine"),
+        ("e - m*a", "<= affine"), ("e - m*a - m", "< affine"), ("b", "? affine"), ("b - k*a", ">= affine"),
+        ("m*b - k*m*a + p", "> affine"), ("2*b - k*a", "? affine"), ("sqrt(m*a - e)", ">= concave quasiconvex"),
+        ("sqrt(m*a - 1)", "? undefined"), ("sqrt(b - k*a)", ">= concave quasiconvex"),
+    ]),
+    ({"e*a": False, "k*a + 1": True}, [
+        ("a", "? affine"), ("e*a", "? affine"), ("k*a", "? affine"), ("k*a + 1", "> affine"), ("k*a + 2", "> affine"),
+        ("-k*a", "? affine"), ("a + 1/k", "< affine"), ("-1/k - a", "> affine"), ("e*a*m", "? affine"), ("-k*a - 1", "< affine"),
+        ("log(k*a + 1)", "? concave quasiconvex"), ("log(2*k*a + 2)", "? concave quasiconvex"),
+        ("log(2*k*a + 1)", "? concave quasiconvex undefined"),
+    ]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("sides", "text", "expected"), [(sides, *row) for sides, rows in REGIONS for row in rows])
+def test_what_is_shown_where_loads_are_not_negative(sides: dict[str, bool], text: str, expected: str) -> None:
+    assert said(facts(parse(text), domain(sides))) == expected
