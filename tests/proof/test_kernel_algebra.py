@@ -160,6 +160,31 @@ def _with_ray(text: str) -> Polynomial:
     return domain().polynomial(parse(text).put({parse("t"): RAY}))
 
 
+@pytest.mark.parametrize(
+    ("constraint", "text", "weakly", "strictly"),
+    [
+        ("m > h", "m - h", True, True), ("m >= h", "m - h", True, False), ("m > h", "h - m", False, False),
+        ("m > h", "2*m - h", True, True),
+        ("m > h", "m - 2*h", False, False), ("u > m*p", "u - m", True, True), ("u >= m*p", "u - m", True, False),
+        ("u >= m*p", "u", True, True),
+        ("u > m", "k*(m - u)", True, True), ("u > m", "k*(u - m)", False, False), ("u > m", "q*(u - m)", False, False),
+        ("u > m", "u**2 - m*u", True, True),
+        ("u > m", "p*u - m", True, True), ("u > m", "u - m*p", False, False), ("u > m", "u - m - e", False, False),
+        ("u - m > e", "u - m", True, True),
+        ("u > q", "m*u - m*q + e", True, True), ("u >= q", "m*u - m*q + h", True, True), ("u <= q", "1 - u", True, False),
+        ("u < q", "1 - u", True, True),
+        ("u + q > 3", "u - 2", True, True), ("q*m > h", "q", True, True), ("e*m > h", "e", True, True),
+        ("u**2 < 4", "4 - u**2", True, True),
+        ("u**2 <= 4", "u + 2", True, False), ("m*u > h*q", "m**2*u - m*h*q", True, True), ("u > v", "(u - v)/m", True, True),
+        ("u > v", "(u - v)/q", False, False),
+    ],
+)  # fmt: skip
+def test_signs_by_a_constraint(constraint: str, text: str, weakly: bool, strictly: bool) -> None:
+    here = domain(constraint)
+    assert here.nonnegative(parse(text)) is weakly
+    assert here.nonnegative(parse(text), strict=True) is strictly
+
+
 @pytest.mark.parametrize("text", ["t/q", "t/e", "t/u"])
 def test_nothing_is_divided_by_what_may_be_zero(text: str) -> None:
     with pytest.raises(NotWritten):
