@@ -9,11 +9,13 @@ from typing import Any
 
 import pytest
 
+from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.invariants import Invariants, invariants
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total
 from duhem.proof.kernel.positivity import RAY
+from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.section_value import ROOT, SectionValue, added, base_of, bend, multiplied, power_of, raised_to, reduced, widened
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.test_kernel_facts import said
@@ -87,6 +89,32 @@ SHOWN = [
 def test_what_is_shown_of_sections(text: str, expected: str) -> None:
     text = text.replace("C3", "(3*sqrt(3)/2*J3/J2**(3/2))").replace("J2", J2).replace("J3", J3)
     assert said(facts(*domain(text, "a", "b", "c"))) == expected
+
+
+def law(text: str) -> StatedLaw:
+    text = text.replace("C3", "(3*sqrt(3)/2*J3/J2**(3/2))").replace("J2", J2).replace("J3", J3)
+    given: dict[str, Any] = {"pressure": "s", "parameters": PARAMETERS, "constraints": [], "flow": None}
+    return StatedLaw.read({"forces": ("a", "b", "c"), "g": text, **given})
+
+
+@pytest.mark.parametrize(
+    ("text", "origin", "smooth"),
+    [
+        ("sqrt(J2)*(1 + C3/8) - m", True, True), ("sqrt(J2)*(1 + C3/8) - e", True, False), ("sqrt(J2)*(1 + C3/8) - q", False, False),
+        ("sqrt(J2)*(1 + C3/8) + m", False, True), ("sqrt(J2)*(1 + C3/8) + J2 - m", True, True),
+        ("sqrt(J2)*(1 + C3/8) + a - m", True, False),
+        ("sqrt(J2)*(1 + C3/8) + a", True, False), ("sqrt(J2)*cos(acos(C3)/3 - pi/6) - m", True, False), ("J2*C3 - m", True, True),
+        ("sqrt(J2)*cos(acos(C3)/3 - pi/6) + e", False, False), ("C3 + J2 - m", False, False), ("J2 + 1/J2 - m", False, False),
+        ("sqrt(J2)*(2 + C3)**0.3 - m", True, True), ("sqrt(J2)*(1 + C3)**0.3 - m", False, False),
+        ("sqrt(J2 + J3**2) - m", True, True), ("sqrt(J2) + abs(J3) - m", True, False),
+        ("sqrt(J2*(a + b + c)**2)*(1 + C3/8) - m", False, False), ("exp(sqrt(J2)*(1 + C3/8)) - 2", True, True),
+        ("exp(sqrt(J2)*(1 + C3/8)) - 1", True, False),
+    ],
+)  # fmt: skip
+def test_on_the_axis_sections_are_zero(text: str, origin: bool, smooth: bool) -> None:
+    stated = law(text)
+    assert (not objection("origin", "evaluation", frozenset(), stated, {})) is origin
+    assert smooth_near_the_boundary(stated.g, over(stated)) is smooth
 
 
 # -- invariants --------------------------------------------------------------------------------------------------------

@@ -18,6 +18,7 @@ from duhem.proof.kernel.piecewise import greatest_of, least_of_greatest, measure
 from duhem.proof.kernel.polyhedron import Face, corners, is_bounded, union_is_convex, within
 from duhem.proof.kernel.refutation import shown
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
+from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.term import NotWritten, parse
 
 F = Fraction
@@ -139,6 +140,42 @@ def test_why_a_rule_does_not_prove() -> None:
     assert confirmed("duality", "polar-gauge", law("norm(a, b) - m", domain={"s": {"min": "-1"}}), duality)
 
 
+def judged(g: str) -> tuple[bool, bool] | None:
+    try:
+        gauge = StarGauge(law(g))
+        return gauge.convex(), gauge.smooth()
+    except NotWritten:
+        return None
+
+
+@pytest.mark.parametrize("side", ["a > 0", "a >= 0", "b > 0", "b >= 0", "4*a > 3*b", "4*a <= 3*b"])
+def test_a_gauge_that_jumps_on_one_ray_is_none(side: str) -> None:
+    for kink in ("pos(a)", "neg(a)") if "b" in side else ("pos(b)", "neg(b)"):
+        assert judged(f"where({side}, norm(a, b), norm(a, b) + {kink}) - 1") is None
+    left, right = side.split(" ")[0], side.split(" ")[2]
+    even = f"({left} - {right})**2/norm(a, b)/{75 if '*' in side else 3}"
+    assert judged(f"where({side}, norm(a, b), norm(a, b) + {even}) - 1") == (True, True)
+
+
+@pytest.mark.parametrize(
+    ("g", "expected"),
+    [
+        ("abs(a) + abs(b) - 1", (True, False)), ("norm(a, b) - abs(a)/2 - 1", (False, False)),
+        ("pos(a) + 2*neg(a) + abs(b) - 1", (True, False)),
+        ("max(abs(a), abs(b), norm(a, b)/1.2) - 1", (True, False)), ("min(norm(a, b), 2*abs(a) + 2*abs(b)) - 1", (True, True)),
+        ("norm(pos(a), neg(a)/2, b) - m", (True, True)), ("sqrt(a**2 + abs(a*b)/2 + b**2) - m", (True, False)),
+        ("(abs(a)**3 + abs(b)**3)**(1/3) - 1", (True, True)),
+        ("a**2 + b**2 - m*norm(a, b)*(2 + a/norm(a, b))/3", (True, True)), ("a**2 + b**2 - m*norm(a, b) - m*a", None),
+        ("norm(a, b) - a*b/norm(a, b) - m", (False, True)),
+        ("norm(a, b)*(1 + a/norm(a, b)/2) - 1", (True, True)), ("norm(a, b)*(1 + a**2/norm(a, b)**2)**(1/2) - m", (True, True)),
+        ("norm(a, b)*(1 + a**2/norm(a, b)**2)**-1 - m", (False, True)), ("norm(a, 0) + norm(b) - m", (True, False)),
+        ("norm(a - b, a + b, -a) - e", None),
+    ],
+)  # fmt: skip
+def test_gauges(g: str, expected: tuple[bool, bool] | None) -> None:
+    assert judged(g) == expected
+
+
 # -- identities ----------------------------------------------------------------------------------------------------------
 
 
@@ -209,7 +246,8 @@ def test_every_piece_must_rise() -> None:
     [
         (["m*a", "m*b"], [identity(["2*m"], [(["the goal"], ["1"], ONE)], [("the boundary", "2*m")])], [], True),
         (["m*a", "m*b"], [], [], False),
-        (["-a", "-b"], [RISES], [], False), (["a", "2*b"], [RISES], [], False),
+        (["-a", "-b"], [RISES], [], False), (["a", "2*b"], [RISES], [], False), (["a", "b"], [RISES], [], True),
+        (["a*e/e", "b"], [RISES], [], False),
         (["a", f"b + {DISC}"], [identity(["2"], [(["the goal"], ["1"], ONE)], [("the boundary", "2 + 2*b")])],
          [identity(["the goal"], [], [("the boundary", "2*a")]), identity(["the goal"], [], [("the boundary", "-2*a")])], True),
         (["a", f"b + {DISC}"], [identity(["2"], [(["the goal"], ["1"], ONE)], [("the boundary", "2 + 2*b")])],

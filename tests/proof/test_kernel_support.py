@@ -221,6 +221,15 @@ SIGNED = {"min": "-1", "max": "1"}
         ("max(a, b, -a - b) - e", "e*max(x + y, x - 2*y, y - 2*x)", {"e": SIGNED}, False),
         ("min(a, -a, b, -b) - m", "m*(abs(x) + abs(y))", {"m": POSITIVE}, False),
         ("max(abs(a), norm(b)) - m", "m*(abs(x) + abs(y))", {"m": POSITIVE}, True),
+        ("abs(a)**3 + abs(b)**2 - 1", "(abs(x)**(3/2) + abs(y)**(3/2))**(2/3)", {}, False),  # of two exponents
+        ("(a**2 + b**2)**(1/3) - 2", "2*norm(x, y)", {}, False),  # no square root
+        ("norm(a, b) - 2", "2*(x**2 + y**2)**(1/3)", {}, False),
+        ("norm(a, b) - m", "m*norm(x, y) + norm(x, 2*y)", {"m": POSITIVE}, False),  # two roots
+        ("norm(a - m, b) - m", "m*x", {"m": POSITIVE}, False),  # none
+        ("norm(a - m, b) - m", "m*x + m*norm(x, y)", {"m": POSITIVE}, True),
+        ("norm(a - m, b) - m", "m*x*e/e + m*norm(x, y)", {"m": POSITIVE, "e": UNIT}, False),  # undefined for e = 0
+        ("a**2 + b**2 - m**2", "m*norm(x, y)*e/e", {"m": POSITIVE, "e": UNIT}, False),
+        ("(a**2 + b**2 - m**2)*e/e", "m*norm(x, y)", {"m": POSITIVE, "e": UNIT}, False),
     ],
 )
 def test_what_must_be_shown_over_the_whole_domain(g: str, potential: str, parameters: dict[str, Any], right: bool) -> None:
