@@ -194,6 +194,8 @@ CURVES = identity(["the goal"], [([], ["v", "w"], [["2", "0"], ["0", "2"]])])
     ("outward", "right"),
     [
         ([RISES], True), ([identity([], []), RISES], True), ([], False),
+        ([identity(["2"], [(["the goal"], ["1"], ONE), ([], ["a", "b"], [["0"] * 2] * 2)], [("the boundary", "2")])], True),
+       
         ([identity(["1"], [(["the goal"], ["1"], ONE)], [("the boundary", "2")])], False),
         ([identity(["2"], [(["the goal"], ["1"], [["-1"]])], [("the boundary", "2")])], False),
         ([identity(["2"], [(["the goal"], ["1"], ONE)])], False),
