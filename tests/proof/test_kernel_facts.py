@@ -159,7 +159,7 @@ POWERS = [
     ("exp(norm(a, b)) + exp(-norm(a, b))", "> convex"), ("(exp(norm(a, b)) + exp(-norm(a, b)))**2", "> convex"),
     ("exp(norm(a, b)) + exp(-2*norm(a, b))", ">"), ("norm(a + norm(a, b), a - norm(a, b))", ">= convex"),
     ("norm(a + norm(a, b), b - norm(a, b))", ">="), ("(a + norm(a, b))**2 + (a - norm(a, b))**2", ">= convex"),
-    ("(a + norm(a, b))**2 - (a - norm(a, b))**2", "?"), ("(abs(a)**2 + b**2)**2 + 3*norm(a, b)**4 - norm(a, b)**4", "?"),
+    ("(a + norm(a, b))**2 - (a - norm(a, b))**2", "?"), ("(abs(a)**2 + b**2)**2 + 3*norm(a, b)**4 - norm(a, b)**4", ">= convex"),
 ]  # fmt: skip
 
 
@@ -203,7 +203,7 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
         ("1/2 - a", "? affine"), ("a*(1 - a)", ">="), ("sqrt(a*(1 - a))", ">= concave"), ("sqrt(a*(2 - a))", ">= concave"),
         ("sqrt(a*(1/2 - a))", "? undefined"), ("a - a**2", ">= concave"), ("a - a**3", ">= concave"), ("a - 1.01*a**2", "? concave"),
         ("a - a**2/2", ">= concave"), ("sqrt(a - pos(a)**2)", ">= concave"), ("sqrt(a - pos(a)**m)", "? undefined"),
-        ("sqrt(a - pos(a)**(p + 1))", "? undefined"), ("sqrt(a - pos(a)**p)", "? undefined"), ("a - pos(a)**(1/2)", "? convex"),
+        ("sqrt(a - pos(a)**(p + 1))", ">= concave"), ("sqrt(a - pos(a)**p)", ">= concave"), ("a - pos(a)**(1/2)", "? convex"),
         ("a - b**2", "? concave"), ("sqrt(a - a**2 + b)", "? undefined"), ("sqrt((a - pos(a)**2)*(1 + a))", ">= concave"),
         ("sqrt(pos((a - pos(a)**2)*(1 + a)))", ">= concave"), ("sqrt((a - pos(a)**2)*(2 - a))", ">= concave"),
         ("log(1 + a) - a/2", ">= concave"), ("log(1 + a) - a", "? concave"),
