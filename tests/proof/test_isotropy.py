@@ -162,3 +162,15 @@ def test_the_kernel_reads_the_same_formula_in_principal_stresses() -> None:
         swap = {Term("name", name=name): number(v) for name, v in zip(FORCES, point, strict=False)}
         value = Fraction(2 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2), 6) + Fraction(3, 10) * x * y * z - 1
         assert over(reduced).polynomial(reduced.g.put(swap)) == ({(): value} if value else {})
+
+
+def test_a_constant_matrix_does_not_become_diagonal() -> None:
+    """The greatest eigenvalue of (1, 0, 0; 0, 1, 1; 0, 1, 1) is 2 in principal stresses too: g = 1 - J2/2, and K is not convex."""
+    j2 = "(((xx-yy)**2 + (yy-zz)**2 + (zz-xx)**2)/6 + yz**2 + xz**2 + xy**2)"
+    g = f"({{}}(1, 1, 1, 1, 0, 0) - 3/2 + 0*exp(1))*(-{j2}) + 1"
+    for word, shown in (("eigmax", False), ("min", True)):
+        given = {"forces": FORCES, "pressure": None, "parameters": {}, "constraints": [], "g": g.format(word), "flow": None}
+        stated = StatedLaw.read(given)
+        principal = in_principal_stresses(stated)
+        assert principal is not None and parse(f"{word}(1, 1, 1, 1, 0, 0)") in principal.g.args[0].args[0].args
+        assert (objection("convexity", "composition", frozenset(), stated, {}) == "") is shown

@@ -34,8 +34,8 @@ def in_principal_stresses(law: StatedLaw) -> StatedLaw | None:
         tensor = _Tensor(domain, (*names[:3], *shear))
         if tensor.invariant(law.g):
             swap = dict.fromkeys(shear, number(0))
-            surfaces = tuple((_diagonal(g, swap), None) for g, _ in law.surfaces)
-            return law._replace(forces=law.forces[:3], g=_diagonal(law.g, swap), surfaces=surfaces)
+            surfaces = tuple((_diagonal(g, swap, domain), None) for g, _ in law.surfaces)
+            return law._replace(forces=law.forces[:3], g=_diagonal(law.g, swap, domain), surfaces=surfaces)
     return None
 
 
@@ -108,11 +108,13 @@ def _negative(poly: Polynomial) -> Polynomial:
     return {m: -c for m, c in poly.items()}
 
 
-def _diagonal(term: Term, swap: dict[Term, Term]) -> Term:
+def _diagonal(term: Term, swap: dict[Term, Term], domain: StatedDomain) -> Term:
     """The formula where the tensor is diagonal, without what then is 0 times something; such a matrix has its entries for eigenvalues."""
+    if domain.constant(term):
+        return term
     if term.op == "eigmax":  # its other entries are 0 there: it turns with the tensor, which half a turn about an axis leaves as it is
-        return Term("max", tuple(_diagonal(a, swap) for a in term.args[:3]))
-    args = tuple(_diagonal(a, swap) for a in term.args)
+        return Term("max", tuple(_diagonal(a, swap, domain) for a in term.args[:3]))
+    args = tuple(_diagonal(a, swap, domain) for a in term.args)
     if term.op == "+":
         left = tuple(a for a in args if not _nothing(a))
         return left[0] if len(left) == 1 else Term("+", left) if left else number(0)
