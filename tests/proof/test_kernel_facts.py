@@ -160,6 +160,12 @@ POWERS = [
     ("exp(norm(a, b)) + exp(-2*norm(a, b))", ">"), ("norm(a + norm(a, b), a - norm(a, b))", ">= convex"),
     ("norm(a + norm(a, b), b - norm(a, b))", ">="), ("(a + norm(a, b))**2 + (a - norm(a, b))**2", ">= convex"),
     ("(a + norm(a, b))**2 - (a - norm(a, b))**2", "?"), ("(abs(a)**2 + b**2)**2 + 3*norm(a, b)**4 - norm(a, b)**4", ">= convex"),
+    ("max(abs(a + norm(b, 1)), abs(a - norm(b, 1)), 2*norm(b, 1))", "> convex"),
+    ("max(abs(a + norm(b, 1)), abs(a - norm(b, 1)), a*norm(b, 1))", ">="), ("(a + norm(b, 1))**14 + (a - norm(b, 1))**14", ">= convex"),
+    ("(a + norm(b, 1))**13 + (a - norm(b, 1))**13", "?"), ("abs(a + 2*norm(b, 1)) + abs(a - 2*norm(b, 1)) + norm(b, 1)", "> convex"),
+    ("abs(a + 2*norm(b, 1)) + abs(a - 2*norm(b, 1)) - norm(b, 1)", "?"),
+    ("abs(a + norm(b, 1))**p + abs(a - norm(b, 1))**p + (b**2 + 1)**(p/2)", ">"),
+    ("abs(a + norm(b, 1))**p + abs(a - norm(b, 1))**p + (b**2 + 1)**(p/3)", ">"),
 ]  # fmt: skip
 
 
@@ -219,6 +225,22 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
         ("-k*a", "? affine"), ("a + 1/k", "< affine"), ("-1/k - a", "> affine"), ("e*a*m", "? affine"), ("-k*a - 1", "< affine"),
         ("log(k*a + 1)", "? concave quasiconvex"), ("log(2*k*a + 2)", "? concave quasiconvex"),
         ("log(2*k*a + 1)", "? concave quasiconvex undefined"),
+    ]),
+    ({"a - b": False, "1 - a + b": False}, [
+        ("(a - b)*(1 - a + b)", ">="), ("(a - b) - (a - b)**2", ">= concave"), ("(a - b) - 1.01*(a - b)**2", "? concave"),
+        ("sqrt((a - b) - (a - b)**2)", ">= concave"), ("sqrt((a - b)*(1 - a + b))", ">= concave"),
+        ("sqrt((a - b)*(2 - a + b))", ">= concave"), ("sqrt((a - b)*(1/2 - a + b))", "? undefined"),
+        ("sqrt((a - b)*(1 - a))", "? undefined"), ("sqrt(a - b - (a - b)**3)", "? undefined"), ("sqrt(a**2 + b**2)", ">= convex"),
+        ("sqrt((a - b)**2 + 1) + b", "? convex"), ("sqrt(a**2 - b**2)", "? undefined"), ("log(1 + a - b)", ">= concave quasiconvex"),
+        ("(a - b + 1)*log(a - b + 1)", ">= convex"), ("(a - b + 1)*log(a + 1)", "? undefined"),
+    ]),
+    ({"a + b - m": False, "3*m - a - b": False}, [
+        ("a + b - m", ">= affine"), ("m*(2*a + 2*b) - m", "? affine"), ("3*m - a - b", ">= affine"),
+        ("sqrt((a + b - m)*(3*m - a - b))", ">= concave"), ("(a + b - m)*(3*m - a - b) - m**2", "?"),
+        ("log(a + b)", "? concave quasiconvex"), ("log(a + b - m)", "? concave quasiconvex undefined"),
+        ("sqrt(a + b - m)", ">= concave quasiconvex"), ("1/(a + b)", ">"), ("a + b - 2*m", "? affine"),
+        ("(a + b - m) - (a + b - m)**2/(2*m)", ">= concave"), ("(a + b - m) - (a + b - m)**2/(1.99*m)", "? concave"),
+        ("(a + b - m) - (a - b - m)**2/(2*m)", "? concave"),
     ]),
 ]  # fmt: skip
 

@@ -373,6 +373,7 @@ def test_pieces() -> None:
     assert chooses(parse("where(m > 0, a, b)"), domain()) and not chooses(parse("where(m > 0, 1, 2)*a"), domain())
     with pytest.raises(NotWritten):
         found(" + ".join(f"abs(a - {i})" for i in range(7)))
+    assert len(found(" + ".join(f"{2**i}*abs(a - {i})" for i in range(6)))) == 64
     here = domain()
     smaller = [
         ("abs(a) + b", {"a + b", "b - a"}), ("pos(a) + neg(b)", {"a - b", "a", "-b", "0"}), ("max(a, b) - 1", {"a - 1", "b - 1"}),
@@ -448,5 +449,6 @@ def test_piecewise_affine_formulas() -> None:
     cells, far, steep = polyhedra(parse("max(2*m*abs(a), m*b) - 3*p"), ("a", "b"), here)
     assert here.polynomial(far) == here.polynomial(parse("3*p")) and here.polynomial(steep) == here.polynomial(parse("2*m"))
     assert sorted(cells[0]) == sorted([((F(1), F(0)), F(1)), ((F(-1), F(0)), F(1)), ((F(0), F(1, 2)), F(1))])
-    with pytest.raises(NotWritten):
-        polyhedra(parse("max(abs(a), abs(b)) - q"), ("a", "b"), here)
+    for text in ("max(abs(a), abs(b)) - q", "max(abs(a), abs(b))", "max(abs(a), q*abs(b)) - 1"):
+        with pytest.raises(NotWritten):
+            polyhedra(parse(text), ("a", "b"), here)
