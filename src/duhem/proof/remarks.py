@@ -14,6 +14,7 @@ from duhem.proof.facts.extent import Extent, extent
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
 from duhem.proof.facts.subject import Subject
+from duhem.proof.facts.undefined import undefined_place
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["not_needed", "remarks", "scope"]
@@ -64,9 +65,10 @@ def _oddities(subject: FormulaSubject, odd: Extent | None) -> Iterator[str]:
     if subject.doubtful:
         first = subject.doubtful[0]
         part = formula(_stated(subject, first.expr))
+        place = undefined_place(subject, first)
         yield (
             f"g may be undefined for some forces: it {first.does} {part}; where it is, the point is not in K, "
-            "and of such a formula nothing is proved but what the kernel confirms"
+            "and of such a formula nothing is proved but what the kernel confirms" + (place and f". It is so {place}")
         )
     elif subject.doubtful_flow:
         first = subject.doubtful_flow[0]

@@ -23,6 +23,7 @@ from duhem.proof.facts.loads import above_within, concave_above_within, loads_of
 from duhem.proof.facts.profile import convex_by_its_profile
 from duhem.proof.facts.quadratic_form import semidefinite
 from duhem.proof.facts.section import Meaning, Section
+from duhem.proof.facts.sector import Ordered, sectors
 from duhem.proof.facts.shape import Curvature, used
 from duhem.proof.facts.spectrum import spectrum
 from duhem.proof.facts.word_curvature import WORDS, greatest
@@ -56,6 +57,14 @@ def convex_in_its_region(subject: FormulaSubject) -> Curvature:
     shapes = [rules.in_the_region(part) for part in parts]
     quasi = all(shape.quasiconvex for shape in shapes)
     return Curvature(quasiconvex=quasi, rules=used(*shapes, rule="K lies where the loads in g allow it"))
+
+
+def _sum(parts: list[Curvature]) -> Curvature:
+    """Of a sum of such parts."""
+    one = [shape for shape in parts if not shape.constant]
+    convex = all(shape.convex for shape in parts)
+    quasi = convex or (len(one) == 1 and one[0].quasiconvex)
+    return Curvature(convex=convex, quasiconvex=quasi, nonnegative=all(shape.nonnegative for shape in parts), rules=used(*parts))
 
 
 class _CurvatureRules:
@@ -158,7 +167,43 @@ class _CurvatureRules:
         if facts.convex or not node.free_symbols & self.forces:
             return facts
         found = self._by_section(node) if self.meaning is not None else None
+        if found is None or not found.quasiconvex:
+            found = self._by_sector(node)
         return found if found is not None and found.quasiconvex else self._by_spectrum(node, self.even(node, facts))
+
+    def _by_sector(self, node: Any) -> Curvature | None:
+        """The parts that are functions of the ordered principal values of a deviator taken together by their degree."""
+        if not node.has(EigMax, sp.Max, sp.Min, Where, sp.acos) or self.forces != {*self.subject.simple.forces}:
+            return None
+        for sector in sectors(node, self.subject.simple.forces, self.meaning, self._linear):
+            groups, moving = dict[sp.Expr, sp.Expr](), list[Curvature]()
+            for part in sp.Add.make_args(node):
+                if not part.free_symbols & self.forces:
+                    moving.append(self.constant(part))
+                elif (ordered := sector.read(part)) is not None and ordered.degree.is_positive:
+                    groups[ordered.degree] = groups.get(ordered.degree, sp.S.Zero) + ordered.p
+                elif node.is_Add:
+                    moving.append(self.of(part))
+            rule = "a function of the ordered principal values is convex where it is so in its sector and no wall of it turns inward"
+            for degree, p in groups.items():
+                quasi, above = Ordered(degree, p).shape(self._asked, self._opened)
+                moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
+            found = _sum(moving)
+            if groups and found.quasiconvex:
+                return found
+        return None
+
+    def _linear(self, entry: sp.Expr) -> bool:
+        return bool(entry.is_polynomial(*self.forces)) and entry.subs(dict.fromkeys(self.forces, 0)) == 0 and self.of(entry).affine
+
+    @cached_property
+    def _opened(self) -> tuple[sp.Basic, ...]:
+        """That no parameter is at an end of its range, where no constraint ties them."""
+        law = self.subject.law
+        free = {} if law.constraints else {x: law.parameters[x.name] for x in self.subject.simple.parameters if x.name in law.parameters}
+        lows = (sp.StrictGreaterThan(x - d.low, 0) for x, d in free.items() if d.low is not None)
+        highs = (sp.StrictGreaterThan(d.high - x, 0) for x, d in free.items() if d.high is not None)
+        return (*lows, *highs)
 
     def _by_spectrum(self, node: Any, facts: Curvature) -> Curvature:
         """As a symmetric function of eigenvalues."""
@@ -197,11 +242,7 @@ class _CurvatureRules:
             section = Section(degree, f)
             quasi, above = section.convex(self.subject.asked), section.nonnegative(self.subject.asked)
             moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
-        one = [shape for shape in moving if not shape.constant]
-        convex = all(shape.convex for shape in moving)
-        quasi = convex or (len(one) == 1 and one[0].quasiconvex)
-        above = all(shape.nonnegative for shape in moving)
-        return Curvature(convex=convex, quasiconvex=quasi, nonnegative=above, rules=used(*moving))
+        return _sum(moving)
 
     def _bent(self, node: Any, facts: Curvature) -> Curvature:
         """With kinks of one x taken together."""

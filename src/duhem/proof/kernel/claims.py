@@ -21,6 +21,7 @@ from duhem.proof.kernel.region import convex_in_its_region
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.rounded import round_at_its_ends
 from duhem.proof.kernel.section import without_sections
+from duhem.proof.kernel.sector import without_sectors
 from duhem.proof.kernel.star import StarGauge, undefined_at_zero
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
@@ -97,7 +98,9 @@ def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
 
 def _at_zero(law: StatedLaw) -> list[Facts]:
     """g at the origin, as its text says it and by continuity: functions of J2 and J3 are 0 there."""
-    return [_at(law._replace(g=g), {}) for g in (law.g, *without_sections(law.g, over(law), facts))]
+    domain = over(law)
+    emptied = (*without_sections(law.g, domain, facts), *without_sectors(law.g, domain, facts, over))
+    return [_at(law._replace(g=g), {}) for g in (law.g, *emptied)]
 
 
 def _inside(law: StatedLaw, evidence: Evidence) -> bool:

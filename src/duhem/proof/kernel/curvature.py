@@ -16,6 +16,7 @@ from duhem.proof.kernel.even import quasiconvex_in_even_parts
 from duhem.proof.kernel.loads import collected, multiple, sign_within
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.section import by_section
+from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
 from duhem.proof.kernel.term import Term, factors, minus, number
@@ -55,6 +56,8 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
         return found
     if term.op == "+" and known.defined and (like := collected(term, domain)) != term and (found := facts(like, domain)).convex:
         return replace(found, sign=found.sign & known.sign)
+    if term.op in ("+", "*", "**", "where") and (found := by_sector(term, domain, facts, over)) is not None:
+        return found
     for rule in (quasiconvex_in_even_parts, quasiconvex_in_eigenvalues):
         if known.defined and (found := rule(term, domain, facts, over)) is not None:
             return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
@@ -139,7 +142,8 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
         case "sin" | "cos":
             return Facts(x.defined)
         case "where":
-            return Facts(defined and domain.decided(term.args[0]) is not None)  # what is chosen; else it may jump
+            chosen = domain.decided(term.args[0])  # what is chosen; else it may jump
+            return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined)
         case "<" | "<=" | ">" | ">=":
             return Facts(defined)
     return Facts()  # tan has poles: no rule

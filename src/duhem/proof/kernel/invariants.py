@@ -13,7 +13,7 @@ from typing import NamedTuple
 from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
 from duhem.proof.kernel.term import NotWritten, Term
 
-__all__ = ["Invariants", "invariants"]
+__all__ = ["Invariants", "invariants", "of_tensor"]
 
 _HIGHEST = 12
 Point = dict[Term, Fraction]
@@ -85,15 +85,15 @@ def invariants(forces: Sequence[str]) -> Iterator[Invariants]:
     x: list[Polynomial] = [{((name, 1),): Fraction(1)} for name in names]
     zero: Polynomial = {}
     if len(x) in (2, 3):
-        yield _invariants(names, (*x, zero)[:3], (zero, zero, zero))
+        yield of_tensor(names, (*x, zero)[:3], (zero, zero, zero))
     if len(x) in (3, 4):  # xx yy xy, xx yy zz xy
-        yield _invariants(names, (x[0], x[1], zero if len(x) == 3 else x[2]), (zero, zero, x[-1]))
+        yield of_tensor(names, (x[0], x[1], zero if len(x) == 3 else x[2]), (zero, zero, x[-1]))
     if len(x) == 6:
         for shear in permutations(x[3:]):
-            yield _invariants(names, x[:3], shear)
+            yield of_tensor(names, x[:3], shear)
 
 
-def _invariants(forces: tuple[Term, ...], normal: Sequence[Polynomial], shear: Sequence[Polynomial]) -> Invariants:
+def of_tensor(forces: tuple[Term, ...], normal: Sequence[Polynomial], shear: Sequence[Polynomial]) -> Invariants:
     """Of the normal components xx, yy, zz and the shear components yz, zx, xy."""
     third = Fraction(1, 3)
     mean = {m: third * c for m, c in total(*normal).items()}

@@ -36,7 +36,7 @@ from duhem.proof.kernel.section_value import (
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 
-__all__ = ["by_section", "sign_on_axis", "without_sections"]
+__all__ = ["by_section", "meanings", "sign_on_axis", "without_sections"]
 
 _THIRD_OF_C: Polynomial = {((RAY, 1), (ROOT, 1)): Fraction(2, 9)}  # J3 = (2 sqrt(3)/9) c for J2 = 1
 _ABOVE = Fraction(577350269190, 10**12)  # > 1/sqrt(3)
@@ -65,6 +65,11 @@ def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign
         if value.defined:
             return value.sign
     return ANY
+
+
+def meanings(domain: StatedDomain, shown: Shown) -> list[Invariants]:
+    """J2 and J3 of the tensors that the forces may be."""
+    return [reader.meaning for reader in _readers(domain, shown)]
 
 
 def _readers(domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:

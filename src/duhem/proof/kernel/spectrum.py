@@ -21,7 +21,7 @@ from duhem.proof.kernel.positivity import negated
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, sum_of
 
-__all__ = ["quasiconvex_in_eigenvalues"]
+__all__ = ["entries_of", "extremes", "quasiconvex_in_eigenvalues"]
 
 _MOST_MATRICES = 4
 
@@ -62,11 +62,10 @@ def _swaps(matrix: _Matrix) -> Iterator[dict[Term, Term]]:
 def _read(term: Term, domain: StatedDomain, shown: Shown) -> tuple[list[_Matrix], dict[Term, Term]]:
     """The matrices of which the term has the greatest or the least eigenvalue, and the name that takes the place of each."""
     matrices, free = list[_Matrix](), dict[Term, Term]()
-    for part in dict.fromkeys(_parts(term)):
+    for part in dict.fromkeys(extremes(term)):
         if domain.constant(part) or not all(shown(a, domain).affine and shown(a, domain).defined for a in part.args):
             continue
-        entries = _entries(part, domain)
-        opposite = _in_order(part, [negated(e) for e in entries])
+        entries, opposite = (entries_of(part, domain, turned) for turned in (False, True))
         matrix = next((m for m in matrices if m.entries in (entries, opposite)), None)
         if matrix is None:
             own = f"of matrix {len(matrices)}"  # no name of a law has blanks
@@ -78,17 +77,16 @@ def _read(term: Term, domain: StatedDomain, shown: Shown) -> tuple[list[_Matrix]
     return matrices, free
 
 
-def _parts(term: Term) -> Iterator[Term]:
+def extremes(term: Term) -> Iterator[Term]:
+    """Its greatest eigenvalues, and what is the greatest or the least of three."""
     if term.op == "eigmax" or (term.op in ("max", "min") and len(term.args) == 3):
         yield term
     for a in term.args:
-        yield from _parts(a)
+        yield from extremes(a)
 
 
-def _entries(part: Term, domain: StatedDomain) -> tuple[Polynomial, ...]:
-    return _in_order(part, [domain.polynomial(a) for a in part.args])
-
-
-def _in_order(part: Term, entries: list[Polynomial]) -> tuple[Polynomial, ...]:
-    """A diagonal matrix has its entries in any order."""
+def entries_of(part: Term, domain: StatedDomain, turned: bool = False) -> tuple[Polynomial, ...]:
+    """Those of the matrix, or of its negative; a diagonal one has its entries in any order."""
+    entries = [domain.polynomial(a) for a in part.args]
+    entries = [negated(e) for e in entries] if turned else entries
     return tuple(entries) if part.op == "eigmax" else tuple(sorted(entries, key=lambda e: sorted(e.items())))

@@ -7,10 +7,11 @@ import sympy as sp
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.undefined import undefined_at_zero, undefined_place
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.rational_points import origin_outside
 
-__all__ = ["origin", "origin_refuted"]
+__all__ = ["origin", "origin_refuted", "origin_undefined"]
 
 
 def origin(subject: FormulaSubject) -> Evidence | None:
@@ -33,3 +34,11 @@ def origin_refuted(subject: FormulaSubject) -> Evidence | None:
         if (witness := origin_outside(subject, parameters)) is not None:
             return Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
     return None
+
+
+def origin_undefined(subject: FormulaSubject) -> Evidence | None:
+    """Why it stays open: g has no value at zero force."""
+    part = undefined_at_zero(subject)
+    if part is None:
+        return None
+    return Evidence(Verdict.UNDECIDED, "none", f"g has no value {undefined_place(subject, part)}")

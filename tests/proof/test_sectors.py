@@ -1,0 +1,151 @@
+"""Functions of the ordered principal values of a deviator: Willam and Warnke's section, written so that it has a value everywhere.
+
+Its threshold is the literature's, 1/2 <= e <= 1; at e = 1/2 it is Rankine's triangle, at e = 1 a circle.  Drawn sections are held against
+f'' + f on a grid of the angle.  Where the formula is 0/0 it has no value, and nothing is proved of it.
+"""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+import pytest
+
+from duhem import Criterion, verify
+from duhem.law.domain import POSITIVE, Domain
+from duhem.proof.verdict import Trust, Verdict
+from tests.proof.composed import by_kernel, by_prover
+
+X = "(sqrt(3/2)*(principal(s, 1) - I1(s)/3))"
+W = f"sqrt(4*(1 - e**2)*{X}**2 + (5*e**2 - 4*e)*2*J2(s))"
+PRINTED = f"(4*(1 - e**2)*{X}**2 + (2*e - 1)**2*2*J2(s))/(2*(1 - e**2)*{X} + (2*e - 1)*{W})"
+WILLAM = f"where(J2(s) > 0, {PRINTED}, 0)"
+COSINE = "cos(lode(s))"
+LODE = (
+    f"sqrt(J2(s))*(4*(1 - e**2)*{COSINE}**2 + (2*e - 1)**2)"
+    f"/(2*(1 - e**2)*{COSINE} + (2*e - 1)*sqrt(4*(1 - e**2)*{COSINE}**2 + 5*e**2 - 4*e))"
+)
+TIP = " + 0.2*I1(s) - 1"
+FIRST, LAST = "(principal(s, 1) - I1(s)/3)", "(principal(s, 3) - I1(s)/3)"
+
+
+def e(low: str, high: str) -> dict[str, Domain]:
+    return {"e": Domain.between(low, high)}
+
+
+CASES = [
+    (WILLAM + TIP, e("0.6", "0.6"), True),
+    (WILLAM + TIP, e("0.8", "0.8"), True),  # the root is one of a square
+    (WILLAM + TIP, e("0.5", "0.5"), True),
+    (WILLAM + TIP, e("1/2", "1"), True),
+    (WILLAM + TIP, e("0.499", "0.499"), False),
+    (WILLAM + TIP, e("0.49", "1"), False),
+    (WILLAM + TIP, e("0.6", "1.01"), False),  # the root has no value
+    (f"where(J2(s) <= 0, 0, {PRINTED})" + TIP, e("0.6", "0.6"), True),
+    (WILLAM.replace("J2(s) > 0", "J2(s) >= 0") + TIP, e("0.6", "0.6"), False),  # 0/0 is chosen
+    (WILLAM.replace("J2(s) > 0", "J2(s) > 1") + TIP, e("0.6", "0.6"), False),
+    (WILLAM.replace("J2(s) > 0", "I1(s)**2 > 0") + TIP, e("0.6", "0.6"), False),
+    (WILLAM[:-2] + "1)" + TIP, e("0.6", "0.6"), False),  # it jumps on the axis
+    (PRINTED + TIP, e("0.6", "0.6"), False),  # 0/0 on the axis
+    (WILLAM.replace("2*J2(s)", "2.1*J2(s)") + TIP, e("0.6", "0.6"), False),
+    (f"3*J2(s) + 0.4*({WILLAM}/sqrt(6) + I1(s)/3) - 1", e("0.52", "0.52"), True),  # Menetrey and Willam
+    (f"3*J2(s) - 0.4*({WILLAM}/sqrt(6) + I1(s)/3) - 1", e("0.52", "0.52"), False),
+    (f"exp({WILLAM}/3) + exp(0.2*I1(s)) - 3", e("0.6", "0.6"), True),
+    (LODE + TIP, e("0.6", "0.6"), True),
+    (LODE + TIP, e("0.45", "0.45"), False),
+    (LODE.replace(COSINE, "cos(2*lode(s))") + TIP, e("0.6", "0.6"), False),
+    (f"sqrt({FIRST}**2 + e*J2(s)) + {FIRST} - 1", e("0", "3"), True),
+    (f"sqrt({FIRST}**2 + e*J2(s)) - {FIRST} - 1", e("3", "4"), False),  # the wall turns inward
+    (f"-e*{FIRST} + 2*sqrt(J2(s)) - 1", e("0", "1"), False),
+    (f"e*{LAST}**2 + J2(s) - 1", e("-1", "0"), False),
+    (f"J2(s)/{FIRST} - e", e("1", "1"), False),  # 0/0
+    (f"where(J2(s) > 0, J2(s)/{FIRST}, 0) - e", e("1", "1"), False),  # bent outward in the sector, inward at a wall
+    (f"where(J2(s) > 0, {FIRST} + J2(s)/{FIRST}, 0) - e", e("1", "1"), False),
+]
+
+
+def law(g: str, kind: str, parameters: dict[str, Domain]) -> Criterion:
+    return Criterion(name="law", g=g, stress={"name": "s", "kind": kind}, pressure=None, parameters=parameters)
+
+
+@pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
+def test_the_kernel_knows_the_threshold(g: str, parameters: dict[str, Domain], convex: bool) -> None:
+    shown = by_kernel(law(g, "principal", parameters))
+    assert (shown.defined and shown.quasiconvex) is convex
+
+
+@pytest.mark.parametrize("g", [WILLAM, LODE])
+@pytest.mark.parametrize(("value", "convex"), [("0.55", True), ("0.45", False)])
+def test_so_it_does_in_six_components(g: str, value: str, convex: bool) -> None:
+    shown = by_kernel(law(g + TIP, "3d", e(value, value)))
+    assert (shown.defined and shown.quasiconvex) is convex
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("g", "parameters", "convex"), [case for case in CASES if case[1]["e"].value is not None])
+def test_the_prover_knows_it_too(g: str, parameters: dict[str, Domain], convex: bool) -> None:
+    """That a formula has a value everywhere it asks elsewhere."""
+    has_value = not any(zero in g for zero in (f"{PRINTED + TIP}", f"J2(s)/{FIRST} - e", ">= 0")) or "where(J2(s) > 0" in g
+    assert by_prover(law(g, "principal", parameters)) is convex or not has_value
+
+
+@pytest.mark.slow
+def test_drawn_sections_are_convex_where_a_grid_finds_them_so() -> None:
+    rng, both = Random(4), [0, 0]
+    while min(both) < 3:
+        a, b, c, d, k = (round(rng.uniform(-1, 2), 1) for _ in range(5))
+        if (least := _bend(a, b, c, d, k)) is None or abs(least) < 0.02:
+            continue
+        text = f"where(J2(s) > 0, ({a}*{FIRST}**2 + {b}*J2(s))/({c}*{FIRST} + sqrt({d}*{FIRST}**2 + {k}*J2(s))), 0) - 1"
+        assert by_kernel(law(text, "principal", {})).convex is (least > 0), text
+        both[least > 0] += 1
+
+
+def _bend(a: float, b: float, c: float, d: float, k: float) -> float | None:
+    """The least of f'' + f in the sector and of the turns at its walls; None where f has no value or its divisor is not > 0."""
+
+    def f(theta: float) -> float:
+        x = 2 / math.sqrt(3) * math.cos(theta)  # J2 = 1
+        return (a * x * x + b) / (c * x + math.sqrt(d * x * x + k))
+
+    grid, step = [i * math.pi / 600 for i in range(201)], 1e-4
+    for theta in (0.0, math.pi / 3):
+        x = 2 / math.sqrt(3) * math.cos(theta)
+        if d * x * x + k < 0.05 or c * x + math.sqrt(d * x * x + k) < 0.05:
+            return None
+    inside = ((f(t + step) - 2 * f(t) + f(t - step)) / step**2 + f(t) for t in grid[1:-1])
+    return min(*inside, (f(math.pi / 3 - step) - f(math.pi / 3 + step)) / (2 * step))
+
+
+@pytest.mark.parametrize("kind", ["principal", "3d"])
+def test_a_section_with_a_value_everywhere_is_decided(kind: str) -> None:
+    cone = law(WILLAM + " + a*I1(s) - k", kind, {**e("0.6", "0.6"), "a": POSITIVE, "k": POSITIVE})
+    found = verify(cone, claims=["origin", "convexity", "normality", "dissipation"])
+    assert {(r.verdict, r.trust) for r in found.results} == {(Verdict.PROVED, Trust.CHECKED)}
+
+
+FORCES = ("s1", "s2", "s3")
+J2 = "(((s1-s2)**2+(s2-s3)**2+(s3-s1)**2)/6)"
+BY_HAND = PRINTED.replace("principal(s, 1)", "max(s1,s2,s3)").replace("I1(s)", "(s1+s2+s3)").replace("J2(s)", J2)
+
+
+def test_of_a_formula_without_a_value_nothing_is_proved_and_the_remedy_is_said() -> None:
+    """As Willam and Warnke (1975) print it, it is 0/0 where the principal stresses are equal."""
+    parameters = {"e": Domain.fixed("0.6"), "a": Domain.fixed("0.2"), "k": Domain.fixed("1")}
+    printed = Criterion(name="law", g=f"({BY_HAND}) + a*(s1+s2+s3) - k", forces=FORCES, pressure=None, parameters=parameters)
+    found = verify(printed, claims=["origin"])
+    remedy = "where((s1 - s2)**2 + (s2 - s3)**2 + (s3 - s1)**2 > 0, ..., 0)"
+    assert found["origin"].verdict is Verdict.UNDECIDED
+    assert "no value where s1 = s2 = s3" in found["origin"].detail and remedy in found["origin"].detail
+    assert any(remedy in remark for remark in found.remarks)
+    assert not by_kernel(printed).defined and by_kernel(printed).convex
+    mended = Criterion(
+        name="law", g=f"{remedy.replace('...', BY_HAND)} + a*(s1+s2+s3) - k", forces=FORCES, pressure=None, parameters=parameters
+    )
+    again = verify(mended, claims=["origin", "convexity"])
+    assert {(r.verdict, r.trust) for r in again.results} == {(Verdict.PROVED, Trust.CHECKED)} and not again.remarks[1:]
+
+
+def test_below_one_half_it_is_refuted() -> None:
+    found = verify(law(WILLAM + TIP, "principal", e("0.4", "0.4")), claims=["origin", "convexity"])
+    assert (found["origin"].verdict, found["convexity"].verdict) == (Verdict.PROVED, Verdict.REFUTED)
