@@ -129,6 +129,7 @@ J2 = "(((s1-s2)**2+(s2-s3)**2+(s3-s1)**2)/6)"
 BY_HAND = PRINTED.replace("principal(s, 1)", "max(s1,s2,s3)").replace("I1(s)", "(s1+s2+s3)").replace("J2(s)", J2)
 
 
+@pytest.mark.slow
 def test_of_a_formula_without_a_value_nothing_is_proved_and_the_remedy_is_said() -> None:
     """As Willam and Warnke (1975) print it, it is 0/0 where the principal stresses are equal."""
     parameters = {"e": Domain.fixed("0.6"), "a": Domain.fixed("0.2"), "k": Domain.fixed("1")}
@@ -146,6 +147,7 @@ def test_of_a_formula_without_a_value_nothing_is_proved_and_the_remedy_is_said()
     assert {(r.verdict, r.trust) for r in again.results} == {(Verdict.PROVED, Trust.CHECKED)} and not again.remarks[1:]
 
 
+@pytest.mark.slow
 def test_below_one_half_it_is_refuted() -> None:
     found = verify(law(WILLAM + TIP, "principal", e("0.4", "0.4")), claims=["origin", "convexity"])
     assert (found["origin"].verdict, found["convexity"].verdict) == (Verdict.PROVED, Verdict.REFUTED)

@@ -78,11 +78,13 @@ def test_so_does_the_prover(kind: str, g: str, parameters: dict[str, Domain], co
     assert by_prover(law(g, kind, parameters)) is convex
 
 
+@pytest.mark.slow
 def test_laws_with_shear_are_proved_and_checked() -> None:
     found = verify(law(f"{HOSFORD} - 2*s0**m", "3d", {"m": M, "s0": POSITIVE}), claims=["origin", "convexity", "dissipation"])
     assert {(r.verdict, r.trust) for r in found.results} == {(Verdict.PROVED, Trust.CHECKED)}
 
 
+@pytest.mark.slow
 def test_what_is_shown_of_drawn_sums_no_chord_denies() -> None:
     rng, both = Random(5), [0, 0]
     terms = [(S1, S2), (S2, S3), (S3, S1), (S1, "0"), (S2, "0"), (S3, "0")]

@@ -186,7 +186,7 @@ class _CurvatureRules:
                     moving.append(self.of(part))
             rule = "a function of the ordered principal values is convex where it is so in its sector and no wall of it turns inward"
             for degree, p in groups.items():
-                quasi, above = Ordered(degree, p).shape(self._asked, self._opened)
+                quasi, above = Ordered(degree, p).shape(self.subject.asked, self._opened)
                 moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
             found = _sum(moving)
             if groups and found.quasiconvex:

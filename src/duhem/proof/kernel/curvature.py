@@ -57,7 +57,7 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     if term.op == "+" and known.defined and (like := collected(term, domain)) != term and (found := facts(like, domain)).convex:
         return replace(found, sign=found.sign & known.sign)
     if term.op in ("+", "*", "**", "where") and (found := by_sector(term, domain, facts, over)) is not None:
-        return found
+        return replace(found, defined=found.defined or known.defined)
     for rule in (quasiconvex_in_even_parts, quasiconvex_in_eigenvalues):
         if known.defined and (found := rule(term, domain, facts, over)) is not None:
             return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
