@@ -1,8 +1,10 @@
 """Sums that are even in a root are C^1 where the root is 0, a cone beside it is not: each with neighbours that have a corner."""
 
 import pytest
+import sympy as sp
 
 from duhem import Criterion, Domain
+from duhem.proof.facts.even_roots import even, freed
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
 from duhem.proof.kernel.certificate import stated
@@ -61,3 +63,13 @@ def test_a_corner_beside_it_is_seen(law: Criterion) -> None:
     found = regularity(subject.simple.g, subject)
     assert not found.known or found.kinks or found.tips
     assert composition.smoothness(subject) is None
+
+
+def test_roots_of_one_thing_in_two_forms_are_one() -> None:
+    x, y, t = forces = sp.symbols("x y t", real=True)
+    roots = [sp.sqrt((x / 2 - y / 3) ** 2 + t**2), sp.sqrt((-x / 2 + y / 3) ** 2 + t**2)]
+    assert roots[0] != roots[1]
+    expr, meant = next(freed((x + roots[0]) ** 8 + (roots[1] - x) ** 8, roots, forces))
+    assert list(meant.values()) == roots[:1] and even(expr, meant)
+    expr, meant = next(freed((x + roots[0]) ** 8 + (roots[1] - x - y) ** 8, roots, forces))
+    assert len(meant) == 1 and not even(expr, meant)

@@ -26,11 +26,16 @@ def outermost_roots(expr: sp.Expr, forces: Collection[sp.Symbol], convex: Callab
         yield from outermost_roots(part, forces, convex)
 
 
-def freed(expr: sp.Expr, roots: Collection[sp.Expr], forces: Collection[sp.Symbol]) -> Iterator[tuple[sp.Expr, tuple[sp.Symbol, ...]]]:
-    """The formula with a free z for each root; then with |z| where no other part of the forces is added to it."""
-    names = {root: sp.Dummy(f"z{i}", real=True) for i, root in enumerate(roots)}
+def freed(expr: sp.Expr, roots: Collection[sp.Expr], forces: Collection[sp.Symbol]) -> Iterator[tuple[sp.Expr, dict[sp.Symbol, sp.Expr]]]:
+    """The formula with a free z for each root, and what they stand for; then with |z| where no other part of the forces is added to it.
+
+    Roots of one thing, multiplied out, are one.
+    """
+    known: dict[sp.Expr, sp.Symbol] = {}
+    names = {root: known.setdefault(sp.expand(root), sp.Dummy(f"z{i}", real=True)) for i, root in enumerate(roots)}
+    meant = {z: root for root, z in reversed(names.items())}
     for sized in (False, True):
-        yield _freed(expr, names, sized, set(forces)), tuple(names.values())
+        yield _freed(expr, names, sized, set(forces)), meant
 
 
 def even(expr: sp.Expr, names: Collection[sp.Symbol]) -> bool:

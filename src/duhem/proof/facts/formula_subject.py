@@ -262,6 +262,15 @@ class FormulaSubject(Subject):
         """Whether an expression is >= 0, or > 0, where the relations hold (False also when undecided)."""
         return self.ask(expr, Sense.POSITIVE if strict else Sense.NONNEGATIVE, *given).holds is True
 
+    def positive_off_axis(self, expr: sp.Expr) -> bool:
+        """Whether an expression is a function of J2 and J3 that is > 0 where J2 is."""
+        section = None if self.meaning is None else self.meaning.read(expr)
+        return section is not None and section.positive(self.asked)
+
+    def on_axis(self, expr: sp.Expr, tip: sp.Expr) -> sp.Expr | None:
+        """An expression, by continuity, where ``tip`` is 0, if that is where J2 = 0 alone."""
+        return self.meaning.emptied(expr) if self.meaning is not None and self.positive_off_axis(tip) else None
+
     def nonnegative(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is >= 0 on the whole domain (False also when undecided)."""
         return self.ask(constant, Sense.NONNEGATIVE).holds is True

@@ -103,8 +103,7 @@ class _RegularityRules:
         for expr, others in freed(node, roots, self.forces):
             found = _RegularityRules(self.subject, others).of(expr)
             if found.known and not found.kinks and even(expr, others):
-                back = dict(zip(others, roots, strict=True))
-                tips = frozenset(tip.xreplace(back) for tip in found.tips).union(*(y.tips for y in inner))
+                tips = frozenset(tip.xreplace(others) for tip in found.tips).union(*(y.tips for y in inner))
                 return Regularity(True, _NONE, frozenset({oriented(node)[0]}), tips)
         return None
 
@@ -135,11 +134,6 @@ class _RegularityRules:
         switch = oriented(node.args[0])[0]
         return Regularity(True, x.kinks | {switch}, x.vanishing | {switch}, x.tips)
 
-    def above_in_section(self, base: sp.Expr) -> bool:
-        """Whether it is a function of J2 and J3 that is > 0 where J2 is."""
-        section = self.subject.meaning.read(base) if self.subject.meaning is not None else None
-        return section is not None and section.positive(self.subject.asked)
-
     def norm(self, node: Any, *args: Regularity) -> Regularity:
         if not all(a.known and a.cancelling for a in args):
             return _OPAQUE
@@ -156,7 +150,7 @@ class _RegularityRules:
             return _OPAQUE
         if p.is_Integer and p > 0:
             return Regularity(True, _NONE if p > 1 and base.cancelling else base.kinks, base.vanishing, base.tips)
-        if not (node.base.is_extended_nonnegative or self.above_in_section(node.base) or self.subject.nonnegative(node.base)):
+        if not (node.base.is_extended_nonnegative or self.subject.positive_off_axis(node.base) or self.subject.nonnegative(node.base)):
             return _OPAQUE  # undefined where the base is negative
         if self.subject.positive(p - 1):
             return Regularity(True, _NONE if base.cancelling else base.kinks, base.vanishing, base.tips)

@@ -65,15 +65,22 @@ def _interval(subject: FormulaSubject) -> bool:
 
 
 def _off_boundary(subject: FormulaSubject, tip: sp.Expr) -> bool:
-    """Whether g != 0 wherever ``tip`` = 0: g with the tip set to 0 has one strict sign."""
+    """Whether g != 0 wherever ``tip`` = 0: g with the tip set to 0 has one strict sign, or g where J2 = 0, by continuity."""
+    on_axis = subject.on_axis(subject.simple.g, tip)
+    if on_axis is not None and _of_one_sign(on_axis, subject):
+        return True
     mark = sp.Dummy("tip", positive=True)
     marked = subject.simple.g.xreplace({tip: mark})
     if not all(_tame(node, mark) for node in sp.preorder_traversal(marked)):
         return False
-    rest = marked.xreplace({mark: sp.S.Zero})
-    if rest.free_symbols & set(subject.simple.forces):
+    return _of_one_sign(marked.xreplace({mark: sp.S.Zero}), subject)
+
+
+def _of_one_sign(constant: sp.Expr, subject: FormulaSubject) -> bool:
+    """Whether no force is in it, and its sign is strict."""
+    if constant.free_symbols & set(subject.simple.forces):
         return False
-    return any(subject.ask(sign * rest, Sense.POSITIVE).holds is True for sign in (-1, 1))
+    return any(subject.ask(sign * constant, Sense.POSITIVE).holds is True for sign in (-1, 1))
 
 
 def _tame(node: sp.Basic, mark: sp.Symbol) -> bool:

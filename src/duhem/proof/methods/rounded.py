@@ -77,11 +77,7 @@ def _smooth_but_where_zero(expr: sp.Expr, subject: FormulaSubject) -> bool:
 
 def _vanishes_with(tip: sp.Expr, expr: sp.Expr, subject: FormulaSubject) -> bool:
     factors = [f.base if f.is_Pow and f.exp.is_positive else f for f in sp.Mul.make_args(expr)]
-    if tip in factors:
-        return True
-    if (meaning := subject.meaning) is None or (section := meaning.read(tip)) is None:
-        return False
-    return section.positive(subject.asked) and meaning.emptied(expr) == 0
+    return tip in factors or subject.on_axis(expr, tip) == 0
 
 
 def _ends_round(load: sp.Expr, loads: Sequence[sp.Expr], parts: Sequence[sp.Expr], subject: FormulaSubject) -> bool:
