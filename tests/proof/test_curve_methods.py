@@ -1,13 +1,18 @@
-"""The proofs for boundary curves, each asked by itself, where it holds and where it does not: no refuter hides what they say."""
+"""The methods for boundary curves, each asked by itself, where its claim holds and where it does not: none hides what another says."""
 
 from __future__ import annotations
 
+import math
+from fractions import Fraction
+
+import flint
 import pytest
 
 from duhem import Domain, Verdict
 from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.methods import curve_signs
+from duhem.proof.methods import curve_deviation, curve_refutation, curve_signs
+from duhem.proof.verdict import Evidence
 
 C, S = "cos(phi)", "sin(phi)"
 DOUBLE = (f"({C}**2 - {S}**2)", f"2*{C}*{S}")  # the circle, run twice
@@ -76,3 +81,152 @@ def test_a_root_of_what_may_be_zero_is_not_analytic(root: str, analytic: bool) -
     law = ParametricCriterion("root", (f"{C}*{root}", f"{S}*{root}"), {"e": Domain.between(0, 1)})  # type: ignore[arg-type]
     assert (curve_signs.smoothness(CurveSubject(law)) is not None) <= analytic
     assert curve_signs._analytic(CurveSubject(law)) is analytic
+
+
+def _subject(boundary: tuple[str, str], flow: tuple[str, str] | None = None, **parameters: Domain) -> CurveSubject:
+    return CurveSubject(ParametricCriterion("curve", boundary, parameters, flow=flow))  # type: ignore[arg-type]
+
+
+def _turned(by: str, across: str = "1") -> tuple[str, str]:
+    """A flow with these components along the tangent and the normal of the circle."""
+    return f"({across})*{C} - ({by})*{S}", f"({across})*{S} + ({by})*{C}"
+
+
+PROVED = {
+    "origin": ("winding (interval)", "the curve never meets 0 and winds around it once"),
+    "convexity": ("turning-tangent (interval)", "T' x T'' > 0 at every angle and the tangent turns once"),
+    "smoothness": (
+        "regular-curve (interval)",
+        "T' x T'' > 0, the tangent turning once: simple and never at rest; T is an analytic function of the angle",
+    ),
+    "normality": ("normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex"),
+    "dissipation": ("power (interval)", "T . d > 0 at every angle, so force . flow = |sigma_n| T . d > 0"),
+}
+
+
+@pytest.mark.parametrize("claim", PROVED)
+def test_what_is_said_of_an_ellipse(claim: str) -> None:
+    found = getattr(curve_signs, claim)(_subject((f"2*{C}", f"{S}/3")))
+    method, detail = PROVED[claim]
+    assert found is not None and found.verdict is Verdict.PROVED and (found.method, found.detail) == (method, detail)
+
+
+def test_what_is_said_of_others() -> None:
+    own = curve_signs.normality(_subject((C, S), NORMAL))
+    assert own is not None and (own.method, own.detail) == (
+        "parallel",
+        "d . T' = 0 and d x T' > 0: the flow is the outward normal at every angle, and K is convex",
+    )
+    star = curve_signs.smoothness(_subject(limacon("3/5")))
+    assert star is not None and star.detail.startswith("T x T' > 0, the curve running around 0 once: simple and never at rest")
+    twice = curve_signs.origin(_subject(DOUBLE))
+    assert twice is not None and twice.detail == "the curve never meets 0 and winds around it 2 times"
+    free = curve_signs.origin(_subject(limacon("e"), NORMAL, e=Domain.between(0, "2/5")))
+    assert free is not None and free.detail == "T . d > 0, so T is never opposite to d and winds around 0 as d turns: once"
+    assert [curve_signs._times(n) for n in (1, 2, -1)] == ["once", "2 times", "-1 times"]
+    reasons = {
+        None: "the support function of K is known along the curve only, Phi = T . n at the normal n, not in closed form",
+        NORMAL: "the law has a flow of its own, which no potential of K gives",
+    }
+    for flow, reason in reasons.items():
+        assert curve_signs.duality(_subject((C, S), flow)) == Evidence(Verdict.NOT_APPLICABLE, "curve", reason)
+
+
+REFUTERS = {
+    "o": curve_refutation.origin,
+    "c": curve_refutation.convexity,
+    "d": curve_refutation.dissipation,
+}
+
+
+@pytest.mark.parametrize("name", ["circle", "circle with the inward normal", "circle about a point outside", "limacon, dented", "ellipse"])
+def test_only_what_is_false_of_a_curve_is_refuted(name: str) -> None:
+    boundary, flow, true = CURVES[name]
+    for claim, refuter in REFUTERS.items():
+        found = refuter(_subject(boundary, flow))
+        assert (found is None) is (claim in true), claim
+        assert found is None or (found.verdict is Verdict.REFUTED and found.witness is not None)
+
+
+def test_what_is_said_of_a_violation() -> None:
+    outside = curve_refutation.origin(_subject((f"{C} + 3/2", S)))
+    assert outside is not None and (outside.method, outside.detail) == ("winding (interval)", "zero force is outside K")
+    dent = curve_refutation.convexity(_subject(limacon("4/5")))
+    assert dent is not None and dent.detail == "a triangle of boundary points holds a point outside K"
+    power = curve_refutation.dissipation(_subject((C, S), (f"-{C}", f"-{S}")))
+    assert power is not None and (power.method, power.detail) == ("witness-power", "force . flow is negative on the boundary")
+    edge = curve_refutation.normality_of_a_dent(_subject(limacon("4/5")))
+    assert edge is not None and (edge.verdict, edge.method) == (Verdict.REFUTED, "witness-normal")
+    assert edge.detail == "the normal is not in the normal cone at the edge of a dent"
+    assert curve_refutation.normality_of_a_dent(_subject(limacon("2/5"))) is None
+    assert curve_refutation.normality_of_a_dent(_subject(limacon("4/5"), NORMAL)) is None
+
+
+PLACES = [Fraction(n, 5) for n in (-17, -4, -1, 0, 2, 5, 11)]
+
+
+@pytest.mark.parametrize("across", [1, -1])
+@pytest.mark.parametrize("t", PLACES)
+def test_the_deviation_with_its_slope_and_second_derivative(across: int, t: Fraction) -> None:
+    """Of a flow with tangential part 3 + sin phi and normal part 1 or -1: atan2(3 + sin phi, 1 or -1)."""
+    value, slope, second = curve_deviation.deviation(_subject((C, S), _turned(f"3 + {S}", str(across))).at({}).at(t, 3))
+    phi = 2 * math.atan(float(t))
+    u, v, w = 3 + math.sin(phi), math.cos(phi), -math.sin(phi)
+    size = 1 + u * u
+    expected = (math.atan2(u, across), across * v / size, across * (w / size - 2 * u * v * v / size**2))
+    assert [float(x.mid()) for x in (value, slope, second)] == pytest.approx(expected, abs=1e-9)
+    assert all(float(x.rad()) < 1e-9 for x in (value, slope, second))
+
+
+@pytest.mark.parametrize(
+    ("by", "across", "angle"),
+    [("1", "1", 45), ("-1", "1", -45), ("1", "-1", 135), ("-1", "-1", -135), ("1", "0", 90), ("-1", "0", -90), ("0", "1", 0)],
+)
+def test_a_deviation_by_so_many_degrees(by: str, across: str, angle: int) -> None:
+    value, slope, second = curve_deviation.deviation(_subject((C, S), _turned(by, across)).at({}).at(Fraction(1, 3), 3))
+    assert math.degrees(float(value.mid())) == pytest.approx(angle) and abs(slope) < 1e-9 and abs(second) < 1e-9
+
+
+def test_a_deviation_that_jumps_or_has_no_meaning() -> None:
+    backward = curve_deviation.deviation(_subject((C, S), (f"-{C}", f"-{S}")).at({}).at(Fraction(0), 3))
+    assert float(backward[0].mid()) == pytest.approx(math.pi) and not backward[1].is_finite() and not backward[2].is_finite()
+    slanted = curve_deviation.deviation(_subject((C, S), _turned(S, "-1")).at({}).over((Fraction(-1, 100), Fraction(1, 50)), 3))
+    assert all(slanted[0].contains(flint.arb(math.pi - s)) for s in (0, 0.01, 0.05)) and not slanted[0].contains(flint.arb(2.6))
+    none = curve_deviation.deviation(_subject((C, S), (f"0*{C}", f"0*{S}")).at({}).at(Fraction(0), 3))
+    assert none[0].contains(flint.arb(0)) and none[0].contains(flint.arb(3)) and not none[0].contains(flint.arb(4))
+    assert not none[1].is_finite() and not none[2].is_finite() and not none[0].contains(flint.arb(-0.5))
+
+
+def test_neighbouring_arcs_are_one() -> None:
+    f = Fraction
+    assert curve_deviation._cluster(((f(0), f(1, 4)), (f(1, 4), f(1, 2)), (f(3, 4), f(1)))) == (0, f(1, 2))
+    assert curve_deviation._cluster(((f(-1), f(-1, 2)), (f(1, 4), f(1, 2)), (f(1, 2), f(1)))) == (f(1, 4), 1)
+    assert curve_deviation._cluster(((f(-1), f(-1, 2)), (f(-1, 4), f(-1, 8)))) == (f(-1, 4), f(-1, 8))
+    assert curve_deviation._cluster(((f(-1, 2), f(0)), (f(0), f(1, 2)))) == (f(-1, 2), f(1, 2))
+
+
+def test_the_greatest_deviation_and_where_it_is() -> None:
+    found = curve_deviation.normality(_subject((C, S), _turned(f"(1 + {C}/2)*2/3")))
+    assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "deviation (interval)") and found.witness is not None
+    assert found.detail == "the flow leaves the normal by 45 degrees at angle 0, and nowhere by more"
+    turned = curve_deviation.normality(_subject((C, S), _turned(S)))
+    assert turned is not None and turned.detail == "the flow leaves the normal by 45 degrees at angle 90, and nowhere by more"
+    curve = _subject((C, S), _turned(f"({C}*3/5 + {S}*4/5)/2")).at({})
+    worst = curve.greatest(curve_deviation.deviation, 3, 1e-9)
+    assert worst is not None and math.tan(float(worst.value.mid())) == pytest.approx(0.5)
+    assert curve_deviation._place(curve, worst) == pytest.approx(math.atan2(4, 3), abs=1e-6)
+    for flow in (None, NORMAL):
+        assert curve_deviation.normality(_subject((C, S), flow)) is None
+
+
+def test_a_few_angles_show_whether_there_is_a_deviation() -> None:
+    assert not curve_deviation._deviates(_subject((C, S), NORMAL), {})
+    for flow in (
+        _turned("1/100"),
+        _turned("-1/100"),
+        (f"-{C}", f"-{S}"),
+        _turned(f"pos({S} - 4/5)"),
+        _turned(f"pos({C} - 4/5)"),
+        _turned(f"pos(-{S} - 4/5)"),
+    ):
+        assert curve_deviation._deviates(_subject((C, S), flow), {})

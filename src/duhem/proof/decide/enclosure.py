@@ -76,7 +76,7 @@ def _holds(value: Any, relation: type) -> bool | None:
 
 def _box(question: Question) -> tuple[Box, sp.Symbol | None]:
     circle = set(question.circle or ())
-    angle = sp.Dummy("theta", real=True) if circle & question.expr.free_symbols or circle else None
+    angle = sp.Dummy("theta") if circle else None
     box: Box = {angle: (Fraction(-1), Fraction(1))} if angle is not None else {}
     symbols = question.expr.free_symbols.union(*(r.free_symbols for r in question.given)) - circle
     for x in sorted(symbols, key=str):

@@ -15,6 +15,7 @@ import sympy as sp
 
 from duhem.expression.balls import certain_sign, precision
 from duhem.expression.number import fraction, rational
+from duhem.proof.decide.bivariate import OpenError, true
 from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.polynomials import System
 from duhem.proof.decide.question import Answer
@@ -24,7 +25,7 @@ from duhem.proof.decide.roots import between, real_roots
 __all__ = ["by_cells"]
 
 _METHOD = "sturm"
-_BITS = (64, 256, 1024, 4096, 16384)
+_BITS = (64, 1024, 16384)
 
 Sign = tuple[Any, str]  # a flint.fmpz_poly and its relation to 0
 
@@ -34,22 +35,18 @@ def by_cells(system: System, budget: Budget) -> Answer:
     used = variables(system)
     if len(used) > 1:
         return Answer(None, _METHOD, reason=f"{len(used)} variables remain")
-    t = next(iter(used), sp.Dummy("t", real=True))
+    t = next(iter(used), sp.Dummy("t"))
     given = [(_integral(r.poly, t), r.op) for r in system.given]
     goal = (_integral(system.goal.poly, t), system.goal.op)
     for bits in _BITS:
         try:
             value = _violation(given, goal, bits, budget)
-        except _OpenError:
+        except OpenError:
             continue
         if value is None:
             return Answer(True, _METHOD)
         return Answer(False, _METHOD, point={t: rational(value)})
     return Answer(None, _METHOD, reason="a sign at a root stays open")
-
-
-class _OpenError(Exception):
-    """The precision is too low."""
 
 
 def _integral(expr: sp.Expr, t: sp.Symbol) -> Any:
@@ -80,17 +77,12 @@ def _factors(polys: list[Any]) -> list[Any]:
     """The distinct irreducible factors of positive degree."""
     found: list[Any] = []
     for poly in polys:
-        if poly.degree() > 0:
-            found += [f for f, _ in poly.factor()[1] if f.degree() > 0 and f not in found]
+        found += [f for f, _ in poly.factor()[1] if f not in found]
     return found
 
 
 def _violated(given: list[Sign], goal: Sign, sign: Any) -> bool:
-    return all(_true(sign(p), op) for p, op in given) and not _true(sign(goal[0]), goal[1])
-
-
-def _true(value: int, op: str) -> bool:
-    return value >= 0 if op == ">=" else value > 0 if op == ">" else value == 0 if op == "==" else value != 0
+    return all(true(sign(p), op) for p, op in given) and not true(sign(goal[0]), goal[1])
 
 
 def _sign_at(p: Any, at: Fraction) -> int:
@@ -104,5 +96,5 @@ def _sign_at_root(p: Any, factor: Any, root: Any) -> int:
         return 0
     sign = certain_sign(p(root))
     if sign is None:
-        raise _OpenError
+        raise OpenError("a sign at a root stays open")
     return sign

@@ -55,7 +55,8 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
 
 def _interval(subject: FormulaSubject) -> bool:
     """Whether K, with one force, is convex and has an inside; a single point has normals of both signs."""
-    (x,), size = subject.simple.forces, subject.simple.magnitude or sp.S.One
+    (x,), magnitude = subject.simple.forces, subject.simple.magnitude
+    size = magnitude if magnitude is not None and magnitude in subject.simple.parameters else sp.S.One
     if not curvature(subject.simple.g, subject).quasiconvex:
         return False
     if subject.at_origin is not None and subject.positive(-subject.at_origin) and subject.continuous:

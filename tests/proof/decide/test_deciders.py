@@ -1,0 +1,345 @@
+"""What is asked of whom and in which order, each way to take a question apart by itself, and what a share of the steps is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import process_time
+
+import pytest
+import sympy as sp
+import z3
+
+from duhem.expression import Atan2, symbol
+from duhem.proof.decide import Answer, Budget, Question, Sense, decide, deciders, smt
+from duhem.proof.decide.budget import SpentError
+from duhem.proof.decide.deciders import _beyond_exponentials, _by_argument, _by_factors, _factoring, _factors, _meaningful, by_rules
+from duhem.proof.decide.polynomials import Relation, System
+from duhem.proof.decide.smt import by_smt
+
+x, y = symbol("x"), symbol("y")
+p, n, m = symbol("p", positive=True), symbol("n", nonnegative=True), symbol("m", negative=True)
+k = symbol("k", nonpositive=True)
+N, P, Z = Sense.NONNEGATIVE, Sense.POSITIVE, Sense.ZERO
+YES, NO = Answer(True, "told"), Answer(False, "told")
+Decider = Callable[[System, Budget], Answer]
+
+
+def test_what_is_vacuous_or_plain() -> None:
+    assert decide(Question(sp.S.NegativeOne, N, (sp.false,))) == Answer(True, "vacuous")
+    assert decide(Question(-p, N, (sp.true,))).holds is False
+    assert decide(Question(p + n, P)) == Answer(True, "sign-rules")
+    assert decide(Question(x - 1, P, (sp.true, sp.Gt(x, 1)))).holds is True
+
+
+@pytest.mark.parametrize(
+    ("expr", "holds"),
+    [
+        (p + n, ">= >"),
+        (n, ">="),
+        (n - n, ">= =="),
+        (x, ""),
+        (p * x + p * y + p * (n - x - y), ">="),  # once p is taken out
+        (p * n + p * (n + 1), ">= >"),
+        (1 / p, ">= >"),
+        (1 / (1 + n), ">= >"),
+        (1 / n, ""),
+        (1 / n**2, ""),
+        (sp.sqrt(n), ">="),
+        (sp.sqrt(x) ** 2 + 1, ""),
+        (sp.log(1 + p), ">= >"),
+        (sp.log(x) ** 2, ""),
+        (sp.tan(x) ** 2, ""),
+        (sp.asin(x) ** 2 + 1, ""),
+        (sp.acos(x) ** 2 + 1, ""),
+        (Atan2(x, y) ** 2 + 1, ""),
+    ],
+)
+def test_signs_at_sight(expr: sp.Expr, holds: str) -> None:
+    assert [sense.value for sense in (N, P, Z) if by_rules(Question(expr, sense)) == Answer(True, "sign-rules")] == holds.split()
+    assert all(by_rules(Question(expr, s)).reason in ("", "a part of it may be undefined") for s in Sense)
+
+
+def test_what_is_a_number_at_sight() -> None:
+    assert all(map(_meaningful, (x**2, 1 / p, n**p, sp.sqrt(n), 1 / (n + 1), sp.log(p), sp.asin(sp.S.Half))))
+    assert not any(map(_meaningful, (1 / x, sp.sqrt(x), n**x, 1 / n, sp.log(x), sp.log(n), sp.tan(x))))
+
+
+def test_a_product_by_its_factors() -> None:
+    def asked(expr: sp.Expr, sense: Sense, *given: sp.Basic) -> Answer:
+        return _by_factors(Question(expr, sense, given), Budget(10**6))
+
+    grows = sp.exp(x)
+    assert asked(grows * (y**2 + 1), P) == Answer(True, "plane-cells") or asked(grows * (y**2 + 1), P).holds is True
+    assert asked(grows * y, N, sp.Ge(y, 0)).holds is True and asked(grows * y, P, sp.Ge(y, 0)).holds is None
+    assert asked(grows * (y - 1), P, sp.Gt(y, 1)) == Answer(True, "sturm") == asked((y - 1) * grows * p, P, sp.Gt(y, 1))
+    assert asked(grows * p, P) == Answer(True, "sign-rules")
+    assert asked(grows * y, N, sp.Ge(x + y, 0)).method == "factors"  # a hypothesis that speaks of more is not told
+    assert asked(grows * y, Z, sp.Eq(y, 0)) == asked(grows, N) == Answer(None, "factors", reason="it is not a product")
+
+
+@pytest.mark.parametrize("scale", [1, -1, 2, -3])
+@pytest.mark.parametrize(
+    ("word", "zero", "ends"),
+    [(sp.sinh, 0, ()), (sp.tanh, 0, ()), (sp.atan, 0, ()), (sp.asin, 0, (-1, 1)), (sp.acos, 1, (-1, 1)), (sp.log, 1, ())],
+)
+def test_a_monotone_word_has_the_sign_of_its_argument(word: type, zero: int, ends: tuple[int, ...], scale: int) -> None:
+    """On its side of the place where it is 0; what lies beyond the ends of an arc is not."""
+    falls = -1 if word is sp.acos else 1
+
+    def asked(sense: Sense, *given: sp.Basic) -> bool | None:
+        found = _by_argument(Question(scale * word(x), sense, given), Budget(10**6))
+        assert found.method == ("sturm" if found.holds else "monotone") and found.holds is not False
+        return found.holds
+
+    side = 1 if scale * falls > 0 else -1
+    within = tuple(r for end in ends for r in (sp.Ge(x, -1), sp.Le(x, 1)))
+    assert asked(N, sp.Ge(side * (x - zero), 0), *within) is True and asked(P, sp.Gt(side * (x - zero), 0), *within) is True
+    assert asked(P, sp.Ge(side * (x - zero), 0), *within) is None
+    if side * zero >= 0:
+        assert asked(N, sp.Ge(side * (x - zero), -1), *within, sp.Lt(side * (x - zero), 1)) is None
+    if ends and word is sp.asin:
+        assert asked(N, sp.Ge(side * x, 0), sp.Le(side * x, 2)) is None
+    if word is sp.acos and scale > 0:
+        assert asked(N, sp.Le(x, 1)) is None and asked(N, sp.Ge(x, -1)) is None
+    assert asked(Z, sp.Eq(x, zero)) is None
+
+
+def test_what_is_no_monotone_word() -> None:
+    assert _by_argument(Question(sp.exp(x), P), Budget(10**6)) == Answer(None, "monotone", reason="it is no monotone word")
+
+
+def test_exponentials_on_their_side_of_one() -> None:
+    def wider(expr: sp.Expr, sense: Sense = P) -> tuple[sp.Expr, list[str]] | None:
+        found = _beyond_exponentials(Question(expr, sense, (sp.Gt(y, 0),), (x, y)))
+        if found is None:
+            return None
+        assert found.sense is sense and found.circle == (x, y) and found.given[0] == sp.Gt(y, 0)
+        assert all(s.is_positive for s in found.expr.free_symbols - {x, y, p, n, m, k})
+        return found.expr.xreplace({s: sp.Symbol(s.name) for s in found.expr.free_symbols}), [r.rel_op for r in found.given[1:]]
+
+    big, own_x = sp.Symbol("E"), sp.Symbol("x")
+    assert wider(sp.exp(p) + x) == (big + own_x, [">"]) and wider(sp.exp(n) + x) == (big + own_x, [">="])
+    assert wider(sp.exp(m) + x) == (big + own_x, ["<"]) and wider(sp.exp(k) + x, N) == (big + own_x, ["<="])
+    assert wider(sp.exp(x)) is None and wider(x) is None
+    mixed = wider(sp.exp(x) + sp.exp(-p))
+    assert mixed is not None and mixed[0] == sp.exp(own_x) + big and mixed[1] == ["<"]
+
+
+def test_exponentials_in_a_question() -> None:
+    assert decide(Question(1 - sp.exp(-n) + x**2, N)).holds is True and decide(Question(1 - sp.exp(-n), P)).holds is None
+    assert decide(Question(1 - sp.exp(-p), P)).holds is True and decide(Question(sp.exp(p) - 2, P)).holds is None
+
+
+def test_branches_and_what_they_hide() -> None:
+    six = Question(sp.Add(*(sp.Abs(symbol(f"x{i}")) for i in range(6))) - x, P)
+    assert decide(six) == Answer(None, "branches", reason="more than 32 branches")
+    assert decide(Question(sp.Abs(x - 1) - x, N)).holds is False and decide(Question(sp.Abs(x) + 1 - x, P)) == Answer(True, "sturm")
+    lost = decide(Question(sp.Abs(x - 1) / (x - 1) + 2, P), Budget(10**6))
+    assert lost.holds is None and "it is open whether" in lost.reason and "> 0" in lost.reason
+
+
+# -- polynomial systems with deciders that are told what to say -----------------------------------------------------------
+
+
+@pytest.fixture
+def told(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[tuple[System, int]]]:
+    """The deciders say these in turn, whatever they are asked; what they were asked, with how many steps."""
+
+    def put(*answers: Answer | Exception) -> list[tuple[System, int]]:
+        asked, left = list[tuple[System, int]](), list(answers)
+
+        def one(system: System, budget: Budget) -> Answer:
+            asked.append((system, budget.left))
+            said = left.pop(0)
+            if isinstance(said, Exception):
+                raise said
+            return said
+
+        monkeypatch.setattr(deciders, "POLYNOMIAL_DECIDERS", (one, one))
+        return asked
+
+    return put
+
+
+def system(goal: sp.Expr, op: str, *given: tuple[sp.Expr, str]) -> System:
+    return System(Relation(goal, op), tuple(Relation(*r) for r in given), (), (x, y), None)
+
+
+def test_an_open_answer_goes_on_to_the_next_decider(told: Callable[..., list[tuple[System, int]]]) -> None:
+    asked = told(Answer(None, "first"), YES)
+    assert deciders._decide_system(system(x * y + 1, ">"), Budget(800)) == YES and [steps for _, steps in asked] == [
+        360,
+        360,
+    ]  # less the factors
+    asked = told(SpentError(), Answer(None, "second", reason="tired"))
+    assert deciders._decide_system(system(x * y + 1, ">"), Budget(800)).reason == "tired" and len(asked) == 2
+    told(Answer(None, "first", reason="tired"), SpentError())
+    assert deciders._decide_system(system(x * y + 1, ">"), Budget(800)) == Answer(None, reason="its steps are spent")
+    asked = told(NO)
+    assert deciders._decide_system(system(x * y + 1, ">"), Budget(800)) == NO and len(asked) == 1
+
+
+def test_a_violation_counts_where_what_was_left_out_does_not_vanish(told: Callable[..., list[tuple[System, int]]]) -> None:
+    weak = system(sp.expand((x + 2) ** 2 * (y + 1)), ">=", (x, ">="))
+    asked = told(NO, YES)
+    assert deciders._decide_system(weak, Budget(10**5)) == YES
+    assert [one.goal for one, _ in asked] == [Relation(y + 1, ">=")] * 2
+    assert [one.given for one, _ in asked] == [(Relation(x, ">="),), (Relation(x, ">="), Relation(x + 2, "!="))]
+    told(NO, NO)
+    assert deciders._decide_system(weak, Budget(10**5)) == NO
+
+
+def test_every_obligation_is_met_before_the_goal_is_asked(told: Callable[..., list[tuple[System, int]]]) -> None:
+    first, second = system(x * y, "!="), system(x - y, ">=")
+    whole = System(Relation(x * y + 1, ">"), (), (first, second), (x, y), None)
+    asked = told(YES, YES, YES)
+    assert deciders._decide_system(whole, Budget(10**5)) == YES and [one.goal.op for one, _ in asked] == ["!=", ">=", ">"]
+    for said in ([NO], [YES, Answer(None, "told"), Answer(None, "told")]):
+        asked = told(*said)
+        answer = deciders._decide_system(whole, Budget(10**5))
+        assert answer.holds is None and answer.method == "told" and len(asked) == len(said)
+        goal = asked[-1][0].goal
+        assert answer.reason == f"it is open whether {goal.poly} {goal.op} 0"
+
+
+def test_the_answer_names_z3_where_any_part_rests_on_it(told: Callable[..., list[tuple[System, int]]]) -> None:
+    parts = system(sp.expand((x + 1) ** 2 * (y - x) ** 2), ">")
+    for first, second, named in (("smt-z3", "sturm", "smt-z3"), ("sturm", "smt-z3", "smt-z3"), ("sturm", "plane-cells", "plane-cells")):
+        told(Answer(True, first), Answer(True, second))
+        assert deciders._decide_system(parts, Budget(10**5)) == Answer(True, named)
+    told()
+    assert deciders._decide_system(system(sp.S.One, ">"), Budget(10)) == Answer(True, "identity")
+    assert deciders._decide_system(system(sp.S.Zero, "=="), Budget(10)) == Answer(True, "identity")
+    told(NO)
+    assert deciders._decide_system(system(sp.S.Zero, ">"), Budget(10)) == NO
+
+
+@pytest.mark.parametrize(
+    ("poly", "op", "goals"),
+    [
+        (x * y, ">=", [((x * y, ">="), [])]),
+        (p * x, ">=", [((x, ">="), [])]),
+        (-2 * p * x, ">", [((-x, ">"), [])]),
+        (n * x, ">=", [((x, ">="), [n])]),
+        (n * x, ">", [((n, "!="), []), ((x, ">"), [n])]),
+        (x**2 * y, ">=", [((y, ">="), [x])]),
+        (x**2 * y, ">", [((x, "!="), []), ((y, ">"), [x])]),
+        (x**3 * y, ">=", [((x * y, ">="), [])]),
+        (x**2, ">=", []),
+        (x**2, ">", [((x, "!="), [])]),
+        (-(x**2), ">=", [((sp.S.NegativeOne, ">="), [x])]),
+        (p**3, ">", []),
+        (x**2 * y, "==", [((x**2 * y, "=="), [])]),
+        (x**2 * y, "!=", [((x**2 * y, "!="), [])]),
+        (sp.Integer(3), ">", []),
+        (sp.Integer(0), ">", [((sp.Integer(0), ">"), [])]),
+    ],
+)
+def test_goals_by_their_factors(poly: sp.Expr, op: str, goals: list[tuple[tuple[sp.Expr, str], list[sp.Expr]]]) -> None:
+    found = _factors(System(Relation(poly, op), (), (), (x, y, p, n), None), Budget(10**6))
+    assert [((goal.poly, goal.op), [r.poly for r in away]) for goal, away in found] == goals
+    assert all(r.op == "!=" for _, away in found for r in away)
+
+
+def test_factors_are_sought_where_they_cost_no_more_than_an_eighth() -> None:
+    assert _factoring(x**3 * y + x + 1) == 10 * 3 * 4 * 2
+    square = system(x**2 + 2 * x * y + y**2, ">=")
+    assert _factoring(square.goal.poly) == 120
+    assert _factors(square, Budget(960)) == () and _factors(square, Budget(959)) == ((square.goal, ()),)
+
+
+def test_shares_of_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A quarter for the polynomials, half of the rest for those that end with an enclosure."""
+    import duhem.proof.decide.enclosure as enclosure
+
+    seen: list[int] = []
+
+    def looked(question: Question, budget: Budget) -> Answer:
+        seen.append(budget.left)
+        return Answer(None, "interval", reason="no")
+
+    monkeypatch.setattr(enclosure, "by_enclosure", looked)
+    cleared = deciders.polynomial_system
+
+    def system_of(question: Question, budget: Budget) -> System:
+        seen.append(budget.left)
+        return cleared(question, budget)
+
+    monkeypatch.setattr(deciders, "polynomial_system", system_of)
+    answer = decide(Question(sp.exp(x) - x - 1, N), Budget(1000))
+    assert seen == [250, 500] and (answer.method, answer.reason[-4:]) == ("interval", "; no")
+    seen.clear()
+    monkeypatch.setattr(deciders, "POLYNOMIAL_DECIDERS", (lambda system, budget: Answer(None, "told"),))
+    assert decide(Question(x * y + 1, N), Budget(1000)) == Answer(None, "told") and seen == [250, 454]
+
+
+# -- z3 -------------------------------------------------------------------------------------------------------------------
+
+HARD = system(x**4 * y**2 + x**2 * y**4 + 1 - 3 * x**2 * y**2, ">=")
+
+
+def test_z3_has_three_and_two_eighths_of_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    nets: list[int] = []
+    real = smt._net
+    monkeypatch.setattr(smt, "_net", lambda context, most: nets.append(most) or real(context, 10**7))
+    budget = Budget(807)
+    answer = by_smt(HARD, budget)
+    assert answer.holds is None and answer.method == "smt-z3" and answer.reason.startswith("z3: ")
+    assert nets == [900, 600] and budget.left == 807 - 500
+    budget = Budget(7)
+    assert by_smt(HARD, budget) == Answer(None, "smt-z3", reason="its steps are spent") and budget.left == 7
+
+
+def test_z3_is_paid_for_what_it_counted() -> None:
+    left = []
+    for _ in range(2):
+        budget = Budget(10**7)
+        assert by_smt(system(x**2 + y**2 - x * y + 1, ">"), budget) == Answer(True, "smt-z3")
+        left.append(budget.left)
+    assert left[0] == left[1] and 10**7 - 100_000 < left[0] < 10**7
+    found = by_smt(system(x, ">=", (x**2 - 2, "==")), Budget(10**7))
+    assert found.holds is False and found.point is not None and abs(float(found.point[x]) + 2**0.5) < 1e-12
+
+
+def test_z3_stopped_or_broken_decides_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(solver: z3.Solver) -> None:
+        raise z3.Z3Exception("out of luck")
+
+    monkeypatch.setattr(z3.Solver, "check", broken)
+    assert by_smt(HARD, Budget(10**6)) == Answer(None, "smt-z3", reason="out of luck")
+    monkeypatch.setattr(z3.Solver, "check", lambda solver: z3.unknown)
+    monkeypatch.setattr(z3.Solver, "reason_unknown", lambda solver: "interrupted from keyboard")
+    with pytest.raises(KeyboardInterrupt):
+        by_smt(HARD, Budget(10**6))
+
+
+def test_steps_as_the_solver_counts_them() -> None:
+    class Solver:
+        def __init__(self, **counts: int) -> None:
+            self.counts = {name.replace("_", " "): value for name, value in counts.items()}
+
+        def statistics(self) -> Solver:
+            return self
+
+        def keys(self) -> list[str]:
+            return list(self.counts)
+
+        def get_key_value(self, name: str) -> int:
+            return self.counts[name]
+
+    assert smt._steps(Solver(rlimit_count=7), 9) == 7 and smt._steps(Solver(memory=7), 9) == 9
+
+
+@pytest.mark.parametrize(("microseconds", "stopped"), [(0, 1), (100_000_000, 0)])
+def test_a_net_of_processor_time(microseconds: int, stopped: int) -> None:
+    class Context:
+        stops = 0
+
+        def interrupt(self) -> None:
+            self.stops += 1
+
+    context, end = Context(), process_time() + 0.2
+    with smt._net(context, microseconds):
+        while process_time() < end and context.stops == 0:
+            sum(range(1000))
+    assert context.stops == stopped

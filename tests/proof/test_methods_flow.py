@@ -1,0 +1,224 @@
+"""What is said of the slip direction, each method asked alone: parallel to the normal or not, turned by how much, backward where."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from duhem import Criterion, Domain, Verdict
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import chords, corners, flow
+from duhem.proof.verdict import Proof, Witness
+from duhem.proof.witness.enclosed_point import EnclosedPoint
+
+A_B, DISC = ("a", "b"), "a**2 + b**2 - 1"
+STAR = "min(a**2 + 4*b**2, 4*a**2 + b**2) - 1"
+
+
+def subject(
+    g: str = DISC, slip: Sequence[str] | None = None, forces: Sequence[str] = A_B, pressure: str | None = None, **of: Any
+) -> FormulaSubject:
+    parameters = {name: of.pop(name) for name in ("q", "m") if name in of}
+    law = Criterion("law", g, forces=tuple(forces), pressure=pressure, flow=slip and tuple(slip), parameters=parameters, **of)
+    return FormulaSubject(law)
+
+
+def floats(point: Any, names: Sequence[str] = A_B) -> list[float]:
+    return [float(Fraction(point[name])) for name in names]
+
+
+@pytest.mark.parametrize(
+    ("g", "slip", "normal"),
+    [
+        (DISC, ("a", "b"), True),
+        (DISC, ("3*a", "3*b"), True),
+        (DISC, ("a*(2 + b)", "b*(2 + b)"), True),
+        (DISC, ("a*(a**2 + b**2)", "b"), True),  # on the boundary alone
+        (DISC, ("-a", "-b"), False),
+        (DISC, ("a", "2*b"), False),
+        (DISC, ("a - b/100", "b + a/100"), False),
+        (DISC, ("a*b", "b*b"), False),  # turns back, and vanishes
+        (DISC, ("a*b**2", "b**3"), False),  # vanishes
+        (DISC, ("0*a", "0*b"), False),
+        ("(a**2 + b**2 - 1)**2", ("a", "b"), False),  # no normal
+        ("a**2 + 2*b**2 - 1", ("a", "2*b"), True),
+        ("a**2 + 2*b**2 - 1", ("a", "b"), False),
+        ("a**2 + b**2 + pos(b)**2 - 1", ("a", "b + pos(b)"), True),
+        ("a**2 + b**2 + pos(b)**2 - 1", ("a", "b"), False),
+        ("where(a > 0, 1, 2)*(a**2 + b**2) - 1", ("a", "b"), False),  # it jumps
+        (DISC, None, False),
+    ],
+)
+def test_a_flow_parallel_to_the_normal(g: str, slip: Sequence[str] | None, normal: bool) -> None:
+    found = flow.normality(subject(g, slip))
+    if not normal:
+        assert found is None
+        return
+    detail = "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex"
+    assert found is not None and (found.verdict, found.method, found.detail) == (Verdict.PROVED, "parallel", detail)
+    assert found.proof is None or found.proof.rule == "parallel"
+
+
+def test_in_three_forces_every_pair_of_components_counts() -> None:
+    for slip, normal in (("a b c", True), ("a b 2*c", False), ("a 2*b c", False), ("2*a b c", False), ("a b -c", False)):
+        assert (flow.normality(subject("a**2 + b**2 + c**2 - 1", slip.split(), "abc")) is not None) is normal
+    proved = flow.normality(subject(DISC, ("2*a", "2*b")))
+    assert proved is not None and proved.proof is not None and isinstance(proved.proof, Proof)
+
+
+def _chord(parameters: dict[str, str] | None = None, **points: dict[str, str]) -> Witness:
+    return Witness(parameters or {}, points, {}, "made up")
+
+
+ACROSS = _chord(p={"a": "1", "b": "0"}, q={"a": "0", "b": "1"}, midpoint={"a": "1/2", "b": "1/2"})
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_the_normal_where_a_chord_leaves_the_set(turn: int) -> None:
+    ends = {"p": {"a": "1", "b": "0"}, "q": {"a": "0", "b": str(turn)}, "midpoint": {"a": "1/2", "b": f"{turn}/2"}}
+    found = flow.normality_refuted_by_chord(subject(STAR), _chord(**ends))
+    assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "witness-normal")
+    assert found.detail == "grad g is not in the normal cone where a chord leaves K" and found.witness is not None
+    shown, (a, b) = found.witness, floats(found.witness.points["inside"])
+    assert set(shown.points) == {"inside", "outside", "tau"} and shown.points["tau"] in (ends["p"], ends["q"])
+    normal = min(((2 * a, 8 * b), (8 * a, 2 * b)), key=lambda n: abs(n[0] * a + n[1] * b - 2))
+    leaning = sum(n * (t - x) for n, t, x in zip(normal, floats(shown.points["tau"]), (a, b), strict=True))
+    low, high = map(float, shown.values["grad g . (tau - sigma)"])
+    assert 0 < low <= high and abs(leaning - low) < 1e-3
+    assert shown.statement.startswith("on the way from `inside` to the midpoint of a chord of K the boundary is crossed outward")
+
+
+def test_a_chord_says_nothing_of_another_flow() -> None:
+    assert flow.normality_refuted_by_chord(subject(STAR, A_B), ACROSS) is None
+    inside = _chord(p={"a": "1/2", "b": "0"}, q={"a": "0", "b": "1/2"}, midpoint={"a": "1/4", "b": "1/4"})
+    assert flow.normality_refuted_by_chord(subject(DISC), inside) is None
+
+
+def test_a_chord_is_read_with_its_parameters_and_its_pressure() -> None:
+    law = subject("a**2 + b**2 - q*abs(p) - p**2", pressure="p", q=Domain.between(0, 1))
+    ends = {role: {"a": x, "b": y, "p": "-3"} for role, x, y in (("p", "1", "0"), ("q", "0", "1/3"), ("midpoint", "1/2", "1/6"))}
+    parameters, p, q, middle = flow._read(law, _chord({"q": "2/3"}, **ends))
+    table = law.law.symbols()
+    magnitude = law.simple.magnitude
+    expected = {table["q"]: Fraction(2, 3)} | (
+        {magnitude: Fraction(3)} if magnitude in law.simple.parameters and magnitude is not None else {}
+    )
+    assert parameters == expected and (p, q, middle) == ([1, 0], [0, Fraction(1, 3)], [Fraction(1, 2), Fraction(1, 6)])
+
+
+@pytest.mark.parametrize("degrees", [45, -45])
+def test_a_flow_that_leans(degrees: int) -> None:
+    slip = ("a - b", "b + a") if degrees > 0 else ("a + b", "b - a")
+    found = flow.normality_refuted(subject(DISC, slip))
+    assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "witness-flow")
+    assert found.detail == "the flow leaves the normal cone of K" and found.witness is not None
+    shown, (x, y) = found.witness, floats(found.witness.points["inside"])
+    tau, d = floats(shown.points["tau"]), ((x - y, y + x) if degrees > 0 else (x + y, y - x))
+    low, high = map(float, shown.values["flow . (tau - sigma)"])
+    assert 0 < low <= high and abs(d[0] * (tau[0] - x) + d[1] * (tau[1] - y) - low) < 1e-3
+    assert math.hypot(*tau) <= 1 + 1e-12 and abs(math.hypot(x, y) - 1) < 1e-5
+    assert abs(shown.measures["deviation_degrees"] - 45) < 1e-6
+    assert abs(math.remainder(shown.measures["slip_angle_degrees"] - math.degrees(math.atan2(y, x)) - degrees, 360)) < 1e-3
+    assert "it is not in the normal cone" in shown.statement
+
+
+def test_a_flow_that_leans_a_little_shows_close_by() -> None:
+    law = subject("a**2 + 2*b**2 - 1", ("a", "2*b + a/500"))
+    found = flow.normality_refuted(law, 1)
+    assert found is not None and found.witness is not None and 0 < found.witness.measures["deviation_degrees"] < 0.2
+
+
+@pytest.mark.parametrize("slip", [("a", "b"), ("2*a*(3 + b)", "2*b*(3 + b)"), None])
+def test_a_normal_flow_is_not_refuted(slip: Sequence[str] | None) -> None:
+    assert flow.normality_refuted(subject(DISC, slip), 1) is None
+    assert flow.dissipation_refuted(subject(DISC, slip), 1) is None
+
+
+@pytest.mark.parametrize(
+    ("g", "slip"), [(DISC, ("-a", "-b")), (DISC, ("a - 3*b", "b - 3*a")), ("(a - 2)**2 + b**2 - 1", None), (DISC, ("a - 3/2", "b"))]
+)
+def test_a_flow_of_negative_power(g: str, slip: Sequence[str] | None) -> None:
+    found = flow.dissipation_refuted(subject(g, slip), 1)
+    assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "witness-power")
+    assert found.detail == "force . flow is negative on the boundary" and found.witness is not None
+    x, y = floats(found.witness.points["inside"])
+    d = {"-a": (-x, -y), "a - 3*b": (x - 3 * y, y - 3 * x), "a - 3/2": (x - 1.5, y)}[slip[0]] if slip else (2 * (x - 2), 2 * y)
+    low, high = map(float, found.witness.values["force . flow"])
+    assert low <= high < 0 and abs(x * d[0] + y * d[1] - low) < 1e-3
+    assert found.witness.statement == "force . flow < 0 at the boundary point between `inside` and `outside`"
+
+
+def test_a_flow_of_power_that_is_seldom_negative() -> None:
+    assert flow.dissipation_refuted(subject(DISC, ("a - 2*b", "b + 2*a")), 1) is None
+    assert flow.dissipation_refuted(subject("(a - 1)**2 + b**2 - 1"), 1) is None
+
+
+def test_angles_between_flow_and_normal() -> None:
+    def angles(slip: Sequence[str], x: Fraction, y: Fraction, forces: Sequence[str] = A_B, g: str = DISC) -> dict[str, float]:
+        beside = (x + Fraction(1, 10**15), y, Fraction(0))[: len(forces)]
+        return flow._angles(subject(g, slip, forces), EnclosedPoint({}, (x, y, Fraction(0))[: len(forces)], beside))
+
+    x, y = Fraction(3, 5), Fraction(4, 5)
+    along = math.degrees(math.atan2(4, 3))
+    for slip, apart, slope in (
+        (A_B, 0, along),
+        (("-b", "a"), 90, along + 90),
+        (("-a", "-b"), 180, along - 180),
+        (("a + b", "b - a"), 45, along - 45),
+    ):
+        found = angles(slip, x, y)
+        assert abs(found["deviation_degrees"] - apart) < 1e-9 and abs(found["slip_angle_degrees"] - slope) < 1e-9
+    assert abs(angles(("a - b/10**9", "b + a/10**9"), x, y)["deviation_degrees"] - math.degrees(1e-9)) < 1e-13
+    spatial = angles(("a", "b", "a"), x, y, "abc", "a**2 + b**2 + c**2 - 1")
+    assert set(spatial) == {"deviation_degrees"} and abs(spatial["deviation_degrees"] - math.degrees(math.atan(0.6))) < 1e-9
+    assert angles(A_B, Fraction(0), Fraction(1), g="a**2 + b**2 + abs(a)*(b - 1) - 1") == {}  # on a seam
+
+
+def test_chords_of_a_star() -> None:
+    for method in (chords.convexity_by_scouting, chords.convexity_at_seams):
+        found = method(subject(STAR))
+        assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "witness-chord")
+        assert found.detail == "a chord between two points of K leaves K" and found.witness is not None
+        p, q, middle = (floats(found.witness.points[role]) for role in ("p", "q", "midpoint"))
+        assert all(min(x * x + 4 * y * y, 4 * x * x + y * y) <= 1 for x, y in (p, q))
+        assert min(middle[0] ** 2 + 4 * middle[1] ** 2, 4 * middle[0] ** 2 + middle[1] ** 2) > 1
+        assert [u + v for u, v in zip(p, q, strict=True)] == pytest.approx([2 * m for m in middle])
+        assert method(subject("max(a**2 + 4*b**2, 4*a**2 + b**2) - 1")) is None
+
+
+def test_chords_across_a_dent() -> None:
+    dented = subject("a**4 + b**4 - 3*a**2*b**2/2 - 1")
+    for method in (chords.convexity_at_clear_dents, chords.convexity_at_deepest_dents, chords.convexity_at_dents):
+        found = method(dented)
+        assert found is not None and found.verdict is Verdict.REFUTED and found.method == "witness-chord"
+        assert method(subject("a**4 + b**4 + a**2*b**2 - 1")) is None
+    assert chords.convexity_at_dents(subject("a - b**2 - 1")) is None and chords.convexity_at_seams(dented) is None
+    assert chords.convexity_at_seams(subject("min(a, b, c) - 1", forces="abc")) is None
+
+
+def test_corners_and_sharp_points() -> None:
+    found = corners.smoothness(subject("abs(a) + b**2 - 1"))
+    assert found is not None and found.witness is not None and found.witness.points
+    assert (found.verdict, found.method, found.detail) == (
+        Verdict.REFUTED,
+        "witness-corner",
+        "the outward normal jumps at a corner of the boundary",
+    )
+    at = next(iter(found.witness.points.values()))
+    assert abs(float(Fraction(at["a"]))) < 1e-6 and abs(abs(float(Fraction(at["b"]))) - 1) < 1e-6
+    assert corners.smoothness(subject("a**2 + b**2 + pos(b)**2 - 1")) is None and corners.smoothness(subject(DISC)) is None
+    tip = corners.smoothness_at_sharp_points(subject("norm(a, b) + c - 1", forces="abc"))
+    assert tip is not None and (tip.verdict, tip.method, tip.detail) == (
+        Verdict.REFUTED,
+        "witness-sharp-point",
+        "the boundary has a sharp point",
+    )
+    assert corners.smoothness_at_sharp_points(subject(DISC)) is None
+    within = {"b": Domain.between("-1/2", "1/2")}
+    assert corners.smoothness(subject("abs(a) + b**2 - 1", domain=within)) is None  # where the claim is not asked
+    edge = corners.smoothness(subject("max(norm(a, b), abs(c)) - 1", forces="abc"))
+    assert edge is not None and edge.method == "witness-corner"

@@ -1,0 +1,71 @@
+"""A method needs every answer it asks for: one that is open, or denied, and it proves nothing.
+
+Each is run on a law of which it proves its claim; then again for each of its questions, with that one answered otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import pytest
+
+from duhem import Criterion, Domain
+from duhem.proof.decide import Answer
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import degrees, evaluation, flow, implicit, polar
+from duhem.proof.verdict import Evidence, Verdict
+
+Method = Callable[[FormulaSubject], Evidence | None]
+DISC, HALVES, A_B = "a**2 + b**2 - q", "a**2 + b**2 + pos(b)**2 - q", ("a", "b")
+
+ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the questions may be open, since the method has another way
+    (implicit.convexity, DISC, None, 1),
+    (implicit.convexity, "max(a**2 + b**2 - q, a - q/2)", None, 2),  # the inside of a branch tells all of it
+    (implicit.convexity, "a**2 + b**2 + c**2 - q", None, 0),
+    (implicit.hessian, HALVES, None, 0),
+    (implicit.hessian, "abs(a) + exp(b) - 1 - q", None, 0),
+    (implicit.smoothness, HALVES, None, 0),
+    (implicit.dissipation, HALVES, None, 0),
+    (implicit.dissipation, DISC, A_B, 0),
+    (flow.normality, DISC, A_B, 0),
+    (flow.normality, "a**2 + b**2 + c**2 - q", ("a", "b", "c"), 0),
+    (polar.convexity, "norm(a, b) + abs(a)/2 - q", None, 0),
+    (polar.smoothness, "norm(a, b) + a*b/norm(a, b)/4 + abs(a)*a/norm(a, b)/8 - q", None, 0),
+    (degrees.dissipation, "a**2 + b**2 - q", None, 1),
+    (evaluation.origin, "a**2 + b**2 - q", None, 0),
+]
+
+
+@pytest.mark.parametrize(
+    ("method", "g", "slip", "spare"), ROWS, ids=[f"{m.__module__.rpartition('.')[2]}-{m.__name__}-{g}" for m, g, *_ in ROWS]
+)
+def test_no_answer_may_be_missing(method: Method, g: str, slip: Sequence[str] | None, spare: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    q = Domain.between("1/2", 1)
+    law = FormulaSubject(Criterion("law", g, {"q": q}, forces=tuple("abc" if "c" in g else "ab"), pressure=None, flow=slip and tuple(slip)))
+    asked, told = 0, dict[int, Answer]()
+    ask = FormulaSubject.ask
+
+    def counted(subject: FormulaSubject, *question: Any, **circle: Any) -> Answer:
+        nonlocal asked
+        asked += 1
+        return told[asked] if asked in told else ask(subject, *question, **circle)
+
+    def proved() -> bool:
+        nonlocal asked
+        asked = 0
+        found = method(law)
+        return found is not None and found.verdict is Verdict.PROVED
+
+    assert proved()  # what is derived but once is derived now
+    monkeypatch.setattr(FormulaSubject, "ask", counted)
+    assert proved() and asked > 0
+    for answer in (Answer(None), Answer(False)):
+        still = 0
+        for place in range(1, asked + 1):
+            told.clear()
+            told[place] = answer
+            still += proved()
+            told.clear()
+            proved()
+        assert still == spare, asked
