@@ -195,11 +195,19 @@ def test_dissipation_by_degrees(g: str, method: str, degrees_: str) -> None:
         ("where(a > 0, 1, 2)*norm(a, b) - 1", {}),  # it jumps
         ("norm(a, b) - 1", {"flow": A_B}),
         ("norm(a, b) + q - 1 - a**2", {"q": UNIT}),
-        ("abs(a) - abs(b)", {}),
+        ("max(abs(a) - abs(b), b - 1)", {}),
+        ("where(a > 0, 1, 2)*abs(a) - where(b > 0, a, -a)", {}),
+        ("abs(a) - abs(b)", {"flow": A_B}),
     ],
 )
 def test_where_degrees_say_nothing(g: str, law: dict[str, Any]) -> None:
     assert degrees.dissipation(subject(g, **law)) is None
+
+
+@pytest.mark.parametrize("g", ["abs(a) - abs(b)", "max(norm(a, b) - 2*a, b)", "min(a, b, norm(a, b) - 2*b)", "a*b"])
+def test_dissipation_of_a_cone(g: str) -> None:
+    detail = "g keeps its sign along each ray from 0, so K is a cone: its normals are across the force, and the power is 0"
+    assert degrees.dissipation(subject(g)) == Evidence(Verdict.PROVED, "homogeneity", detail, proof=Proof("homogeneity"))
 
 
 @pytest.mark.parametrize(

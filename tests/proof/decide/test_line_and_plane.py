@@ -43,6 +43,7 @@ def test_between_roots_and_beyond() -> None:
     roots = real_roots(flint.fmpz_poly([55, -32, 4]), 64, Budget(10**4))  # 5/2 and 11/2
     assert between(roots) == [1, 4, 7]
     assert between([]) == [0]
+    assert between([flint.arb(-4, 3), flint.arb(0), flint.arb(4, 3)]) == [-9, Fraction(-1, 2), Fraction(1, 2), 9]  # balls, not middles
     assert between(real_roots(flint.fmpz_poly([1, 2]), 64, Budget(10**4))) == [-2, 1]
 
 
@@ -56,6 +57,7 @@ def test_between_roots_and_beyond() -> None:
         (Fraction(1, 10**6), Fraction(7, 10**6), Fraction(1, 250_000)),
         (Fraction(314159, 10**5), Fraction(314160, 10**5), Fraction(628319, 200_000)),
         (Fraction(314159, 10**5), Fraction(3147, 10**3), Fraction(937, 298)),
+        (Fraction(314159, 10**5), Fraction(3141597, 10**6), Fraction(5227998, 1664123)),
     ],
 )
 def test_a_plain_number_between(low: Fraction, high: Fraction, middle: Fraction) -> None:
