@@ -1,18 +1,49 @@
 """Laws of known truth in two to six forces, and what duhem says of them: python -m tests.campaigns.spaces [COUNT [SEED]]
 
-Prints what is wrong or open, and a line a family with the processor time of the verdicts.
+Prints what is wrong or open, and a line a family with the processor time of the verdicts.  Each law has a process of its own,
+with two minutes of processor time.
 """
 
 from __future__ import annotations
 
 import random
+import resource
 import sys
 import time
 from itertools import cycle, islice
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from statistics import median
 
 from tests.campaigns.families.spaces import SPACES
+from tests.campaigns.families.trial import Trial
 from tests.campaigns.verdicts import judge
+
+_SECONDS = 120
+
+
+def _judged(trial: Trial, there: Connection) -> None:
+    resource.setrlimit(resource.RLIMIT_CPU, (_SECONDS, _SECONDS + 1))
+    start = time.process_time()
+    try:
+        found = judge(trial)
+        there.send((dict(found.claims), dict(found.said), time.process_time() - start))
+    except Exception as fault:
+        there.send(({"law": f"{type(fault).__name__}: {fault}"}, {}, time.process_time() - start))
+
+
+def _apart(trial: Trial) -> tuple[dict[str, str], dict[str, str], float]:
+    """What is said of each claim, right, open or wrong, and how; the processor time."""
+    here, there = get_context("fork").Pipe(duplex=False)
+    process = get_context("fork").Process(target=_judged, args=(trial, there))
+    process.start()
+    there.close()
+    try:
+        found: tuple[dict[str, str], dict[str, str], float] = here.recv()
+    except EOFError:
+        found = {"law": "hang"}, {}, float(_SECONDS)
+    process.join()
+    return found
 
 
 def main(count: int = 600, seed: int = 1) -> int:
@@ -20,21 +51,18 @@ def main(count: int = 600, seed: int = 1) -> int:
     marks, seconds = dict[str, list[str]](), dict[str, list[float]]()
     for place, family in enumerate(islice(cycle(SPACES), count)):
         trial = SPACES[family](random.Random(f"{seed}/{family}/{place}"), f"law-{place}")
-        start = time.process_time()
-        found = judge(trial)
-        seconds.setdefault(trial.family, []).append(time.process_time() - start)
-        marks.setdefault(trial.family, []).extend(found.claims.values())
-        for claim, text in found.claims.items():
+        claims, how, spent = _apart(trial)
+        seconds.setdefault(trial.family, []).append(spent)
+        marks.setdefault(trial.family, []).extend(claims.values())
+        for claim, text in claims.items():
             if text != "right":
-                print(
-                    f"{text}: {trial.family}, {trial.margin}, {claim} {trial.truth[claim]}, {found.said[claim]}: {trial.law.g}"[:400],
-                    flush=True,
-                )
+                said = f"{claim} {trial.truth.get(claim)}, {how.get(claim)}"
+                print(f"{text}: {place}, {trial.family}, {trial.margin}, {said}: {trial.law.g}"[:400], flush=True)
     for family in sorted(marks):
-        said, times = marks[family], seconds[family]
-        right, left = said.count("right"), said.count("open")
+        found, times = marks[family], seconds[family]
+        right, left = found.count("right"), found.count("open")
         print(
-            f"{family:26} {len(times):4} laws {len(said):5} claims {right:5} right {left:4} open {len(said) - right - left:3} wrong"
+            f"{family:26} {len(times):4} laws {len(found):5} claims {right:5} right {left:4} open {len(found) - right - left:3} wrong"
             f"   median {median(times):.2f} s, most {max(times):.2f}"
         )
     every, all_times = [m for each in marks.values() for m in each], [t for each in seconds.values() for t in each]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import comb
 from typing import Any
 
 import sympy as sp
@@ -16,6 +17,7 @@ from duhem.proof.decide.polynomials import Relation, System
 __all__ = ["Reduction", "parts", "variables"]
 
 _MOST = 32
+_MOST_TERMS = 20_000
 
 
 @dataclass(frozen=True)
@@ -102,8 +104,17 @@ def _cases(part: Reduction) -> list[Reduction | None] | None:
             for x in sorted(symbols, key=str):
                 form = sp.Poly(relation.poly, x)
                 if form.degree() == 1 and form.LC().is_Rational:
-                    return [part.at(x, sp.expand(-form.nth(0) / form.LC()))]
+                    value = sp.expand(-form.nth(0) / form.LC())
+                    if _terms(part.system, x, len(sp.Add.make_args(value))) <= _MOST_TERMS:
+                        return [part.at(x, value)]
     return None
+
+
+def _terms(system: System, x: sp.Symbol, count: int) -> int:
+    """At most so many terms has the question with a sum of ``count`` terms in the place of x."""
+    powers = (sp.Poly(relation.poly, x).degree_list()[0] for relation in (system.goal, *system.given))
+    sizes = (len(sp.Add.make_args(relation.poly)) for relation in (system.goal, *system.given))
+    return sum(size * comb(max(power, 0) + count - 1, count - 1) for size, power in zip(sizes, powers, strict=True))
 
 
 def _rational_roots(form: sp.Poly) -> list[sp.Rational] | None:
