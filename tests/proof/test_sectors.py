@@ -7,12 +7,16 @@ f'' + f on a grid of the angle.  Where the formula is 0/0 it has no value, and n
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from random import Random
 
 import pytest
 
 from duhem import Criterion, verify
+from duhem.expression.balls import ball
 from duhem.law.domain import POSITIVE, Domain
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.verdict import Trust, Verdict
 from tests.proof.composed import by_kernel, by_prover
 
@@ -151,3 +155,19 @@ def test_of_a_formula_without_a_value_nothing_is_proved_and_the_remedy_is_said()
 def test_below_one_half_it_is_refuted() -> None:
     found = verify(law(WILLAM + TIP, "principal", e("0.4", "0.4")), claims=["origin", "convexity"])
     assert (found["origin"].verdict, found["convexity"].verdict) == (Verdict.PROVED, Verdict.REFUTED)
+
+
+def test_its_tip_is_seen() -> None:
+    """In planes through the axis; not in one in which another formula holds than anywhere beside it."""
+    cone = law(WILLAM + TIP, "principal", e("0.6", "0.6"))
+    assert verify(cone, claims=["smoothness"])["smoothness"].verdict is Verdict.REFUTED
+    flat = law("where((s_1 - s_2)**2 > 0, s_1**2 + s_2**2 + s_3**2, abs(s_3) + abs(s_1 + s_2)) - 1", "principal", {})
+    subject = FormulaSubject(flat)
+    box, zero, one = ball(Fraction(-1, 10), Fraction(1, 10)), Fraction(0), Fraction(1)
+    within, across = (
+        PlaneSection.through(flat.force_symbols(), (zero,) * 3, u, (zero, zero, one)) for u in ((one, one, zero), (one, zero, zero))
+    )
+    assert local_pieces(subject, {}, within, dict.fromkeys(within.at, box)) == ()
+    (piece,) = local_pieces(subject, {}, across, dict.fromkeys(across.at, box))
+    a, b = across.at
+    assert piece.expr == a**2 + b**2 - 1

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations, product
+from types import MappingProxyType
 from typing import Any
 
 import sympy as sp
@@ -18,7 +19,7 @@ from duhem.expression.fold import fold
 from duhem.expression.inert_number import InertNumber
 from duhem.expression.vocabulary import EigMax, Neg, Pos, Where
 
-__all__ = ["Branch", "Seam", "TooManyBranchesError", "branches", "oriented", "seam", "seams", "thick"]
+__all__ = ["Branch", "Seam", "TooManyBranchesError", "almost_everywhere", "branches", "oriented", "seam", "seams", "thick"]
 
 _MOST_DEGREE = 10_000
 
@@ -87,6 +88,22 @@ def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
             return super().get(key, join)
 
     return fold(expr, _Table(table), lambda leaf: (Branch({}, leaf),))
+
+
+def almost_everywhere(expr: Any, place: Mapping[sp.Symbol, sp.Expr] = MappingProxyType({})) -> Any:
+    """The formula but on the zeros of sums of squares: with what ``where`` chooses elsewhere, if its condition asks that one is > 0.
+
+    Of a choice by one that is 0 throughout a ``place``, symbols given by others, nothing is left out.
+    """
+    if not isinstance(expr, sp.Basic) or not expr.has(Where):
+        return expr
+    args = [almost_everywhere(a, place) for a in expr.args]
+    if isinstance(expr, Where) and isinstance(args[0], sp.Rel):
+        closed = isinstance(args[0], sp.GreaterThan | sp.LessThan)
+        gap = (args[0].gts - args[0].lts) * (-1 if closed else 1)
+        if gap.is_extended_nonnegative and sp.expand(gap.xreplace({**place})) != 0:
+            return args[2 if closed else 1]
+    return expr.func(*args)
 
 
 def thick(pieces: Iterable[Branch]) -> tuple[Branch, ...]:

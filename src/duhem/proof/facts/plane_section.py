@@ -15,7 +15,7 @@ import sympy as sp
 
 from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.balls import certain_sign, enclose
-from duhem.expression.branches import Branch, TooManyBranchesError, branches, oriented, thick
+from duhem.expression.branches import Branch, TooManyBranchesError, almost_everywhere, branches, oriented, thick
 from duhem.expression.number import rational
 from duhem.expression.switches import plain_switches
 from duhem.proof.decide import Sense
@@ -82,7 +82,11 @@ def local_pieces(
     settled = {x: value for x, value in exact.items() if x not in place}
     asked = [(o.expr.xreplace(settled), o.sense) for o in subject.doubtful] if whole_space else []
     around = {x: enclose(form, box) for x, form in place.items()}
-    near, found = _decided(_diagonal(subject.formula_at(parameters), place), around), dict[Any, LocalPiece]()
+    formula = subject.formula_at(parameters)
+    beside = almost_everywhere(formula, place)
+    if beside.has(Where) and not almost_everywhere(formula).has(Where):
+        return ()  # the plane lies where a formula holds that holds nowhere beside it
+    near, found = _decided(_diagonal(beside, place), around), dict[Any, LocalPiece]()
     if near.has(*_KINKS) and near.count_ops() > _MOST_OPERATIONS:
         return ()  # its arms would be compared for minutes
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from duhem.expression import Where
+from duhem.expression.branches import almost_everywhere
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection
@@ -25,7 +26,7 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
     for parameters in subject.choices(6 if len(subject.simple.forces) == 2 else 2):
         for one in _suggested(subject, parameters):
             if jumps is None:
-                jumps = subject.simple.g.has(Where) and not subject.continuous
+                jumps = almost_everywhere(subject.simple.g).has(Where) and not subject.continuous
             witness = corner(subject, parameters, one.section, one.place, jumps)
             if witness is not None and subject.may_refute("smoothness", witness.points.values()):
                 return Evidence(Verdict.REFUTED, "witness-corner", "the outward normal jumps at a corner of the boundary", witness)
