@@ -101,7 +101,18 @@ class _CurvatureRules:
         facts = self.of(part)
         if not facts.quasiconvex and convex_by_its_profile(part, self.loads, self.subject):
             return Curvature(quasiconvex=True, rules=("{Q <= h(t)} is convex for a seminorm sqrt Q and a concave profile sqrt h",))
+        if not facts.quasiconvex and part.is_Add and len(part.args) == 2 and any(map(self._below_a_product, part.args, part.args[::-1])):
+            return Curvature(quasiconvex=True, rules=("u^n <= c v_1 ... v_m is u <= a geometric mean, concave for v_i >= 0 and m <= n",))
         return facts
+
+    def _below_a_product(self, power: sp.Expr, rest: sp.Expr) -> bool:
+        """u^n - c v_1 ... v_m, v_i >= 0 and concave, m <= n, c >= 0."""
+        if not (power.is_Pow and power.exp.is_Integer and power.exp > 0):
+            return False
+        scale, moving = rest.as_independent(*self.forces, as_Add=False)
+        u, shapes = self.of(power.base), [self.of(v) for v in sp.Mul.make_args(moving)]
+        below = u.convex and (power.exp.is_odd or u.affine or u.nonnegative)
+        return below and len(shapes) <= power.exp and all(v.concave and v.nonnegative for v in shapes) and self.subject.nonnegative(-scale)
 
     def leaf(self, node: Any) -> Curvature:
         if node not in self.forces:

@@ -1,7 +1,8 @@
 """K where g need not be quasiconvex everywhere: g = max(f, loads), or g has a logarithm of a load.
 
 K lies where all loads in the maximum are <= 0, and where those under a logarithm are > 0: elsewhere g is > 0 or has no value.  That
-region is convex, and so is K where g is defined and each part of the maximum quasiconvex in it, or a body with a convex profile.
+region is convex, and so is K where g is defined and each part of the maximum quasiconvex in it, a power below a product or a body
+with a convex profile.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.product_bound import convex_below_a_product
 from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import Term, minus
@@ -28,7 +30,10 @@ def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw
         inside.sides |= dict.fromkeys((x for x in _under_logarithms(part) if not domain.constant(x) and shown(x, domain).affine), True)
     found = [(part, shown(part, inside)) for part in others]
     return all(
-        (known.defined and known.quasiconvex) or convex_by_its_profile(part, [*inside.sides], inside, shown) for part, known in found
+        (known.defined and known.quasiconvex)
+        or convex_below_a_product(part, inside, shown)
+        or convex_by_its_profile(part, [*inside.sides], inside, shown)
+        for part, known in found
     )
 
 
