@@ -10,6 +10,7 @@ import pytest
 
 from duhem.proof.kernel.angle import without_angles
 from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curve import _power as raised
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.elementary import _greater, _halved, _over, _shifted, _size, _times_whole, _whole_power
 from duhem.proof.kernel.forms import affine, determinant, quadratic
@@ -271,6 +272,15 @@ def test_jets_follow_the_rules_of_derivatives() -> None:
     assert near(f.root(), F(2), F(1, 2), F(5, 8))
     with pytest.raises(ZeroDivisionError):
         jet(0, 1, 1).inverse()
+    for exponent, power in (
+        (F(0), (1, 0, 0)), (F(1), (4, 2, 3)), (F(2), (16, 16, 32)), (F(1, 2), (2, F(1, 2), F(5, 8))), (F(3, 2), (8, 6, F(21, 2))),
+        (F(-1), (F(1, 4), F(-1, 8), F(-1, 16))), (F(-1, 2), (F(1, 2), F(-1, 8), F(-3, 32))), (F(-2), (F(1, 16), F(-1, 16), 0)),
+    ):  # fmt: skip
+        assert near(raised(f, exponent), *map(F, power)), exponent
+    for exponent in (F(1, 3), F(13), F(-13), F(25, 2)):
+        with pytest.raises(NotWritten):
+            raised(f, exponent)
+    assert near(raised(jet(1, 0, 0), F(12)), F(1), F(0), F(0))
 
 
 # -- identities and forms ----------------------------------------------------------------------------------------------
@@ -365,6 +375,9 @@ def test_packed_products() -> None:
     with pytest.raises(NotWritten):
         packing.of({((parse("a"), -4097),): F(1)})
     assert packing.of({((parse("a"), -4096),): F(1)}).below == 1
+    for ragged in ([[F(1)]], [[F(1)], [F(1)]], [[F(1)] * 2, [F(1)] * 3], [[F(1)] * 2] * 3):
+        with pytest.raises(ValueError, match="zip"):
+            quadratic_form([a, b], ragged)
     for too_long in ([[F(2**70000)]], [[F(1, 2**70000)]]):
         with pytest.raises(NotWritten):
             product([quadratic_form([half], too_long), half])

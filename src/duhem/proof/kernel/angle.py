@@ -20,11 +20,12 @@ def without_angles(term: Term) -> Term:
     here = term._replace(args=tuple(map(without_angles, term.args)))
     if here.op not in ("cos", "sin"):
         return here
-    moving = [x for x in factors(here.args[0]) if x.op != "number"]
-    turns = prod((x.value for x in factors(here.args[0]) if x.op == "number"), start=Fraction(1))
+    (angle,) = here.args
+    turns = prod((x.value for x in factors(angle) if x.op == "number"), start=Fraction(1))
+    moving = [x for x in factors(angle) if x.op != "number"]
     if [x.op for x in moving] != ["atan2"] or turns.denominator > 1 or not 0 < abs(turns) <= _MOST_TURNS:
         return here
-    (q, p), k, odd = moving[0].args, abs(int(turns)), here.op == "sin"
+    ((q, p),), k, odd = (x.args for x in moving), abs(int(turns)), here.op == "sin"
     sense = -1 if odd and turns < 0 else 1
     parts = (
         product_of(number(sense * (-1) ** (j // 2) * comb(k, j)), Term("**", (p, number(k - j))), Term("**", (q, number(j))))

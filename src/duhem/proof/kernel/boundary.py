@@ -53,7 +53,7 @@ def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[
         return False
     if face.flow is None:
         return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), given in _on_face(face, (), domain))
-    power = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(forces, face.flow, strict=True)))
+    power = sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow))
     return domain.nonnegative(power) or all(
         shown(domain.polynomial(smooth), ">=", given, identities, domain) for (_, smooth), given in _on_face(face, (power,), domain)
     )

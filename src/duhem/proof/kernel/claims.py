@@ -230,10 +230,10 @@ def quadratic_energy(law: StatedLaw | StatedCurve, _: Evidence) -> bool:
     domain = over(StatedLaw(law.forces, law.pressure, number(0), None, {}, ()))
     u, w = ([Term("name", name=f"{x} {i}") for i in range(d)] for x in "uw")
     factor = [[Term("name", name=f"l {i} {j}") if i >= j else number(0) for j in range(d)] for i in range(d)]
-    lift = [sum_of(a, minus(b)) for a, b in zip(u, w, strict=True)]
+    lift = list(map(sum_of, u, map(minus, w)))
     stress = [sum_of(*(product_of(factor[i][k], factor[j][k], lift[j]) for j in range(d) for k in range(d))) for i in range(d)]
     rows = [sum_of(*(product_of(factor[i][j], lift[i]) for i in range(d))) for j in range(d)]
-    energy = domain.polynomial(product_of(half, sum_of(*(product_of(a, b) for a, b in zip(lift, stress, strict=True)))))
+    energy = domain.polynomial(product_of(half, sum_of(*map(product_of, lift, stress))))
     for x, force in [*zip(u, stress, strict=True), *zip(w, map(minus, stress), strict=True)]:
         if slope(energy, x) != domain.polynomial(force):
             return False

@@ -25,7 +25,7 @@ def affine(term: Term, names: Sequence[str], domain: StatedDomain) -> tuple[Row,
     """(b, c) with b . x + c = term; NotWritten where it is not of that form."""
     zero = _value(term, names, (), domain)
     row = [_sum((_value(term, names, (i,), domain), minus(zero)), domain) for i in range(len(names))]
-    _confirm(term, [product_of(b, Term("name", name=n)) for b, n in zip(row, names, strict=True)] + [zero], domain)
+    _confirm(term, [*map(product_of, row, (Term("name", name=n) for n in names)), zero], domain)
     return row, zero
 
 

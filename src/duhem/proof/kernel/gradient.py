@@ -39,7 +39,7 @@ def _slope(term: Term, x: str) -> Term:
             less = number(exponent.value - 1) if exponent.op == "number" else sum_of(exponent, number(-1))
             return product_of(exponent, Term("**", (u, less)), du)
         case "norm":
-            return product_of(sum_of(*(product_of(a, p) for a, p in zip(term.args, parts, strict=True))), Term("**", (term, number(-1))))
+            return product_of(sum_of(*map(product_of, term.args, parts)), Term("**", (term, number(-1))))
         case "eigmax":  # by the adjugate of it less the matrix, a multiple of n n^T with the unit eigenvector n
             a, b, c, yz, xz, xy = (*(sum_of(term, minus(e)) for e in term.args[:3]), *map(minus, term.args[3:]))
 
@@ -49,9 +49,7 @@ def _slope(term: Term, x: str) -> Term:
             diagonal = (minor(b, c, yz, yz), minor(a, c, xz, xz), minor(a, b, xy, xy))
             doubled = (minor(xy, xz, a, yz), minor(xy, yz, b, xz), minor(xz, yz, c, xy))  # a shear stands twice in the matrix
             over = [*diagonal, *(product_of(number(2), m) for m in doubled)]
-            return product_of(
-                sum_of(*(product_of(m, p) for m, p in zip(over, parts, strict=True))), Term("**", (sum_of(*diagonal), number(-1)))
-            )
+            return product_of(sum_of(*map(product_of, over, parts)), Term("**", (sum_of(*diagonal), number(-1))))
         case "exp":
             return product_of(term, du)
         case "log":

@@ -67,7 +67,7 @@ class AngleJet(NamedTuple):
 
     def plus(self, other: AngleJet) -> AngleJet:
         """f + g."""
-        return AngleJet(*(x.plus(y) for x, y in zip(self, other, strict=True)))
+        return AngleJet(*map(Enclosure.plus, self, other))
 
     def times(self, other: AngleJet) -> AngleJet:
         """f g, by Leibniz' rule."""
