@@ -81,6 +81,13 @@ def test_the_order_of_the_shear_components_is_found() -> None:
         f"sqrt({J2}) + sqrt(xx**2 + yy**2 + zz**2 + 2*yz**2 + 2*xz**2 + 2*xy**2 + xy**4) - 1",
         f"{J2}**(1 + xy**2) - 1",
         "abs(xx) + abs(yy) + abs(zz) + abs(yz) + abs(xz) + abs(xy) - 1",
+        # about one axis alone
+        "zz**2 - 1",
+        "xx**2 - 1",
+        "(xx - yy)**2 + 4*xy**2 - 1",
+        "(yy - zz)**2 + 4*yz**2 - 1",
+        "eigmax(xx, yy, 0, 0, 0, xy) - 1",
+        "eigmax(0, yy, zz, yz, 0, 0) - 1",
     ],
 )
 def test_what_only_looks_isotropic(g: str) -> None:
