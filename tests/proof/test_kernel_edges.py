@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from fractions import Fraction
+from itertools import pairwise
 from random import Random
 from typing import Any
 
@@ -116,14 +117,46 @@ def test_a_formula_along_a_ray_has_the_formula_s_value() -> None:
             sides = list(arcs((term,), ("a", "b"), here))
         except NotWritten:
             continue
-        for arc, (found,) in (pair for side in sides for pair in side):
-            for share in (0.21, 0.5, 0.83):
-                t = float(arc.start[1]) + share * float(arc.stop[0] - arc.start[1])
-                at = {"a": arc.side * (1 - t * t), "b": arc.side * 2 * t}
-                honest = _honest(term, at)
-                assert value(found, t) == pytest.approx(honest, rel=1e-9, abs=1e-9), (text, at)
-                compared += 1
+        compared += _compared(term, sides)
     assert compared > 500
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "abs(a) + 2*pos(b) - neg(a - b)", "norm(a, b)*(2 + a/norm(a, b))", "norm(a, 0)", "norm(0, a - b, 0)", "norm(a, b, a + b)**3",
+        "max(a, b, -a)",
+        "min(a, 2*b, a + b)", "(a**2 + b**2)**(3/2) - norm(a, b)**3/2", "(abs(a)**3 + abs(b)**3 + norm(a, b)**3)**(1/3)",
+        "a**2/norm(a, b) + b",
+        "(2*norm(a, b) + a)**(1/2)*(2*norm(a, b) + a)**(1/2)", "(2*norm(a, b) + a)**(3/2) + (2*norm(a, b) + a)**(1/2)*b",
+        "where(a > 0, a, b)",
+        "where(4*a <= 3*b, norm(a, b), a)", "where(a >= 0, where(b < 0, 1, 2)*a, 3*a)", "max(norm(a, b), 2*abs(a) + b/2)", "abs(a*b)*a",
+        "max(a**2, b**2)*norm(a, b)**-1",
+        "min(norm(a, b), (a**2 + 3*b**2)**(1/2))", "max(norm(a, 2*b), norm(2*a, b))", "pos(a)*neg(b) + 3",
+        "(a**2 + b**2 + a*b)**(-1/2)*(a - b)",
+    ],
+)  # fmt: skip
+def test_a_formula_along_the_rays(text: str) -> None:
+    here, term = domain(), parse(text)
+    sides = list(arcs((term,), ("a", "b"), here))
+    assert [side[0][0].side for side in sides] == [1, -1]
+    for side in sides:  # all of it, arc by arc
+        ends = [arc for arc, _ in side if not arc.single]
+        assert ends[0].start == (-1, -1) and ends[-1].stop == (1, 1)
+        assert all(one.stop == two.start for one, two in pairwise(ends))
+    assert _compared(term, sides) >= 6
+
+
+def _compared(term: Term, sides: list[Any]) -> int:
+    """At how many places the values along the rays were held against the formula's."""
+    compared = 0
+    for arc, (found,) in (pair for side in sides for pair in side):
+        for share in (0.21, 0.5, 0.83):
+            t = float(arc.start[1]) + share * float(arc.stop[0] - arc.start[1])
+            at = {"a": arc.side * (1 - t * t), "b": arc.side * 2 * t}
+            assert value(found, t) == pytest.approx(_honest(term, at), rel=1e-9, abs=1e-9), (term, at)
+            compared += 1
+    return compared
 
 
 def _honest(term: Term, at: Mapping[str, float]) -> float:
