@@ -336,7 +336,7 @@ def test_what_is_shown_by_an_identity() -> None:
         ("abs(a - b)*(b - a) + b", True), ("abs(a - b)*(a + b) + b", False), ("abs(2*a)*a + b", True), ("(a**2 + b**2)**(3/2) - m", True),
         ("(a**2 + b**2)**(-1/2) - m", False),
         ("(abs(a) + abs(b))**2 - m", False), ("abs(a*b)*(a*b + 0) + b", True), ("sinh(abs(a))*tanh(a) - m", True),
-        ("abs(a)**0*b - m", False),
+        ("a**1 + b - m", True), ("abs(a)**0*b - m", False),
         ("abs(a)**1 - m", False),
     ],
 )  # fmt: skip

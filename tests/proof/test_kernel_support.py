@@ -221,6 +221,15 @@ SIGNED = {"min": "-1", "max": "1"}
         ("max(a, b, -a - b) - e", "e*max(x + y, x - 2*y, y - 2*x)", {"e": SIGNED}, False),
         ("min(a, -a, b, -b) - m", "m*(abs(x) + abs(y))", {"m": POSITIVE}, False),
         ("max(abs(a), norm(b)) - m", "m*(abs(x) + abs(y))", {"m": POSITIVE}, True),
+        ("norm(pos(a) + 2*neg(a), b) - 1", "norm(pos(x) + neg(x)/2, y)", {}, True),
+        ("norm(pos(a) + 2*neg(a), b) - 1", "norm(pos(x) + neg(x)/3, y)", {}, False),
+        ("norm(pos(a) + 2*neg(a), b) - 1", "norm(pos(x)/2 + neg(x)/2, y)", {}, False),
+        ("max(pos(a) + 2*neg(a), abs(b)) - m", "m*(pos(x) + neg(x)/2 + abs(y))", {"m": POSITIVE}, True),
+        ("max(pos(a) + 2*neg(a), abs(b)) - m", "m*(pos(x) + neg(x)/2 + 2*abs(y))", {"m": POSITIVE}, False),
+        ("pos(a) + 2*neg(a) + abs(b) - m", "m*max(pos(x) + neg(x)/2, abs(y))", {"m": POSITIVE}, True),
+        ("pos(a) + 2*neg(a) + abs(b) - m", "m*max(pos(x) + neg(x)/2, pos(y))", {"m": POSITIVE}, False),
+        ("((pos(a) + 2*neg(a))**3 + abs(b)**3)**(1/3) - 1", "((pos(x) + neg(x)/2)**(3/2) + abs(y)**(3/2))**(2/3)", {}, True),
+        ("((pos(a) + 2*neg(a))**3 + abs(b)**3)**(1/3) - 1", "((pos(x) + neg(x)/2)**3 + abs(y)**3)**(1/3)", {}, False),
         ("abs(a)**3 + abs(b)**2 - 1", "(abs(x)**(3/2) + abs(y)**(3/2))**(2/3)", {}, False),  # of two exponents
         ("(a**2 + b**2)**(1/3) - 2", "2*norm(x, y)", {}, False),  # no square root
         ("norm(a, b) - 2", "2*(x**2 + y**2)**(1/3)", {}, False),
