@@ -318,3 +318,18 @@ def test_a_margin_in_which_a_solver_drowns(over: Fraction, holds: bool) -> None:
     )
     stated = law(f"{sp.expand(form)} - 1", forces=("x", "y", "z", "w"))
     assert is_convex(stated, convex(stated)) == holds
+
+
+@pytest.mark.parametrize(
+    "long",
+    [
+        "(1 + a + b + c + d + e + f)**60",  # two hundred million terms
+        "(a + b + cos(a)*(a**2 + b**2 + c**2 + d**2 + e**2 + f**2))**16",  # a polynomial in cos a, though none in the forces
+        "(1 + (a + b + c)**50)**19",
+    ],
+)
+def test_what_is_too_long_or_no_polynomial_is_not_multiplied_out(long: str) -> None:
+    """It would not end."""
+    stated = law(f"{long} + ((a**2 + b**2)**3 + a**6)**2 - 1", forces=("a", "b", "c", "d", "e", "f"))
+    a, b = stated.force_symbols()[:2]
+    assert {(a**2 + b**2) ** 3 + a**6, a**2 + b**2} <= set(convex_sums(FormulaSubject(stated)))

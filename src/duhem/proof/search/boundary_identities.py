@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
+from math import comb, prod
 from typing import Any
 
 import sympy as sp
@@ -27,7 +28,7 @@ from duhem.proof.statement.problem import Face, faces
 __all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward", "parallel"]
 
 _GOAL, _BOUNDARY, _TANGENT = "the goal", "the boundary", "the tangent"
-_MOST_PIECES, _MOST_MONOMIALS = 64, 150
+_MOST_PIECES, _MOST_MONOMIALS, _LONGEST = 64, 150, 20_000
 Identities = tuple[Mapping[str, Any], ...]
 
 
@@ -156,7 +157,9 @@ class _Forms:
         return expr.subs(self.law.settled())
 
     def form(self, expr: sp.Expr) -> sp.Poly | None:
-        """As a polynomial; None where it is none with rational coefficients."""
+        """As a polynomial; None where it is none with rational coefficients, or too long to be multiplied out."""
+        if not expr.is_polynomial(*self.forces) or _size(expr)[0] > _LONGEST:
+            return None
         try:
             poly = sp.Poly(expr, *self.generators)
         except sp.PolynomialError:  # a force or a parameter in a root or a word
@@ -253,6 +256,22 @@ class _Forms:
                     yield domain.high - x, ">="
         for c in self.law.constraints:
             yield c.gts - c.lts, ">" if isinstance(c, sp.StrictGreaterThan | sp.StrictLessThan) else ">="
+
+
+def _size(expr: sp.Expr) -> tuple[int, int]:
+    """How many terms a polynomial has at most when it is multiplied out, and of which degree; both only up to one too many."""
+    if expr.is_number:
+        return 1, 0
+    parts, (length, degree) = [_size(part) for part in expr.args], (1, 1)
+    if expr.is_Add:
+        length, degree = sum(n for n, _ in parts), max(k for _, k in parts)
+    elif expr.is_Mul:
+        length, degree = prod(n for n, _ in parts), sum(k for _, k in parts)
+    elif expr.is_Pow and expr.exp.is_Integer and expr.exp > 0:
+        n, power = parts[0][0], min(int(expr.exp), _LONGEST + 1)
+        length, degree = comb(n + power - 1, power), parts[0][1] * power
+    degree = min(degree, _LONGEST + 1)
+    return min(length, comb(len(expr.free_symbols) + degree, degree), _LONGEST + 1), degree
 
 
 def _degree(poly: sp.Poly, forms: _Forms) -> int:
