@@ -21,6 +21,7 @@ from duhem.expression.vocabulary import EigMax, Neg, Pos, Where
 
 __all__ = ["Branch", "Seam", "TooManyBranchesError", "almost_everywhere", "branches", "oriented", "seam", "seams", "thick"]
 
+_LONG = 60  # operations
 _MOST_DEGREE = 10_000
 
 
@@ -195,17 +196,25 @@ def _split(node: sp.Basic, parts: tuple[Branch, ...], thin: bool) -> Iterable[Br
     elif isinstance(node, sp.Max | sp.Min):
         sense = 1 if isinstance(node, sp.Max) else -1
         for i, value in enumerate(values):
-            others = [sp.expand(value - v) for j, v in enumerate(values) if j != i and v != value]
+            others = [_plain(value - v) for j, v in enumerate(values) if j != i and v != value]
             yield _with(where, [(d, sense) for d in others], value)
     else:
         condition, then, otherwise = values
         if condition in (sp.true, sp.false):
             yield replace(where, expr=then if condition is sp.true else otherwise)
             return
-        gap = sp.expand(condition.gts - condition.lts)
+        gap = _plain(condition.gts - condition.lts)
         closed = isinstance(condition, sp.GreaterThan | sp.LessThan)  # which side owns the equality
         yield _with(where, [(gap, 1)], then, thin=closed, strict=not closed)
         yield _with(where, [(gap, -1)], otherwise, thin=not closed, strict=closed)
+
+
+def _plain(expr: sp.Expr) -> sp.Expr:
+    """Multiplied out, so that a switch is met again in one form; but for long terms that are no polynomials, where that takes seconds."""
+    terms = sp.Add.make_args(expr)
+    if all(term.is_polynomial() or term.count_ops() <= _LONG for term in terms):
+        return sp.expand(expr)
+    return sp.Add(*(sp.expand(term) if term.is_polynomial() else term for term in terms))
 
 
 @dataclass(frozen=True)
