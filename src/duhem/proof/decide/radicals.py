@@ -70,6 +70,6 @@ def _of_power(number: sp.Expr, roots: dict[sp.Expr, int]) -> Sizes | None:
     if k > 1:
         roots[number.base] = lcm(k, roots.get(number.base, 1))
         u, low = base
-        base = ((u + (k - 1) * low) / k, low) if u >= low else (u, ((k - 1) * u + low) / k)
+        base = ((u + (k - 1) * low) / k, low)  # the k-th root of U/L is that of U L^(k - 1), over L
     high, below = (_SLACK * n * size for size in base)
     return (below, high) if number.exp.is_negative else (high, below)

@@ -10,6 +10,7 @@ from duhem.proof.kernel.boundary import curves_inward, flows_along_normals, flow
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.outer import without_outer_map
@@ -187,6 +188,16 @@ def smooth_gauge(law: StatedLaw, _: Evidence) -> bool:
     return StarGauge(law).smooth()
 
 
+def convex_fan(law: StatedLaw, _: Evidence) -> bool:
+    """K = {f <= c} with f of degree 1 and convex, one formula in each cone of a fan."""
+    return Fan(law).convex()
+
+
+def smooth_fan(law: StatedLaw, _: Evidence) -> bool:
+    """The boundary is {f = c} with f of degree 1 and of class C^1, one formula in each cone of a fan."""
+    return Fan(law).smooth()
+
+
 def euler(law: StatedLaw, _: Evidence) -> bool:
     """On g = 0 every gradient of g = A - B from one side has sigma . grad g = (a - b) A > 0."""
     return law.associated and bool(StarGauge(law))
@@ -248,9 +259,11 @@ RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
     ("convexity", "composition"): (_NONE, convexity),
     ("convexity", "polyhedral"): (_NONE, polyhedral),
     ("convexity", "polar-curvature"): (_ORIGIN, convex_gauge),
+    ("convexity", "fan"): (_ORIGIN, convex_fan),
     ("convexity", "implicit-curvature"): (_NONE, curved),
     ("smoothness", "composition"): (_NONE, smoothness),
     ("smoothness", "polar-seams"): (_ORIGIN, smooth_gauge),
+    ("smoothness", "fan"): (_ORIGIN, smooth_fan),
     ("smoothness", "euler"): (_NONE, regular_along_rays),
     ("smoothness", "regular-value"): (_NONE, regular),
     ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force),

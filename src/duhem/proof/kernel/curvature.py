@@ -15,6 +15,7 @@ from duhem.proof.kernel.elementary import sign_over
 from duhem.proof.kernel.even import quasiconvex_in_even_parts
 from duhem.proof.kernel.loads import collected, multiple, sign_within
 from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.radicals import sign_of_radicals
 from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.shape import Facts
@@ -36,8 +37,11 @@ def facts(term: Term, domain: StatedDomain) -> Facts:
     """What is shown of ``term`` over ``domain``."""
     if term not in domain.shown:
         known, plain = _facts(term, domain), domain.plain(term)
-        if plain is not term:  # its value is simpler; what must be defined is what was written
-            known = replace(facts(plain, domain), defined=known.defined)
+        if plain is not term:  # its value is simpler; what must be defined is what was written, and is chosen
+            chosen = facts(plain, domain)
+            known = replace(
+                chosen, defined=known.defined or (term.op == "where" and chosen.defined and facts(term.args[0], domain).defined)
+            )
         if domain.constant(term):
             sign = _sharpened(term, domain) if term.op in ("+", "*", "name") and known.sign not in (NEGATIVE, ZERO, POSITIVE) else ANY
             known = Facts(known.defined, known.sign & sign, True, True, True)
@@ -83,7 +87,8 @@ def _sharpened(term: Term, domain: StatedDomain) -> Sign:
             if domain.nonnegative(turned, strict=True):
                 return sign
             left &= sign | ZERO
-    return left & sign_over(term, domain.bounds)
+    left &= sign_over(term, domain.bounds)
+    return left if left in (NEGATIVE, ZERO, POSITIVE) or term.names() else left & sign_of_radicals(term)
 
 
 def _facts(term: Term, domain: StatedDomain) -> Facts:
@@ -179,7 +184,7 @@ def _product(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
         sign = signs_of_product(sign, p.sign)
         scale = signs_of_product(scale, p.sign) if domain.constant(a) else scale
     if len(moving) != 1:
-        convex = len(moving) == 2 and not scale & NEGATIVE and _size_by_its_logarithm(term, domain)
+        convex = len(moving) == 2 and not scale & NEGATIVE and (_size_by_its_logarithm(term, domain) or _square_over_load(term, domain))
         return Facts(defined, sign, convex, False, convex)
     x = moving[0] if not scale & NEGATIVE else moving[0].negated()
     if scale & NEGATIVE and scale & POSITIVE:
@@ -196,6 +201,16 @@ def _size_by_its_logarithm(term: Term, domain: StatedDomain) -> bool:
     (x,) = [f for f in moving if f is not logarithm] or [logarithm]
     share = multiple(domain.polynomial(x), domain.polynomial(logarithm.args[0]), domain)
     return bool(share) and share is not None and not facts(written(share), domain).sign & NEGATIVE
+
+
+def _square_over_load(term: Term, domain: StatedDomain) -> bool:
+    """h^2/x with h convex and >= 0, x concave and > 0; h^2 is a sum of squares."""
+    moving = [f for f in term.args if not domain.constant(f)]
+    square, under = moving if moving[1].op == "**" and moving[1].args[1] == number(-1) else moving[::-1]
+    if under.op != "**" or under.args[1] != number(-1) or not _minkowski(Term("**", (square, _HALF)), domain):
+        return False
+    load = facts(under.args[0], domain)
+    return load.concave and load.sign == POSITIVE
 
 
 def _greatest(parts: list[Facts]) -> Facts:

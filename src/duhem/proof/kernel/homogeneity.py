@@ -16,14 +16,14 @@ from duhem.proof.kernel.identity import value, written
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["grows_along_rays", "is_cone", "potential_flows_outward"]
+__all__ = ["by_degree", "grows_along_rays", "is_cone", "potential_flows_outward"]
 
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
 
 def grows_along_rays(g: Term, domain: StatedDomain) -> bool:
     """Whether d g(r sigma)/dr > 0 at r = 1 wherever g = 0, g being defined everywhere."""
-    parts = _by_degree(g, domain)
+    parts = by_degree(g, domain)
     sums = (sum_of(*(product_of(number(k - m), part) for k, part in parts.items() if k != m)) for m in parts)
     return any(facts(power, domain).sign == POSITIVE for power in sums)
 
@@ -33,7 +33,7 @@ def is_cone(g: Term, domain: StatedDomain) -> bool:
     if g.op in ("max", "min"):
         return all(is_cone(part, domain) for part in g.args)
     try:
-        return len(_by_degree(g, domain)) == 1
+        return len(by_degree(g, domain)) == 1
     except (NotWritten, ValueError):
         return False
 
@@ -43,13 +43,13 @@ def potential_flows_outward(potential: Term, g: Term, share: Term, domain: State
 
     What has a degree is continuous, so that the boundary of K lies on g = 0 and the sum is a limit of itself.
     """
-    if not all(facts(part, domain).defined for part in (potential, g, share)) or not domain.constant(share) or not _by_degree(g, domain):
+    if not all(facts(part, domain).defined for part in (potential, g, share)) or not domain.constant(share) or not by_degree(g, domain):
         return False
-    power = sum_of(*(product_of(number(k), part) for k, part in _by_degree(potential, domain).items()))
+    power = sum_of(*(product_of(number(k), part) for k, part in by_degree(potential, domain).items()))
     return domain.nonnegative(sum_of(power, minus(product_of(share, g))))
 
 
-def _by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:
+def by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:
     """The parts of each degree, multiplied out; NotWritten where something in it has none."""
     parts: dict[Fraction, Polynomial] = {}
     for m, c in domain.polynomial(term).items():
@@ -70,5 +70,5 @@ def _degree(x: Term, domain: StatedDomain) -> Fraction:
 
 
 def _degree_of_all(terms: tuple[Term, ...], domain: StatedDomain) -> Fraction:
-    (k,) = {k for term in terms for k in _by_degree(term, domain)}  # ValueError unless there is one
+    (k,) = {k for term in terms for k in by_degree(term, domain)}  # ValueError unless there is one
     return k
