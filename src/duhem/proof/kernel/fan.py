@@ -1,4 +1,4 @@
-"""Laws in two forces made of formulas in a fan of cones: g = f - c with f of degree 1 in the forces, c > 0, and one formula between two rays.
+"""Laws in two forces made of formulas in a fan of cones: g = f - c, f of degree 1 in the forces, c > 0, one formula between two rays.
 
 Such an f is convex where it is so within each cone and, from one cone to the next, does not jump and its slope across their
 common ray does not fall; then so is K = {f <= c}.  Where the slopes are equal f is C^1, and sigma . grad f = f = c > 0 on the boundary.
