@@ -97,7 +97,11 @@ def barrel(a: str, b: str) -> str:
         ("where(a >= 0, where(a <= 0, abs(b), norm(a, b)), norm(a, b)) - 1", True, True),
         ("where(a*b > 0, norm(a, b), norm(a, b)) - 1", False, False),
         ("where(a > 0, a/b**2*abs(b)*abs(b), norm(a, b)) - 1", False, False),  # it divides by 0 inside
-        ("norm(a, b) + a/2 - 1", True, True),
+        ("norm(a, b) + a/2 - 1", False, False),  # there is no fan
+        ("norm(a, b) - norm(a, b)**2", False, False),
+        ("where(1 > 0, norm(a, b) - norm(a, b)**2, 0)", False, False),
+        ("where(1 > 0, norm(a, b) - 1, 0)", False, False),
+        ("where(2*a < a + a, norm(a, b), norm(a, b)) - 1", False, False),
     ],
 )
 def test_what_a_fan_shows(g: str, convex: bool, smooth: bool) -> None:

@@ -49,6 +49,10 @@ class PolarForm:
         """Derivative by theta of a function of (x, y) on the circle."""
         return self.x * sp.diff(expr, self.y) - self.y * sp.diff(expr, self.x)
 
+    def gauge(self, arc: PolarArc) -> sp.Expr:
+        """gamma on an arc, as a formula that is of degree 1 everywhere."""
+        return sp.Mul(*(p**a for p, a in zip(arc.expr, arc.exponents, strict=True)))
+
     def slope(self, arc: PolarArc) -> sp.Expr:
         """L = gamma'/gamma on an arc."""
         return sp.Add(*(a * self.turn(p) / p for p, a in zip(arc.expr, arc.exponents, strict=True)))

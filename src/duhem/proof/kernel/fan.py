@@ -45,6 +45,8 @@ class Fan:
         for count, (f, sides) in enumerate(pieces(law.g, self._domain, CHOICES)):
             if count == _MOST_PIECES:
                 raise NotWritten("there are too many cones")
+            if not sides:
+                raise NotWritten("nothing bounds a cone")  # it is the plane
             rays, wide = self._rays(sides)
             if not wide:
                 thin += [(f, ray) for ray in rays]
@@ -54,7 +56,7 @@ class Fan:
             if {*parts} != {0, 1} or facts(parts[Fraction(0)], self._domain).sign != NEGATIVE:
                 raise NotWritten("a part of g is not of degree 1 less a constant")
             constants.append(self._domain.polynomial(parts[Fraction(0)]))
-        if any(c != constants[0] for c in constants) or not all(map(self._defined, self._cones)):
+        if not self._cones or any(c != constants[0] for c in constants) or not all(map(self._defined, self._cones)):
             raise NotWritten("the constant is not the same everywhere, or a part of g may be undefined")
         self._seams = list(self._found_seams())
         if not all(self._meet(one.f, two.f, ray) for one, two, ray, _ in self._seams):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from duhem.proof.decide import Sense
+from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.polar_form import PolarForm, polar_form
 from duhem.proof.verdict import Evidence, Proof, Verdict
@@ -17,6 +18,9 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         return None
     used: set[str] = set()
     for arc in form.arcs:
+        if curvature(form.gauge(arc), subject).convex:
+            used.add("composition")
+            continue
         answer = subject.ask(form.curvature(arc), Sense.NONNEGATIVE, *arc.conditions(strict=True), circle=(form.x, form.y))
         if answer.holds is not True:
             return None
