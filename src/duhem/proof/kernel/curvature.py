@@ -37,11 +37,8 @@ def facts(term: Term, domain: StatedDomain) -> Facts:
     """What is shown of ``term`` over ``domain``."""
     if term not in domain.shown:
         known, plain = _facts(term, domain), domain.plain(term)
-        if plain is not term:  # its value is simpler; what must be defined is what was written, and is chosen
-            chosen = facts(plain, domain)
-            known = replace(
-                chosen, defined=known.defined or (term.op == "where" and chosen.defined and facts(term.args[0], domain).defined)
-            )
+        if plain is not term:  # its value is simpler; what must be defined is what was written
+            known = replace(facts(plain, domain), defined=known.defined)
         if domain.constant(term):
             sign = _sharpened(term, domain) if term.op in ("+", "*", "name") and known.sign not in (NEGATIVE, ZERO, POSITIVE) else ANY
             known = Facts(known.defined, known.sign & sign, True, True, True)

@@ -73,16 +73,13 @@ class Fan:
         return all(self._differentiable(s) for s in self._cones) and all(jump == ZERO for jump in self._jumps())
 
     def _jumps(self) -> Iterator[Sign]:
-        """By how much the slope across each ray rises from one cone to the next."""
+        """By how much the slope across each ray rises from one cone to the next; a formula may have a kink there that it does not name."""
         for before, after, ray, way in self._seams:
-            if before.f == after.f:
-                yield ZERO
-                continue
-            slopes = zip(way, self._slopes(before), self._slopes(after), strict=True)
-            rise = sum_of(*(product_of(w, sum_of(b, minus(a))) for w, a, b in slopes))
-            if not facts(self._at(rise, ray), self._domain).defined:
+            here, beyond = ([self._at(slope, ray) for slope in self._slopes(cone)] for cone in (before, after))
+            if not all(facts(slope, self._domain).defined for slope in (*here, *beyond)):
                 raise NotWritten("a slope may be undefined on a ray")
-            yield self._sign_at(rise, ray)
+            rise = sum_of(*(product_of(w, sum_of(b, minus(a))) for w, a, b in zip(way, here, beyond, strict=True)))
+            yield ZERO if before.f == after.f else facts(rise, self._domain).sign
 
     def _found_seams(self) -> Iterator[tuple[_Cone, _Cone, Ray, Ray]]:
         """Two cones to each ray, the ray, and a way across it from the first to the second."""
