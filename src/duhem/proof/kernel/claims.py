@@ -91,20 +91,10 @@ def _shape(law: StatedLaw, evidence: Evidence) -> Facts:
 
 def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
     """g at a point, given by constants; a force that is not named is 0."""
-    domain = over(law)
-    place = {Term("name", name=f): parse(point.get(f, "0")) for f in law.forces}
+    domain, place = over(law), {f: parse(point.get(f, "0")) for f in law.forces}
     if not all(domain.constant(value) and facts(value, domain).defined for value in place.values()):
         raise NotWritten("the point is none")
-    return facts(_chosen(law.g, place, domain).put(place), domain)
-
-
-def _chosen(term: Term, place: Mapping[Term, Term], domain: StatedDomain) -> Term:
-    """With what the forces choose at a point: what they do not need have no value there."""
-    if term.op == "where" and not domain.constant(term.args[0]):
-        here = term.args[0].put(place)
-        if facts(here, domain).defined and (holds := domain.decided(here)) is not None:
-            return _chosen(term.args[1 if holds else 2], place, domain)
-    return term._replace(args=tuple(_chosen(a, place, domain) for a in term.args))
+    return facts(law.g.put({Term("name", name=f): value for f, value in place.items()}), domain)
 
 
 def _at_zero(law: StatedLaw) -> list[Facts]:
