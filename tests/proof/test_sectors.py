@@ -32,6 +32,8 @@ LODE = (
 TIP = " + 0.2*I1(s) - 1"
 FIRST, LAST = "(principal(s, 1) - I1(s)/3)", "(principal(s, 3) - I1(s)/3)"
 
+GAPS = f"e*(2*{FIRST} + {LAST}) - {FIRST} - 2*{LAST} - 1"  # e (s1 - s2) + (s2 - s3)
+
 
 def e(low: str, high: str) -> dict[str, Domain]:
     return {"e": Domain.between(low, high)}
@@ -65,6 +67,13 @@ CASES = [
     (f"J2(s)/{FIRST} - e", e("1", "1"), False),  # 0/0
     (f"where(J2(s) > 0, J2(s)/{FIRST}, 0) - e", e("1", "1"), False),  # bent outward in the sector, inward at a wall
     (f"where(J2(s) > 0, {FIRST} + J2(s)/{FIRST}, 0) - e", e("1", "1"), False),
+    (GAPS, e("1/2", "2"), True),  # each wall turns outward
+    (GAPS, e("0.499", "2"), False),
+    (GAPS, e("1/2", "2.001"), False),
+    (f"{FIRST}**3 + e*J2(s)*{FIRST} - 1", e("1/2", "3"), True),
+    (f"{FIRST}**3 + e*J2(s)*{FIRST} - 1", e("-1/2", "-1/2"), False),  # it is < 0 at a wall
+    (f"J2(s) + e*{FIRST}**2 - 1", e("0", "3"), True),
+    (f"J2(s) + e*{FIRST}**2 - 1", e("-1/10", "-1/10"), False),
 ]
 
 
@@ -76,6 +85,14 @@ def law(g: str, kind: str, parameters: dict[str, Domain]) -> Criterion:
 def test_the_kernel_knows_the_threshold(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     shown = by_kernel(law(g, "principal", parameters))
     assert (shown.defined and shown.quasiconvex) is convex
+
+
+def test_ends_of_ranges_are_limits_only_where_nothing_else_ties_the_parameters() -> None:
+    tied = Criterion(
+        name="law", g=WILLAM + TIP, stress=law(WILLAM, "principal", e("1", "1")).stress, pressure=None, parameters=e("1/2", "1"),
+        constraints=("e <= 1/2",),
+    )  # fmt: skip
+    assert not by_kernel(tied).convex and not by_prover(tied)
 
 
 @pytest.mark.parametrize("g", [WILLAM, LODE])
