@@ -30,8 +30,7 @@ HERE = Path(__file__).resolve().parents[2]
 TESTS: Mapping[str, str] = {
     "kernel": "test_kernel_facts test_kernel_reading test_kernel_algebra test_kernel_shapes test_kernel_edges test_kernel_*"
     " test_homogeneity test_smooth_sections test_regions test_sections test_kernel test_composition_rules test_tampering"
-    " test_false_proofs test_sectors test_spectrum test_smooth_roots test_smooth_regions test_profiles test_isotropy"
-    " test_jumping_flows test_surfaces",
+    " test_false_proofs test_sectors test_spectrum test_smooth_roots test_smooth_regions test_profiles test_isotropy",
     "decide": "decide/test_reduction decide/test_boxes decide/test_clearing decide/test_line_and_plane decide/test_exact_parts"
     " decide/test_degenerate_sets decide/test_deciders decide/test_* test_budget test_cells",
     "methods": "test_methods_formula test_methods_implicit test_methods_flow test_open_answers test_curve_methods test_homogeneity"
