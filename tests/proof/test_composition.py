@@ -165,3 +165,10 @@ def test_our_rules_know_whatever_cvxpy_knows() -> None:
     counts = _agreement()
     assert counts[True, True] > 200 and counts[False, False] > 20
     assert counts[False, True] == 0  # a rule that CVXPY knows and we lack
+
+
+@pytest.mark.parametrize(("p", "root", "convex"), [("17/10", "10/17", True), ("101/100", "100/101", True), ("101/100", "100/103", False)])
+def test_a_norm_is_one_whatever_the_length_of_its_exponents(p: str, root: str, convex: bool) -> None:
+    """p r = 1 is reckoned with, though SymPy is kept from combining such numbers."""
+    law = Criterion(name="norm", g=f"(abs(a + b)**({p}) + abs(3*b)**({p}))**({root}) - 1", forces=("a", "b"), pressure=None)
+    assert curvature(law.g, FormulaSubject(law)).convex == convex

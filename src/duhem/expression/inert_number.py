@@ -7,7 +7,7 @@ from weakref import WeakValueDictionary
 
 import sympy as sp
 
-__all__ = ["MOST_ROOT", "InertNumber", "inert_exponent"]
+__all__ = ["MOST_ROOT", "InertNumber", "inert_exponent", "plain_exponent"]
 
 # 0.3**3.0012 has SymPy write out 3**30012; up to this denominator the integers stay small and the algebra is worth having.
 MOST_ROOT = 12
@@ -66,3 +66,8 @@ _living: WeakValueDictionary[sp.Rational, InertNumber] = WeakValueDictionary()
 def inert_exponent(value: Any) -> Any:
     """A rational with a long denominator as :class:`InertNumber`; anything else as it is."""
     return InertNumber(value) if isinstance(value, sp.Rational) and value.q > MOST_ROOT else value
+
+
+def plain_exponent(exponent: Any) -> Any:
+    """The rational that an inert exponent stands for, to reckon with; anything else as it is."""
+    return exponent.value if isinstance(exponent, InertNumber) else exponent

@@ -20,6 +20,7 @@ from duhem.proof.facts.bends import bends
 from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.loads import above_within, concave_above_within, loads_of
+from duhem.proof.facts.power_curvature import MovingParts
 from duhem.proof.facts.profile import convex_by_its_profile
 from duhem.proof.facts.quadratic_form import semidefinite
 from duhem.proof.facts.section import Meaning, Section
@@ -79,6 +80,7 @@ class _CurvatureRules:
         self.subject, self.convex, self.loads = subject, convex, loads
         self.forces = {*subject.simple.forces, *others}
         self.found: dict[sp.Expr, Curvature] = {}
+        self.several = MovingParts(self.of, self.forces, subject)
         self.table: dict[type, Callable[..., Curvature]] = {
             sp.Add: self.add, sp.Mul: self.mul, sp.Pow: self.power, sp.Max: self.maximum, sp.Min: self.minimum,
             sp.log: self.opaque, sp.sin: self.opaque, sp.cos: self.opaque, sp.tan: self.opaque, Atan2: self.opaque, Where: self.opaque,
@@ -303,7 +305,7 @@ class _CurvatureRules:
         ):
             shape = sizes[0][1]  # |x|^3 is kept as x^2 |x|
             facts = Curvature(convex=True, quasiconvex=True, nonnegative=True, rules=used(shape, rule="odd powers of |x| are convex"))
-        if len(moving) == 2 and self._size_by_its_logarithm([f for f, _ in moving], scale):
+        if len(moving) == 2 and self.several.size_by_its_logarithm([f for f, _ in moving], scale):
             rules = ("x log x is convex for x > 0",)
             return Curvature(convex=True, quasiconvex=True, rules=rules)
         if self.subject.nonnegative(scale):
@@ -311,14 +313,6 @@ class _CurvatureRules:
         if self.subject.nonnegative(-scale):
             return self.signed(node, facts.negated())
         return self.signed(node, Curvature(convex=facts.affine, concave=facts.affine, quasiconvex=facts.affine, rules=facts.rules))
-
-    def _size_by_its_logarithm(self, factors: list[sp.Expr], scale: sp.Expr) -> bool:
-        """c x log(d x) with x >= 0 affine and c >= 0."""
-        x, logarithm = sorted(factors, key=lambda f: isinstance(f, sp.log))
-        if not isinstance(logarithm, sp.log) or not self.of(logarithm.args[0]).affine or not self.of(logarithm.args[0]).nonnegative:
-            return False
-        share = sp.cancel(scale * x / logarithm.args[0])
-        return not share.free_symbols & self.forces and self.subject.nonnegative(share)
 
     def power(self, node: Any, base: Curvature, exponent: Curvature) -> Curvature:
         if not node.free_symbols & self.forces:
@@ -344,44 +338,13 @@ class _CurvatureRules:
                 )
             return Curvature(quasiconvex=base.quasiconvex, nonnegative=True, rules=base.rules)
         if self.subject.positive(p):
-            if gauge := self._gauge(node.base, p):
-                return Curvature(convex=True, quasiconvex=True, nonnegative=True, rules=gauge)
-            concave = (base.concave and self.subject.nonnegative(1 - p)) or self._geometric_mean(node.base, p)
+            if norm := self.several.norm(node.base, p):
+                return Curvature(convex=True, quasiconvex=True, nonnegative=True, rules=norm)
+            concave = (base.concave and self.subject.nonnegative(1 - p)) or self.several.geometric_mean(node.base, p)
             return Curvature(
                 concave=concave, quasiconvex=base.quasiconvex, nonnegative=True, rules=used(base, rule="x^p is increasing on x >= 0")
             )
         return Curvature(nonnegative=True)
-
-    def _gauge(self, base: sp.Expr, p: sp.Expr) -> tuple[str, ...] | None:
-        """(sum c_i v_i^q)^(1/q), q >= 1, v_i convex and >= 0 (or affine, q even): a norm of convex functions (Minkowski)."""
-        if p == sp.S.Half and semidefinite(base, self.forces, self.subject, root=True):
-            return ("the square root of a non-negative quadratic form is a seminorm",)
-        q, rules = sp.simplify(1 / p), ["Minkowski's inequality: a p-norm with p >= 1 of convex functions >= 0 is convex"]
-        terms = [t for part in sp.Add.make_args(base) for t in sp.Add.make_args(sp.expand(part, power_base=False, power_exp=False))]
-        for term in terms:
-            scale = sp.Mul(*(f for f in sp.Mul.make_args(term) if not f.free_symbols & self.forces))
-            moving = [f for f in sp.Mul.make_args(term) if f.free_symbols & self.forces]
-            if not self.subject.nonnegative(scale):
-                return None
-            powers = [(f.base, f.exp) if f.is_Pow else (f, sp.S.One) for f in moving]
-            if not powers:
-                continue
-            if any(sp.simplify(e - q) != 0 for _, e in powers):
-                return None
-            inner = self.of(sp.Mul(*(b for b, _ in powers)))
-            even = q.is_Integer and q % 2 == 0
-            if not ((inner.convex and inner.nonnegative) or (even and inner.affine)):
-                return None
-            rules += inner.rules
-        return tuple(dict.fromkeys(rules)) if self.subject.nonnegative(q - 1) else None
-
-    def _geometric_mean(self, base: sp.Expr, p: sp.Expr) -> bool:
-        """(x y ...)^p, n factors that are concave and >= 0 and n p <= 1."""
-        base = base.args[0] if isinstance(base, Pos) and self.of(base.args[0]).nonnegative else base
-        moving = [f for f in sp.Mul.make_args(base) if f.free_symbols & self.forces]
-        scale = sp.Mul(*(f for f in sp.Mul.make_args(base) if not f.free_symbols & self.forces))
-        shapes = [self.of(f) for f in moving] if self.subject.nonnegative(1 - len(moving) * p) and self.subject.nonnegative(scale) else []
-        return len(shapes) > 1 and all(x.concave and x.nonnegative for x in shapes)
 
     def maximum(self, node: Any, *args: Curvature) -> Curvature:
         return self._together(node, self.signed(node, greatest(*args)))

@@ -31,7 +31,7 @@ def in_principal_stresses(law: StatedLaw) -> StatedLaw | None:
         return None
     domain, names = over(law), [Term("name", name=x) for x in law.forces]
     for shear in permutations(names[3:]):
-        tensor = _Tensor(domain, (*names[:3], *shear))
+        tensor = _Components(domain, (*names[:3], *shear))
         if tensor.invariant(law.g):
             swap = dict.fromkeys(shear, number(0))
             surfaces = tuple((_diagonal(g, swap, domain), None) for g, _ in law.surfaces)
@@ -39,7 +39,7 @@ def in_principal_stresses(law: StatedLaw) -> StatedLaw | None:
     return None
 
 
-class _Tensor(NamedTuple):
+class _Components(NamedTuple):
     """The components xx, yy, zz, yz, xz, xy of a symmetric tensor."""
 
     domain: StatedDomain
