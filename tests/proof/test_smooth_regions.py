@@ -47,6 +47,9 @@ NOT_ROUND = [
     law(DROP, "(abs(a) + abs(b))", **PLAIN),  # edges
     law(DROP, "(norm(a, b) + 1/10)", **PLAIN),  # the tip of the norm lies on the boundary
     law(DROP, "(norm(a, b) - 1/10)", **PLAIN),  # K ends in discs
+    law(DROP, "(a**2 + b**2 - 1/100)", **PLAIN),
+    law("max(A - (P*(1 - P)*(1 + 20*P)*(1 + 20*P))**(9/10), -P, P - 1)"),  # not convex, though each factor is concave
+    law("max(A - sqrt(P**2*(1 - P)), -P, P - 1)"),  # a tip: what is 0 there is not concave
     law(DROP.replace("-P,", "-P, a - 1/10,"), **PLAIN),  # cut by a load that no root knows of
     law(DROP.replace("-P,", "-P, -P/2,"), **PLAIN),  # twice the same end: not asked for
     law("max(A - 2*(P - P**2)**m, -P, P - 1)", m=between("1/2", 1)),  # m = 1: tips
