@@ -11,7 +11,7 @@ import sympy as sp
 from duhem import POSITIVE, Criterion, Domain, Verdict
 from duhem.expression import Norm
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import composition, convex_sums, degrees, evaluation, polar, polar_gauge, sampling, state_laws
+from duhem.proof.methods import composition, convex_sums, degrees, evaluation, polar, polar_gauge, rounded, sampling, state_laws
 from duhem.proof.verdict import Evidence, Proof
 
 UNIT = Domain.between(0, 1)
@@ -92,7 +92,7 @@ def test_where_composition_does_not_show_smoothness(g: str, law: dict[str, Any])
 
 
 @pytest.mark.parametrize(
-    "g", ["a**2 - 1", "abs(a) - 1", "(a - 1)**2 - 4", "a - 1", "max(a, 0) - 1", "max(a - 1, -a)", "max(a, -1 - a)", "max(a - 3, -a)"]
+    "g", ["a**2 - 1", "abs(a) - 1/2", "(a - 1)**2 - 4", "a - 1", "max(a, 0) - 1", "max(a - 1, -a)", "max(a, -1 - a)", "max(a - 3, -a)"]
 )
 def test_an_interval_with_an_inside(g: str) -> None:
     detail = "K is an interval with an inside: at each of its ends the normal is +1 or -1"
@@ -245,6 +245,33 @@ def test_a_share_of_the_potential_in_the_law_s_own_names() -> None:
     assert (
         degrees.dissipation_of_potential(subject("norm(a, b) + c - m", "abc", potential="norm(a, b) + m*c", m=Domain.between(1, 2))) is None
     )
+
+
+P = "((p + 1/2)/2)"
+LENS = "max(norm(a, b) - 2*(P - P**2)**(2/3), -P, P - 1)"
+
+
+@pytest.mark.parametrize(
+    ("g", "round_"),
+    [
+        (LENS, True),
+        ("max(norm(a, b)**2 - (P - P**2)**(2/3), -P, P - 1)", True),
+        (LENS.replace("norm(a, b)", "norm(a, b) + 1/10"), False),  # its tip lies on the boundary
+        (LENS.replace("norm(a, b)", "abs(a) + abs(b)"), False),  # edges
+        (LENS.replace("2/3", "1"), False),  # no round end
+        (LENS.replace("2*(", "-2*("), False),
+        (LENS.replace("(P - P**2)", "P"), False),  # a disc at one end
+        (LENS.replace("-P, P - 1", "P - 1"), False),  # one end is not said
+        (LENS.replace("-P,", "-P, a - 1/10,"), False),  # cut by a load that no root knows of
+        (LENS.replace("(P - P**2)", "(P*(1 - P)*(1 - P))"), False),  # not concave
+        (LENS.replace("P", "(P + 1)").replace("(P + 1) - 1", "P"), False),  # 0 is not inside
+        ("norm(a, b) - 1", False),
+    ],
+)
+def test_what_is_round_at_the_ends_of_its_loads(g: str, round_: bool) -> None:
+    found = rounded.smoothness(subject(g.replace("P", P), "abp"))
+    detail = "K is convex, its boundary C^1 between the ends of its loads, and round at these, where the root in g is 0"
+    assert found == (Evidence(Verdict.PROVED, "composition", detail, proof=Proof("composition")) if round_ else None)
 
 
 def test_the_sign_at_zero_force() -> None:

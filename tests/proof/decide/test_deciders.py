@@ -269,6 +269,9 @@ def test_shares_of_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     answer = decide(Question(sp.exp(x) - x - 1, N), Budget(1000))
     assert seen == [250, 500] and (answer.method, answer.reason[-4:]) == ("interval", "; no")
     seen.clear()
+    decide(Question(1 - sp.exp(-n) * x, N), Budget(1000))
+    assert seen[:2] == [250, 125]  # what says more than was asked has half
+    seen.clear()
     monkeypatch.setattr(deciders, "POLYNOMIAL_DECIDERS", (lambda system, budget: Answer(None, "told"),))
     assert decide(Question(x * y + 1, N), Budget(1000)) == Answer(None, "told") and seen == [250, 454]
 
@@ -327,7 +330,7 @@ def test_steps_as_the_solver_counts_them() -> None:
         def get_key_value(self, name: str) -> int:
             return self.counts[name]
 
-    assert smt._steps(Solver(rlimit_count=7), 9) == 7 and smt._steps(Solver(memory=7), 9) == 9
+    assert smt.counted(Solver(rlimit_count=7), 9) == 7 and smt.counted(Solver(memory=7), 9) == 9
 
 
 @pytest.mark.parametrize(("microseconds", "stopped"), [(0, 1), (100_000_000, 0)])

@@ -186,5 +186,24 @@ def test_affine_relations() -> None:
             gap = value(e, {s: Fraction(int(v.p), int(v.q)) for s, v in solution.items()})
             assert {">=": gap >= 0, ">": gap > 0, "==": gap == 0, "<=": gap <= 0, "!=": gap != 0}[op]
     assert Affine((x, y), Budget(10**6)).solution((sp.Abs(x), "<")) is False
+    assert Affine((x, y), Budget(10**6)).solution((2 * x + 3, ">"), (-x / 2, ">="), (y, "==")) not in (False, None)
+    assert Affine((x, y), Budget(10**6)).solution((x + y * x, ">")) is Affine((x, y), Budget(10**6)).solution((sp.pi * x, ">")) is None
     assert Affine((x, y), Budget(10**6)).solution((x * y, "<")) is None
     assert Affine((x, y), Budget(10**6)).solution((x**2, "<")) is None
+
+
+def test_affine_relations_cost_what_z3_counted() -> None:
+    """Three thousand steps to state them, and no more than are there: whatever was asked before."""
+    relations = (sp.Abs(x) + y - 3, "=="), (y, ">"), (sp.Max(x, y) - 1, "<")
+    budget, costs = Budget(10**6), []
+    space = Affine((x, y), budget)
+    for _ in range(3):
+        before = budget.left
+        assert isinstance(space.solution(*relations), dict)
+        costs.append(before - budget.left)
+    assert costs[0] == costs[1] == costs[2] and 3_000 < costs[0] < 10_000
+    few = Budget(3_100)
+    assert Affine((x, y), few).solution(*relations) is None and few.left == 0
+    for steps, left in ((2_999, 2_999), (3_000, 0)):
+        short = Budget(steps)
+        assert Affine((x, y), short).solution(*relations) is None and short.left == left

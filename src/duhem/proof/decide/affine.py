@@ -10,38 +10,41 @@ from duhem.errors import InputError
 from duhem.expression import Neg, Pos
 from duhem.expression.smt import Reals
 from duhem.proof.decide.budget import Budget
+from duhem.proof.decide.smt import counted
 
 __all__ = ["Affine"]
 
-_STEPS = 200_000  # for one question, whatever z3 then needs of them
+_STATED, _STEPS = 3_000, 200_000  # to state one question, and at most to decide it
 
 
 class Affine:
     """Expressions in some variables made of sums, rational multiples, abs, pos, neg, max and min."""
 
     def __init__(self, variables: Iterable[sp.Symbol], budget: Budget) -> None:
-        self._reals = Reals(variables)
+        self._variables = tuple(variables)
         self._budget = budget
 
     def solution(self, *relations: tuple[sp.Expr, str]) -> dict[sp.Symbol, sp.Rational] | bool | None:
         """Values at which ``expr op 0`` for all; False if there are none, None if that stayed open or is not affine."""
         import z3
 
-        if not all(_affine(expr) for expr, _ in relations):
+        if not all(_affine(expr) for expr, _ in relations) or not self._budget.pays(_STATED):
             return None
+        reals = Reals(self._variables)  # a context for each: z3 counts what was done in it before as well
         try:
-            stated = [self._reals.relation(expr, op) for expr, op in relations]
+            stated = [reals.relation(expr, op) for expr, op in relations]
         except InputError:
             return None
-        if not self._budget.pays(_STEPS):
+        if not (most := min(_STEPS, self._budget.left)):
             return None
-        solver = z3.SolverFor("QF_LRA", ctx=self._reals.context)
-        solver.set("rlimit", _STEPS)
+        solver = z3.SolverFor("QF_LRA", ctx=reals.context)
+        solver.set("rlimit", most)
         solver.add(*stated)
         result = solver.check()
+        self._budget.spend(min(most, counted(solver, most)))
         if result == z3.unsat:
             return False
-        return self._reals.point(solver.model()) if result == z3.sat else None
+        return reals.point(solver.model()) if result == z3.sat else None
 
 
 def _affine(expr: sp.Expr) -> bool:

@@ -32,7 +32,7 @@ __all__ = ["by_plane"]
 
 _METHOD = "plane-cells"
 _BITS = (128, 512, 2048)
-_SHEARS = (0, 1, -1, 2, -2, 3)
+_SHEARS = range(6)
 _SIGN = 10  # steps of a polynomial's enclosure in a box
 
 Sign = tuple[Poly, str]

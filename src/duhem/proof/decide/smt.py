@@ -19,7 +19,7 @@ from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.polynomials import System
 from duhem.proof.decide.question import Answer
 
-__all__ = ["by_smt"]
+__all__ = ["by_smt", "counted"]
 
 # Eighths of the budget: nlsat is complete for these questions but may be slow, the other is quick or hangs.
 _SOLVERS = (("qfnra-nlsat", 3), ("smt", 2))
@@ -52,12 +52,12 @@ def by_smt(system: System, budget: Budget) -> Answer:
         if result == z3.unknown:
             budget.spend(most)
             continue
-        budget.spend(min(most, _steps(solver, most)))
+        budget.spend(min(most, counted(solver, most)))
         return Answer(True, "smt-z3") if result == z3.unsat else Answer(False, "smt-z3", point=reals.point(solver.model()))
     return Answer(None, "smt-z3", reason=reason)
 
 
-def _steps(solver: Any, otherwise: int) -> int:
+def counted(solver: Any, otherwise: int) -> int:
     """How many steps the solver counted."""
     found = solver.statistics()
     return int(found.get_key_value("rlimit count")) if "rlimit count" in found.keys() else otherwise  # noqa: SIM118
