@@ -23,6 +23,7 @@ import duhem.proof.methods.polyhedral as polyhedral
 import duhem.proof.statement.problem as problem
 from duhem import POSITIVE, Criterion, Domain, Verdict
 from duhem.derivation.potential import SupportFunction
+from duhem.expression import Norm
 from duhem.proof.claims import dissipation, normality
 from duhem.proof.decide import Answer, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -112,7 +113,7 @@ _pieces, _simple = FormulaSubject.pieces.func, FormulaSubject.simple.func
 _solution, _curvature = polyhedral.Affine.solution, PolarForm.curvature
 _arcs = polar_facts.polar_form
 _rules = curvature_facts._CurvatureRules
-_add, _mul, _power, _norm = _rules.add, _rules.mul, _rules.power, _rules.norm
+_add, _mul, _power, _words = _rules.add, _rules.mul, _rules.power, curvature_facts.WORDS
 
 
 def one_arc(subject: FormulaSubject) -> PolarForm | None:
@@ -132,8 +133,8 @@ def anything(self: Any, node: Any, *parts: Any) -> Any:
     return curvature_facts.Curvature(convex=True, quasiconvex=True)
 
 
-def convex_of_any(self: Any, node: Any, *parts: Any) -> Any:
-    return replace(_norm(self, node, *parts), convex=True, quasiconvex=True)
+def convex_of_any(*parts: Any) -> Any:
+    return replace(_words[Norm](*parts), convex=True, quasiconvex=True)
 
 
 def sums_of_quasiconvex(self: Any, node: Any, *terms: Any) -> Any:
@@ -306,7 +307,7 @@ LIES = (
     Lie("the sign of a factor forgotten", put(_rules, "mul", signs_of_scales_forgotten), "convexity", composition.convexity, OUTSIDE),
     Lie("every power convex", put(_rules, "power", every_power_convex),
         "convexity", composition.convexity, law("abs(a)**(1/2) + abs(b)**(1/2) - 1")),
-    Lie("a norm of anything convex", put(_rules, "norm", convex_of_any),
+    Lie("a norm of anything convex", put(curvature_facts, "WORDS", {**_words, Norm: convex_of_any}),
         "convexity", composition.convexity, law("norm(min(abs(a), abs(b)), 1) - 2")),
     Lie("a product convex", put(_rules, "mul", anything), "convexity", composition.convexity, law("a*b - 1")),
     # half-spaces
