@@ -68,6 +68,7 @@ def test_a_rule_holds_as_far_as_its_conditions_and_no_further(g: str, parameters
     assert by_prover(criterion) is convex
 
 
+@pytest.mark.long
 def test_all_coefficients_and_exponents_of_the_planar_eigenvalue_laws() -> None:
     """Barlat et al. (2003) and, in plane stress, (2005): for every m >= 1, whatever the coefficients."""
     names = [f"{x}{i}" for x in "cd" for i in range(1, 6)]
@@ -97,6 +98,7 @@ def drawn(rng: Random) -> str:
 
 
 @pytest.mark.parametrize("seed", range(2))
+@pytest.mark.long
 def test_chords_do_not_contradict_what_is_shown_of_drawn_laws(seed: int) -> None:
     rng, shown = Random(seed), 0
     for _ in range(25):

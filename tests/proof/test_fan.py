@@ -115,7 +115,7 @@ def test_what_a_fan_shows(g: str, convex: bool, smooth: bool) -> None:
     assert objection("convexity", "fan", frozenset(), law, {})
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_modes_that_meet_on_rays_with_roots() -> None:
     law, settled = stated(law_as_text(duhem.load("puck"))), frozenset({"origin"})  # Puck, Schürmann (1998)
     assert not objection("origin", "evaluation", frozenset(), law, {})

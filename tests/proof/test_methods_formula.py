@@ -291,11 +291,11 @@ def test_the_sign_at_zero_force() -> None:
 
 EULER = "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary"
 POLAR: dict[str, tuple[str | None, str | None, bool]] = {  # convexity and smoothness, and whether there is a gauge at all
-    "norm(a, b) - 1": ("polar-curvature (sign-rules): the circle", "no seam", True),
+    "norm(a, b) - 1": ("polar-curvature (composition): the circle", "no seam", True),
     "norm(a, b) + a*b/norm(a, b)/4 - 1": ("polar-curvature (sturm): the circle", "no seam", True),
     "norm(a, b)**2 - a*b/3 - norm(a, b)": ("polar-curvature (sturm): the circle", "no seam", True),
-    "norm(a, b) + abs(a)/2 - 1": ("polar-curvature (sturm): 2 arcs, no downward jump of gamma' at the seams", None, True),
-    "max(norm(a, b), 2*abs(a)) - 1": ("polar-curvature (sign-rules): 4 arcs, no downward jump of gamma' at the seams", None, True),
+    "norm(a, b) + abs(a)/2 - 1": ("polar-curvature (composition): 2 arcs, no downward jump of gamma' at the seams", None, True),
+    "max(norm(a, b), 2*abs(a)) - 1": ("polar-curvature (composition): 4 arcs, no downward jump of gamma' at the seams", None, True),
     "norm(a, b) - abs(a)/2 - 1": (None, None, True),
     "min(norm(a, b), 2*abs(a)) - 1": (None, None, False),
     "norm(a, b) - 9*a*b/norm(a, b)/10 - 1": (None, "no seam", True),

@@ -120,6 +120,7 @@ def bend(f: tuple[float, ...], root: float) -> float:
     return least
 
 
+@pytest.mark.long
 def test_drawn_sections_are_convex_where_a_grid_finds_them_so() -> None:
     rng, both = Random(3), [0, 0]
     while min(both) < 8:

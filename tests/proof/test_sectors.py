@@ -110,7 +110,7 @@ def test_the_prover_knows_it_too(g: str, parameters: dict[str, Domain], convex: 
     assert by_prover(law(g, "principal", parameters)) is convex or not has_value
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_drawn_sections_are_convex_where_a_grid_finds_them_so() -> None:
     rng, both = Random(4), [0, 0]
     while min(both) < 3:

@@ -84,7 +84,7 @@ def test_laws_with_shear_are_proved_and_checked() -> None:
     assert {(r.verdict, r.trust) for r in found.results} == {(Verdict.PROVED, Trust.CHECKED)}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_is_shown_of_drawn_sums_no_chord_denies() -> None:
     rng, both = Random(5), [0, 0]
     terms = [(S1, S2), (S2, S3), (S3, S1), (S1, "0"), (S2, "0"), (S3, "0")]

@@ -68,6 +68,6 @@ def inert_exponent(value: Any) -> Any:
     return InertNumber(value) if isinstance(value, sp.Rational) and value.q > MOST_ROOT else value
 
 
-def plain_exponent(exponent: Any) -> Any:
-    """The rational that an inert exponent stands for, to reckon with; anything else as it is."""
-    return exponent.value if isinstance(exponent, InertNumber) else exponent
+def plain_exponent(exponent: sp.Expr) -> sp.Expr:
+    """An exponent with the rationals that its inert numbers stand for, to reckon with."""
+    return exponent.xreplace({x: x.value for x in exponent.atoms(InertNumber)})

@@ -154,7 +154,7 @@ def test_a_circle_with_tangents_from_a_ray_with_roots(e: str, f: str, convex: bo
         assert jumps.count(False) == (1 if smooth else 3)  # the tangents' own, and those on the rays
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_modes_that_meet_on_rays_with_roots() -> None:
     results = verify("puck", claims=["convexity", "smoothness", "normality", "dissipation"]).results  # Puck, Schürmann (1998)
     assert {r.verdict for r in results} == {Verdict.PROVED}
