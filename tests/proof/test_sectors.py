@@ -18,6 +18,7 @@ from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.verdict import Trust, Verdict
+from tests.long import mostly_long
 from tests.proof.composed import by_kernel, by_prover
 
 X = "(sqrt(3/2)*(principal(s, 1) - I1(s)/3))"
@@ -81,7 +82,7 @@ def law(g: str, kind: str, parameters: dict[str, Domain]) -> Criterion:
     return Criterion(name="law", g=g, stress={"name": "s", "kind": kind}, pressure=None, parameters=parameters)
 
 
-@pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
+@pytest.mark.parametrize(("g", "parameters", "convex"), mostly_long(CASES, *CASES[:3], *CASES[4:]))
 def test_the_kernel_knows_the_threshold(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     shown = by_kernel(law(g, "principal", parameters))
     assert (shown.defined and shown.quasiconvex) is convex
@@ -102,8 +103,11 @@ def test_so_it_does_in_six_components(g: str, value: str, convex: bool) -> None:
     assert (shown.defined and shown.quasiconvex) is convex
 
 
+TIED = [case for case in CASES if case[1]["e"].value is not None]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(("g", "parameters", "convex"), [case for case in CASES if case[1]["e"].value is not None])
+@pytest.mark.parametrize(("g", "parameters", "convex"), mostly_long(TIED, *TIED[:2], TIED[5], TIED[9], TIED[16]))
 def test_the_prover_knows_it_too(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     """That a formula has a value everywhere it asks elsewhere."""
     has_value = not any(zero in g for zero in (f"{PRINTED + TIP}", f"J2(s)/{FIRST} - e", ">= 0")) or "where(J2(s) > 0" in g
@@ -138,7 +142,7 @@ def _bend(a: float, b: float, c: float, d: float, k: float) -> float | None:
     return min(*inside, (f(math.pi / 3 - step) - f(math.pi / 3 + step)) / (2 * step))
 
 
-@pytest.mark.parametrize("kind", ["principal", "3d"])
+@pytest.mark.parametrize("kind", mostly_long(["principal", "3d"], "principal"))
 def test_a_section_with_a_value_everywhere_is_decided(kind: str) -> None:
     cone = law(WILLAM + " + a*I1(s) - k", kind, {**e("0.6", "0.6"), "a": POSITIVE, "k": POSITIVE})
     found = verify(cone, claims=["origin", "convexity", "normality", "dissipation"])
@@ -168,7 +172,7 @@ def test_of_a_formula_without_a_value_nothing_is_proved_and_the_remedy_is_said()
     assert {(r.verdict, r.trust) for r in again.results} == {(Verdict.PROVED, Trust.CHECKED)} and not again.remarks[1:]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_below_one_half_it_is_refuted() -> None:
     found = verify(law(WILLAM + TIP, "principal", e("0.4", "0.4")), claims=["origin", "convexity"])
     assert (found["origin"].verdict, found["convexity"].verdict) == (Verdict.PROVED, Verdict.REFUTED)

@@ -103,6 +103,7 @@ def has_a_corner(text: StatedLaw) -> bool:
     return tips or any(abs(one - two) > 1e-3 for one, two in slopes)
 
 
+@pytest.mark.long
 def test_what_is_confirmed_of_drawn_profiles_has_no_corner() -> None:
     rng, shown, cornered = Random(3), 0, 0
     for _ in range(40):

@@ -15,6 +15,7 @@ import pytest
 from duhem import Criterion, verify
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.verdict import Trust, Verdict
+from tests.long import mostly_long
 from tests.proof.composed import by_kernel, by_prover
 
 S1, S2, S3 = (f"principal(s, {i})" for i in (1, 2, 3))
@@ -73,7 +74,7 @@ def test_the_kernel_asks_for_every_order(kind: str, g: str, parameters: dict[str
     assert (shown.defined and shown.quasiconvex) is convex
 
 
-@pytest.mark.parametrize(("kind", "g", "parameters", "convex"), CASES)
+@pytest.mark.parametrize(("kind", "g", "parameters", "convex"), mostly_long(CASES, *CASES[:13]))
 def test_so_does_the_prover(kind: str, g: str, parameters: dict[str, Domain], convex: bool) -> None:
     assert by_prover(law(g, kind, parameters)) is convex
 
