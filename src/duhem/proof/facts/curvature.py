@@ -211,9 +211,14 @@ class _CurvatureRules:
 
     @cached_property
     def _opened(self) -> tuple[sp.Basic, ...]:
-        """That no parameter is at an end of its range, where no constraint ties them."""
-        law = self.subject.law
-        free = {} if law.constraints else {x: law.parameters[x.name] for x in self.subject.simple.parameters if x.name in law.parameters}
+        """That no parameter is at an end of its range, where no constraint ties them and the formula changes continuously with them."""
+        law, g = self.subject.law, self.subject.simple.g
+        jumps = any(not x.free_symbols & self.forces for x in (*g.atoms(Atan2), *(choice.args[0] for choice in g.atoms(Where))))
+        free = (
+            {}
+            if law.constraints or jumps
+            else {x: law.parameters[x.name] for x in self.subject.simple.parameters if x.name in law.parameters}
+        )
         lows = (sp.StrictGreaterThan(x - d.low, 0) for x, d in free.items() if d.low is not None)
         highs = (sp.StrictGreaterThan(d.high - x, 0) for x, d in free.items() if d.high is not None)
         return (*lows, *highs)

@@ -54,8 +54,21 @@ def _split(expr: sp.Expr, load: sp.Expr, forces: Collection[sp.Symbol]) -> tuple
 def concave_above_within(
     expr: sp.Expr, loads: Collection[sp.Expr], forces: Collection[sp.Symbol], above: Callable[[sp.Expr], bool]
 ) -> bool:
-    """Whether a concave expression depends on one load alone, which has two ends, and is >= 0 at both of them."""
-    return any(_above_at_both_ends(expr, one, two, forces, above) for one in loads for two in loads if one != two)
+    """Whether an expression, concave where all loads are >= 0, depends on one load alone, and is >= 0 at two ends of it where they are."""
+    return any(
+        _above_at_both_ends(expr, one, two, forces, above) and all(_above_at(two, one, x, forces, above) for x in loads)
+        for one in loads
+        for two in loads
+        if one != two
+    )
+
+
+def _above_at(other: sp.Expr, load: sp.Expr, asked: sp.Expr, forces: Collection[sp.Symbol], above: Callable[[sp.Expr], bool]) -> bool:
+    """Whether a load is >= 0 where ``load`` is 0 and where ``other`` is, all forces but one being 0 there."""
+    x = next(f for f in sorted(forces, key=str) if load.has(f))
+    zero = dict.fromkeys(forces, sp.S.Zero)
+    places = (zero | {x: -end.xreplace(zero) / sp.diff(end, x)} for end in (load, other))
+    return all(above(sp.simplify(asked.xreplace(place))) for place in places)
 
 
 def _above_at_both_ends(

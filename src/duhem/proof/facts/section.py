@@ -148,7 +148,7 @@ class Meaning:
 
     def emptied(self, expr: Any) -> Any:
         """The formula where J2 = 0: with 0 for its functions of J2 and J3 of a degree above 0."""
-        if not expr.free_symbols & {*self.forces} or expr.is_Symbol:
+        if not expr.free_symbols & {*self.forces} or expr.is_Symbol or expr.is_Relational:
             return expr
         section = self.read(expr)
         if section is not None and section.degree.is_positive:

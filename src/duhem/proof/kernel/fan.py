@@ -48,10 +48,10 @@ class Fan:
             if not sides:
                 raise NotWritten("nothing bounds a cone")  # it is the plane
             rays, wide = self._rays(sides)
-            if not wide:
+            if wide:
+                self._wedges.append(_Wedge(f, sides, rays))
+            else:
                 thin += [(f, ray) for ray in rays]
-                continue
-            self._wedges.append(_Wedge(f, sides, rays))
             parts = by_degree(f, self._domain)
             if {*parts} != {0, 1} or facts(parts[Fraction(0)], self._domain).sign != NEGATIVE:
                 raise NotWritten("a part of g is not of degree 1 less a constant")

@@ -106,12 +106,16 @@ def at_end_of(load: Term, term: Term, domain: StatedDomain) -> Term:
 
 
 def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomain, shown: Shown) -> bool:
-    """Whether a term that depends on the load ``side`` alone is >= 0 where that is 0, and at its other end, where ``other`` is."""
+    """Whether a term that depends on the load ``side`` alone is >= 0 where that is 0, and at its other end, where ``other`` is.
+
+    It is concave where all loads are >= 0 and perhaps nowhere else: so they are asked for at both ends, and hold between them.
+    """
     load, end = domain.polynomial(side), domain.polynomial(other)
     split = _split(end, load, domain)
     if split is None or shown(written(split[0]), domain).sign != NEGATIVE or not _of_load(term, load, domain):
         return False
-    values = [shown(term.put(_zero(x, domain)), domain) for x in (load, end)]
+    ends = [_zero(x, domain) for x in (load, end)]
+    values = [shown(part.put(place), domain) for part in (*domain.sides, term) for place in ends]
     return all(here.defined and here.nonnegative for here in values)
 
 

@@ -32,8 +32,8 @@ def pieces(term: Term, domain: StatedDomain, words: Sequence[str] = _KINKS, dept
 
 
 def chooses(term: Term, domain: StatedDomain) -> bool:
-    """Whether a force decides what the formula is."""
-    return _innermost(term, domain, ("where",)) is not None
+    """Whether a force decides what the formula is, or an angle may jump, which it does where its first part is 0 and its second < 0."""
+    return _innermost(term, domain, ("where", "atan2")) is not None
 
 
 def below(term: Term, depth: int = 0) -> Iterator[Term]:

@@ -11,6 +11,7 @@ from fractions import Fraction
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import ZERO, Bounds, StatedDomain, StatedLaw
 from duhem.proof.kernel.identity import vanishes
+from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import Term, minus, product_of, sum_of
@@ -22,6 +23,8 @@ def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term) -> bool:
     """Whether sigma . d = ``share`` g + ``rest`` with a constant share and rest >= 0, d having a value but where a tip of g is 0."""
     domain = over(law)
     if law.flow is None or not (domain.constant(share) and facts(rest, domain).nonnegative and _defined_but_at_tips(law)):
+        return False
+    if chooses(law.g, domain):
         return False
     power = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, law.flow, strict=True)))
     gap = sum_of(power, minus(product_of(share, law.g)), minus(rest))

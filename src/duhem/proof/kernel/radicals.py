@@ -23,12 +23,13 @@ Ends = tuple[int, int]  # of an interval, in units
 def sign_of_radicals(term: Term) -> Sign:
     """The sign; all three for what is no such number, may be undefined or would take too many digits."""
     try:
-        term = _without_norms(term)
+        term, roots = _without_norms(term), dict[Term, int]()
+        u, below = _sizes(term, roots)
+        if max(u, below) > _MOST_BITS:
+            return ANY
         low, high = _between(term, _FEW)
         if low > 0 or high < 0:
             return POSITIVE if low > 0 else NEGATIVE
-        roots: dict[Term, int] = {}
-        u, below = _sizes(term, roots)
         apart = u * (prod(roots.values()) - 1) + below
         if apart > _MOST_BITS:
             return ANY

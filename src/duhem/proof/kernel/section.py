@@ -33,8 +33,8 @@ from duhem.proof.kernel.section_value import (
     reduced,
     widened,
 )
-from duhem.proof.kernel.shape import Facts, Shown
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
+from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number
 
 __all__ = ["by_section", "meanings", "sign_on_axis", "without_sections"]
 
@@ -45,19 +45,19 @@ _PI = Term("name", name="pi")
 
 def by_section(term: Term, domain: StatedDomain, shown: Shown) -> Facts | None:
     """What is shown of a sum, product or power, the parts that are functions of J2 and J3 taken together by their degree."""
-    found = (reader.facts(term) for reader in _readers(domain, shown))
+    found = (reader.facts(term) for reader in _readers_of(term, domain, shown))
     return next((known for known in found if known is not None and known.quasiconvex), None)
 
 
 def without_sections(term: Term, domain: StatedDomain, shown: Shown) -> Iterator[Term]:
     """The term as it is where J2 = 0: with 0 for its functions of J2 and J3 of a degree above 0, as its parts may be read."""
-    for reader in _readers(domain, shown):
+    for reader in _readers_of(term, domain, shown):
         yield reader.emptied(term)
 
 
 def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign:
     """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
-    for reader in _readers(domain, shown):
+    for reader in _readers_of(g, domain, shown):
         section, there = reader.read_or_none(tip), reader.emptied(g)
         if section is None or not domain.constant(there) or not reader.holds(section.poly, strict=True):
             continue
@@ -70,6 +70,12 @@ def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign
 def meanings(domain: StatedDomain, shown: Shown) -> list[Invariants]:
     """J2 and J3 of the tensors that the forces may be."""
     return [reader.meaning for reader in _readers(domain, shown)]
+
+
+def _readers_of(term: Term, domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:
+    """None for a formula of which a part may have no value."""
+    readers = _readers(domain, shown)
+    return readers if readers and of_settled_parts(term, domain, shown) else ()
 
 
 def _readers(domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:
@@ -210,7 +216,7 @@ class _SectionReader:
         return written(b)
 
     def emptied(self, term: Term) -> Term:
-        if self.domain.constant(term) or term.op == "name":
+        if self.domain.constant(term) or term.op == "name" or term.op in COMPARISONS:  # what is compared may have another sign beside it
             return term
         section = self.read_or_none(term)
         if self.lode(term) is not None or (section is not None and section.degree > 0):

@@ -25,9 +25,9 @@ from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, times, tota
 from duhem.proof.kernel.positivity import RAY, negated
 from duhem.proof.kernel.section import meanings
 from duhem.proof.kernel.section_value import MOST_POWER, Base, SectionValue, added, multiplied, power_of, raised_to, scaled, widened
-from duhem.proof.kernel.shape import Facts, Shown
+from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts
 from duhem.proof.kernel.spectrum import entries_of, extremes
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["by_sector", "without_sectors"]
 
@@ -80,7 +80,7 @@ class _Value(NamedTuple):
 
 def _readers(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> list[_SectorReader]:
     """One for each tensor of which a greatest or least principal value stands in the term; else for what the forces may be."""
-    if _FIRST.name in domain.law.forces or domain.constant(term):
+    if _FIRST.name in domain.law.forces or domain.constant(term) or not of_settled_parts(term, domain, shown):
         return []
     told = dict[object, Term]()
     for part in islice((part for part in dict.fromkeys(extremes(term)) if _is_linear(part, domain)), _MOST_PARTS):
@@ -206,7 +206,7 @@ class _SectorReader:
         return self.known[term]
 
     def emptied(self, term: Term) -> Term:
-        if self.domain.constant(term) or term.op == "name":
+        if self.domain.constant(term) or term.op == "name" or term.op in COMPARISONS:  # what is compared may have another sign beside it
             return term
         value = self.value(term)
         if value is not None and value.section.degree > 0 and value.whole:
@@ -323,7 +323,8 @@ class _SectorReader:
         if not (size.whole and size.section.degree > 0 and self.signs.above(size.section.poly, strict=True)):
             raise NotWritten("a choice is by something else")
         value = self._read(away)
-        if value.section.degree <= 0 or (self.wider.polynomial(here) and not self._vanishes(here)):
+        nothing = not self.wider.polynomial(here) and self.shown(here, self.wider).defined
+        if value.section.degree <= 0 or not (nothing or self._vanishes(here)):
             raise NotWritten("a choice leaves a jump")
         return _Value(value.section, True)
 

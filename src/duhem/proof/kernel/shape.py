@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, Sign, StatedDomain, signs_of_product
 from duhem.proof.kernel.term import Term
 
-__all__ = ["Facts", "Shown"]
+__all__ = ["Facts", "Shown", "of_settled_parts"]
 
 
 @dataclass(frozen=True)
@@ -42,3 +42,21 @@ class Facts:
 
 
 Shown = Callable[[Term, StatedDomain], Facts]  # what is shown of a term over a domain, for the rules that ask about parts
+
+
+def of_settled_parts(term: Term, domain: StatedDomain, shown: Shown) -> bool:
+    """Whether every constant in a formula, and all of which a greatest is taken, has a value, which does not jump with the parameters.
+
+    Who multiplies out, or goes to the end of a parameter's range, would lose sight of that.
+    """
+    if domain.constant(term):
+        return not _jumps(term) and shown(term, domain).defined
+    if term.op == "where" and domain.constant(term.args[0]) and domain.decided(term.args[0]) is None:
+        return False
+    if term.op in ("max", "min", "eigmax") and not all(shown(a, domain).defined for a in term.args):
+        return False
+    return all(of_settled_parts(a, domain, shown) for a in term.args)
+
+
+def _jumps(term: Term) -> bool:
+    return term.op == "atan2" or any(map(_jumps, term.args))
