@@ -143,7 +143,7 @@ def drawn() -> tuple[int, int, str | None]:
     return shown, cornered, None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_is_confirmed_of_drawn_laws_is_smooth() -> None:
     shown, cornered, wrong = drawn()
     assert wrong is None

@@ -25,7 +25,7 @@ _MOST_PIECES = 64
 Ray = tuple[Term, Term]  # a direction, by two numbers
 
 
-class _Wedge(NamedTuple):
+class _FanPart(NamedTuple):
     """Where ``f`` is g: between two ``rays``, on which some of ``sides`` are 0; inside all are > 0."""
 
     f: Term
@@ -41,7 +41,7 @@ class Fan:
         if len(law.forces) != 2:
             raise NotWritten("the law is none of two forces")
         self._forces = tuple(Term("name", name=x) for x in law.forces)
-        self._wedges, thin, constants = list[_Wedge](), list[tuple[Term, Ray]](), list[Polynomial]()
+        self._cones, thin, constants = list[_FanPart](), list[tuple[Term, Ray]](), list[Polynomial]()
         for count, (f, sides) in enumerate(pieces(law.g, self._domain, CHOICES)):
             if count == _MOST_PIECES:
                 raise NotWritten("there are too many cones")
@@ -49,14 +49,14 @@ class Fan:
                 raise NotWritten("nothing bounds a cone")  # it is the plane
             rays, wide = self._rays(sides)
             if wide:
-                self._wedges.append(_Wedge(f, sides, rays))
+                self._cones.append(_FanPart(f, sides, rays))
             else:
                 thin += [(f, ray) for ray in rays]
             parts = by_degree(f, self._domain)
             if {*parts} != {0, 1} or facts(parts[Fraction(0)], self._domain).sign != NEGATIVE:
                 raise NotWritten("a part of g is not of degree 1 less a constant")
             constants.append(self._domain.polynomial(parts[Fraction(0)]))
-        if not self._wedges or any(c != constants[0] for c in constants) or not all(map(self._defined, self._wedges)):
+        if not self._cones or any(c != constants[0] for c in constants) or not all(map(self._defined, self._cones)):
             raise NotWritten("the constant is not the same everywhere, or a part of g may be undefined")
         self._seams = list(self._found_seams())
         if not all(self._meet(one.f, two.f, ray) for one, two, ray, _ in self._seams):
@@ -66,11 +66,11 @@ class Fan:
 
     def convex(self) -> bool:
         """Within each cone, and from one to the next."""
-        return all(facts(s.f, self._inside(s)).convex for s in self._wedges) and not any(jump & NEGATIVE for jump in self._jumps())
+        return all(facts(s.f, self._inside(s)).convex for s in self._cones) and not any(jump & NEGATIVE for jump in self._jumps())
 
     def smooth(self) -> bool:
         """Within each cone, and from one to the next."""
-        return all(self._differentiable(s) for s in self._wedges) and all(jump == ZERO for jump in self._jumps())
+        return all(self._differentiable(s) for s in self._cones) and all(jump == ZERO for jump in self._jumps())
 
     def _jumps(self) -> Iterator[Sign]:
         """By how much the slope across each ray rises from one cone to the next; a formula may have a kink there that it does not name."""
@@ -81,11 +81,11 @@ class Fan:
             rise = sum_of(*(product_of(w, sum_of(b, minus(a))) for w, a, b in zip(way, here, beyond, strict=True)))
             yield ZERO if before.f == after.f else facts(rise, self._domain).sign
 
-    def _found_seams(self) -> Iterator[tuple[_Wedge, _Wedge, Ray, Ray]]:
+    def _found_seams(self) -> Iterator[tuple[_FanPart, _FanPart, Ray, Ray]]:
         """Two cones to each ray, the ray, and a way across it from the first to the second."""
-        for before in self._wedges:
+        for before in self._cones:
             for ray in before.rays:
-                others = [s for s in self._wedges if s is not before and any(self._alike(ray, other) for other in s.rays)]
+                others = [s for s in self._cones if s is not before and any(self._alike(ray, other) for other in s.rays)]
                 ways = [w for w in ((minus(ray[1]), ray[0]), (ray[1], minus(ray[0]))) if self._leads(before, ray, w)]
                 if len(others) != 1 or len(ways) != 1 or self._leads(others[0], ray, ways[0]):
                     raise NotWritten("cones overlap, or leave something out")
@@ -96,22 +96,22 @@ class Fan:
         both = self._at(sum_of(one, minus(two)), ray)
         return facts(both, self._domain).defined and facts(both, self._domain).sign == ZERO
 
-    def _leads(self, before: _Wedge, ray: Ray, way: Ray) -> bool:
+    def _leads(self, before: _FanPart, ray: Ray, way: Ray) -> bool:
         """Whether the way leads out of a cone across a ray of its own."""
         return any(self._sign_at(side, ray) == ZERO and self._sign_at(side, way) == NEGATIVE for side in before.sides)
 
-    def _slopes(self, cone: _Wedge) -> tuple[Term, ...]:
+    def _slopes(self, cone: _FanPart) -> tuple[Term, ...]:
         return gradient(cone.f, [x.name for x in self._forces])
 
-    def _differentiable(self, cone: _Wedge) -> bool:
+    def _differentiable(self, cone: _FanPart) -> bool:
         return all(facts(slope, self._inside(cone)).defined for slope in self._slopes(cone))
 
-    def _defined(self, cone: _Wedge) -> bool:
+    def _defined(self, cone: _FanPart) -> bool:
         """Inside the cone and on its rays, where it then is continuous."""
         on_rays = (facts(self._at(cone.f, ray), self._domain).defined for ray in cone.rays)
         return facts(cone.f, self._inside(cone)).defined and all(on_rays)
 
-    def _inside(self, cone: _Wedge) -> StatedDomain:
+    def _inside(self, cone: _FanPart) -> StatedDomain:
         domain = over(self._domain.law)
         domain.sides |= dict.fromkeys(cone.sides, True)
         return domain
