@@ -36,3 +36,11 @@ def test_an_exponent_of_long_integers_is_left_alone_on_a_branch() -> None:
     above, below = branches(sp.cosh(sp.Abs(a) ** long - 1))
     assert {above.expr, below.expr} == {sp.cosh(a**long - 1), sp.cosh((-a) ** long - 1)}
     assert branches(sp.Abs(a) ** short)[0].expr == a ** sp.Rational(101, 100)
+
+
+def test_branches_that_contradict_each_other_are_not_multiplied_out() -> None:
+    """Twelve terms with the same three switches have 3**12 choices, of which few agree."""
+    a, b, c = sp.symbols("a b c", real=True)
+    expr = sp.Add(*(sp.Max(a, b, c) * sp.exp(k * a) for k in range(12)))
+    assert {piece.expr.subs({x: 0 for x in (a, b, c)}) for piece in branches(expr)} == {0}
+    assert {piece.expr.coeff(sp.exp(a)) for piece in branches(expr)} == {a, b, c}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import combinations, product
+from itertools import combinations
 from types import MappingProxyType
 from typing import Any
 
@@ -74,10 +74,10 @@ def branches(expr: sp.Basic, most: int = 64) -> tuple[Branch, ...]:
     wheres = expr.has(Where)  # then what holds only where a switch is 0 must be kept
 
     def join(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
-        return _capped((b for parts in product(*values) for b in _rebuilt(node, parts, wheres)), most)
+        return _capped((b for parts in _joint(values, wheres) for b in _rebuilt(node, parts, wheres)), most)
 
     def kink(node: sp.Basic, *values: tuple[Branch, ...]) -> tuple[Branch, ...]:
-        return _capped((b for parts in product(*values) for b in _split(node, parts, wheres)), most)
+        return _capped((b for parts in _joint(values, wheres) for b in _split(node, parts, wheres)), most)
 
     table: dict[type, Callable[..., tuple[Branch, ...]]] = {node: kink for node in (sp.Abs, Pos, Neg, sp.Max, sp.Min, Where)}
 
@@ -121,6 +121,14 @@ def _capped(found: Iterable[Branch | None], most: int) -> tuple[Branch, ...]:
         if len(kept) > most:
             raise TooManyBranchesError(f"more than {most} branches")
     return tuple(kept.values())
+
+
+def _joint(values: Sequence[tuple[Branch, ...]], thin: bool) -> list[tuple[Branch, ...]]:
+    """One branch of each argument, wherever all hold together: what contradicts itself early is not multiplied further."""
+    found: list[tuple[Branch, ...]] = [()]
+    for own in values:
+        found = [(*parts, one) for parts in found for one in own if _together((*parts, one), thin) is not None]
+    return found
 
 
 def _together(parts: Sequence[Branch], thin: bool) -> Branch | None:
