@@ -13,15 +13,9 @@ from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import parse
+from tests.oracles import drawn_formulas
 
-PARAMETERS = {
-    "m": {"positive": True},
-    "e": {"min": "0", "max": "1/2"},
-    "q": {"min": "-1", "max": "1"},
-    "p": {"min": "1", "max": "4"},
-    "k": {"min": "-2", "max": "-1/2"},
-    "u": {},
-}
+PARAMETERS = {**drawn_formulas.PARAMETERS, "u": {}}
 SIGNS = {1: "<", 2: "=", 3: "<=", 4: ">", 5: "!=", 6: ">=", 7: "?"}
 
 

@@ -22,6 +22,7 @@ from duhem.proof.kernel.term import Term, number
 __all__ = ["in_principal_stresses"]
 
 Matrix = Sequence[Polynomial]  # xx, yy, zz, yz, xz, xy
+_AXES = ((0, 1), (1, 2))  # z and x, by the planes that turn
 _AT = ((0, 5, 4), (5, 1, 3), (4, 3, 2))  # where an entry of the matrix stands in that list
 
 
@@ -72,10 +73,7 @@ class _Components(NamedTuple):
 
     def _rates(self, poly: Polynomial) -> list[Polynomial]:
         """How fast it changes about the axes z and x, where it does."""
-        matrix = [self.domain.polynomial(x) for x in self.components]
-        turned = (_turned(matrix, i, j) for i, j in ((0, 1), (1, 2)))
-        rates = [total(*(times(slope(poly, x), rate) for x, rate in zip(self.components, turn, strict=True))) for turn in turned]
-        return [rate for rate in rates if rate]
+        return [rate for i, j in _AXES if (rate := self._rate(poly, i, j))]
 
     def _turns(self, entries: Sequence[Term]) -> bool:
         """Whether a matrix of polynomials turns with the tensor."""
@@ -83,14 +81,12 @@ class _Components(NamedTuple):
         matrix = [poly for poly in found if poly is not None]
         if len(matrix) < len(found):
             return False
-        own = [self.domain.polynomial(x) for x in self.components]
-        for i, j in ((0, 1), (1, 2)):
-            turn = _turned(own, i, j)
-            for poly, wanted in zip(matrix, _turned(matrix, i, j), strict=True):
-                rate = total(*(times(slope(poly, x), r) for x, r in zip(self.components, turn, strict=True)))
-                if total(rate, _negative(wanted)):
-                    return False
-        return True
+        return all([self._rate(poly, i, j) for poly in matrix] == _turned(matrix, i, j) for i, j in _AXES)
+
+    def _rate(self, poly: Polynomial, i: int, j: int) -> Polynomial:
+        """How fast it changes while the tensor turns in the plane of i and j."""
+        rates = _turned([self.domain.polynomial(x) for x in self.components], i, j)
+        return total(*(times(slope(poly, x), rate) for x, rate in zip(self.components, rates, strict=True)))
 
 
 def _turned(matrix: Matrix, i: int, j: int) -> list[Polynomial]:

@@ -33,7 +33,7 @@ from duhem.proof.kernel.section_value import (
     reduced,
     widened,
 )
-from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts
+from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number
 
 __all__ = ["by_section", "meanings", "sign_on_axis", "without_sections"]
@@ -141,20 +141,13 @@ class _SectionReader:
             else:
                 moving.append(self.shown(part, self.domain))
         moving += [self.together(sections) for sections in groups.values()]
-        sign = 0
-        for known in (*moving, *constants):
-            sign |= known.sign
-        convex = all(known.convex for known in moving)
-        quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
-        return Facts(all(known.defined for known in (*moving, *constants)), _of_sum(sign), convex, False, quasi)
+        return of_sum(moving, constants)
 
     def together(self, sections: list[SectionValue]) -> Facts:
         """What is shown of a sum of one degree."""
         with suppress(NotWritten):
             return self.of_one(added(sections))
-        each = [self.of_one(section) for section in sections]
-        convex, nonnegative_ = all(x.convex for x in each), all(x.nonnegative for x in each)
-        return Facts(True, ZERO | POSITIVE | (0 if nonnegative_ else NEGATIVE), convex, False, convex)
+        return of_sum([self.of_one(section) for section in sections])
 
     def of_one(self, section: SectionValue) -> Facts:
         with suppress(NotWritten):
@@ -287,11 +280,6 @@ class _SectionReader:
             turned = reduced({joined(m, ((ROOT, -1),)): c for m, c in turned.items()}) if odd == {1} else turned
             return nonnegative(turned, (-_ABOVE, _ABOVE), self.domain, strict)
         return nonnegative(poly, (Fraction(-1), Fraction(1)), self.domain, strict)
-
-
-def _of_sum(signs: Sign) -> Sign:
-    """The signs of a sum of parts that together have ``signs``."""
-    return ANY if signs & NEGATIVE and signs & POSITIVE else signs
 
 
 def _third_of_pi() -> Term:

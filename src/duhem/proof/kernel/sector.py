@@ -14,18 +14,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from itertools import islice
 from typing import NamedTuple
 
 from duhem.proof.kernel.algebraic import Signs, inner, plain, root_of, roots_in, slope_along
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, gap
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.invariants import Invariants, of_tensor
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, times, total, written
 from duhem.proof.kernel.positivity import RAY, negated
 from duhem.proof.kernel.section import meanings
 from duhem.proof.kernel.section_value import MOST_POWER, Base, SectionValue, added, multiplied, power_of, raised_to, scaled, widened
-from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts
+from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
 from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
@@ -142,21 +143,14 @@ class _SectorReader:
             else:
                 moving.append(self.shown(part, self.domain))
         moving += [self.together(sections) for sections in groups.values()]
-        sign = 0
-        for known in (*moving, *constants):
-            sign |= known.sign
-        convex = all(known.convex for known in moving)
-        quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
-        defined = whole and all(known.defined for known in (*moving, *constants))
-        return Facts(defined, ANY if sign & NEGATIVE and sign & POSITIVE else sign, convex, False, quasi)
+        known = of_sum(moving, constants)
+        return replace(known, defined=known.defined and whole)
 
     def together(self, sections: list[SectionValue]) -> Facts:
         """What is shown of a sum of one degree."""
         with suppress(NotWritten):
             return self.of_one(added(sections))
-        each = [self.of_one(section) for section in sections]
-        convex, above = all(x.convex for x in each), all(x.nonnegative for x in each)
-        return Facts(True, ZERO | POSITIVE | (0 if above else NEGATIVE), convex, False, convex)
+        return of_sum([self.of_one(section) for section in sections])
 
     def of_one(self, section: SectionValue) -> Facts:
         """Of one function; its value where the deviator is 0 is 0."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, Sign, StatedDomain, signs_of_product
 from duhem.proof.kernel.term import Term
 
-__all__ = ["Facts", "Shown", "of_settled_parts"]
+__all__ = ["Facts", "Shown", "of_settled_parts", "of_sum"]
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,16 @@ class Facts:
     def negated(self) -> Facts:
         """Of -x."""
         return Facts(self.defined, signs_of_product(self.sign, NEGATIVE), self.concave, self.convex, self.concave)
+
+
+def of_sum(moving: Sequence[Facts], constants: Sequence[Facts] = ()) -> Facts:
+    """Of a sum of parts, ``constants`` among them that depend on no force."""
+    parts, signs = (*moving, *constants), 0
+    for known in parts:
+        signs |= known.sign
+    convex = all(known.convex for known in moving)
+    quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
+    return Facts(all(known.defined for known in parts), ANY if signs & NEGATIVE and signs & POSITIVE else signs, convex, False, quasi)
 
 
 Shown = Callable[[Term, StatedDomain], Facts]  # what is shown of a term over a domain, for the rules that ask about parts
