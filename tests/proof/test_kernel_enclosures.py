@@ -1,0 +1,103 @@
+"""The kernel's enclosures round outward, and its jets follow the rules of derivatives."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from duhem.proof.kernel.curve import _power as raised
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO
+from duhem.proof.kernel.elementary import _greater, _halved, _over, _shifted, _size, _times_whole, _whole_power
+from duhem.proof.kernel.interval import BITS, AngleJet, Enclosure
+from duhem.proof.kernel.term import NotWritten
+
+F = Fraction
+UNIT = 1 << BITS
+
+
+def test_enclosures_round_outward() -> None:
+    third = Enclosure.between(F(1, 3), F(1, 3))
+    assert third == (UNIT // 3, UNIT // 3 + 1) and Enclosure.between(F(-1, 3), F(1, 2)) == (-(UNIT // 3) - 1, UNIT // 2)
+    assert third.plus(Enclosure(1, 2)) == (UNIT // 3 + 1, UNIT // 3 + 3) and Enclosure(1, 2).minus() == (-2, -1)
+    assert Enclosure(1, 1).times(Enclosure(1, 1)) == (0, 1) and Enclosure(-1, 1).times(Enclosure(3, 5)) == (-1, 1)
+    assert Enclosure(2 * UNIT, 3 * UNIT).times(Enclosure(-5 * UNIT, 4 * UNIT)) == (-15 * UNIT, 12 * UNIT)
+    assert Enclosure(-3 * UNIT, -2 * UNIT).times(Enclosure(-5 * UNIT, -4 * UNIT)) == (8 * UNIT, 15 * UNIT)
+    assert Enclosure(-3 * UNIT, 2 * UNIT).times(Enclosure(-5 * UNIT, 4 * UNIT)) == (-12 * UNIT, 15 * UNIT)
+    assert Enclosure(2 * UNIT, 3 * UNIT).inverse() == (UNIT // 3, UNIT // 2) and Enclosure(3 * UNIT, 3 * UNIT).inverse() == (
+        UNIT // 3,
+        UNIT // 3 + 1,
+    )
+    assert Enclosure(-3 * UNIT, -2 * UNIT).inverse() == (-UNIT // 2, -(UNIT // 3))
+    assert Enclosure(4 * UNIT, 9 * UNIT).root() == (2 * UNIT, 3 * UNIT + 1) and Enclosure(0, 0).root() == (0, 1)
+    for low, high, sign in (
+        (1, 2, POSITIVE),
+        (0, 2, ZERO | POSITIVE),
+        (0, 0, ZERO),
+        (-1, 0, NEGATIVE | ZERO),
+        (-2, -1, NEGATIVE),
+        (-1, 1, 7),
+    ):
+        assert Enclosure(low, high).sign == sign
+    for low, high in ((0, 1), (-1, 0), (-1, 1)):
+        with pytest.raises(ZeroDivisionError):
+            Enclosure(low, high).inverse()
+
+
+def test_steps_of_series() -> None:
+    assert (
+        _greater(Enclosure(-1, 5), Enclosure(0, 3)) == (0, 5) and _size(Enclosure(-5, 2)) == (0, 5) and _size(Enclosure(-5, -2)) == (2, 5)
+    )
+    assert (
+        _shifted(Enclosure(1, 2), 3) == (1 + 3 * UNIT, 2 + 3 * UNIT)
+        and _over(Enclosure(-1, 1), 3) == (-1, 1)
+        and _over(Enclosure(7, 7), 2) == (3, 4)
+    )
+    assert _times_whole(Enclosure(1, 2), -3) == (-6, -3) and _times_whole(Enclosure(1, 2), 3) == (3, 6)
+    two, spread = Enclosure(2 * UNIT, 2 * UNIT), Enclosure(-3 * UNIT, 2 * UNIT)
+    assert (
+        _whole_power(two, 3) == (8 * UNIT, 8 * UNIT)
+        and _whole_power(two, -2) == (UNIT // 4, UNIT // 4)
+        and _whole_power(two, 0) == (UNIT, UNIT)
+    )
+    assert (
+        _whole_power(spread, 2) == (0, 9 * UNIT)
+        and _whole_power(spread, 3) == (-27 * UNIT, 18 * UNIT)
+        and _whole_power(two, 64).low == 2**64 * UNIT
+    )
+    for x in (Enclosure(UNIT // 3, UNIT // 3), Enclosure(-5 * UNIT, 3 * UNIT), Enclosure(-1, 0), Enclosure(7 * UNIT, 900 * UNIT)):
+        y, k = _halved(x)
+        assert (
+            max(-y.low, y.high) <= UNIT // 3 + 1
+            and y.low << k <= x.low
+            and y.high << k >= x.high
+            and y.high - y.low <= ((x.high - x.low) >> k) + 2
+        )
+    with pytest.raises(ValueError, match="too large"):
+        _halved(Enclosure(0, 1001 * UNIT))
+    with pytest.raises(ValueError, match="too high"):
+        _whole_power(two, 65)
+
+
+def test_jets_follow_the_rules_of_derivatives() -> None:
+    def jet(*values: F | int) -> AngleJet:
+        return AngleJet(*(Enclosure.between(F(v), F(v)) for v in values))
+
+    def near(found: AngleJet, *values: F) -> bool:
+        return all(abs(end - v * UNIT) <= 64 for part, v in zip(found, values, strict=True) for end in part)
+
+    f, g = jet(4, 2, 3), jet(-1, 5, 7)
+    assert f.plus(g) == jet(3, 7, 10) and f.times(g) == jet(-4, 18, 45)
+    assert near(f.inverse(), F(1, 4), F(-1, 8), F(-1, 16)) and near(g.inverse(), F(-1), F(-5), F(-57))
+    assert near(f.root(), F(2), F(1, 2), F(5, 8))
+    with pytest.raises(ZeroDivisionError):
+        jet(0, 1, 1).inverse()
+    for exponent, power in (
+        (F(0), (1, 0, 0)), (F(1), (4, 2, 3)), (F(2), (16, 16, 32)), (F(1, 2), (2, F(1, 2), F(5, 8))), (F(3, 2), (8, 6, F(21, 2))),
+        (F(-1), (F(1, 4), F(-1, 8), F(-1, 16))), (F(-1, 2), (F(1, 2), F(-1, 8), F(-3, 32))), (F(-2), (F(1, 16), F(-1, 16), 0)),
+    ):  # fmt: skip
+        assert near(raised(f, exponent), *map(F, power)), exponent
+    for exponent in (F(1, 3), F(13), F(-13), F(25, 2)):
+        with pytest.raises(NotWritten):
+            raised(f, exponent)
+    assert near(raised(jet(1, 0, 0), F(12)), F(1), F(0), F(0))
