@@ -5,9 +5,9 @@
     python -m tests.campaigns.mutation 60 --room kernel --seed 2 --slow
     python -m tests.campaigns.mutation 20 --room kernel --module section
 
-Cosmic Ray makes the mutants, one in each of so many places drawn at random, in a copy of the tree.  A mutant is killed where
-a test fails or uses up its processor time.  Who survives is printed, to be judged: the same program, a weaker one that is
-sound, or a hole in the tests.
+Cosmic Ray makes the mutants, one in each of so many places drawn at random, in a copy of the tree.  Asked are the tests that
+run the place (coverage tells), the quickest first; a mutant is killed where one fails or uses up its processor time.  Who
+survives is printed, to be judged: the same program, a weaker one that is sound, or a hole in the tests.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ import ast
 import difflib
 import os
 import random
-import resource
 import shutil
 import sys
 import tempfile
@@ -25,6 +24,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
+
+from tests.campaigns.tests_of_lines import TestsOfLines, in_a_process, recorded
 
 HERE = Path(__file__).resolve().parents[2]
 TESTS: Mapping[str, str] = {
@@ -42,6 +43,7 @@ class Mutant(NamedTuple):
     """A module with one place changed."""
 
     module: Path
+    line: int
     before: str
     after: str
 
@@ -49,6 +51,15 @@ class Mutant(NamedTuple):
         """The change, line by line."""
         lines = difflib.unified_diff(self.before.splitlines(), self.after.splitlines(), str(self.module), "", lineterm="", n=1)
         return "\n".join(line for line in lines if not line.startswith("+++"))
+
+    def killed(self, tests: TestsOfLines, marks: str) -> bool:
+        """Whether one of the tests that run the place fails, or uses up twice its processor time and half a minute."""
+        chosen = tests.of(self.module, self.line)
+        limit = 30 + 2 * round(sum(tests.seconds[test] for test in chosen))
+        self.module.write_text(self.after, encoding="utf-8")
+        died = bool(chosen) and in_a_process(chosen, marks, limit) != 0
+        self.module.write_text(self.before, encoding="utf-8")
+        return died
 
 
 def places(modules: Sequence[Path]) -> dict[tuple[Path, tuple[int, int]], list[tuple[str, int]]]:
@@ -77,7 +88,7 @@ def mutants(modules: Sequence[Path], seed: int) -> Iterator[Mutant]:
         after = mutate_code(before, get_operator(operator)(), occurrence)
         with suppress(SyntaxError):  # some are no program
             if after is not None and meaning(after) != meaning(before):
-                yield Mutant(module, before, after)
+                yield Mutant(module, start[0], before, after)
 
 
 def meaning(code: str) -> str:
@@ -91,33 +102,9 @@ def meaning(code: str) -> str:
     return ast.dump(tree)
 
 
-def killed(tests: Sequence[str], marks: str, seconds: int) -> bool:
-    """Whether the tests fail on the tree as it is, in a process of their own that may use so many seconds of processor time."""
-    child = os.fork()
-    if child == 0:
-        quiet = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(quiet, 1)
-        os.dup2(quiet, 2)
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
-        import pytest
-
-        os._exit(int(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-m", marks, *tests])))
-    return os.waitpid(child, 0)[1] != 0
-
-
-def seconds_of(tests: Sequence[str], marks: str) -> int:
-    """The processor time of the tests without a mutant."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    if killed(tests, marks, resource.RLIM_INFINITY):
-        raise SystemExit(f"the tests fail without a mutant ({marks}): {' '.join(tests)}")
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return round(after.ru_utime - before.ru_utime)
-
-
-def files(room: str, module: str = " ") -> list[str]:
-    """The test files of a room, in the order in which they are run: first those that bear a module's name."""
-    found = dict.fromkeys(str(f) for name in TESTS[room].split() for f in sorted(Path("tests/proof").glob(f"{name}.py")))
-    return sorted(found, key=lambda f: module not in Path(f).stem)
+def files(room: str) -> list[str]:
+    """The test files of a room."""
+    return list(dict.fromkeys(str(f) for name in TESTS[room].split() for f in sorted(Path("tests/proof").glob(f"{name}.py"))))
 
 
 def main() -> int:
@@ -144,17 +131,17 @@ def sample(rooms: Sequence[str], count: int, seed: int, marks: Sequence[str], mo
     import numpy  # noqa: F401 - what every run needs is imported once, before it forks
     import sympy  # noqa: F401
 
-    limits = {(room, mark): 30 + 2 * seconds_of(files(room), mark) for room in rooms for mark in marks}
     drawn = {room: mutants([p for p in sorted(Path("src/duhem/proof", room).glob("*.py")) if module in p.stem], seed) for room in rooms}
+    tests = {
+        (r, mark): recorded(files(r), mark, f"src/duhem/proof/{r}", Path(f"{r}-{mark}".replace(" ", "-"))) for r in rooms for mark in marks
+    }
     dead = dict.fromkeys(rooms, 0)
     asked = dict.fromkeys(rooms, 0)
     for i in range(count):
         room = rooms[i % len(rooms)]
         if (mutant := next(drawn[room], None)) is None:
             continue
-        mutant.module.write_text(mutant.after, encoding="utf-8")
-        died = any(killed(files(room, mutant.module.stem), mark, limits[room, mark]) for mark in marks)
-        mutant.module.write_text(mutant.before, encoding="utf-8")
+        died = any(mutant.killed(tests[room, mark], mark) for mark in marks)
         asked[room] += 1
         dead[room] += died
         if not died:
