@@ -143,6 +143,23 @@ def test_no_margin_ends_the_search() -> None:
     assert asked(Question(sp.exp(x) - 1, P, (sp.Ge(x, 0), sp.Le(x, 1)))) == Answer(None, "interval", reason=reason)
 
 
+@pytest.mark.parametrize(("end", "boxes"), [(50, 3), (51, 1)])
+def test_the_narrowest_box(end: int, boxes: int) -> None:
+    """One of a relative width below 2^-50; the upper half is the first that is asked."""
+    question = Question(sp.exp(x) - 1, P, (sp.Ge(x, 0), sp.Le(x, sp.Rational(1, 2**end))))
+    budget = Budget(10**5)
+    assert by_enclosure(question, budget).reason == "the margin is below the working precision"
+    nodes = sum(1 for e in (question.expr, *question.given) for _ in sp.preorder_traversal(e))
+    assert 10**5 - budget.left == boxes * (25 + 5 * nodes)
+
+
+def test_a_point_on_the_circle_has_twelve_digits() -> None:
+    question = Question(x, P, (), (x, y))
+    angle = sp.Symbol("t")
+    point = _middle({angle: (Fraction(1, 3), Fraction(1, 3))}, question, angle)
+    assert point[y] == Fraction(3**0.5 / 2).limit_denominator(10**12) and 10**11 < point[y].denominator < 10**12
+
+
 def test_a_box_costs_what_is_enclosed_over_it() -> None:
     """The first box leaves two, of which the steps pay none: 25 of the box, 5 of each node of the goal and the hypotheses."""
     question = Question(x**2 - x + 1, P, BOX)

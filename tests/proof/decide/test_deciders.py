@@ -83,7 +83,7 @@ def test_a_product_by_its_factors() -> None:
     [(sp.sinh, 0, ()), (sp.tanh, 0, ()), (sp.atan, 0, ()), (sp.asin, 0, (-1, 1)), (sp.acos, 1, (-1, 1)), (sp.log, 1, ())],
 )
 def test_a_monotone_word_has_the_sign_of_its_argument(word: type, zero: int, ends: tuple[int, ...], scale: int) -> None:
-    """On its side of the place where it is 0; what lies beyond the ends of an arc is not."""
+    """On its side of the place where it is 0; it has none where it is not defined."""
     falls = -1 if word is sp.acos else 1
 
     def asked(sense: Sense, *given: sp.Basic) -> bool | None:
@@ -92,7 +92,7 @@ def test_a_monotone_word_has_the_sign_of_its_argument(word: type, zero: int, end
         return found.holds
 
     side = 1 if scale * falls > 0 else -1
-    within = tuple(r for end in ends for r in (sp.Ge(x, -1), sp.Le(x, 1)))
+    within = (sp.Gt(x, 0),) if word is sp.log else tuple(r for end in ends for r in (sp.Ge(x, -1), sp.Le(x, 1)))
     assert asked(N, sp.Ge(side * (x - zero), 0), *within) is True and asked(P, sp.Gt(side * (x - zero), 0), *within) is True
     assert asked(P, sp.Ge(side * (x - zero), 0), *within) is None
     if side * zero >= 0:
@@ -101,6 +101,8 @@ def test_a_monotone_word_has_the_sign_of_its_argument(word: type, zero: int, end
         assert asked(N, sp.Ge(side * x, 0), sp.Le(side * x, 2)) is None
     if word is sp.acos and scale > 0:
         assert asked(N, sp.Le(x, 1)) is None and asked(N, sp.Ge(x, -1)) is None
+    if word is sp.log and scale < 0:
+        assert asked(N, sp.Le(x, 1)) is None and asked(N, sp.Le(x, 1), sp.Ge(x, 0)) is None and asked(P, sp.Lt(x, 1)) is None
     assert asked(Z, sp.Eq(x, zero)) is None
 
 
@@ -248,6 +250,27 @@ def test_factors_are_sought_where_they_cost_no_more_than_an_eighth() -> None:
     assert _factors(square, Budget(960)) == () and _factors(square, Budget(959)) == ((square.goal, ()),)
 
 
+def test_a_question_of_no_claim_has_eight_million_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[int] = []
+
+    def looked(question: Question, budget: Budget) -> Answer:
+        seen.append(budget.left)
+        return YES
+
+    monkeypatch.setattr(deciders, "between_rays", looked)
+    assert decide(Question(x, N)) == decide(Question(x, N), Budget(7)) == YES and seen == [8_000_000, 7]
+
+
+def test_thirty_two_branches_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The least that is open or violated is the answer, the last method its name."""
+    monkeypatch.setattr(deciders, "between_rays", lambda question, budget: Answer(True, f"on {len(question.given)}"))
+    five = sp.Add(*(sp.Abs(symbol(f"x{i}")) for i in range(5)))
+    assert decide(Question(five - 1, P)) == Answer(True, "on 5")
+    said = [YES, Answer(None, "open", reason="tired"), NO]
+    monkeypatch.setattr(deciders, "between_rays", lambda question, budget: said.pop(0))
+    assert decide(Question(sp.Abs(x) - 1, P)) == Answer(None, "open", reason="tired") and said == [NO]
+
+
 def test_shares_of_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """A quarter for the polynomials, half of the rest for those that end with an enclosure."""
     import duhem.proof.decide.enclosure as enclosure
@@ -304,6 +327,18 @@ def test_z3_is_paid_for_what_it_counted() -> None:
     assert found.holds is False and found.point is not None and abs(float(found.point[x]) + 2**0.5) < 1e-12
 
 
+def test_z3_counts_no_further_than_its_words_are_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits: list[tuple[object, ...]] = []
+    real = z3.Solver.set
+    monkeypatch.setattr(z3.Solver, "set", lambda solver, *given: limits.append(given) or real(solver, *given))
+    monkeypatch.setattr(z3.Solver, "check", lambda solver: z3.unknown)
+    budget = Budget(2**40)
+    assert by_smt(HARD, budget).holds is None and limits == [("rlimit", 2**32 - 1)] * 2 and budget.left == 2**40 - 2 * (2**32 - 1)
+    limits.clear()
+    by_smt(HARD, Budget(80))
+    assert limits == [("rlimit", 30), ("rlimit", 20)]
+
+
 def test_z3_stopped_or_broken_decides_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(solver: z3.Solver) -> None:
         raise z3.Z3Exception("out of luck")
@@ -333,7 +368,7 @@ def test_steps_as_the_solver_counts_them() -> None:
     assert smt.counted(Solver(rlimit_count=7), 9) == 7 and smt.counted(Solver(memory=7), 9) == 9
 
 
-@pytest.mark.parametrize(("microseconds", "stopped"), [(0, 1), (100_000_000, 0)])
+@pytest.mark.parametrize(("microseconds", "stopped"), [(0, 1), (50_000, 1), (100_000_000, 0)])
 def test_a_net_of_processor_time(microseconds: int, stopped: int) -> None:
     class Context:
         stops = 0
@@ -341,7 +376,7 @@ def test_a_net_of_processor_time(microseconds: int, stopped: int) -> None:
         def interrupt(self) -> None:
             self.stops += 1
 
-    context, end = Context(), process_time() + 0.2
+    context, end = Context(), process_time() + (0.8 if stopped else 0.2)
     with smt._net(context, microseconds):
         while process_time() < end and context.stops == 0:
             sum(range(1000))

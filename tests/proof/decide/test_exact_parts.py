@@ -190,6 +190,24 @@ def test_affine_relations() -> None:
     assert Affine((x, y), Budget(10**6)).solution((x + y * x, ">")) is Affine((x, y), Budget(10**6)).solution((sp.pi * x, ">")) is None
     assert Affine((x, y), Budget(10**6)).solution((x * y, "<")) is None
     assert Affine((x, y), Budget(10**6)).solution((x**2, "<")) is None
+    for odd in (x + sp.pi, sp.Float(0.5) * x, sp.sqrt(2) * x, 2 * x * y, 2 * sp.sqrt(x), Neg(x * y), x / y, Norm(x, y)):
+        assert Affine((x, y), Budget(10**6)).solution((x, ">"), (odd, "<")) is None, odd
+    for plain in (-3 * (x + y), sp.Mul(2, x - 1, evaluate=False), 2 * sp.Max(x, -y / 7), sp.S.Half, x):
+        assert isinstance(Affine((x, y), Budget(10**6)).solution((plain, "!=")), dict), plain
+
+
+def test_affine_relations_have_two_hundred_thousand_steps_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    import z3
+
+    limits: list[tuple[object, ...]] = []
+    real = z3.Solver.set
+    monkeypatch.setattr(z3.Solver, "set", lambda solver, *given: limits.append(given) or real(solver, *given))
+    for steps in (10**6, 203_001, 13_000):
+        assert isinstance(Affine((x, y), Budget(steps)).solution((x, ">")), dict)
+    assert limits == [("rlimit", 200_000), ("rlimit", 200_000), ("rlimit", 10_000)]
+    monkeypatch.setattr(z3.Solver, "check", lambda solver: z3.unknown)
+    budget = Budget(10**6)
+    assert Affine((x, y), budget).solution((x, ">")) is None and budget.left < 10**6 - 3_000
 
 
 def test_affine_relations_cost_what_z3_counted() -> None:

@@ -94,6 +94,18 @@ def test_truth_of_a_sign(op: str, truth: str) -> None:
     assert [Relation(sp.Integer(sign), op).holds() for sign in (-1, 0, 1)] == [t == "y" for t in truth]
 
 
+def test_signs_at_roots_in_sixteen_thousand_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[int] = []
+
+    def stays_open(p: Any, factor: Any, root: Any) -> int:
+        seen.append(flint.ctx.prec)
+        raise OpenError("open")
+
+    monkeypatch.setattr(line_cells, "_sign_at_root", stays_open)
+    answer = by_cells(system((x + 3, ">"), (x**2 - 2, "==")), Budget(10**6))
+    assert answer == Answer(None, "sturm", reason="a sign at a root stays open") and seen == [64, 1024, 16384]
+
+
 def test_on_the_line() -> None:
     def asked(goal: Row, *given: Row) -> Answer:
         return by_cells(system(goal, *given), Budget(10**5))
@@ -121,6 +133,8 @@ def test_what_a_resultant_may_cost() -> None:
     assert _bound(one, two) == 2 * 1 + 3 * 2 == _bound(two, one)
     assert _price(one, two) == 10 + 8 * (1 * 202 + 2 * 4) * 2**3 // 1000 == _price(two, one) == 23
     assert _price(one, one) == 10 + 8 * (4 * 202) * 2**3 // 1000
+    high, low = POLYS(10**60 * y**6 + x**30), POLYS(y**3 - x)
+    assert _price(high, low) == 10 + 96 * (3 * 202 + 6 * 3) * 6**3 // 1000 == 12_949
     budget = Budget(100)
     projection([one, two], [(one, two)], budget)
     assert budget.left == 100 - 23 - 61
@@ -133,6 +147,8 @@ def test_a_projection_beyond_its_degree_is_not_begun() -> None:
         projection([POLYS(y**2 - x**101)], [], Budget(10**9))
     with pytest.raises(OpenError, match="degree 500"):
         projection([], [(POLYS(y - x**500), POLYS(y - 1))], Budget(10**9))
+    with pytest.raises(OpenError, match="degree 401"):
+        projection([], [(POLYS(y - x**401), POLYS(y - 1))], Budget(10**9))
 
 
 def test_the_parts_of_a_projection() -> None:
@@ -229,6 +245,31 @@ def test_what_is_no_question_along_a_curve() -> None:
     assert along((y + 2, ">"), (x - 1, "=="), CIRCLE, (0, "==")) == Answer(True, "plane-cells")
 
 
+def test_which_curve_is_followed_and_how_it_is_sheared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of those in both variables one of the lowest degree; along the variable that has the lower degree in it."""
+    asked: list[tuple[Any, ...]] = []
+    raised: list[Exception] = []
+
+    def noted(polys: Integral, curve: Relation, given: list[Relation], goal: Relation, budget: Budget) -> None:
+        asked.append((polys.x, polys.y, curve.poly, [r.poly for r in given]))
+        if raised:
+            raise raised[0]
+
+    monkeypatch.setattr(plane_curve, "_violation", noted)
+    cubic, line, flat = x**3 + y, x + 2 * y - 3, y - 1
+    along((x, ">"), (cubic, "=="), (flat, "=="), (line, ">"), (0, ">="))
+    along((x, ">"), (cubic, "=="), (x * y - 1, "=="), (line, "=="), (flat, ">"))
+    along((x, ">"), (x - y**2, "=="))
+    assert asked == [(x, y, cubic, [flat, line]), (y, x, line, [cubic, x * y - 1, flat]), (y, x, x - y**2, [])]
+    asked.clear()
+    raised.append(DegenerateError())
+    answer = along((x, ">"), CIRCLE)
+    assert answer == Answer(None, "plane-cells", reason="no projection is in general position") and len(asked) == 6
+    asked.clear()
+    raised[0] = OpenError("dark")
+    assert along((x, ">"), CIRCLE) == Answer(None, "plane-cells", reason="dark") and len(asked) == 1
+
+
 def test_violations_along_a_curve() -> None:
     assert near(along((x - 1, ">="), (x - y**2 + 3, "=="), (y - 1, ">"), (2 - y, ">=")), {})
     assert along((3 - x, ">="), (y**2 - x, "=="), (y + 1, ">"), (1 - y, ">")).holds is True
@@ -271,6 +312,13 @@ def test_what_a_curve_costs() -> None:
         assert by_plane(system(goal, given), budget).holds is True
         left.append(10**6 - budget.left)
     assert left == [908, 330]
+    for goal, given, holds, steps in (
+        ((1 - y, ">"), [CIRCLE], None, 74_430),  # in ever smaller boxes
+        ((x + y**3 + 3, ">"), [(x**4 + y**4 - 1, "==")], True, 5_561),
+        ((x**3 + 5, ">="), [(x**5 + y**3 + x - 7, "=="), (-x, ">=")], False, 897),
+    ):
+        budget = Budget(10**6)
+        assert by_plane(system(goal, *given), budget).holds is holds and 10**6 - budget.left == steps
     assert along((2 - y, ">"), CIRCLE, steps=50) == Answer(None, "plane-cells", reason="its steps are spent")
 
 
@@ -299,3 +347,26 @@ def test_in_a_region() -> None:
         assert goal[0].subs(answer.point) < 0 and all(p.subs(answer.point) > 0 for p, _ in given)
     assert inside((y - x**2, ">="), (y - x**2 - 1, ">")).holds is True and inside((x - y, ">="), (x - y, ">="), (x, ">=")).holds is None
     assert inside((9 - x, ">="), (x, ">="), (y - x, ">"), (9 - y, ">")).holds is True
+
+
+def test_what_a_region_costs_and_which_way_it_is_cut() -> None:
+    """Along the variable of the lower degree in the goal."""
+    for goal, given, holds, steps in (
+        ((x**4 + y**4 + x * y + 5, ">="), [], True, 2_388),
+        ((x**4 + y**4 + x * y**2 + 5, ">"), [(y**3 - x, ">")], True, 19_495),
+        ((x * y**3 + 5, ">="), [(x**2 + y**2 - 3, ">")], False, 1_892),
+    ):
+        budget = Budget(10**6)
+        answer = by_region(system(goal, *given), budget)
+        assert answer.holds is holds and 10**6 - budget.left == steps
+    assert answer.point == {x: 2, y: -3}
+
+
+def test_a_region_says_why_it_is_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    for fault, reason in ((DegenerateError(), "degenerate"), (OpenError("dark"), "dark")):
+
+        def fails(*given: Any, fault: Exception = fault) -> None:
+            raise fault
+
+        monkeypatch.setattr(plane_region, "_violation", fails)
+        assert inside((x + y, ">=")) == Answer(None, "plane-cells", reason=reason)

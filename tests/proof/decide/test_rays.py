@@ -14,7 +14,7 @@ from duhem.expression import Norm
 from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.question import Answer, Question, Sense
 from duhem.proof.decide.radicals import sign_of_radicals
-from duhem.proof.decide.rays import between_rays
+from duhem.proof.decide.rays import _read, _Side, between_rays
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.polar_form import polar_form
 from duhem.proof.methods import polar
@@ -100,6 +100,107 @@ SEAM = root(2) * x - root(3) * y
 def test_on_a_ray_it_is_a_number(expr: sp.Expr, sense: Sense, given: tuple[sp.Basic, ...], holds: bool | None) -> None:
     answer = asked(expr, sense, *given)
     assert (answer.holds if isinstance(answer, Answer) else None) is holds
+
+
+FIRST, SECOND = y - root(2) * x, root(3) * x - y  # the lines through (1, sqrt(2)) and (1, sqrt(3))
+INSIDE = (FIRST >= 0, SECOND >= 0)
+SENSES = (Sense.NONNEGATIVE, Sense.POSITIVE, Sense.ZERO)
+
+
+@pytest.mark.parametrize(
+    ("given", "expr", "told"),
+    [
+        (INSIDE, FIRST, "yes no no"),  # 0 on the one end
+        (INSIDE, SECOND, "yes no no"),
+        (INSIDE, x, "yes yes no"),
+        (INSIDE, -FIRST, "no no no"),
+        (INSIDE, -x, "no no no"),
+        (INSIDE, 2 * y - 3 * x, "no no no"),  # changes its sign inside
+        (INSIDE, (Norm(root(2), root(7)) - 3) * x, "yes no yes"),  # 0 that does not show
+        ((FIRST > 0, SECOND >= 0), FIRST, "yes yes no"),
+        ((FIRST > 0, SECOND >= 0), SECOND, "yes no no"),
+        ((FIRST >= 0, SECOND > 0), FIRST, "yes no no"),
+        ((FIRST >= 0, SECOND > 0), SECOND, "yes yes no"),
+        ((FIRST > 0, SECOND > 0), -FIRST, "no no no"),
+        ((FIRST > 0, SECOND > 0), 2 * y - 3 * x, "no no no"),
+        ((sp.Eq(FIRST, 0), x > 0), x, "yes yes no"),  # a ray
+        ((sp.Eq(FIRST, 0), x > 0), -x, "no no no"),
+        ((sp.Eq(FIRST, 0), x > 0), FIRST, "yes no yes"),
+        ((sp.Eq(FIRST, 0), x > 0), x**3 - y * x**2 / root(2), "yes no yes"),
+        ((sp.Eq(FIRST, 0), x >= 0), sp.S.One, "yes yes no"),
+        ((sp.Eq(FIRST, 0),), x, "no no no"),  # both rays
+        ((sp.Eq(FIRST, 0),), x**2, "yes yes no"),
+        ((FIRST >= 0, 2 * FIRST >= 0, FIRST <= 0, 3 * x >= 0, x >= 0), x, "yes yes no"),  # said twice
+        ((sp.Eq(FIRST, 0), sp.Eq(SECOND, 0)), sp.S.NegativeOne, "yes yes yes"),  # nowhere on the circle
+        ((FIRST > 0, -FIRST > 0), sp.S.NegativeOne, "yes yes yes"),
+        ((FIRST > 0, FIRST <= 0), sp.S.NegativeOne, "yes yes yes"),
+        ((FIRST >= 0, SECOND >= 0, x < 0), sp.S.NegativeOne, "yes yes yes"),
+        ((FIRST >= 0, SECOND <= 0, x < 0), -x, "yes yes no"),
+    ],
+)
+def test_three_senses(given: tuple[sp.Basic, ...], expr: sp.Expr, told: str) -> None:
+    answers = [asked(expr, sense, *given) for sense in SENSES]
+    named = {Answer(True, "rays"): "yes", Answer(False, "rays"): "no", None: "open"}
+    assert " ".join(named[a] if not isinstance(a, Question) else "less" for a in answers) == told
+
+
+@pytest.mark.parametrize(
+    ("expr", "given", "kept"),
+    [
+        (x * y, (*INSIDE, x >= 0), INSIDE),
+        (x * y, (x + y > 0, *INSIDE, x >= 0), INSIDE),
+        (x * y, (*INSIDE, *INSIDE), INSIDE),
+        (x * y, (FIRST > 0, FIRST >= 0, SECOND >= 0), None),  # the first holds on no end that it bounds
+        (x * y, (FIRST >= 0, SECOND >= 0), None),
+        (x * y, (SECOND >= 0, FIRST <= 0, x >= 0, x + y >= 0), (FIRST <= 0, x + y >= 0)),
+        (x * y, (SEAM >= 0,), None),  # a half-plane, and so below
+        (-SEAM, (SEAM >= 0, 2 * SEAM >= 0), None),
+        (-SEAM, (SEAM >= 0, SEAM > 0), None),
+    ],
+)
+def test_what_bounds_a_sector_is_kept(expr: sp.Expr, given: tuple[sp.Basic, ...], kept: tuple[sp.Basic, ...] | None) -> None:
+    assert asked(expr, Sense.NONNEGATIVE, *given) == (kept and Question(expr, Sense.NONNEGATIVE, kept, (x, y)))
+
+
+def test_a_relation_that_is_0_in_disguise_bounds_nothing() -> None:
+    """0 x >= 0 leaves the half-plane beside it whole, where SEAM is not 0."""
+    nought = Norm(root(2), root(7)) - 3
+    for given in ((nought * x >= 0, SEAM >= 0), (SEAM >= 0, sp.Eq(nought * y, 0)), (SEAM >= 0, nought * (x + y) > 0)):
+        for expr, sense in ((-SEAM, Sense.NONNEGATIVE), (SEAM, Sense.POSITIVE), (SEAM, Sense.ZERO)):
+            assert asked(expr, sense, *given) is None
+
+
+def test_what_is_no_question_between_rays() -> None:
+    p = sp.Symbol("p", positive=True)
+    assert between_rays(Question(x, Sense.POSITIVE, (SEAM >= 0, x <= 0, y <= 0)), Budget(10**6)) is None
+    assert asked(x, Sense.POSITIVE) is None and asked(p * x, Sense.POSITIVE, *INSIDE, x >= 0) is None
+    assert asked(p * x, Sense.POSITIVE, sp.Eq(FIRST, 0), x > 0) is None
+    assert asked(sp.S.NegativeOne, Sense.POSITIVE, sp.Eq(FIRST, 0), x > 0) == Answer(False, "rays")
+    unknown = sp.sin(1) ** 2 + sp.cos(1) ** 2 - 1
+    assert asked(unknown * x, Sense.NONNEGATIVE, sp.Eq(FIRST, 0)) is None
+    assert asked(x, Sense.NONNEGATIVE, *INSIDE, unknown * x - y <= 0) == Answer(True, "rays")
+    assert asked(x, Sense.NONNEGATIVE, *INSIDE, root(2) * (1 + unknown) * x - y <= 0) is None
+
+
+def test_relations_as_sides() -> None:
+    a, b, circle, p = root(2), -root(3), (x, y), sp.Symbol("p", positive=True)
+    for relation, strict in ((SEAM >= 0, False), (SEAM > 0, True), (sp.Le(0, SEAM), False), (sp.Lt(0, SEAM), True)):
+        assert _read(relation, circle) == [_Side(a, b, strict, relation)]
+    for relation, strict in ((SEAM <= 0, False), (SEAM < 0, True)):
+        assert _read(relation, circle) == [_Side(-a, -b, strict, relation)]
+    same = sp.Eq(a * x, -b * y)
+    assert _read(same, circle) == [_Side(a, b, False, same), _Side(-a, -b, False, same)]
+    assert _read(x >= 0, circle) == [_Side(1, 0, False, x >= 0)] and _read(y > x, circle) == [_Side(-1, 1, True, y > x)]
+    odd = (sp.Ne(SEAM, 0), SEAM >= 1, x * y >= 0, x**2 + y >= 0, 1 / x >= 0, root(x) + y >= 0, p * x + y >= 0, x + p * y >= 0, sp.true)
+    assert [relation for relation in odd if _read(relation, circle) is not None] == []
+
+
+def test_signs_are_paid_for() -> None:
+    """A thousand steps for each pair of sides; an equation has two."""
+    for given, price in ((INSIDE, 4_000), ((sp.Eq(FIRST, 0), x >= 0), 9_000)):
+        few, enough = Budget(price - 1), Budget(price)
+        assert between_rays(Question(x, Sense.POSITIVE, given, (x, y)), few) is None and few.left == price - 1
+        assert between_rays(Question(x, Sense.POSITIVE, given, (x, y)), enough) is not None and enough.left == 0
 
 
 def test_what_is_left_out_says_nothing_more() -> None:

@@ -6,10 +6,10 @@ import pytest
 import sympy as sp
 
 from duhem.expression import symbol
-from duhem.proof.decide import Budget
+from duhem.proof.decide import Budget, reduction
 from duhem.proof.decide.exact import by_exact
 from duhem.proof.decide.polynomials import Relation, System
-from duhem.proof.decide.reduction import Reduction, _is_circle, _turned, parts, variables
+from duhem.proof.decide.reduction import Reduction, _is_circle, _rational_roots, _terms, _turned, parts, variables
 
 x, y, z = (symbol(name) for name in "xyz")
 CIRCLE = Relation(x**2 + y**2 - 1, "==")
@@ -55,6 +55,9 @@ GOAL = (x + y, ">=")
         ([(x**2 - 1, "=="), (x, "!="), (y - x, ">=")], [y - 1, y + 1]),
         ([(x * (x - 1), "=="), (y * (y - 2), "==")], [sp.Integer(0), sp.Integer(1), sp.Integer(2), sp.Integer(3)]),
         ([(x, "=="), (x - 1, "==")], []),
+        ([(y, ">="), (x - y**2, "!="), (2 * x - 1, "==")], [y + HALF]),  # after what is no equation,
+        ([(x * y - 1, "=="), (y - 2, "==")], [5 * HALF]),  # or gives no value
+        ([(x**2 - 2, "=="), (x * y - 1, "=="), (2 * y - x, "==")], [3 * y]),
     ],
 )
 def test_equations_are_put_in_place(given: list[Row], goals: list[sp.Expr]) -> None:
@@ -125,6 +128,27 @@ def test_a_polynomial_of_the_half_angle() -> None:
     assert _turned(x * y + z**3, x, y, t) == sp.expand(2 * t * (1 - t**2) + z**3 * (1 + t**2) ** 2)
     assert _turned(x**3 - 3 * y, x, y, t) == sp.expand((1 - t**2) ** 3 - 6 * t * (1 + t**2) ** 2)
     assert _turned(z + 1, x, y, t) == z + 1 and _turned(sp.S.Zero, x, y, t) == 0
+
+
+def test_roots_that_are_rational() -> None:
+    def found(poly: sp.Expr) -> list[sp.Rational] | None:
+        roots = _rational_roots(sp.Poly(poly, x, domain="QQ"))
+        return roots and sorted(roots)
+
+    assert found((x - 1) ** 3 * (3 * x + 2) * (x**2 + 1)) == [sp.Rational(-2, 3), 1] and found(x**2 + 1) == []
+    assert found((x - 1) * (x**2 - 2)) is None and found(x**3 - 2) is None and found(x**5) == [0]
+
+
+def test_a_value_with_too_many_terms_is_not_put_in_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A power n of a sum of k terms has as many as n things can be shared out to k."""
+    asked = system((x**2 * y + y, ">="), (x * y - 1, ">="), (z, ">="), (sp.S.Zero, "=="))
+    assert [_terms(asked, x, count) for count in (1, 2, 3)] == [2 + 2 + 1 + 1, 2 * 3 + 2 * 2 + 1 + 1, 2 * 6 + 2 * 3 + 1 + 1]
+    seen: list[tuple[sp.Symbol, int]] = []
+    for most, count in ((20_000, 1), (20_001, 0)):
+        monkeypatch.setattr(reduction, "_terms", lambda whole, of, count, most=most: seen.append((of, count)) or most)
+        (part,) = parts(system(GOAL, (z - x**2 - y - 1, "==")))
+        assert len(part.steps) == count
+    assert seen == [(y, 3), (y, 3), (z, 3)]  # of two that may be put in place the first by its name
 
 
 def test_only_so_many_parts() -> None:

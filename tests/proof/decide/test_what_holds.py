@@ -100,6 +100,10 @@ UNDEFINED: list[tuple[sp.Expr, tuple[sp.Basic, ...]]] = [
     (x * sp.sqrt(y) + 1, (sp.Eq(x, 0),)),
     (x * sp.log(y) + 1, (sp.Eq(x, 0), sp.Ge(y, 0))),
     (x / sp.sqrt(y) + 1, (sp.Eq(x, 0), sp.Ge(y, 0))),
+    (-sp.log(x), (sp.Lt(x, 1),)),
+    (-sp.log(x) / 2, (sp.Lt(x, 1), sp.Ge(x, 0))),
+    (sp.acos(x), (sp.Lt(x, 1),)),
+    (-sp.asin(x), (sp.Lt(x, 0),)),
     (sp.sqrt(x - 1) * sp.sqrt(x - 2) + 3, (sp.Eq(x, 0),)),
     (Where(sp.Gt(y, 0), x / y, 1 / y) + 2, (sp.Eq(x, 0), sp.Gt(y, -1))),
 ]

@@ -55,4 +55,4 @@ def _affine(expr: sp.Expr) -> bool:
 def _scaled(product: sp.Mul) -> bool:
     """Whether a product is a number times one expression."""
     scale, rest = product.as_coeff_Mul()
-    return bool(scale.is_Rational) and not rest.is_Mul and len(product.args) == 2
+    return bool(scale.is_Rational) and not rest.is_Mul

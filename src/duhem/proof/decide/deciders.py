@@ -12,7 +12,7 @@ from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.exact import by_exact
 from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
-from duhem.proof.decide.question import Answer, Question, Sense
+from duhem.proof.decide.question import Answer, Question, Sense, domain
 from duhem.proof.decide.rays import between_rays
 from duhem.proof.decide.smt import by_smt
 
@@ -22,7 +22,6 @@ __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_exact, by_smt)
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
-_ARCS = (sp.asin, sp.acos)
 # What has the sign of a word of x.
 _SIGNS: dict[type, Callable[[sp.Expr], sp.Expr]] = {
     **dict.fromkeys((sp.sinh, sp.tanh, sp.asin, sp.atan), lambda x: x),
@@ -108,14 +107,13 @@ def _by_factors(question: Question, budget: Budget) -> Answer:
 
 
 def _by_argument(question: Question, budget: Budget) -> Answer:
-    """A monotone word has the sign of its argument less the place where it is 0, wherever it is defined."""
+    """A monotone word has the sign of its argument less the place where it is 0, and must be defined."""
     scale, word = question.expr.as_coeff_Mul()
     wanted = _SIGNS.get(type(word))
     if wanted is None or question.sense is Sense.ZERO:
         return Answer(None, "monotone", reason="it is no monotone word")
     x, method = word.args[0], ""
-    ends = [(1 - s * x, Sense.NONNEGATIVE) for s in (1, -1) if isinstance(word, _ARCS)]
-    for expr, sense in ((sp.sign(scale) * wanted(x), question.sense), *ends):
+    for expr, sense in ((sp.sign(scale) * wanted(x), question.sense), *domain(word)):
         answer = decide(Question(expr, sense, question.given, question.circle), budget)
         if answer.holds is not True:
             return Answer(None, "monotone", reason=answer.reason)

@@ -143,7 +143,7 @@ class _Component:
                 gradient = [_poly(_columns(p, root)) for p in slopes]
                 if not float(bound.upper()) < 1e300:
                     raise OpenError("the curve has a point too far away")
-                end = 2.0 ** math.ceil(math.log2(float(bound.upper())) + 0.01)
+                end = 2.0 ** math.frexp(float(bound.upper()))[1]
                 queue, narrowest = [(flint.arb(0), end)], end / 2.0 ** (bits // 3)
                 while queue:
                     budget.spend(_SIGN * (len(above) + 4))

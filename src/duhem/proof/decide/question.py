@@ -11,7 +11,7 @@ import sympy as sp
 
 from duhem.expression import Atan2, Where
 
-__all__ = ["Answer", "Question", "Sense"]
+__all__ = ["Answer", "Question", "Sense", "domain"]
 
 _UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)
 
@@ -103,19 +103,24 @@ def _needs(expr: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Questio
         return
     for part in expr.args:
         yield from _needs(part, given)
+    yield from (Question(of, sense, given) for of, sense in domain(expr))
+
+
+def domain(expr: sp.Basic) -> Iterator[tuple[sp.Expr, Sense]]:
+    """What must hold of the arguments of a word, or a power, for it to be defined where they are."""
     if isinstance(expr, sp.log):
-        yield Question(expr.args[0], Sense.POSITIVE, given)
+        yield expr.args[0], Sense.POSITIVE
     elif isinstance(expr, sp.asin | sp.acos):
-        yield Question(1 - expr.args[0], Sense.NONNEGATIVE, given)
-        yield Question(1 + expr.args[0], Sense.NONNEGATIVE, given)
+        yield 1 - expr.args[0], Sense.NONNEGATIVE
+        yield 1 + expr.args[0], Sense.NONNEGATIVE
     elif isinstance(expr, Atan2):
-        yield Question(sp.Add(*(x**2 for x in expr.args)), Sense.POSITIVE, given)
+        yield sp.Add(*(x**2 for x in expr.args)), Sense.POSITIVE
     elif isinstance(expr, sp.tan):
-        yield Question(sp.cos(expr.args[0]) ** 2, Sense.POSITIVE, given)
+        yield sp.cos(expr.args[0]) ** 2, Sense.POSITIVE
     elif isinstance(expr, sp.Pow) and not expr.exp.is_Integer:
-        yield Question(expr.base, Sense.NONNEGATIVE if expr.exp.is_positive else Sense.POSITIVE, given)
+        yield expr.base, Sense.NONNEGATIVE if expr.exp.is_positive else Sense.POSITIVE
     elif isinstance(expr, sp.Pow) and expr.exp.is_negative:
-        yield Question(expr.base**2, Sense.POSITIVE, given)
+        yield expr.base**2, Sense.POSITIVE
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ def sign_of_radicals(number: sp.Expr) -> int | None:
 def _sizes(number: sp.Expr, roots: dict[sp.Expr, int]) -> Sizes | None:
     """Of a number; ``roots`` takes up what roots are taken of, and of which index."""
     if number.is_Rational:
-        return max(0.0, _SLACK * log2(max(1, abs(int(number.p))))), _SLACK * log2(int(number.q))
+        return _SLACK * log2(max(1, abs(int(number.p)))), _SLACK * log2(int(number.q))
     if isinstance(number, Norm):
         return _sizes(sp.Pow(sp.Add(*(a**2 for a in number.args)), sp.S.Half, evaluate=False), roots)
     if number.is_Pow and number.exp.is_Rational and abs(number.exp.p) <= _LARGEST:
@@ -67,9 +67,8 @@ def _of_power(number: sp.Expr, roots: dict[sp.Expr, int]) -> Sizes | None:
     if (base := _sizes(number.base, roots)) is None:
         return None
     k, n = int(number.exp.q), abs(int(number.exp.p))
-    if k > 1:
-        roots[number.base] = lcm(k, roots.get(number.base, 1))
-        u, low = base
-        base = ((u + (k - 1) * low) / k, low)  # the k-th root of U/L is that of U L^(k - 1), over L
-    high, below = (_SLACK * n * size for size in base)
+    roots[number.base] = lcm(k, roots.get(number.base, 1))
+    u, low = base
+    root = (u + (k - 1) * low) / k, low  # the k-th root of U/L is that of U L^(k - 1), over L
+    high, below = (_SLACK * n * size for size in root)
     return (below, high) if number.exp.is_negative else (high, below)

@@ -21,7 +21,7 @@ __all__ = ["between_rays"]
 
 _METHOD = "rays"
 _SIGN = 1_000  # steps of the sign of a number
-Ray = tuple[sp.Expr, sp.Expr]
+Ray = tuple[sp.Expr, sp.Expr]  # its direction, or a and b of a x + b y
 
 
 class _Side(NamedTuple):
@@ -40,7 +40,7 @@ class _Side(NamedTuple):
 def between_rays(question: Question, budget: Budget) -> Answer | Question | None:
     """The answer, or the question without relations that say nothing more; None where the rays are no such numbers."""
     circle, sides = question.circle, list[_Side]()
-    if circle is None or not question.given or question.expr.free_symbols - set(circle):
+    if circle is None or question.expr.free_symbols - set(circle):
         return None
     for relation in question.given:
         if (read := _read(relation, circle)) is None:
@@ -50,6 +50,8 @@ def between_rays(question: Question, budget: Budget) -> Answer | Question | None
         return None  # others see that too
     if not budget.pays(_SIGN * len(sides) ** 2):
         return None
+    if any(sign_of_radicals(side.a**2 + side.b**2) != 1 for side in sides):
+        return None  # 0 >= 0 in disguise has no ends
     ends = [(s * side.b, -s * side.a) for side in sides for s in (1, -1)]
     found = list[Ray]()
     for ray in ends:
@@ -72,9 +74,7 @@ def between_rays(question: Question, budget: Budget) -> Answer | Question | None
 def _on(question: Question, rays: Sequence[Ray], sides: Sequence[_Side]) -> Answer | None:
     """On each ray that the strict relations leave."""
     assert question.circle is not None
-    for ray in rays:
-        if any(side.strict and side.at(ray) == 0 for side in sides):
-            continue
+    for ray in _asked(rays, sides):
         if degree(question.expr, question.circle) is None:
             return None
         value = question.expr.xreplace(dict(zip(question.circle, ray, strict=True)))
@@ -88,16 +88,17 @@ def _on(question: Question, rays: Sequence[Ray], sides: Sequence[_Side]) -> Answ
 def _linear(question: Question, rays: Sequence[Ray], sides: Sequence[_Side]) -> Answer | None:
     """Of a linear expression in a sector: what it is on both ends, which the strict relations may leave out."""
     assert question.circle is not None
-    read = _read(sp.GreaterThan(question.expr, 0, evaluate=False), question.circle)
-    signs = [read[0].at(ray) for ray in rays] if read is not None else [None]
+    if (line := _line(question.expr, question.circle)) is None:
+        return None
+    goal = _Side(*line, strict=False, said=question.expr)
+    signs = [goal.at(ray) for ray in rays]
     if None in signs:
         return None
-    asked = [s for s, ray in zip(signs, rays, strict=True) if not any(side.strict and side.at(ray) == 0 for side in sides)]
     match question.sense:
         case Sense.NONNEGATIVE:
             holds = -1 not in signs
         case Sense.POSITIVE:
-            holds = -1 not in signs and 1 in signs and 0 not in asked
+            holds = -1 not in signs and 1 in signs and all(goal.at(ray) == 1 for ray in _asked(rays, sides))
         case _:
             holds = signs == [0, 0]
     return Answer(holds, _METHOD)
@@ -111,14 +112,24 @@ def _read(relation: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol]) -> list[_Side
         expr = relation.gts - relation.lts
     else:
         return None
+    if (line := _line(expr, circle)) is None:
+        return None
+    strict = isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan)
+    return [_Side(s * line[0], s * line[1], strict, relation) for s in ((1, -1) if isinstance(relation, sp.Eq) else (1,))]
+
+
+def _line(expr: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol]) -> Ray | None:
+    """a and b of a x + b y; None for any other expression."""
     if not expr.is_polynomial(*circle):
         return None
     terms = dict(sp.Poly(expr, *circle).terms())
     a, b = (terms.pop(m, sp.S.Zero) for m in ((1, 0), (0, 1)))
-    if terms or (a.free_symbols | b.free_symbols) or (a.is_zero and b.is_zero):
-        return None
-    strict = isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan)
-    return [_Side(s * a, s * b, strict, relation) for s in ((1, -1) if isinstance(relation, sp.Eq) else (1,))]
+    return None if terms or a.free_symbols or b.free_symbols else (a, b)
+
+
+def _asked(rays: Sequence[Ray], sides: Sequence[_Side]) -> list[Ray]:
+    """Without those that a strict relation leaves out."""
+    return [ray for ray in rays if not any(side.strict and side.at(ray) == 0 for side in sides)]
 
 
 def _within(sides: Sequence[_Side], ray: Ray) -> bool:

@@ -1,0 +1,61 @@
+"""What a formula needs to be defined, word by word, and what of that another form of it no longer shows."""
+
+from __future__ import annotations
+
+import pytest
+import sympy as sp
+
+from duhem.expression import Atan2, Norm, Where, symbol
+from duhem.proof.decide import Question, Sense
+from duhem.proof.decide.question import _needs
+
+x, y, r = symbol("x"), symbol("y"), symbol("r")
+p, n = symbol("p", positive=True), symbol("n", nonnegative=True)
+N, P = Sense.NONNEGATIVE, Sense.POSITIVE
+UP, DOWN = sp.Gt(x, 0), sp.Le(x, 0)
+Need = tuple[sp.Expr, Sense, *tuple[sp.Basic, ...]]
+
+
+@pytest.mark.parametrize(
+    ("expr", "needs"),
+    [
+        (x**2 + y * Norm(x, y) + sp.Abs(x) + sp.exp(x) + sp.sin(y) + sp.atan(x), []),
+        (sp.log(x), [(x, P)]),
+        (sp.asin(x), [(1 - x, N), (1 + x, N)]),
+        (sp.acos(x), [(1 - x, N), (1 + x, N)]),
+        (Atan2(x, y), [(x**2 + y**2, P)]),
+        (sp.tan(x), [(sp.cos(x) ** 2, P)]),
+        (sp.sqrt(x), [(x, N)]),
+        (1 / sp.sqrt(x), [(x, P)]),
+        (x**p, [(x, N)]),
+        (x**-p, [(x, P)]),
+        (x**n, [(x, P)]),  # 0^0
+        (x**r, [(x, P)]),
+        (1 / x, [(x**2, P)]),
+        (x**-3, [(x**2, P)]),
+        (1 / (1 / x + 1), [(x**2, P), ((1 / x + 1) ** 2, P)]),
+        (sp.Max(sp.log(x), sp.sqrt(y)), [(x, P), (y, N)]),
+        (sp.log(sp.sqrt(x)), [(x, N), (sp.sqrt(x), P)]),
+        (Where(UP, sp.log(x), 1 / y), [(x, P, UP), (y**2, P, DOWN)]),
+        (Where(sp.Gt(1 / y, 0), 1, sp.sqrt(x)), [(y**2, P), (x, N, sp.Le(1 / y, 0))]),
+        (1 + Where(UP, Where(sp.Gt(y, 0), 1, sp.log(x)), 2), [(x, P, UP, sp.Le(y, 0))]),
+        (sp.sqrt(Where(UP, 1 / x, 1)), [(x**2, P, UP), (Where(UP, 1 / x, 1), N)]),
+    ],
+)
+def test_what_a_formula_needs(expr: sp.Expr, needs: list[Need]) -> None:
+    assert set(_needs(expr)) == {Question(of, sense, tuple(given)) for of, sense, *given in needs}
+    assert len(list(_needs(expr))) == len(needs)
+
+
+def test_what_is_no_longer_shown_is_asked_about() -> None:
+    """By every form that is looked at, under the hypotheses and that of its own branch."""
+    given = (sp.Gt(y, 0),)
+    question = Question(sp.sqrt(y) / x + Where(UP, sp.log(x), 1), P, given, (x, y))
+    root, quotient, log = (Question(e, s, (*given, *g), (x, y)) for e, s, g in ((y, N, ()), (x**2, P, ()), (x, P, (UP,))))
+    assert question.hidden([question.expr]) == question.hidden([question.expr, question.expr]) == ()
+    assert set(question.hidden([sp.S.One])) == {root, quotient, log}
+    assert question.hidden([sp.S.One, question.expr]) == question.hidden([sp.S.One])
+    assert set(question.hidden([sp.sqrt(y) + 1 / x])) == {log}
+    assert set(question.hidden([sp.sqrt(y) + 1 / x, sp.sqrt(y)])) == {quotient, log}
+    twice = Question(1 / x + sp.Abs(1 / x), P)
+    assert twice.hidden([sp.S.One]) == (Question(x**2, P),)
