@@ -69,6 +69,8 @@ def test_roots_are_paid_for_by_degree_and_precision() -> None:
     real_roots(flint.fmpz_poly([-2, 0, 0, 1]), 256, budget)
     assert budget.left == 1000 - (10 + 9 * 356 // 25)
     assert real_roots(flint.fmpz_poly([7]), 256, budget) == [] and budget.left == 862
+    budget = Budget(10**4)
+    assert len(real_roots(flint.fmpz_poly([-2, *[0] * 9, 1]), 1000, budget)) == 2 and budget.left == 10**4 - 10 - 4_400
 
 
 def test_signs_at_roots_and_beside() -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -13,7 +14,7 @@ import sympy as sp
 from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.roots import square_free
 
-__all__ = ["DegenerateError", "Integral", "OpenError", "Poly", "at_rational", "factors", "projection", "true"]
+__all__ = ["DegenerateError", "Integral", "OpenError", "Poly", "at_rational", "factors", "projection", "true", "univariate"]
 
 _MOST_DEGREE = 400  # of a projection: beyond, it costs more than the other deciders
 
@@ -99,18 +100,19 @@ def _joined(polys: list[Poly]) -> Any:
     for poly in polys:
         if poly.is_zero():
             raise DegenerateError
-        coefficients = [0] * (poly.degrees()[0] + 1)
-        for (i, _), c in poly.to_dict().items():
-            coefficients[i] = c
-        factor = square_free(flint.fmpz_poly(coefficients))
+        factor = square_free(univariate({i: c for (i, _), c in poly.to_dict().items()}))
         total *= factor // factor.gcd(total)
     return total
 
 
 def at_rational(poly: Poly, x: Fraction) -> Any:
     """The polynomial in y over a rational x, times a positive integer."""
-    n, top = poly.degrees()
-    coefficients = [0] * (top + 1)
+    terms: dict[int, int] = defaultdict(int)
     for (i, j), c in poly.to_dict().items():
-        coefficients[j] += c * x.numerator**i * x.denominator ** (n - i)
-    return flint.fmpz_poly(coefficients)
+        terms[j] += int(c) * x.numerator**i * x.denominator ** (poly.degrees()[0] - i)
+    return univariate(terms)
+
+
+def univariate(terms: Mapping[int, Any]) -> Any:
+    """The polynomial (``flint.fmpz_poly``) with these coefficients of the powers."""
+    return flint.fmpz_poly([terms.get(i, 0) for i in range(max(terms, default=-1) + 1)])

@@ -22,6 +22,7 @@ __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_exact, by_smt)
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+_AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
 # What has the sign of a word of x.
 _SIGNS: dict[type, Callable[[sp.Expr], sp.Expr]] = {
     **dict.fromkeys((sp.sinh, sp.tanh, sp.asin, sp.atan), lambda x: x),
@@ -151,14 +152,7 @@ def by_rules(question: Question) -> Answer:
     if not all(map(_meaningful, expr.atoms(sp.Pow, sp.log, sp.tan, sp.asin, sp.acos, Atan2))):
         return Answer(None, "sign-rules", reason="a part of it may be undefined")
     for form in (expr, sp.factor_terms(expr)):
-        plain = (
-            form.is_nonnegative
-            if question.sense is Sense.NONNEGATIVE
-            else form.is_positive
-            if question.sense is Sense.POSITIVE
-            else form.is_zero
-        )
-        if plain:
+        if getattr(form, _AT_SIGHT[question.sense]):
             return Answer(True, "sign-rules")
     return Answer(None, "sign-rules")
 

@@ -21,7 +21,7 @@ import sympy as sp
 
 from duhem.expression.balls import certain_sign, precision
 from duhem.expression.number import fraction, rational
-from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, factors, projection, true
+from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, Poly, at_rational, factors, projection, true, univariate
 from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.question import Answer
@@ -190,7 +190,7 @@ def _columns(poly: Poly, x: Any) -> list[Any]:
     by_power: list[dict[int, Any]] = [{} for _ in range(poly.degrees()[1] + 1)]
     for (i, j), c in poly.to_dict().items():
         by_power[j][i] = c
-    return [flint.fmpz_poly([column.get(i, 0) for i in range(max(column, default=0) + 1)])(x) for column in by_power]
+    return [univariate(column)(x) for column in by_power]
 
 
 def _poly(coefficients: list[Any]) -> Any:

@@ -198,7 +198,7 @@ def polynomial_system(question: Question, budget: Budget) -> System:
     symbols: set[sp.Symbol] = set(question.circle or ()).union(goal.free_symbols, *(e.free_symbols for e, _ in given))
     for (radicand, _), rho in roots.found.items():
         symbols |= radicand.free_symbols | {rho}
-    ordered = tuple(sorted(symbols, key=lambda s: (isinstance(s, sp.Dummy), s.name, getattr(s, "dummy_index", 0))))
+    ordered = tuple(sorted(symbols, key=lambda s: (s.is_Dummy, sp.default_sort_key(s))))
     given += [(x, ">" if x.is_positive else ">=") for x in ordered if x.is_nonnegative and not isinstance(x, sp.Dummy)]
     products = _Products(PolyRing(ordered, sp.QQ, lex), budget)
     clear = _Clearing(products, roots)

@@ -15,8 +15,7 @@ __all__ = ["between", "real_roots", "square_free"]
 
 def square_free(poly: Any) -> Any:
     """The polynomial (``flint.fmpz_poly``, not 0) without repeated factors."""
-    common = poly.gcd(poly.derivative())
-    return poly if common.degree() <= 0 else poly // common
+    return poly // poly.gcd(poly.derivative())
 
 
 def real_roots(poly: Any, bits: int, budget: Budget) -> list[Any]:
