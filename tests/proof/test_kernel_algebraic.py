@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction as F
 from functools import cache
+from itertools import combinations
 
 import pytest
 
@@ -15,9 +16,10 @@ from duhem.proof.kernel.alike import alike
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.polynomial import Polynomial, times, total
-from duhem.proof.kernel.positivity import RAY, negated
+from duhem.proof.kernel.positivity import RAY, negated, nonnegative
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from duhem.proof.law_text import law_as_text
+from tests.proof import small_laws
 
 E = Term("name", name="e")
 FAR = F(3, 2)
@@ -156,3 +158,13 @@ def test_a_root_that_divides_multiplies_the_rest_at_a_wall() -> None:
 )
 def test_formulas_that_are_alike(one: str, two: str, same: bool) -> None:
     assert alike(parse(one), parse(two), domain()) is same
+
+
+def test_signs_over_many_constants_come_to_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    names = [poly(0, 1, x=Term("name", name=n)) for n in ("m", "e", "q", "p", "k")]
+    form = total(*(times(x, times(y, {((RAY, i),): F(1)} if i else {(): F(1)})) for i, (x, y) in enumerate(combinations(names, 2))))
+    over = small_laws.domain()
+    assert not nonnegative(form, (F(0), F(1)), over)
+    monkeypatch.setattr("duhem.proof.kernel.domain._MOST_STEPS", 100)
+    with pytest.raises(NotWritten, match="too much"):
+        nonnegative(form, (F(0), F(1)), over)

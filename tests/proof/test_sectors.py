@@ -19,6 +19,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import mostly_long
+from tests.proof import small_laws
 from tests.proof.composed import by_kernel, by_prover
 
 X = "(sqrt(3/2)*(principal(s, 1) - I1(s)/3))"
@@ -194,3 +195,9 @@ def test_its_tip_is_seen() -> None:
     (piece,) = local_pieces(subject, {}, across, dict.fromkeys(across.at, box))
     a, b = across.at
     assert piece.expr == a**2 + b**2 - 1
+
+
+def test_a_root_of_nothing_is_left_to_the_other_rules() -> None:
+    x = "(max(a, b, c) - (a + b + c)/3)"
+    stated = small_laws.law(f"sqrt({x} - {x}) + {x} - 1", forces=("a", "b", "c"))
+    assert small_laws.confirmed("origin", "evaluation", stated) and small_laws.confirmed("convexity", "composition", stated)

@@ -274,11 +274,14 @@ class StatedDomain:
         return {((term, 1),): Fraction(1)}
 
     def _times(self, one: Polynomial, two: Polynomial) -> Polynomial:
-        """The product; NotWritten where all products together have become too many to go on."""
-        self._steps += len(one) * len(two)
+        self.spend(len(one) * len(two))
+        return times(one, two)
+
+    def spend(self, steps: int) -> None:
+        """Counts products of terms; NotWritten where all of them together have become too many to go on."""
+        self._steps += steps
         if self._steps > _MOST_STEPS:
             raise NotWritten("there is too much to multiply out")
-        return times(one, two)
 
     def plain(self, term: Term) -> Term:
         """A ramp or size of a constant of known sign is it, its negative or 0; a norm of one that need not be 0 is its size.

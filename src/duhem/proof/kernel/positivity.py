@@ -23,6 +23,7 @@ __all__ = ["RAY", "negated", "nonnegative", "on_the_line", "without_content"]
 
 RAY = Term("name", name="the ray's")  # no name of a law has blanks
 _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
+_A_SHARE = 4  # what one is worth in products of terms
 Interval = tuple[Fraction, Fraction]
 
 
@@ -67,7 +68,12 @@ def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, stric
     if (plain := on_the_line(poly)) is not None:
         return nonnegative_on_the_line(plain, *between, strict)
     x = min(x for m in poly for x, _ in m if x != RAY)
-    return all(_nonnegative(_shares(in_powers(poly, x), reach), reach, between, domain, strict) for reach in _reaches(x, domain))
+    coefficients = in_powers(poly, x)
+    for reach in _reaches(x, domain):
+        domain.spend(_A_SHARE * len(poly) * len(coefficients))
+        if not _nonnegative(_shares(coefficients, reach), reach, between, domain, strict):
+            return False
+    return True
 
 
 def _nonnegative(shares: list[Polynomial], reach: Reach, between: Interval, domain: StatedDomain, strict: bool) -> bool:

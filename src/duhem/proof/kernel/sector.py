@@ -274,6 +274,8 @@ class _SectorReader:
         halves = known is not None and known.denominator == 2 and abs(known) <= MOST_POWER
         if not self.signs.above(poly, strict=not (halves and known is not None and known > 0)):
             raise NotWritten("what is divided by, or under a root, may be <= 0")
+        if not poly:
+            raise NotWritten("a root of what is 0 everywhere")
         whole = base.whole and known is not None and known > 0
         if known is None:
             return _Value(SectionValue(degree, ONE, raised_to(widened(powers, poly, ONE), e)), base.whole)
