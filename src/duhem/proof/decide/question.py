@@ -4,24 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Atan2, Where
+from duhem.expression import Where
+from duhem.proof.decide.needs import NEEDY, Sense, needs_of
 
 __all__ = ["Answer", "Question", "Sense", "domain"]
 
 _UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)
-
-
-class Sense(StrEnum):
-    """What is asked of the expression."""
-
-    NONNEGATIVE = ">="
-    POSITIVE = ">"
-    ZERO = "=="
 
 
 @dataclass(frozen=True)
@@ -94,7 +86,7 @@ class Question:
 
 
 def _needs(expr: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Question]:
-    """What must hold for an expression to be defined: divisors are not 0, radicands not negative, logarithms of what is positive, ..."""
+    """What must hold for an expression to be defined."""
     if isinstance(expr, Where):
         condition, then, otherwise = expr.args
         yield from _needs(condition, given)
@@ -108,19 +100,10 @@ def _needs(expr: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Questio
 
 def domain(expr: sp.Basic) -> Iterator[tuple[sp.Expr, Sense]]:
     """What must hold of the arguments of a word, or a power, for it to be defined where they are."""
-    if isinstance(expr, sp.log):
-        yield expr.args[0], Sense.POSITIVE
-    elif isinstance(expr, sp.asin | sp.acos):
-        yield 1 - expr.args[0], Sense.NONNEGATIVE
-        yield 1 + expr.args[0], Sense.NONNEGATIVE
-    elif isinstance(expr, Atan2):
-        yield sp.Add(*(x**2 for x in expr.args)), Sense.POSITIVE
-    elif isinstance(expr, sp.tan):
-        yield sp.cos(expr.args[0]) ** 2, Sense.POSITIVE
-    elif isinstance(expr, sp.Pow) and not expr.exp.is_Integer:
-        yield expr.base, Sense.NONNEGATIVE if expr.exp.is_positive else Sense.POSITIVE
-    elif isinstance(expr, sp.Pow) and expr.exp.is_negative:
-        yield expr.base**2, Sense.POSITIVE
+    for need in needs_of(expr.func, expr.args) if isinstance(expr, NEEDY) else ():
+        if need.instead and expr.exp.is_positive:
+            need = need.instead[0]
+        yield (need.expr**2, Sense.POSITIVE) if need.sense is Sense.ZERO else (need.expr, need.sense)
 
 
 @dataclass(frozen=True)

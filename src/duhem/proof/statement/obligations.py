@@ -11,10 +11,10 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from duhem.expression import Atan2, Where
+from duhem.expression import Where
 from duhem.expression.angles import algebraic_angles
-from duhem.expression.inert_number import InertNumber
 from duhem.proof.decide import Sense
+from duhem.proof.decide.needs import NEEDY, Need, needs_of
 
 __all__ = ["Obligation", "obligations", "with_algebraic_angles"]
 
@@ -61,34 +61,12 @@ def obligations(tree: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Ob
         return
     for part in tree.args:
         yield from obligations(part, given)
-    if isinstance(tree, sp.Pow):
-        yield from _of_power(_evaluated(tree.base), _evaluated(tree.exp), given)
-    elif isinstance(tree, sp.log):
-        yield Obligation(_evaluated(tree.args[0]), Sense.POSITIVE, "takes the logarithm of", given)
-    elif isinstance(tree, sp.asin | sp.acos):
-        x, does = _evaluated(tree.args[0]), f"needs for an arc {'sine' if isinstance(tree, sp.asin) else 'cosine'} that 0 <="
-        yield Obligation(1 - x, Sense.NONNEGATIVE, does, given)
-        yield Obligation(1 + x, Sense.NONNEGATIVE, does, given)
-    elif isinstance(tree, Atan2):
-        point = [_evaluated(x) for x in tree.args]
-        if not any(x.is_nonzero for x in point):
-            far = sp.Add(*(x**2 for x in point))
-            yield Obligation(far, Sense.POSITIVE, "takes the angle of a point at the squared distance", given)
-    elif isinstance(tree, sp.tan):
-        yield Obligation(sp.cos(_evaluated(tree.args[0])), Sense.ZERO, "divides by", given)
+    if isinstance(tree, NEEDY):
+        yield from (_obligation(need, given) for need in needs_of(tree.func, tuple(map(_evaluated, tree.args))))
 
 
-def _of_power(base: sp.Expr, exponent: sp.Expr, given: tuple[sp.Basic, ...]) -> Iterator[Obligation]:
-    p = exponent.value if isinstance(exponent, InertNumber) else exponent
-    if p.is_Integer:
-        if p < 0:
-            yield Obligation(base, Sense.ZERO, "divides by", given)
-    elif p.is_Rational:
-        yield Obligation(base, Sense.NONNEGATIVE if p > 0 else Sense.POSITIVE, "takes a root of", given)
-    else:  # 0 has positive powers only
-        weak = Obligation(base, Sense.NONNEGATIVE, "takes a power of", given)
-        rising = Obligation(exponent, Sense.POSITIVE, "takes a power with exponent", given)
-        yield Obligation(base, Sense.POSITIVE, "takes a power of", given, (weak, rising))
+def _obligation(need: Need, given: tuple[sp.Basic, ...]) -> Obligation:
+    return Obligation(need.expr, need.sense, need.does, given, tuple(_obligation(other, ()) for other in need.instead))
 
 
 def with_algebraic_angles(tree: sp.Basic) -> sp.Basic:
