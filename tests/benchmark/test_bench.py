@@ -252,7 +252,8 @@ def test_json_has_every_row_with_its_spread(increments: WorkPrecision) -> None:
 
 
 @pytest.mark.slow
-def test_path_errors_fall_with_the_order_of_the_integrator() -> None:
+def test_path_errors_fall_with_the_order_of_the_integrator(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("duhem.benchmark.work_precision.paths._SLOW", float("inf"))  # on a busy machine too
     law = coulomb()
     result = bench(law, scenes=("path",), repeats=1, steps=(64, 256))
     error = {(row.method, row.setting): row.error["stress"] for row in result.rows}
