@@ -20,21 +20,25 @@ def slow(one):
     return pytest.param(one, marks=pytest.mark.slow)
 
 
+def long(one):
+    return pytest.param(one, marks=pytest.mark.long)
+
+
 CORNERED = [
     law("max(a, b, c) - f", f=POSITIVE),  # edges
-    slow(law("abs(a)/m + abs(b)/m + abs(c)/n - 1", m=POSITIVE, n=POSITIVE)),
+    long(law("abs(a)/m + abs(b)/m + abs(c)/n - 1", m=POSITIVE, n=POSITIVE)),
     law("max(a**2 + b**2 + c**2 - 1, a - 1/2)"),  # a circle cut out of a sphere
     slow(law("max(a**2 + b**2 + c**2 - 4, (a - 1)**2 + 2*b**2 + c**2 - 3, a - b - 2)")),  # irrational edges
-    slow(law("max(a - b + (a + b)*sin(phi), b - c + (b + c)*sin(phi), c - a + (c + a)*sin(phi)) - 1", phi=Domain.between("0.3", "0.4"))),
+    long(law("max(a - b + (a + b)*sin(phi), b - c + (b + c)*sin(phi), c - a + (c + a)*sin(phi)) - 1", phi=Domain.between("0.3", "0.4"))),
     law("norm(a, b) - m*c", m=POSITIVE),  # tips
     slow(law(f"sqrt({J2}) + h*(a + b + c) - k", h=POSITIVE, k=POSITIVE)),
     slow(law("norm(a - b, c) + a + b - 1")),
-    slow(law(f"sqrt({J2}) - exp(-(a + b + c)/3) + 1")),  # at a place that is no fraction
+    long(law(f"sqrt({J2}) - exp(-(a + b + c)/3) + 1")),  # at a place that is no fraction
     law(f"sqrt({J2})*(2 + ({J3})/({J2})**(3/2)) + a + b + c - 1"),  # 0/0 at the tip itself
-    slow(law("min(a**2 + b**2 + c**2 - 1, (a - 1)**2 + b**2 + c**2 - 1)")),  # inward
+    long(law("min(a**2 + b**2 + c**2 - 1, (a - 1)**2 + b**2 + c**2 - 1)")),  # inward
     slow(law("norm(a, b, c) + where(a > 0, a, a/2) - 1")),
     law("abs(a - x) - r - s", forces=("a", "x", "r"), s=POSITIVE),
-    slow(law("max(abs(a + b - c + d), abs(a - d), abs(b + c))/sqrt(6) - t", forces=("a", "b", "c", "d"), t=POSITIVE)),
+    long(law("max(abs(a + b - c + d), abs(a - d), abs(b + c))/sqrt(6) - t", forces=("a", "b", "c", "d"), t=POSITIVE)),
 ]
 
 
@@ -52,8 +56,8 @@ SMOOTH = [
     law("max(norm(a, b, c), 1/2) - 1"),  # a kink inside K
     law("norm(a, b, c) + pos(norm(a, b, c) - 2) - 1"),  # outside it
     slow(law("pos(a)**2 + 2*neg(a)**2 + b**2 + c**2 - 1")),  # the gradient is continuous
-    slow(law("norm(pos(a)/2 + neg(a)/3, b, c) - 1")),
-    slow(law("max(norm(a, b, c) - 1, 2*(norm(a, b, c) - 1))")),  # it jumps in size alone
+    long(law("norm(pos(a)/2 + neg(a)/3, b, c) - 1")),
+    long(law("max(norm(a, b, c) - 1, 2*(norm(a, b, c) - 1))")),  # it jumps in size alone
     law("(a**2 + b**2)**(3/2) + c**2 - 1"),  # a root of higher degree, 0 on the boundary
     slow(law("max(a**2 + b**2 + c**2 - 1, a**2 + b**2 + 2*c**2 - 1)")),  # two faces that touch
 ]

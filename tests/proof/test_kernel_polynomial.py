@@ -281,7 +281,7 @@ def test_a_polynomial_law_is_proved_and_checked() -> None:
     assert (found.verdict, found.method, found.trust) == (Verdict.PROVED, "sos-convexity", "checked")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_zeros_of_the_second_derivative_in_skew_coordinates() -> None:
     """A sum of few fourth powers, and (s^2 + r^2)^2 - c s^4 at its edge c = 8/9: the squares must vanish at zeros far from any axis."""
     powers = " + ".join(f"({a}*x + ({b})*y + ({c})*z)**4" for a, b, c in ((1, 2, -1), (F(3, 2), -1, 4), (-2, F(1, 3), 1), (1, 1, 5)))
