@@ -1,0 +1,154 @@
+"""What the kernel's rules ask for besides, each where it alone is wanting: something false would be confirmed, or nonsense read."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from duhem.proof.kernel.algebraic import plain
+from duhem.proof.kernel.arcs import arcs
+from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.elementary import enclosed
+from duhem.proof.kernel.interval import BITS, Enclosure
+from duhem.proof.kernel.invariants import Invariants
+from duhem.proof.kernel.line import _quotient
+from duhem.proof.kernel.loads import at_end_of
+from duhem.proof.kernel.pieces import CHOICES, pieces
+from duhem.proof.kernel.term import NotWritten, Term, parse
+from tests.proof.small_laws import confirmed, domain, law, poly
+from tests.proof.test_kernel_boundary import DISC, RISES, identity
+
+F = Fraction
+UNIT = 1 << BITS
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("abs(a - q*b)", "depends on the constants"), ("a**q", "an exponent is no number"), ("exp(a)", "exp is not read along a ray"),
+        ("(a + 2*b)**13", "a power is too high"), ("norm(a, b) + (a**4 + b**4)**(1/4)", "different roots are added"),
+        ("max(norm(a, 2*b), a)", "roots are compared"), ("a*q/e", "a constant may be undefined"), ("sqrt(a)", "under a root may be <= 0"),
+        ("1/norm(a, 0)", "what is divided by"),
+    ],
+)  # fmt: skip
+def test_why_a_formula_is_not_read_along_the_rays(text: str, why: str) -> None:
+    with pytest.raises(NotWritten, match=why):
+        list(arcs((parse(text),), ("a", "b"), domain()))
+
+
+def test_powers_up_to_twelve_are_read_along_the_rays() -> None:
+    assert len(list(arcs((parse("(a + 2*b)**12"),), ("a", "b"), domain()))) == 2
+
+
+@pytest.mark.parametrize("text", ["a*sqrt(-2)", "a*sqrt(0)", "a/sqrt(0)", "sqrt(-1)**2"])
+def test_roots_of_numbers_that_are_not_positive_are_no_roots_of_primes(text: str) -> None:
+    with pytest.raises(NotWritten):
+        plain(poly(text), domain())
+
+
+LONG = "(a + b + m + q + e)**6*(a + 2*b + m + q + e)**6"  # it is not multiplied out
+
+
+@pytest.mark.parametrize("text", [f"abs({LONG}) + abs(b)", f"abs(a) + {LONG} + b*abs(a)"])
+def test_of_what_is_too_long_nothing_is_shown(text: str) -> None:
+    for sides in ({}, {parse("a"): False}):
+        here = domain()
+        here.sides |= sides
+        found = facts(parse(text), here)
+        assert found.defined and not (found.convex or found.concave or found.quasiconvex)
+
+
+def test_where_g_jumps_k_may_end() -> None:
+    """K is what of a disc lies beyond a = 1/2: where it ends there the slip is (-1, 0), and its power -1/2."""
+    nowhere = identity(["1"], [], [("the boundary", "-1")])  # of g = 1
+    evidence = {"outward": [RISES, nowhere]}
+    assert confirmed("dissipation", "boundary-power", law(DISC), evidence)
+    for g in (f"where(a > 1/2, {DISC}, 1)", f"where(a <= 1/2, 1, {DISC})", f"max({DISC}, where(a > 1/2, -1, 1))"):
+        assert not confirmed("dissipation", "boundary-power", law(g), evidence)
+        assert not confirmed("smoothness", "regular-value", law(g), evidence)
+        assert not confirmed("normality", "parallel", law(g, flow=["a", "b"]), {"along": [RISES, nowhere]}, "convexity")
+    assert confirmed("normality", "parallel", law(DISC, flow=["a", "b"]), {"along": [RISES]}, "convexity")
+
+
+def test_so_it_may_where_an_angle_jumps() -> None:
+    """Where a = 0 > b, K = {b angle <= 0} has no neighbours with a < 0; g is < 0 there, and so is the power."""
+    shares, jumping = {"share": "1", "rest": "0"}, law("b*atan2(a, k)", flow=["0", "atan2(a, k)"])
+    assert not confirmed("dissipation", "power-share", jumping, shares)
+    assert not confirmed("dissipation", "boundary-power", jumping, {"outward": [identity(["the goal"], [], [("the boundary", "1")])]})
+    assert confirmed("dissipation", "power-share", law("b*atan(a)", flow=["0", "atan(a)"]), shares)
+
+
+def test_what_is_no_curve_in_the_plane() -> None:
+    given: dict[str, Any] = {"pressure": "s", "angle": "phi", "boundary": ["cos(phi)", "sin(phi)"], "constraints": [], "parameters": {}}
+    assert StatedCurve.read({**given, "forces": ["a", "b"], "flow": ["1", "phi"]}).flow is not None
+    for forces, flow in (
+        (["a"], None),
+        (["a", "b", "c"], None),
+        (["a", "b"], ["1"]),
+        (["a", "b"], ["1", "0", "0"]),
+        (["a", "b"], ["1", "b"]),
+    ):
+        with pytest.raises(NotWritten):
+            StatedCurve.read({**given, "forces": forces, "flow": flow})
+
+
+def test_angles_all_around() -> None:
+    box = {"x": Enclosure(-2 * UNIT, 2 * UNIT)}
+    low, high = enclosed(parse("atan2(x, -1)"), box)
+    assert (low, high) == (-high, high) and 0 <= high / UNIT - 3.141592653589793 < 1e-15
+    right, above = enclosed(parse("atan2(x, 1)"), box), enclosed(parse("atan2(1, x)"), box)
+    assert -1.1072 < right.low / UNIT < -1.1071 and 1.1071 < right.high / UNIT < 1.1072  # atan 2
+    assert 0.4636 < above.low / UNIT < 0.4637 and 2.6779 < above.high / UNIT < 2.678
+    assert enclosed(parse("atan2(-1, x)"), box) == above.minus()
+    for text in ("atan2(x, 0)", "atan2(0, x)", "eigmax(1, 1, 1, 0, 0, 0)"):
+        with pytest.raises(ValueError, match=r"angle|eigmax"):
+            enclosed(parse(text), box)
+
+
+def test_invariants_that_depend_on_each_other_say_nothing() -> None:
+    a = parse("a")
+    for third in ({}, poly("a**3")):
+        with pytest.raises(NotWritten, match="not independent"):
+            Invariants((a,), poly("a**2"), third).of(poly("a**6"))
+
+
+@pytest.mark.parametrize(("p", "q"), [((1, 0, 1), (1, 1)), ((1, 0, 3), (0, 2)), ((0, 1), (0, 2)), ((1, 1), (2, 2))])
+def test_what_does_not_divide_has_no_quotient(p: tuple[int, ...], q: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match="does not divide"):
+        _quotient(p, q)
+
+
+@pytest.mark.parametrize("load", ["e*a", "q*a + e*b", "(m - p)*a", "a*b", "a**2"])
+def test_a_load_that_may_be_no_load_has_no_end(load: str) -> None:
+    with pytest.raises(NotWritten):
+        at_end_of(parse(load), parse(load), domain())
+
+
+@pytest.mark.parametrize(
+    ("load", "term", "end"),
+    [("a - m", "2*a + 3", "2*m + 3"), ("m*a + b", "m*a + b + p", "p"), ("k*b - 1", "b*k*2", "2"), ("a - b + 1", "abs(b - a)", "1")],
+)
+def test_where_a_load_ends(load: str, term: str, end: str) -> None:
+    here = domain()
+    assert here.polynomial(at_end_of(parse(load), parse(term), here)) == poly(end)
+    with pytest.raises(NotWritten):
+        at_end_of(parse(load), parse(f"{term} + a + 2*b"), here)
+
+
+def test_a_choice_by_no_comparison_has_no_pieces() -> None:
+    a, b = parse("a"), parse("b")
+    with pytest.raises(NotWritten):
+        list(pieces(Term("where", (a, a, b)), domain(), CHOICES))
+
+
+@pytest.mark.parametrize("potential", ["m*norm(x, y) + 0*a", "m*norm(x, y) + 0*z", "m*norm(x, y) + 0*s + z - z"])
+@pytest.mark.parametrize("flat", [[], ["0*z"]])
+def test_a_support_function_speaks_of_slips_and_parameters(potential: str, flat: list[str]) -> None:
+    evidence = {"potential": potential, "slips": {"a": "x", "b": "y"}, "flat": flat}
+    stated = law("norm(a, b) - m")
+    assert objection("duality", "polar-gauge", frozenset(), stated, evidence) == "the rule 'polar-gauge' does not show it"
+    assert confirmed("duality", "polar-gauge", stated, evidence | {"potential": "m*norm(x, y)", "flat": []})

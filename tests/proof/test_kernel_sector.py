@@ -1,0 +1,142 @@
+"""How the kernel reads functions of ordered principal deviators: their values, degrees and where they vanish; their bends and walls."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from duhem.proof.kernel import sector
+from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.positivity import RAY
+from duhem.proof.kernel.shape import Facts
+from duhem.proof.kernel.term import parse
+from tests.oracles import drawn_formulas
+from tests.proof.test_kernel_facts import said
+
+F = Fraction
+I1 = "(a + b + c)"
+J2 = "(((a-b)**2 + (b-c)**2 + (c-a)**2)/6)"
+J3 = "((2*a-b-c)*(2*b-c-a)*(2*c-a-b)/27)"
+FIRST, LAST = "(max(a, b, c) - (a + b + c)/3)", "(min(a, b, c) - (a + b + c)/3)"
+SIX = "eigmax(a, b, c, u, v, w)"
+PARAMETERS = {"m": {"positive": True}, "e": {"min": "0", "max": "1/2"}, "q": {"min": "-1", "max": "1"}}
+
+
+def written_out(text: str) -> str:
+    for word, meaning in (("FIRST", FIRST), ("LAST", LAST), ("I1", I1), ("J2", J2), ("J3", J3)):
+        text = text.replace(word, meaning)
+    return text
+
+
+def law(text: str, *forces: str) -> StatedLaw:
+    given: dict[str, Any] = {"pressure": "s", "parameters": PARAMETERS, "constraints": [], "flow": None}
+    return StatedLaw.read({"forces": forces or ("a", "b", "c"), "g": written_out(text), **given})
+
+
+def readers(stated: StatedLaw) -> list[Any]:
+    return sector._readers(stated.g, over(stated), facts, over)
+
+
+VALUES: list[tuple[str, int | F, bool]] = [  # a formula, its degree, and whether it is 0 by continuity where the deviator is
+    ("FIRST", 1, True), ("LAST", 1, True), ("FIRST**2 + 2*J2", 2, True), ("J2*FIRST - J3", 3, True), ("FIRST*LAST*3", 2, True),
+    ("J2/FIRST", 1, False), ("J2**2/FIRST**3", 1, False), ("J2/FIRST*FIRST", 2, False), ("LAST/FIRST", 0, False),
+    ("sqrt(J2)*FIRST", 2, True),
+    ("FIRST**(1/2)", F(1, 2), True), ("J2**(1/2) - 2*LAST", 1, True), ("J2**(3/2)/(FIRST + sqrt(J2))", 2, False),
+    ("(FIRST + sqrt(3)*J2**(1/2))**2", 2, True), ("FIRST**(1/3)", F(1, 3), True), ("(J2 + FIRST**2)**(3/4)", F(3, 2), True),
+    ("J2**(-1/2)", -1, False), ("FIRST*J2**(-1/2)", 0, False), ("(FIRST*J2)**(1/2)*FIRST**(1/2)", 2, True),
+    ("FIRST*(1 + LAST/FIRST)", 1, True),
+    ("cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3)", 0, False), ("sqrt(J2)*cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3)", 1, True),
+    ("sqrt(J2)*cos(-acos(3*sqrt(3)/2*J3/J2**(3/2))/3)", 1, True), ("where(J2 > 0, J2/FIRST, 0)", 1, True),
+    ("where(J2 <= 0, 0, LAST**2/FIRST)", 1, True), ("where(FIRST > 0, J2/FIRST, 0*FIRST)", 1, True),
+    ("where(J2 > 0, J2/FIRST, FIRST)", 1, True), ("where(J2 > 0, J2/FIRST, 0) + 2*FIRST", 1, True), ("-LAST*(2*FIRST + LAST)", 2, True),
+    ("(FIRST/3 - LAST)**3", 3, True), ("4**(1/2)*FIRST", 1, True), ("(2*J2)**(1/2)", 1, True), ("(J2*FIRST**2/4)**(1/2)", 2, True),
+]  # fmt: skip
+OTHERS = [
+    "FIRST + J2", "FIRST**LAST", "FIRST**e", "exp(FIRST)", "cos(FIRST)", "LAST**(1/2)", "LAST**-1", "(LAST + 2)**2", "a*FIRST", "I1*FIRST",
+    "cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/2)", "cos(acos(3*sqrt(3)/2*J3/J2**(3/2)/2)/3)", "cos(acos(J3/J2)/3)",
+    "cos(acos(3*sqrt(3)/2*J3/J2**(3/2)) + 1/3)",
+    "where(J2 > 0, J2/FIRST, 1)", "where(J2 >= 0, J2/FIRST, 0)", "where(J2 < 0, 0, J2/FIRST)", "where(LAST > 0, J2/FIRST, 0)",
+    "where(J2 > 1, J2/FIRST, 0)", "where(J2 > 0, LAST/FIRST, 0)", "where(FIRST/J2 > 0, J2/FIRST, 0)", "where(J2 > 0, J2/FIRST, J2/FIRST)",
+    "where(J2 > 0, J2/FIRST, LAST/FIRST)", "where(J2/FIRST > 0, J2/FIRST, 0)",
+]  # fmt: skip
+
+
+def at(d: F) -> dict[str, float]:
+    """Principal values with X = 1 and this d, in no order."""
+    return {"a": -0.5 - float(d), "b": 1.0, "c": -0.5 + float(d), "m": 1.3, "e": 0.3, "q": -0.4, RAY.name: float(d), "pi": math.pi}
+
+
+@pytest.mark.parametrize(("text", "degree", "whole"), VALUES)
+def test_a_function_of_principal_deviators_is_read(text: str, degree: int | F, whole: bool) -> None:
+    term = parse(written_out(text))
+    (reader,) = readers(law(f"({text}) + 0*FIRST"))
+    found = reader.value(term)
+    assert found is not None and (found.section.degree, found.whole) == (degree, whole)
+    for d in (F(1, 5), F(7, 10), F(1), F(7, 5)):
+        seen = drawn_formulas.value(written(found.section.poly), at(d)) * math.prod(
+            drawn_formulas.value(written(dict(base)), at(d)) ** drawn_formulas.value(written(n), at(d))
+            for base, n in found.section.powers.items()
+        )
+        assert seen == pytest.approx(drawn_formulas.value(term, at(d)), rel=1e-9)
+    assert (drawn_formulas.value(reader.emptied(term), at(F(0))) == 0) if whole else reader.emptied(term) != parse("0")
+
+
+@pytest.mark.parametrize("text", OTHERS)
+def test_what_is_no_such_function_is_not(text: str) -> None:
+    for reader in readers(law(f"({text}) + 0*FIRST")):
+        assert reader.value(parse(written_out(text))) is None
+
+
+def test_six_components_are_read_by_their_eigenvalues() -> None:
+    names = ("a", "b", "c", "u", "v", "w")
+    mean = "(a + b + c)/3"
+    second = "(((a-b)**2 + (b-c)**2 + (c-a)**2)/6 + u**2 + v**2 + w**2)"
+    for text, degree in (
+        (f"{SIX} - {mean}", 1),
+        (f"{second}/({SIX} - {mean})", 1),
+        (f"{SIX} - {mean} + eigmax(-a, -b, -c, -u, -v, -w) + {mean}", 1),
+    ):
+        term = parse(text)
+        (reader,) = readers(law(f"({text}) + 0*{SIX}", *names))
+        found = reader.value(term)
+        assert found is not None and found.section.degree == degree and not found.section.powers
+        for d in (F(1, 4), F(1), F(5, 4)):
+            here = at(d) | {"u": 0.0, "v": 0.0, "w": 0.0}
+            assert drawn_formulas.value(written(found.section.poly), here) == pytest.approx(drawn_formulas.value(term, here), rel=1e-6)
+
+
+def shown(text: str) -> Facts | None:
+    stated = law(text)
+    domain = over(stated)
+    return sector.by_sector(stated.g, domain, facts, over)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        # e (s1 - s2) + (s2 - s3) for 1/2 <= e <= 2: each wall turns outward
+        ("1/2*(2*FIRST + LAST) - FIRST - 2*LAST", ">= convex"), ("0.499*(2*FIRST + LAST) - FIRST - 2*LAST", ""),
+        ("2*(2*FIRST + LAST) - FIRST - 2*LAST", ">= convex"), ("2.001*(2*FIRST + LAST) - FIRST - 2*LAST", ""),
+        ("(1/2*(2*FIRST + LAST) - FIRST - 2*LAST)**2 + 0", ">= convex"),
+        ("(1/2*(2*FIRST + LAST) - FIRST - 2*LAST)**(1/2)", ">= quasiconvex"),
+        ("(0.499*(2*FIRST + LAST) - FIRST - 2*LAST)**2 + 0*J2", ""), ("sqrt(J2) + FIRST", ">= convex"), ("sqrt(J2) - FIRST", ""),
+        ("FIRST*1 + 0", ">= convex"), ("LAST*1 + 0", ""), ("-LAST*1 + 0", ">= convex"), ("3*FIRST - 2*sqrt(J2)", ""),
+        ("where(J2 > 0, J2/FIRST, 0)", ""),
+        ("where(J2 > 0, FIRST/2 + LAST**2/FIRST, 0)", ""), ("J2 + FIRST**2", ">= convex"), ("J2 + FIRST", ">= convex"), ("J2 - FIRST", ""),
+        ("J2 + 3*FIRST*LAST", ""), ("FIRST**2 + FIRST + J2 + abs(a)", ">= convex"), ("FIRST**2 + abs(a) - 1", "? convex"),
+        ("FIRST**2 + sqrt(J2) + log(e)", ""), ("J2*FIRST + J2**(3/2)", ">= convex"), ("J2/FIRST + 3*FIRST", ">= convex undefined"),
+        ("J2/FIRST + 2.999*FIRST", ""),
+        ("sqrt(FIRST**2 + J2/2) + FIRST", ">= convex"), ("FIRST**2*(1 + a*0) + J2", ">= convex"), ("a*FIRST + J2", ""),
+        ("FIRST - 2*LAST + sqrt(J2)*m", ">= convex"), ("FIRST - m*LAST", ">= convex"), ("m*FIRST - LAST", ">= convex"),
+        ("q*FIRST - LAST", ""),
+        ("(FIRST**2 + J2)**(2/3)", ">= convex"), ("(FIRST**2 + J2)**(1/3)", ">= quasiconvex"),
+    ],
+)  # fmt: skip
+def test_what_is_shown_of_sectors(text: str, expected: str) -> None:
+    found = shown(text)
+    assert (said(found) if found else "") == expected
