@@ -14,7 +14,7 @@ from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.certificate import certificate
 from duhem.proof.kernel.certificate import recheck
 from duhem.proof.kernel.claims import CURVE_RULES, objection
-from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.curve import StatedCurve, _circle
 from duhem.proof.kernel.interval import AngleJet, Enclosure
 from duhem.proof.kernel.term import NotWritten
 
@@ -141,3 +141,50 @@ def test_what_is_refuted_of_a_curve_is_not_confirmed() -> None:
     assert {r.claim for r in found.results if r.verdict == "refuted"} >= {"convexity", "dissipation"}
     assert not any(r.confirmed for r in recheck(certificate(found)) if found[r.claim].verdict == "refuted")
     assert not shown(StatedCurve.read(certificate(found)["law"])) & {"convexity", "dissipation", "normality"}
+
+
+@pytest.mark.parametrize(
+    ("half", "low", "high", "c", "s"),
+    [
+        (1, "0", "1", ("0", "1"), ("0", "1")), (1, "-1", "0", ("0", "1"), ("-1", "0")), (-1, "0", "1", ("-1", "0"), ("-1", "0")),
+        (1, "-1/2", "1/3", ("3/5", "1"), ("-4/5", "3/5")), (1, "1/3", "1/2", ("3/5", "4/5"), ("3/5", "4/5")),
+        (1, "-1/2", "-1/3", ("3/5", "4/5"), ("-4/5", "-3/5")), (-1, "1/3", "1/2", ("-4/5", "-3/5"), ("-4/5", "-3/5")),
+        (-1, "-1/3", "1/2", ("-1", "-3/5"), ("-4/5", "3/5")), (1, "1/2", "1/2", ("3/5", "3/5"), ("4/5", "4/5")),
+    ],
+)  # fmt: skip
+def test_cosine_and_sine_over_a_box(half: int, low: str, high: str, c: tuple[str, str], s: tuple[str, str]) -> None:
+    cosine, sine = _circle(half, Fraction(low), Fraction(high))
+    wanted_c, wanted_s = (Enclosure.between(*map(Fraction, ends)) for ends in (c, s))
+    for jet, expected in (
+        (cosine, (wanted_c, wanted_s.minus(), wanted_c.minus())),
+        (sine, (wanted_s, wanted_c, wanted_s.minus())),
+    ):
+        assert all(abs(x - y) <= 1 for found, wanted in zip(jet, expected, strict=True) for x, y in zip(found, wanted, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("boundary", "turns"),
+    [
+        (CIRCLE, 1), (["sin(phi)", "cos(phi)"], -1), (["cos(phi)**2 - sin(phi)**2", "2*cos(phi)*sin(phi)"], 2),
+        (["cos(phi)**2 - sin(phi)**2", "-2*cos(phi)*sin(phi)"], -2), (["cos(phi) + 2", "sin(phi)"], 0), (["cos(phi)", "sin(phi) + 2"], 0),
+        (["cos(phi) + 99/100", "sin(phi)"], 1), (["cos(phi) + 1", "sin(phi)"], None), (["cos(phi)", "0*sin(phi)"], None),
+        (["cos(phi)", "sin(phi)/1000"], 1), (["-cos(phi)", "-sin(phi)"], 1), (["1 + 0*cos(phi)", "1 + 0*sin(phi)"], 0),
+    ],
+)  # fmt: skip
+def test_how_often_a_curve_turns_around_zero(boundary: list[str], turns: int | None) -> None:
+    found = curve(*boundary)
+    assert found._turn(lambda c: (c.boundary[0].value, c.boundary[1].value)) == turns
+    assert found.around_zero() is (turns == 1)
+
+
+@pytest.mark.parametrize(
+    ("flow", "powered"),
+    [
+        (CIRCLE, True), (["cos(phi) - sin(phi)", "sin(phi) + cos(phi)"], True), (["-sin(phi)", "cos(phi)"], False),
+        (["-cos(phi)", "-sin(phi)"], False), (["1", "0"], False), (["cos(phi) + 1/2", "sin(phi)"], True),
+        (["cos(phi) + 1", "sin(phi)"], False), (["2*cos(phi)", "0"], False),
+    ],
+)  # fmt: skip
+def test_the_power_all_around(flow: list[str], powered: bool) -> None:
+    assert curve(*CIRCLE, flow=flow).powered() is powered
+    assert not curve(*CIRCLE).powered()
