@@ -16,7 +16,7 @@ from duhem.proof.kernel.invariants import Invariants, invariants
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total
 from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from duhem.proof.kernel.section import by_section
+from duhem.proof.kernel.section import _ABOVE, by_section
 from duhem.proof.kernel.section_value import ROOT, SectionValue, added, base_of, bend, multiplied, power_of, raised_to, reduced, widened
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.test_kernel_facts import said
@@ -244,3 +244,8 @@ def test_roots_of_squares_and_of_three_squares(text: str, simple: str) -> None:
 def test_other_roots_stay(text: str) -> None:
     term, here = domain(f"{text} + a*0", "a")
     assert reduced(here.polynomial(term)) == here.polynomial(parse(text))
+
+
+def test_the_end_of_w_lies_beyond_1_over_sqrt_3() -> None:
+    """c = sqrt(3) w is asked for -1 <= c <= 1, hardly further."""
+    assert F(1, 3) < _ABOVE**2 < F(1, 3) + F(1, 10**11)
