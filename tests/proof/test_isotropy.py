@@ -50,6 +50,7 @@ def both(stated: Criterion) -> bool:
         "eigmax(xx**2 + xy**2 + xz**2, yy**2 + xy**2 + yz**2, zz**2 + xz**2 + yz**2,"
         " xy*xz + yz*(yy + zz), xy*yz + xz*(xx + zz), xz*yz + xy*(xx + yy)) - 1",
         f"(xx + yy + zz)*{J2}*sqrt({J2}) - 1",
+        f"abs({J2} - 1)**2 + norm({J2}, {DET})**2 - 1",
     ],
 )
 def test_what_is_isotropic(g: str) -> None:
@@ -80,6 +81,8 @@ def test_the_order_of_the_shear_components_is_found() -> None:
         f"max({J2}, xy) - 1",
         f"sqrt({J2}) + sqrt(xx**2 + yy**2 + zz**2 + 2*yz**2 + 2*xz**2 + 2*xy**2 + xy**4) - 1",
         f"{J2}**(1 + xy**2) - 1",
+        f"abs({J2} - xy)**2 - 1",
+        "eigmax(abs(xx), abs(yy), abs(zz), yz, xz, xy) - 1",
         "abs(xx) + abs(yy) + abs(zz) + abs(yz) + abs(xz) + abs(xy) - 1",
         # about one axis alone
         "zz**2 - 1",
