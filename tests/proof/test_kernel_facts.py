@@ -70,7 +70,9 @@ CONSTANTS = [
     ("norm(3*m, 4*m) - 51*m/10", "< affine"), ("norm(3*m, 4*m) - 49*m/10", "? affine"),
     ("e*norm(m, m) + norm(3*m, 4*m) - 5*m", "? affine"), ("where(m > 0, 1, 2) - 1", "= affine"), ("abs(q) + abs(e) - 1", "? affine"),
     ("m - exp(-m)", "? affine"), ("e**(p - 1)", ">= affine undefined"), ("0**e", ">= affine undefined"),
-    ("(q + 1)**u", ">= affine undefined"), ("(m - m)**p", "= affine"),
+    ("(q + 1)**u", ">= affine undefined"), ("(m - m)**p", "= affine"), ("exp(e) - 1", ">= affine"), ("1 - exp(-e)", ">= affine"),
+    ("exp(e) - 1/2", "> affine"), ("exp(-e) - 1", "<= affine"), ("m*exp(e)**2 - m", ">= affine"), ("exp(k)*exp(m) - 1", "? affine"),
+    ("exp(-e)*exp(k) - 1", "< affine"), ("exp(m)*exp(e) - 1", "> affine"), ("exp(e)**-1 - 1", "? affine"),
 ]  # fmt: skip
 
 FORMULAS = [
