@@ -77,6 +77,14 @@ def test_a_product_by_its_factors() -> None:
     assert asked(grows * y, Z, sp.Eq(y, 0)) == asked(grows, N) == Answer(None, "factors", reason="it is not a product")
 
 
+def test_a_factor_is_told_what_speaks_of_its_symbols_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Question] = []
+    monkeypatch.setattr(deciders, "decide", lambda question, budget: asked.append(question) or YES)
+    of_x, of_both, of_none = sp.Gt(x, 0), sp.Gt(x + y, 0), sp.false
+    assert _by_factors(Question(sp.exp(x) * sp.sinh(x + y), P, (of_x, of_both, of_none), (x, y)), Budget(1)) == YES
+    assert set(asked) == {Question(sp.exp(x), P, (of_x, of_none)), Question(sp.sinh(x + y), P, (of_x, of_both, of_none))}
+
+
 @pytest.mark.parametrize("scale", [1, -1, 2, -3])
 @pytest.mark.parametrize(
     ("word", "zero", "ends"),

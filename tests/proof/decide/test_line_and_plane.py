@@ -299,6 +299,25 @@ def test_no_point_over_a_root_is_left_out(centre: Fraction) -> None:
     assert along((y - 1, ">="), ((x - c) ** 2 - y**2 * (y - 1), "=="), steps=20_000).holds is not True
 
 
+@pytest.mark.parametrize("far", [Fraction(c) for c in ("1/1000", "1/7", "1", "3", "7/2", "8", "100", "12345")])
+def test_a_point_near_or_far_over_a_root_is_not_left_out(far: Fraction) -> None:
+    """At (0, f) and (0, -f) of a circle, and at (1/f, f) of a hyperbola, whose leading coefficient is small there."""
+    f = sp.Rational(far.numerator, far.denominator)
+    circle, middle = (x**2 + y**2 - f**2, "=="), (x, "==")
+    for up in (1, -1):
+        assert along((f - up * y, ">"), circle, middle).holds is not True
+        assert along((f - up * y + f / 100, ">"), circle, middle).holds is True
+        hyperbola, there = (x * y - 1, "=="), (f * x - up, "==")
+        assert along((-1, ">"), hyperbola, there).holds is not True
+        assert along((f * up - y, "!="), hyperbola, there).holds is not True
+        assert along((f * up - y + f / 100, "!="), hyperbola, there).holds is True
+
+
+def test_a_point_beyond_all_floats() -> None:
+    answer = along((-1, ">"), (x * y - 10**310, "=="), (x - 1, "=="))
+    assert answer == Answer(None, "plane-cells", reason="the curve has a point too far away")
+
+
 def test_a_root_near_the_end_of_what_bounds_them() -> None:
     """Over y = 0 the greater root of 50 x^2 - 99 x - 99 is 2.71, the largest of its quotients of coefficients 1.98."""
     curve = (50 * x**2 - 99 * x - 99 - y**2 - y, "==")
