@@ -14,7 +14,7 @@ from duhem.expression import Norm
 from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.question import Answer, Question, Sense
 from duhem.proof.decide.radicals import sign_of_radicals
-from duhem.proof.decide.rays import _read, _Side, between_rays
+from duhem.proof.decide.rays import _alike, _opposite, _read, _Side, between_rays
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.polar_form import polar_form
 from duhem.proof.methods import polar
@@ -193,6 +193,15 @@ def test_relations_as_sides() -> None:
     assert _read(x >= 0, circle) == [_Side(1, 0, False, x >= 0)] and _read(y > x, circle) == [_Side(-1, 1, True, y > x)]
     odd = (sp.Ne(SEAM, 0), SEAM >= 1, x * y >= 0, x**2 + y >= 0, 1 / x >= 0, root(x) + y >= 0, p * x + y >= 0, x + p * y >= 0, sp.true)
     assert [relation for relation in odd if _read(relation, circle) is not None] == []
+
+
+def test_rays_that_are_one_or_opposite() -> None:
+    """Eight ways round, each of another length."""
+    ways = [(1, 0), (root(3), 1), (0, 1), (-1, root(5)), (-1, 0), (-root(3), -1), (0, -1), (1, -root(5))]
+    for (i, one), (j, two) in product(enumerate(ways), repeat=2):
+        longer = (root(7) * two[0], root(7) * two[1])
+        assert _alike(one, longer) is (i == j), (one, two)
+        assert _opposite(one, longer) is (i % 4 == j % 4), (one, two)  # or the same
 
 
 def test_signs_are_paid_for() -> None:

@@ -128,6 +128,8 @@ def test_pinned_puts_in_place() -> None:
     for given in ((sp.Eq(x, 0),), *both):
         assert Question(x + y, N, given).pinned() == (Question(y, N, ()),), given
         assert Question(x + y, N, given, (x, y)).pinned() == (Question(sp.S.One, N, ()), Question(sp.S.NegativeOne, N, ())), given
+    after = (sp.Gt(y, 1), sp.Ne(y, 2), sp.Eq(x, y), sp.Ge(y, 3))  # which make nothing 0
+    assert Question(x + y, N, (*after, sp.Eq(x, 0))).pinned() == (Question(y, N, (*after[:2], sp.Eq(0, y), after[3])),)
     for given in ((), (sp.Ge(x, 0),), (sp.Gt(x, 0), sp.Le(x, 0)), (sp.Ge(x, 1), sp.Le(x, 0)), (sp.Eq(x, 1),), (sp.Ne(x, 0),)):
         assert Question(x + y, N, given).pinned() == (Question(x + y, N, given),), given
     assert Question(y, N, (sp.Eq(x, 0), sp.Gt(x + 1, 2))).pinned() == ()

@@ -34,7 +34,7 @@ class _Side(NamedTuple):
 
     def at(self, ray: Ray) -> int | None:
         """The sign on a ray."""
-        return sign_of_radicals(self.a * ray[0] + self.b * ray[1])
+        return _at((self.a, self.b), ray)
 
 
 def between_rays(question: Question, budget: Budget) -> Answer | Question | None:
@@ -90,15 +90,14 @@ def _linear(question: Question, rays: Sequence[Ray], sides: Sequence[_Side]) -> 
     assert question.circle is not None
     if (line := _line(question.expr, question.circle)) is None:
         return None
-    goal = _Side(*line, strict=False, said=question.expr)
-    signs = [goal.at(ray) for ray in rays]
+    signs = [_at(line, ray) for ray in rays]
     if None in signs:
         return None
     match question.sense:
         case Sense.NONNEGATIVE:
             holds = -1 not in signs
         case Sense.POSITIVE:
-            holds = -1 not in signs and 1 in signs and all(goal.at(ray) == 1 for ray in _asked(rays, sides))
+            holds = -1 not in signs and 1 in signs and all(_at(line, ray) == 1 for ray in _asked(rays, sides))
         case _:
             holds = signs == [0, 0]
     return Answer(holds, _METHOD)
@@ -125,6 +124,11 @@ def _line(expr: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol]) -> Ray | None:
     terms = dict(sp.Poly(expr, *circle).terms())
     a, b = (terms.pop(m, sp.S.Zero) for m in ((1, 0), (0, 1)))
     return None if terms or a.free_symbols or b.free_symbols else (a, b)
+
+
+def _at(line: Ray, ray: Ray) -> int | None:
+    """The sign of a x + b y on a ray."""
+    return sign_of_radicals(line[0] * ray[0] + line[1] * ray[1])
 
 
 def _asked(rays: Sequence[Ray], sides: Sequence[_Side]) -> list[Ray]:
