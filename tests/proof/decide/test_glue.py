@@ -7,12 +7,16 @@ none at a point where the hypotheses fail or the goal is as wanted.
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 from collections.abc import Callable
+from dataclasses import is_dataclass
 from fractions import Fraction
 
 import pytest
 import sympy as sp
 
+from duhem.proof import decide
 from duhem.proof.decide import Answer, Question, Sense, deciders
 from duhem.proof.decide.polynomials import System
 from duhem.proof.decide.reduction import parts
@@ -115,3 +119,9 @@ def test_what_holds_at_the_point_is_not_denied(world: Callable[[Question, Point]
         return world(turned, one.point) is True
 
     assert _each(passes) == []
+
+
+def test_what_is_handed_on_is_frozen() -> None:
+    modules = [importlib.import_module(f"duhem.proof.decide.{m.name}") for m in pkgutil.iter_modules(decide.__path__)]
+    values = {c for module in modules for c in vars(module).values() if isinstance(c, type) and is_dataclass(c)}
+    assert {Answer, Question, System} <= values and [c for c in values if not c.__dataclass_params__.frozen] == []

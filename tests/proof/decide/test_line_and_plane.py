@@ -197,6 +197,7 @@ def test_a_sign_that_must_be_sure() -> None:
         (">=", OPEN, [(OPEN, ">=")], [ONE, ONE], False),  # perhaps it holds at the point and not beside
         (">=", OPEN, [(ONE, ">=")], [ONE, ONE], True),
         (">=", OPEN, [(ONE, ">="), (OPEN, ">")], [ONE, ONE], False),
+        (">=", OPEN, [(ONE, ">="), (MINUS, "!=")], [MINUS, ZERO], True),
         (">=", OPEN, [(ONE, ">="), (ONE, ">")], [ONE, ONE], True),
         (">=", OPEN, [(OPEN, "==")], [ONE, ONE], False),
         (">=", OPEN, [(ZERO, "==")], [ONE, ONE], False),

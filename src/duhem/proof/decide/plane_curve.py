@@ -152,7 +152,7 @@ class _Component:
                     def on_box(poly: Any, middle: Any = middle, half: float = half) -> Any:
                         return poly(flint.arb_poly([middle, 1]))(flint.arb(0, half))  # about the middle: exact to second order
 
-                    if certain_sign(on_box(curve)) in (-1, 1) or self._settled(on_box, above, goal, gradient, strict):
+                    if certain_sign(on_box(curve)) or self._settled(on_box, above, goal, gradient, strict):
                         continue
                     if half < narrowest:
                         raise OpenError("a sign over a root of the projection stays open")
@@ -165,9 +165,9 @@ class _Component:
         signs = [(on_box(p), op) for p, op in given]
         if any(_fails(value, op) for value, op in signs):
             return True
-        if self.goal[1] != ">=" or all(certain_sign(on_box(d)) not in (-1, 1) for d in gradient):
+        if self.goal[1] != ">=" or not any(certain_sign(on_box(d)) for d in gradient):
             return False
-        return strict or all(op != "==" and certain_sign(value) in (-1, 1) for value, op in signs)
+        return strict or all(op != "==" and certain_sign(value) for value, op in signs)
 
 
 def _holds(value: Any, op: str) -> bool:
