@@ -6,14 +6,16 @@ import pytest
 import sympy as sp
 
 from duhem.expression import Atan2, Norm, Where, symbol
+from duhem.expression.inert_number import InertNumber
 from duhem.proof.decide import Question, Sense
+from duhem.proof.decide.needs import Need, needs_of
 from duhem.proof.decide.question import _needs
 
-x, y, r = symbol("x"), symbol("y"), symbol("r")
+x, y, r, q = symbol("x"), symbol("y"), symbol("r"), symbol("q", nonzero=True)
 p, n = symbol("p", positive=True), symbol("n", nonnegative=True)
-N, P = Sense.NONNEGATIVE, Sense.POSITIVE
+N, P, Z = Sense.NONNEGATIVE, Sense.POSITIVE, Sense.ZERO
 UP, DOWN = sp.Gt(x, 0), sp.Le(x, 0)
-Need = tuple[sp.Expr, Sense, *tuple[sp.Basic, ...]]
+Row = tuple[sp.Expr, Sense, *tuple[sp.Basic, ...]]
 
 
 @pytest.mark.parametrize(
@@ -24,6 +26,7 @@ Need = tuple[sp.Expr, Sense, *tuple[sp.Basic, ...]]
         (sp.asin(x), [(1 - x, N), (1 + x, N)]),
         (sp.acos(x), [(1 - x, N), (1 + x, N)]),
         (Atan2(x, y), [(x**2 + y**2, P)]),
+        (Atan2(x, q), []),
         (sp.tan(x), [(sp.cos(x) ** 2, P)]),
         (sp.sqrt(x), [(x, N)]),
         (1 / sp.sqrt(x), [(x, P)]),
@@ -42,9 +45,33 @@ Need = tuple[sp.Expr, Sense, *tuple[sp.Basic, ...]]
         (sp.sqrt(Where(UP, 1 / x, 1)), [(x**2, P, UP), (Where(UP, 1 / x, 1), N)]),
     ],
 )
-def test_what_a_formula_needs(expr: sp.Expr, needs: list[Need]) -> None:
+def test_what_a_formula_needs(expr: sp.Expr, needs: list[Row]) -> None:
     assert set(_needs(expr)) == {Question(of, sense, tuple(given)) for of, sense, *given in needs}
     assert len(list(_needs(expr))) == len(needs)
+
+
+@pytest.mark.parametrize(
+    ("kind", "args", "needs"),
+    [
+        (sp.log, (x,), [Need(x, P, "takes the logarithm of")]),
+        (sp.asin, (x,), [Need(1 + s * x, N, "needs for an arc sine that 0 <=") for s in (-1, 1)]),
+        (sp.acos, (x,), [Need(1 + s * x, N, "needs for an arc cosine that 0 <=") for s in (-1, 1)]),
+        (Atan2, (x, y), [Need(x**2 + y**2, P, "takes the angle of a point at the squared distance")]),
+        (Atan2, (p, y), []),
+        (sp.tan, (x,), [Need(sp.cos(x), Z, "divides by")]),
+        (sp.Pow, (x, sp.Integer(2)), []),
+        (sp.Pow, (x, sp.S.Zero), []),
+        (sp.Pow, (x, sp.S.NegativeOne), [Need(x, Z, "divides by")]),
+        (sp.Pow, (x, sp.S.Half), [Need(x, N, "takes a root of")]),
+        (sp.Pow, (x, InertNumber(sp.Rational(-31, 10))), [Need(x, P, "takes a root of")]),
+        (sp.Pow, (x, InertNumber(sp.Rational(31, 10))), [Need(x, N, "takes a root of")]),
+        (sp.Pow, (x, -sp.S.Half), [Need(x, P, "takes a root of")]),
+        (sp.Pow, (x, y), [Need(x, P, "takes a power of", (Need(x, N, "takes a power of"), Need(y, P, "takes a power with exponent")))]),
+        (sp.exp, (x,), []),
+    ],
+)
+def test_needs_as_they_are_told(kind: type[sp.Basic], args: tuple[sp.Expr, ...], needs: list[Need]) -> None:
+    assert list(needs_of(kind, args)) == needs
 
 
 def test_what_is_no_longer_shown_is_asked_about() -> None:
