@@ -76,7 +76,7 @@ def _violation(given: list[tuple[Poly, str]], goal: Poly, budget: Budget) -> tup
         if not poly.is_constant():
             found += [f for f in factors(poly) if f not in found]
     upright = [f for f in found if f.degrees()[1] == 0]
-    curves = [f for f in found if f.degrees()[1] > 0]
+    curves = [f for f in found if f not in upright]
     special = projection(curves, combinations(curves, 2), budget, upright)
     for x in between(real_roots(special, _BITS, budget)):
         product = flint.fmpz_poly([1])
