@@ -10,14 +10,17 @@ import pytest
 from duhem.proof.kernel.algebraic import plain
 from duhem.proof.kernel.arcs import arcs
 from duhem.proof.kernel.claims import objection
-from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.elementary import enclosed
+from duhem.proof.kernel.even import freed_of_roots
 from duhem.proof.kernel.interval import BITS, Enclosure
 from duhem.proof.kernel.invariants import Invariants
 from duhem.proof.kernel.line import _quotient
 from duhem.proof.kernel.loads import at_end_of
 from duhem.proof.kernel.pieces import CHOICES, pieces
+from duhem.proof.kernel.sector import by_sector
+from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.small_laws import confirmed, domain, law, poly
 from tests.proof.test_kernel_boundary import DISC, RISES, identity
@@ -152,3 +155,30 @@ def test_a_support_function_speaks_of_slips_and_parameters(potential: str, flat:
     stated = law("norm(a, b) - m")
     assert objection("duality", "polar-gauge", frozenset(), stated, evidence) == "the rule 'polar-gauge' does not show it"
     assert confirmed("duality", "polar-gauge", stated, evidence | {"potential": "m*norm(x, y)", "flat": []})
+
+
+def test_names_that_stand_for_parts_are_not_given_twice() -> None:
+    """A rule that is asked again, of a formula in which its own names stand already, would take two parts for one."""
+    stated = law("a", ["a", "b", "c"])
+    spread, rooted = parse("max(a, b, c) - min(a, b, c)"), parse("exp(norm(a, b)) + exp(-norm(a, b))")
+    most, least = "max(a, b, c)", "min(a, b, c)"
+    cubes = parse(f"abs({most})**3 + abs({least})**3 + abs(a + b + c - {most} - {least})**3")
+    assert quasiconvex_in_eigenvalues(cubes, over(stated), facts, over) is not None
+    for taken in ("greatest of matrix 0", "least of matrix 0"):
+        again = over(stated._replace(forces=(*stated.forces, taken)))
+        assert quasiconvex_in_eigenvalues(cubes, again, facts, over) is None
+    again = over(stated._replace(forces=(*stated.forces, "root 0")))
+    for here, name in ((over(stated), "root 0"), (again, "root 0 inside")):
+        assert {z.name for freed in freed_of_roots(rooted, here, facts, over) for z in freed.roots} == {name}
+        assert all(freed.domain.law.forces == (*here.law.forces, name) for freed in freed_of_roots(rooted, here, facts, over))
+    known = by_sector(spread, over(stated), facts, over)
+    assert known is not None and known.convex
+    again = over(stated._replace(forces=(*stated.forces, "greatest deviator")))
+    assert by_sector(spread, again, facts, over) is None
+
+
+def test_no_more_than_eight_roots_are_freed() -> None:
+    stated = law("a", ["a", "b"])
+    for count, freed in ((8, 2), (9, 0)):
+        term = parse(" + ".join(f"norm(a, b, {i + 1})**3" for i in range(count)))
+        assert len([*freed_of_roots(term, over(stated), facts, over)]) == freed
