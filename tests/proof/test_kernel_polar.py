@@ -133,6 +133,19 @@ def test_an_open_end_may_be_a_zero_and_a_closed_one_not() -> None:
     assert not nonnegative_over(t_free, at, over(law("a", "f < 1", e=span(0, 2), f=span(0, 2))))
 
 
+def test_a_constraint_may_leave_one_value() -> None:
+    here, e = over(law("a - e", "e >= 1", e=span(0, 1))), Term("name", name="e")
+    for shift, factor, weak, strict in (
+        (-1, 1, True, False),
+        (1, -1, True, False),
+        (0, 1, True, True),
+        (-2, 1, False, False),
+        (2, -1, True, True),
+    ):
+        poly = {m: F(c) for m, c in (((), shift), (((e, 1),), factor)) if c}
+        assert (nonnegative_over(poly, (F(-1), F(1)), here), nonnegative_over(poly, (F(-1), F(1)), here, strict=True)) == (weak, strict)
+
+
 # -- thresholds --------------------------------------------------------------------------------------------------------
 
 LIMACON = "norm(a, b)**2 + mu*s*(norm(a, b) + e*a)"

@@ -57,7 +57,7 @@ class DirectionArc:
     @property
     def single(self) -> bool:
         """Whether it is one ray."""
-        return self.start[0] == self.stop[1]
+        return self.start == self.stop
 
     def nonnegative(self, poly: Polynomial, strict: bool = False) -> bool:
         """Whether it is >= 0, or > 0, on the closed arc (somewhat beyond an end that is not exact) and the whole domain."""

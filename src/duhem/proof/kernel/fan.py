@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import pairwise
 from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import facts, over
@@ -56,7 +57,7 @@ class Fan:
             if {*parts} != {0, 1} or facts(parts[Fraction(0)], self._domain).sign != NEGATIVE:
                 raise NotWritten("a part of g is not of degree 1 less a constant")
             constants.append(self._domain.polynomial(parts[Fraction(0)]))
-        if not self._cones or any(c != constants[0] for c in constants) or not all(map(self._defined, self._cones)):
+        if not self._cones or any(c != d for c, d in pairwise(constants)) or not all(map(self._defined, self._cones)):
             raise NotWritten("the constant is not the same everywhere, or a part of g may be undefined")
         self._seams = list(self._found_seams())
         if not all(self._meet(one.f, two.f, ray) for one, two, ray, _ in self._seams):

@@ -105,7 +105,7 @@ def _reaches(x: Term, domain: StatedDomain) -> Iterator[Reach]:
     sign = domain.of(x)
     others = Bounds(None if sign & NEGATIVE else Fraction(0), None if sign & POSITIVE else Fraction(0), not sign & ZERO, not sign & ZERO)
     low, high, low_open, high_open = domain.bounds.get(x.name, others)
-    if low is not None and high is not None and low < high:
+    if low is not None and high is not None:
         yield Reach(low, low_open, high, high_open)
     elif low is not None:
         yield Reach(low, low_open, None)
