@@ -10,9 +10,9 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.build import unacceptable
-from duhem.expression.vocabulary import Where
+from duhem.expression.vocabulary import Where, adopted
 
-__all__ = ["gradient"]
+__all__ = ["gradient", "jacobian"]
 
 
 def gradient(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
@@ -31,3 +31,9 @@ def _pieces(node: Any) -> sp.Expr:
         return Where(node.args[0] >= 0, node.args[0], -node.args[0])
     greatest = isinstance(node, sp.Max)
     return reduce(lambda rest, a: Where(a >= rest if greatest else a <= rest, a, rest), node.args)
+
+
+def jacobian(system: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol]) -> sp.Matrix | None:
+    """The derivatives of formulas, a row each; None where one cannot be said in the words of the language."""
+    found = sp.Matrix(system).jacobian(list(unknowns)).applyfunc(adopted)
+    return None if any(unacceptable(part, found.free_symbols) for part in found) else found

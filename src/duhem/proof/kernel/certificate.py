@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.domain import StatedLaw, exact, inhabited
+from duhem.proof.kernel.domain import StatedLaw, exact, inhabited, without_more
 from duhem.proof.kernel.term import NotWritten
 
 __all__ = ["CLAIMS", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
@@ -39,15 +39,20 @@ def stated(law: Mapping[str, Any]) -> StatedLaw | StatedCurve:
     return StatedCurve.read(law) if "boundary" in law else StatedLaw.read(law)
 
 
+def _row(claim: Mapping[str, Any]) -> Mapping[str, Any]:
+    return without_more(claim, {"claim", "verdict", "trust", "method", "rule", "evidence"})
+
+
 def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     """Every claim of a certificate.  Raises NotWritten where it is none: another schema, hash or law, or an empty domain."""
     try:
+        without_more(document, {"schema", "law", "inhabited", "claims", "sha256"})
         if document["schema"] != SCHEMA or document["sha256"] != digest(document):
             raise NotWritten("the schema or the hash is another")
         law = stated(document["law"])
         if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
             raise NotWritten("no point of the parameters' domain is given")
-        said = [(c["claim"], c["verdict"], c["trust"], c["rule"], c["evidence"]) for c in document["claims"]]
+        said = [(c["claim"], c["verdict"], c["trust"], c["rule"], c["evidence"]) for c in map(_row, document["claims"])]
         if not all(isinstance(text, str) for claim, verdict, _, rule, _ in said for text in (claim, verdict, "" if rule is None else rule)):
             raise NotWritten("a claim, verdict or rule is no text")
     except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as fault:

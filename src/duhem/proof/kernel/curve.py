@@ -40,7 +40,7 @@ class StatedCurve(NamedTuple):
     @classmethod
     def read(cls, given: Mapping[str, Any]) -> StatedCurve:
         """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
-        forces, parameters, constraints, fixed = declared(given, (given["pressure"], given["angle"]))
+        forces, parameters, constraints, fixed = declared(given, (given["pressure"], given["angle"]), {"angle", "boundary", "flow"})
         one, two = (parse(text).put(fixed) for text in given["boundary"])
         flow = None if given["flow"] is None else tuple(parse(text).put(fixed) for text in given["flow"])
         if len(forces) != 2 or (flow is not None and len(flow) != 2):

@@ -6,7 +6,7 @@ from an end of its range; so it is once a multiple of a constraint that has it i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import islice, product
 from typing import Any, NamedTuple
@@ -32,6 +32,7 @@ __all__ = [
     "exact",
     "gap",
     "inhabited",
+    "without_more",
 ]
 
 _MOST_POWER, _MOST_STEPS, _MOST_CHOICES = 12, 400_000, 64
@@ -41,8 +42,22 @@ _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan
 Declared = tuple[tuple[str, ...], dict[str, Bounds], tuple[Term, ...], dict[Term, Term]]
 
 
-def declared(given: Mapping[str, Any], others: tuple[str, ...]) -> Declared:
-    """Forces, parameters, constraints and what fixed parameters stand for; ``others`` are further names.  NotWritten where they clash."""
+_LAW = frozenset({"name", "forces", "pressure", "parameters", "constraints"})
+
+
+def without_more(given: Mapping[str, Any], known: Collection[str]) -> Mapping[str, Any]:
+    """What is given; NotWritten where a reader would find a word that means nothing here."""
+    if more := sorted(set(given) - set(known)):
+        raise NotWritten(f"{more[0]!r} means nothing here")
+    return given
+
+
+def declared(given: Mapping[str, Any], others: tuple[str, ...], formulas: Collection[str]) -> Declared:
+    """Forces, parameters, constraints and what fixed parameters stand for; ``others`` are further names.  NotWritten where they clash.
+
+    ``formulas`` are the words of a law of its kind.
+    """
+    without_more(given, _LAW | set(formulas))
     if any(isinstance(part, str) for part in (given["forces"], given["constraints"])):
         raise NotWritten("a text stands where a list should")
     forces = tuple(given["forces"])
@@ -87,7 +102,9 @@ class StatedLaw(NamedTuple):
     def read(cls, given: Mapping[str, Any]) -> StatedLaw:
         """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
         pressure = given["pressure"]
-        forces, parameters, constraints, fixed = declared(given, () if pressure is None else (pressure,))
+        forces, parameters, constraints, fixed = declared(
+            given, () if pressure is None else (pressure,), {"domain", *({"surfaces"} if "surfaces" in given else {"g", "flow"})}
+        )
         names = {*forces, pressure, *parameters, "pi"}
         ranges = _ranges(given.get("domain", {}), forces, pressure)
 
@@ -96,7 +113,7 @@ class StatedLaw(NamedTuple):
             if isinstance(given_flow, str):
                 raise NotWritten("a text stands where a list should")
             by_potential = isinstance(given_flow, Mapping)  # {"potential": "..."}, the flow being its gradient
-            texts = [given_flow["potential"]] if by_potential else given_flow or []
+            texts = [without_more(given_flow, {"potential"})["potential"]] if by_potential else given_flow or []
             g, *flow = (without_angles(parse(text)).put(fixed) for text in (entry["g"], *texts))
             if any(f.op in COMPARISONS or not f.names() <= names for f in (g, *flow)):
                 raise NotWritten("a name is not declared")
@@ -112,9 +129,9 @@ class StatedLaw(NamedTuple):
             if isinstance(given["flow"], Mapping):
                 law = law._replace(potential=without_angles(parse(given["flow"]["potential"])).put(fixed))
             return law
-        if "g" in given or "flow" in given or not given["surfaces"]:
-            raise NotWritten("a law of several surfaces has its g and flow from them")
-        surfaces = tuple(map(bound, given["surfaces"]))
+        if not given["surfaces"]:
+            raise NotWritten("there is no surface")
+        surfaces = tuple(bound(without_more(entry, {"g", "flow"})) for entry in given["surfaces"])
         g = Term("max", tuple(g for g, _ in surfaces)) if len(surfaces) > 1 else surfaces[0][0]
         return cls(forces, pressure, g, None, parameters, constraints, ranges, surfaces)
 

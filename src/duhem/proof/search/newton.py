@@ -9,6 +9,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import fold, mpmath_
+from duhem.expression.gradient import jacobian
 
 __all__ = ["common_zero"]
 
@@ -22,7 +23,8 @@ def common_zero(
     context = MPContext()
     context.dps = digits
     rows = mpmath_.table(context)
-    jacobian = sp.Matrix(system).jacobian(list(unknowns))
+    if (slopes := jacobian(system, unknowns)) is None:
+        return None
 
     def evaluated(exprs: Any, point: Sequence[Any]) -> list[Any]:
         at = dict(zip(unknowns, point, strict=True))
@@ -35,7 +37,7 @@ def common_zero(
     point = [context.mpf(c) for c in start]
     for _ in range(60):
         f = evaluated(system, point)
-        a, b, c, d = evaluated(jacobian, point)
+        a, b, c, d = evaluated(slopes, point)
         det = a * d - b * c
         if det == 0 or not context.isfinite(det):
             return None

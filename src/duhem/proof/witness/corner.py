@@ -16,6 +16,7 @@ import sympy as sp
 
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.expression.branches import Seam, seams
+from duhem.expression.gradient import jacobian
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -75,8 +76,8 @@ def _normals(seam: Seam, section: PlaneSection, centre: Any, box: Any, radius: F
     """Outward normals of the two sides over the box in all forces, surely not parallel in the plane; None if that is open."""
     (switch,), (before, after) = seam.crossed, (seam.before, seam.after)
     assert isinstance(before, LocalPiece) and isinstance(after, LocalPiece)
-    system = sp.Matrix([after.expr, switch])
-    if not _has_zero(system, system.jacobian(list(section.at)), centre, box, radius):
+    system = [after.expr, switch]
+    if (slopes := jacobian(system, section.at)) is None or not _has_zero(sp.Matrix(system), slopes, centre, box, radius):
         return None
     if not all(_defined(piece, switch, box) for piece in (before, after)):
         return None
