@@ -356,8 +356,8 @@ def test_what_was_looked_at_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> N
     assert two is not None
     assert two.detail == "no chord was found to leave K between 7 boundary points of 2 parameter choices (fixed seeds); nothing is proved"
     assert sampling._tested("no violation at", []) is None
-    slips = sampling.flow(subject("norm(a, b) - 1", flow=A_B))
+    slips = sampling.dissipation(subject("norm(a, b) - 1", flow=A_B))
     assert slips == one and sampling.normality(subject("norm(a, b) - 1", flow=A_B)) == one
     monkeypatch.setattr(sampling, "chords", lambda subject: two)
     assert sampling.normality(subject("norm(a, b) - 1")) == two
-    assert sampling.flow(subject("norm(a, b) + 1", flow=A_B)) is None
+    assert sampling.dissipation(subject("norm(a, b) + 1", flow=A_B)) is None

@@ -208,3 +208,11 @@ def test_a_root_of_nothing_is_left_to_the_other_rules() -> None:
     x = "(max(a, b, c) - (a + b + c)/3)"
     stated = small_laws.law(f"sqrt({x} - {x}) + {x} - 1", forces=("a", "b", "c"))
     assert small_laws.confirmed("origin", "evaluation", stated) and small_laws.confirmed("convexity", "composition", stated)
+
+
+@pytest.mark.parametrize(("claims", "said"), [(["origin"], "read as that limit (K is closed)"), (["smoothness"], "the point is not in K")])
+def test_a_limit_is_said_where_a_proof_takes_it(claims: list[str], said: str) -> None:
+    parts = {"origin": "sqrt(3*J2(s)) - 1 + 0*cos3theta(s)", "smoothness": "sqrt(3*J2(s)) - 1 + cos3theta(s)/5"}
+    stress = {"name": "s", "kind": "principal"}
+    found = verify(Criterion(name="law", g=parts[claims[0]], stress=stress, pressure=None), claims=claims)
+    assert any(said in remark for remark in found.remarks)

@@ -10,7 +10,7 @@ import pytest
 
 from duhem import verify
 from duhem.proof.certificate import certificate
-from duhem.proof.kernel.certificate import digest, recheck
+from duhem.proof.kernel.certificate import digest, recheck, stated
 from duhem.proof.kernel.term import NotWritten
 from tests.campaigns.tampering import dual, leaves
 from tests.long import mostly_long
@@ -78,3 +78,27 @@ def recheck_of(document: dict[str, Any], claims: list[dict[str, Any]]) -> bool:
     copy = {**document, "claims": claims}
     (row,) = recheck(copy | {"sha256": digest(copy)})
     return row.confirmed
+
+
+@pytest.mark.parametrize(
+    "path", [(), ("law",), ("law", "parameters", "mu"), ("claims", 0), ("law", "flow")], ids=lambda path: ".".join(map(str, path))
+)
+def test_a_word_that_means_nothing_is_refused(path: tuple[Any, ...]) -> None:
+    """A reader takes "potential" for the law's, as in a criterion file, and "g" beside a curve too."""
+    copy = json.loads(json.dumps(made("coulomb")))
+    copy["law"]["flow"] = {"potential": copy["law"]["g"]}
+    part = copy
+    for key in path:
+        part = part[key]
+    part["surplus"] = "-sigma_a"
+    with pytest.raises(NotWritten):
+        recheck(copy | {"sha256": digest(copy)})
+
+
+@pytest.mark.parametrize("word", ["g", "surfaces", "domain", "potential", "stress"])
+def test_a_curve_has_no_formula(word: str) -> None:
+    curve = {"forces": ["a", "b"], "pressure": "s", "parameters": {}, "constraints": [], "angle": "t", "flow": None}
+    curve["boundary"] = ["-s*cos(t)", "-s*sin(t)"]
+    assert stated(curve)
+    with pytest.raises(NotWritten, match=word):
+        stated(curve | {word: "-s*cos(t)"})

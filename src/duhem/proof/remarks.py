@@ -19,6 +19,7 @@ from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["not_needed", "remarks", "scope"]
 
+CONTINUED = "where it is 0/0 but has a limit, it is read as that limit (K is closed), and of the formula so read "
 _STEPS = 8_000_000  # for what is asked here and in no claim
 
 
@@ -57,18 +58,21 @@ def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[st
         return found, False
     subject.allow(_STEPS)
     odd = extent(subject)
-    return (*found, *_oddities(subject, odd), *_tips(subject)), odd is not None and not odd.boundary
+    return (*found, *_oddities(subject, odd, settled), *_tips(subject)), odd is not None and not odd.boundary
 
 
-def _oddities(subject: FormulaSubject, odd: Extent | None) -> Iterator[str]:
+def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str, Evidence]) -> Iterator[str]:
     law = subject.law
     if subject.doubtful:
         first = subject.doubtful[0]
         part = formula(_stated(subject, first.expr))
         place = undefined_place(subject, first)
+        proved = any(evidence.verdict is Verdict.PROVED for claim, evidence in settled.items() if claim != "state_laws")
         yield (
-            f"g may be undefined for some forces: it {first.does} {part}; where it is, the point is not in K, "
-            "and of such a formula nothing is proved but what the kernel confirms" + (place and f". It is so {place}")
+            f"g may be undefined for some forces: it {first.does} {part}; "
+            + (CONTINUED if proved else "where it is, the point is not in K, and of such a formula ")
+            + "nothing is proved but what the kernel confirms"
+            + (place and f". It may be undefined {place}")
         )
     elif subject.doubtful_flow:
         first = subject.doubtful_flow[0]

@@ -37,7 +37,7 @@ For a boundary curve T with flow d it is the sign of T . d all around, in balls 
         ProofMethod(FormulaSubject, polar.dissipation),
         ProofMethod(FormulaSubject, flow.dissipation_refuted),
         ProofMethod(FormulaSubject, implicit.dissipation),
-        ProofMethod(FormulaSubject, sampling.flow),
+        ProofMethod(FormulaSubject, sampling.dissipation),
         ProofMethod(CurveSubject, curve_signs.dissipation),
         ProofMethod(CurveSubject, curve_refutation.dissipation),
     ),

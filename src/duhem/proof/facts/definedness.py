@@ -1,8 +1,8 @@
 """Whether a law's formula means something: its obligations, each decided over the whole domain and for all forces but zero.
 
-A quotient that is 0/0 at zero force alone is taken by closure.  A law that is undefined for admitted parameters, whatever the
-forces, is an error.  One that is undefined at some forces does not have those points in K: of such a law, and of one for which
-the question stays open, nothing is proved.
+A quotient that is 0/0 at zero force alone is taken by closure; the kernel takes one so that is 0/0 where a deviator is 0, if it
+has a limit there.  A law that is undefined for admitted parameters, whatever the forces, is an error.  One that is undefined at
+some forces does not have those points in K: of such a law, and of one for which the question stays open, nothing is proved.
 """
 
 from __future__ import annotations

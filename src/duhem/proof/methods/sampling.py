@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
 
-__all__ = ["chords", "flow", "normality"]
+if TYPE_CHECKING:
+    from duhem.proof.search.boundary_points import BoundaryScout
+
+__all__ = ["chords", "dissipation", "normality"]
 
 
 def chords(subject: FormulaSubject) -> Evidence | None:
@@ -17,16 +21,27 @@ def chords(subject: FormulaSubject) -> Evidence | None:
     return _tested("no chord was found to leave K between", looked_between(subject))
 
 
-def flow(subject: FormulaSubject) -> Evidence | None:
+def dissipation(subject: FormulaSubject) -> Evidence | None:
     """At how many boundary points, of how many parameter choices, the slip was looked at in vain; None where none were found."""
-    from duhem.proof.search.boundary_points import scouts
-
-    return _tested("no violation at", [scout.found for scout in scouts(subject, 12) if scout.found > 0])
+    return _flow(subject, "the power is negative", lambda scout: scout.seem_to_dissipate_less_than_0())
 
 
 def normality(subject: FormulaSubject) -> Evidence | None:
     """Of an associated law it is the convexity of K."""
-    return chords(subject) if subject.problem.associated else flow(subject)
+    if subject.problem.associated:
+        return chords(subject)
+    return _flow(subject, "the slip leans towards another point of K", lambda scout: scout.seem_to_lean_inward())
+
+
+def _flow(subject: FormulaSubject, violation: str, seem: Callable[[BoundaryScout], int]) -> Evidence | None:
+    from duhem.proof.search.boundary_points import scouts
+
+    looked = [scout for scout in scouts(subject, 12) if scout.found > 0]
+    if doubtful := [(count, scout) for scout in looked if (count := seem(scout))]:
+        count, scout = doubtful[0]
+        detail = f"in floats {violation} at {count} of {scout.found} boundary points of a parameter choice, which no exact witness confirms"
+        return Evidence(Verdict.UNDECIDED, "sampling", detail)
+    return _tested("no violation at", [scout.found for scout in looked])
 
 
 def _tested(what: str, found: Sequence[int]) -> Evidence | None:

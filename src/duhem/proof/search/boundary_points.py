@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ __all__ = ["BoundaryScout", "scouts"]
 
 _DIRECTIONS = 720
 _BITS = 50  # finer than any fraction made of them; the ends of witnesses in print depend on them
+_TOUCHING, _ROUNDING, _NEAR = 1e-9, 1e-7, 1e-6  # heights of faces that meet; cosines, by differences too; a point itself
 _RADII = 10.0 ** np.linspace(-5, 5, 61)
 
 
@@ -39,11 +41,11 @@ class BoundaryScout:
         rays = np.round(directions, 6)
         # On the boundary 0 is no centre: it may be an apex, and rays from it run along the faces that meet there.
         self.centre = np.zeros(d) if self.value(np.zeros(d)) < 0 else self._lowest(rng, d)
-        self.directions, self.low = self._ends(rays)
+        self.directions, self.low, self.beyond = self._ends(rays)
         if not len(self.low) and self.centre is not None and not self.centre.any():  # every ray from 0 may stay in K
             self.centre = self._lowest(rng, d)
-            self.directions, self.low = self._ends(rays)
-        self.boundary = np.zeros((0, d)) if self.centre is None else self.centre + self.low[:, None] * self.directions
+            self.directions, self.low, self.beyond = self._ends(rays)
+        self.boundary, self.outside = self._along(self.low), self._along(self.beyond)
 
     def value(self, points: Any) -> Any:
         return self._g(*np.moveaxis(np.asarray(points, dtype=float), -1, 0))
@@ -60,32 +62,45 @@ class BoundaryScout:
         best = points[int(np.argmin(np.where(np.isfinite(heights), heights, np.inf)))]
         return np.round(best, 9) if self.value(np.round(best, 9)) <= 0 else None
 
-    def _ends(self, directions: Any) -> tuple[Any, Any]:
-        """The rays that begin inside and end, and where they do."""
+    def _ends(self, directions: Any) -> tuple[Any, Any, Any]:
+        """The rays that begin inside and end in the law's ranges, where they last are inside and where they first are not."""
         if self.centre is None:
-            return directions[:0], np.zeros(0)
+            return directions[:0], np.zeros(0), np.zeros(0)
         last, first = Rays(self.value, self.centre, directions).left(_RADII, _BITS)
         keep = (last >= _RADII[0]) & (last < first)
-        return directions[keep], last[keep]
+        for i, x in enumerate(self.forces):
+            if (span := self.subject.law.domain.get(x.name)) is not None:
+                at = self.centre[i] + last * directions[:, i]
+                keep &= (-np.inf if span.low is None else float(span.low)) <= at
+                keep &= at <= (np.inf if span.high is None else float(span.high))
+        return directions[keep], last[keep], first[keep]
 
-    def unit_flow(self) -> Any:
-        """The flow at the boundary points, of length 1; 0 where it has no value or none in doubles."""
-        slips = np.stack([self._slips(face.flow) for face in self.subject.simple.faces])[self._acting(), np.arange(len(self.boundary))]
-        slips = np.where(np.isfinite(slips).all(axis=1, keepdims=True), slips, 0.0)
-        return slips / (np.linalg.norm(slips, axis=1, keepdims=True) + 1e-300)
+    def _along(self, radii: Any) -> Any:
+        return np.zeros((0, len(self.forces))) if self.centre is None else self.centre + radii[:, None] * self.directions
 
-    def _acting(self) -> Any:
-        """Which face each boundary point lies on: that whose g is greatest."""
-        faces = self.subject.simple.faces
-        return np.argmax([self._over_boundary(face.g) for face in faces], axis=0) if len(faces) > 1 else 0
+    @cached_property
+    def unit_flow(self) -> tuple[Any, Any]:
+        """Slips of length 1 at boundary points, and the number of the point of each; 0 where there is none in doubles.
 
-    def _slips(self, flow: tuple[sp.Expr, ...] | None) -> Any:
-        return self._gradient() if flow is None else np.stack([self._over_boundary(c) for c in flow], axis=1)
+        Of every face that acts there, as it is a last bit inside K and a last bit outside, between which it may jump.
+        """
+        faces, place, slips = self.subject.simple.faces, [], []
+        for points in (self.boundary, self.outside):
+            heights = np.stack([self._over(points, face.g) for face in faces])
+            acting = heights >= np.max(heights, axis=0) - _TOUCHING * np.linalg.norm(points * self._gradient, axis=1)
+            for face, acts in zip(faces, acting, strict=True):
+                own = self._gradient if face.flow is None else np.stack([self._over(points, c) for c in face.flow], axis=1)
+                place.append(np.flatnonzero(acts | (len(faces) == 1)))
+                slips.append(own[place[-1]])
+        every = np.concatenate(slips)
+        every = np.where(np.isfinite(every).all(axis=1, keepdims=True), every, 0.0)
+        return np.concatenate(place), every / (np.linalg.norm(every, axis=1, keepdims=True) + 1e-300)
 
-    def _over_boundary(self, expr: sp.Expr) -> Any:
+    def _over(self, points: Any, expr: sp.Expr) -> Any:
         with np.errstate(all="ignore"):
-            return np.broadcast_to(compiled(expr.subs(rationals(self.parameters)), self.forces)(*self.boundary.T), len(self.boundary))
+            return np.broadcast_to(compiled(expr.subs(rationals(self.parameters)), self.forces)(*points.T), len(points))
 
+    @cached_property
     def _gradient(self) -> Any:
         step = 1e-6 * (np.linalg.norm(self.boundary, axis=1, keepdims=True) + 1e-300)
         columns = []
@@ -96,27 +111,27 @@ class BoundaryScout:
         return np.stack(columns, axis=1)
 
     def far_targets(self) -> Iterator[tuple[Exit, Point]]:
-        """The three boundary points whose flow leans most towards some other sampled point, with that point."""
-        slips = self.unit_flow()
-        reach = slips @ self.boundary.T - np.sum(slips * self.boundary, axis=1)[:, None]
-        reach = np.where(np.isfinite(reach), reach, -np.inf)
-        sizes = np.linalg.norm(self.boundary[None, :, :] - self.boundary[:, None, :], axis=2) + 1e-300
-        for k in np.argsort(-np.max(reach / sizes, axis=1))[:3]:
+        """Boundary points whose flow leans towards some other sampled point of K, with that point: the worst and some of the others."""
+        place, _ = self.unit_flow
+        reach, share = self._reach
+        for k in _spread(-np.max(share, axis=1), 3):
             best = int(np.argmax(reach[k]))
             if reach[k, best] > 0:
-                yield self._exit(int(k)), tuple(Fraction(float(c) * (1 - 2.0**-20)).limit_denominator(10**6) for c in self.boundary[best])
+                target = self._targets[best] * (1 - 2.0**-20)
+                yield self._exit(int(place[k])), tuple(Fraction(float(c)).limit_denominator(10**6) for c in target)
 
     def near_targets(self) -> Iterator[tuple[Exit, Exit]]:
         """In two forces: the points of largest deviation, each with others of the boundary, turned by a share of that deviation."""
         if len(self.forces) != 2:
             return
-        normals, slips = self._gradient(), self.unit_flow()
+        place, slips = self.unit_flow
+        normals = self._gradient[place]
         turn = np.arctan2(normals[:, 0] * slips[:, 1] - normals[:, 1] * slips[:, 0], np.sum(normals * slips, axis=1))
         turn = np.where(np.isfinite(turn), turn, 0.0)
         for k in np.argsort(-np.abs(turn))[:3]:
             for share in (1.0, 0.5, 0.25, 0.1):
                 angle = Fraction(float(share * turn[k])).limit_denominator(10**12)
-                here = self._exit(int(k))
+                here = self._exit(int(place[k]))
                 turned = ((p[0] - angle * p[1], p[1] + angle * p[0]) for p in (here.inside, here.outside))
                 yield here, Exit(self.parameters, *turned)
 
@@ -127,13 +142,39 @@ class BoundaryScout:
             yield Exit(self.parameters, inside, (Fraction(0),) * len(inside))
 
     def least_power(self, most: int) -> Iterator[Exit]:
-        """Boundary points with negative power, the most negative first."""
-        if len(self.boundary) == 0:
-            return
-        power = np.sum(self.unit_flow() * self.boundary, axis=1) / (np.linalg.norm(self.boundary, axis=1) + 1e-300)
-        order = np.argsort(np.where(np.isfinite(power), power, np.inf))
-        for k in [k for k in order if power[k] < -1e-12][:most]:
-            yield self._exit(int(k))
+        """Boundary points with negative power: the most negative and some of the others."""
+        yield from (self._exit(k) for k in _spread(self._power(), most))
+
+    def _power(self) -> Any:
+        """The least power of a slip of length 1 at each boundary point, as a share of the force's size."""
+        place, slips = self.unit_flow
+        points = self.boundary[place]
+        found = np.full(len(self.boundary), np.inf)
+        np.fmin.at(found, place, np.sum(slips * points, axis=1) / (np.linalg.norm(points, axis=1) + 1e-300))
+        return found
+
+    @cached_property
+    def _reach(self) -> tuple[Any, Any]:
+        """How far each slip goes towards each boundary point and the centre, and as a share of the distance."""
+        place, slips = self.unit_flow
+        away = self._targets[None, :, :] - self.boundary[place][:, None, :]
+        distance = np.linalg.norm(away, axis=2)
+        reach = np.einsum("kji,ki->kj", away, slips)
+        near = ~np.isfinite(reach) | (distance <= _NEAR * np.linalg.norm(self.boundary[place], axis=1, keepdims=True))
+        return np.where(near, -np.inf, reach), np.where(near, -np.inf, reach / (distance + 1e-300))
+
+    @property
+    def _targets(self) -> Any:
+        return self.boundary if self.centre is None else np.vstack([self.boundary, self.centre])
+
+    def seem_to_dissipate_less_than_0(self) -> int:
+        """At how many boundary points."""
+        return int(np.sum(self._power() < -_ROUNDING))
+
+    def seem_to_lean_inward(self) -> int:
+        """From how many boundary points a slip goes towards another."""
+        place, _ = self.unit_flow
+        return len(np.unique(place[np.max(self._reach[1], axis=1) > _ROUNDING])) if len(self.boundary) > 1 else 0
 
     def _exit(self, k: int) -> Exit:
         """Exact points on the ray, a little before and a little after the crossing."""
@@ -141,6 +182,12 @@ class BoundaryScout:
         ray = [Fraction(float(c)).limit_denominator(10**6) for c in self.directions[k]]
         ends = (Fraction(float(s * self.low[k])).limit_denominator(10**12) for s in (1 - 1e-6, 1 + 1e-6))
         return Exit(self.parameters, *(tuple(c + end * r for c, r in zip(centre, ray, strict=True)) for end in ends))
+
+
+def _spread(heights: Any, most: int) -> list[int]:
+    """Places of negative values: so many of the least, and three between them and 0."""
+    order = [int(k) for k in np.argsort(np.where(np.isfinite(heights), heights, np.inf)) if heights[k] < -1e-12]
+    return list(dict.fromkeys([*order[:most], *(order[len(order) * n // 4] for n in (1, 2, 3) if order)]))
 
 
 def scouts(subject: FormulaSubject, most: int) -> Iterator[BoundaryScout]:
