@@ -98,7 +98,7 @@ def test_a_word_that_means_nothing_is_refused(path: tuple[Any, ...]) -> None:
 @pytest.mark.parametrize("word", ["g", "surfaces", "domain", "potential", "stress"])
 def test_a_curve_has_no_formula(word: str) -> None:
     curve = {"forces": ["a", "b"], "pressure": "s", "parameters": {}, "constraints": [], "angle": "t", "flow": None}
-    curve["boundary"] = ["-s*cos(t)", "-s*sin(t)"]
+    curve["boundary"] = ["cos(t)", "2*sin(t)"]
     assert stated(curve)
     with pytest.raises(NotWritten, match=word):
         stated(curve | {word: "-s*cos(t)"})
