@@ -384,7 +384,7 @@ def test_a_net_of_processor_time(microseconds: int, stopped: int) -> None:
         def interrupt(self) -> None:
             self.stops += 1
 
-    context, end = Context(), process_time() + (0.8 if stopped else 0.2)
+    context, end = Context(), process_time() + (0.4 if stopped else 0.2)
     with smt._net(context, microseconds):
         while process_time() < end and context.stops == 0:
             sum(range(1000))

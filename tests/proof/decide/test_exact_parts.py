@@ -103,7 +103,9 @@ def test_a_projection_meets_all_that_changes() -> None:
     ],
 )
 def test_where_inner_points_are_dense(given: list[tuple[sp.Expr, str]], dense: bool) -> None:
-    assert _dense(tuple(Relation(*r) for r in given)) is dense
+    """In whichever order they are said, and whatever strict ones are said before."""
+    for said in (given, given[::-1], [(x + y, ">"), *given], [(y, "!="), *given, (x, "!=")]):
+        assert _dense(tuple(Relation(*r) for r in said)) is dense
 
 
 def test_factors_say_together_what_the_product_says() -> None:

@@ -130,6 +130,8 @@ SENSES = (Sense.NONNEGATIVE, Sense.POSITIVE, Sense.ZERO)
         ((sp.Eq(FIRST, 0), x >= 0), sp.S.One, "yes yes no"),
         ((sp.Eq(FIRST, 0),), x, "no no no"),  # both rays
         ((sp.Eq(FIRST, 0),), x**2, "yes yes no"),
+        ((2 * FIRST >= 0, 3 * FIRST >= 0, FIRST <= 0), x**2, "yes yes no"),  # the line again
+        ((2 * FIRST <= 0, FIRST >= 0, FIRST <= 0), x, "no no no"),
         ((FIRST >= 0, 2 * FIRST >= 0, FIRST <= 0, 3 * x >= 0, x >= 0), x, "yes yes no"),  # said twice
         ((sp.Eq(FIRST, 0), sp.Eq(SECOND, 0)), sp.S.NegativeOne, "yes yes yes"),  # nowhere on the circle
         ((FIRST > 0, -FIRST > 0), sp.S.NegativeOne, "yes yes yes"),
@@ -156,6 +158,7 @@ def test_three_senses(given: tuple[sp.Basic, ...], expr: sp.Expr, told: str) -> 
         (x * y, (SEAM >= 0,), None),  # a half-plane, and so below
         (-SEAM, (SEAM >= 0, 2 * SEAM >= 0), None),
         (-SEAM, (SEAM >= 0, SEAM > 0), None),
+        (-SEAM, (SEAM <= 0, 2 * SEAM <= 0, 3 * SEAM < 0), None),
     ],
 )
 def test_what_bounds_a_sector_is_kept(expr: sp.Expr, given: tuple[sp.Basic, ...], kept: tuple[sp.Basic, ...] | None) -> None:

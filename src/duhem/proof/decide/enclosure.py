@@ -22,6 +22,7 @@ __all__ = ["by_enclosure"]
 
 Box = dict[sp.Symbol, tuple[Fraction, Fraction]]
 _METHOD = "interval"
+_WANTED = {Sense.NONNEGATIVE: sp.GreaterThan, Sense.POSITIVE: sp.StrictGreaterThan}
 _BOX, _NODE = 25, 5  # steps of one box and of each node that is enclosed over it
 _LEAST = 2.0**-50  # relative width of a box: what is open there has no margin, and halves of it would be open for ever
 
@@ -45,7 +46,7 @@ def by_enclosure(question: Question, budget: Budget) -> Answer:
         verdicts = [_holds(enclose(r.lhs - r.rhs, values), type(r)) for r in question.given]
         if any(v is False for v in verdicts):
             continue
-        goal = _holds(enclose(question.expr, values), sp.GreaterThan if question.sense is Sense.NONNEGATIVE else sp.StrictGreaterThan)
+        goal = _holds(enclose(question.expr, values), _WANTED[question.sense])
         if goal is True:
             continue
         if goal is False and all(v is True for v in verdicts):

@@ -60,8 +60,9 @@ def between_rays(question: Question, budget: Budget) -> Answer | Question | None
             return None
         if all(sign is not None and sign >= 0 for sign in signs) and not any(_alike(ray, other) for other in found):
             found.append(ray)
-    if len(found) == 2 and _opposite(*found):
-        return None if any(_within(sides, (s * side.a, s * side.b)) for side in sides for s in (1, -1)) else _on(question, found, sides)
+    if len(found) == 2 and _opposite(*found):  # all sides are along one line; facing one way they leave half of the plane
+        across = sides[0].a, sides[0].b
+        return _on(question, found, sides) if any(side.at(across) == -1 for side in sides) else None
     if len(found) < 2:
         return _on(question, found, sides)
     if (answer := _linear(question, found, sides)) is not None:
@@ -134,10 +135,6 @@ def _at(line: Ray, ray: Ray) -> int | None:
 def _asked(rays: Sequence[Ray], sides: Sequence[_Side]) -> list[Ray]:
     """Without those that a strict relation leaves out."""
     return [ray for ray in rays if not any(side.strict and side.at(ray) == 0 for side in sides)]
-
-
-def _within(sides: Sequence[_Side], ray: Ray) -> bool:
-    return all((side.at(ray) or 0) >= 0 for side in sides)
 
 
 def _alike(one: Ray, two: Ray) -> bool:
