@@ -96,6 +96,7 @@ def test_the_circle_by_its_half_angle() -> None:
     assert told(west) == ((sp.Integer(0), ">"), []) and west.system.circle is None
     assert west.restored({}) == {x: -1, y: 0, z: 0}
     (t,) = variables(turned.system)
+    assert t.is_real
     assert told(turned) == ((sp.Integer(2), ">"), [(2 * t, ">=")]) and turned.system.variables == (z, t) and turned.system.circle is None
     assert turned.restored({t: sp.Rational(1, 3)}) == {x: sp.Rational(4, 5), y: sp.Rational(3, 5), z: 0, t: sp.Rational(1, 3)}
 

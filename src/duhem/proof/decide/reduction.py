@@ -112,9 +112,8 @@ def _cases(part: Reduction) -> list[Reduction | None] | None:
 
 def _terms(system: System, x: sp.Symbol, count: int) -> int:
     """At most so many terms has the question with a sum of ``count`` terms in the place of x."""
-    powers = (sp.Poly(relation.poly, x).degree_list()[0] for relation in (system.goal, *system.given))
-    sizes = (len(sp.Add.make_args(relation.poly)) for relation in (system.goal, *system.given))
-    return sum(size * comb(max(power, 0) + count - 1, count - 1) for size, power in zip(sizes, powers, strict=True))
+    polys = [relation.poly for relation in (system.goal, *system.given)]
+    return sum(len(sp.Add.make_args(p)) * comb(max(sp.Poly(p, x).degree(), 0) + count - 1, count - 1) for p in polys)
 
 
 def _rational_roots(form: sp.Poly) -> list[sp.Rational] | None:
