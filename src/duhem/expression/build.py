@@ -23,6 +23,8 @@ MOST_BITS = 8192
 MOST_EXPONENT = 1000
 MOST_NUMERIC_EXPONENT = 64
 MOST_ARGUMENTS = 32
+_INFINITE = tuple(map(type, (sp.nan, sp.zoo, sp.oo, -sp.oo)))
+_REWRITE = "write it with real numbers, declared names, + - * / ** and the words of the language"
 
 
 def total(plus: Sequence[sp.Expr], minus: Sequence[sp.Expr]) -> sp.Expr:
@@ -50,8 +52,7 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
         _bound_bits(int(size) * max((_bits(x) for x in base.atoms(sp.Rational)), default=0))
         if _is_zero(base) and approximate(exponent) < 0:
             raise InputError("division by zero", remedy="correct the divisor")
-    elif base.is_number and (_is_zero(base) or approximate(base) < 0):
-        raise InputError("a variable power of a number that is not positive is not real", remedy="use a positive base")
+    _check_base(base, exponent)
     return _checked(sp.Pow(base, inert_exponent(exponent)))
 
 
@@ -122,23 +123,50 @@ EVALUATED = Building(total, product, power, call, relation)
 AS_WRITTEN = Building(_written_total, _written_product, _written_power, _written_call, _written_relation)
 
 
-def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> str | None:
-    """Why a finished formula cannot be used, or None."""
-    for node in sp.preorder_traversal(expr):
-        if node.args:
-            if type(node) not in NODES:
-                return f"no meaning is given to {type(node).__name__} in {str(node)[:60]!r}"
-            if isinstance(node, sp.Pow) and node.exp.is_number and abs(approximate(node.exp)) > MOST_EXPONENT:
-                return f"the exponent of {str(node.base)[:40]!r} is too large"
-        elif not (node in known or isinstance(node, sp.Rational | InertNumber) or node in (sp.pi, sp.E)):
-            return f"{node} is not a real number"
+def unacceptable(expr: sp.Expr, known: set[sp.Symbol]) -> InputError | None:
+    """Why a finished formula, however it was made, cannot be used, or None."""
+    try:
+        nodes = dict.fromkeys(sp.preorder_traversal(expr))
+        for node in nodes:
+            _bound_bits(_bits(node))
+            _check_real(node)
+        for node in nodes:
+            if node.args:
+                _check_node(node)
+            elif not (node in known or isinstance(node, sp.Rational | InertNumber) or node in (sp.pi, sp.E)):
+                raise InputError(f"no meaning is given to {node}", remedy=_REWRITE)
+    except InputError as fault:
+        return fault
     return None
+
+
+def _check_node(node: sp.Basic) -> None:
+    if type(node) not in NODES:
+        raise InputError(f"no meaning is given to {type(node).__name__} in {' '.join(str(node).split())[:60]!r}", remedy=_REWRITE)
+    if isinstance(node, sp.Pow):
+        if node.exp.is_number and abs(approximate(node.exp)) > MOST_EXPONENT:
+            raise InputError(f"the exponent of {str(node.base)[:40]!r} is too large", remedy=f"use exponents up to {MOST_EXPONENT}")
+        _check_base(node.base, node.exp)
+    if node.is_number:
+        approximate(node)
+
+
+def _check_base(base: sp.Expr, exponent: sp.Expr) -> None:
+    if not exponent.is_number and base.is_number and (_is_zero(base) or approximate(base) < 0):
+        raise InputError("a variable power of a number that is not positive is not real", remedy="use a positive base")
+
+
+def _check_real(expr: sp.Basic) -> None:
+    if _is_unreal(expr):
+        raise InputError("the value is not real", remedy="take roots and logarithms of what is never negative, asin and acos in [-1, 1]")
+    if isinstance(expr, _INFINITE):
+        raise InputError("the value is not finite", remedy="divide by what is never 0, and use finite numbers")
 
 
 def _checked(expr: sp.Expr) -> sp.Expr:
     _bound_bits(_bits(expr))
-    if any(_is_unreal(part) for part in (expr, *(expr.args if isinstance(expr, sp.Mul) else ()))):
-        raise InputError("the value is not real", remedy="take roots and logarithms of what is never negative, asin and acos in [-1, 1]")
+    for part in (expr, *(expr.args if isinstance(expr, sp.Mul) else ())):
+        _check_real(part)
     if expr.is_number and not expr.is_Rational:
         approximate(expr)
     return expr

@@ -21,7 +21,7 @@ def gradient(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, 
     found = tuple(sp.diff(opened, x) for x in forces)
     for part in found:
         if fault := unacceptable(part, potential.free_symbols):
-            raise InputError(f"the potential has no gradient in the words of the language: {fault}", remedy="give the flow itself")
+            raise InputError(f"the potential has no gradient in the words of the language: {fault.what}", remedy="give the flow itself")
     return found
 
 

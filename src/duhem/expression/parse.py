@@ -68,7 +68,7 @@ def parse_expression(
     tree = reader.syntax()
     value = reader.value(tree, 0)
     if fault := unacceptable(value, set(known.values())):
-        raise reader.place.error(fault, remedy="rewrite the formula")
+        raise reader.place.error(fault.what, remedy=fault.remedy)
     return value
 
 
@@ -97,7 +97,7 @@ def parse_relation(
     left, right, kind = reader.sides(tree, 0)
     for side in (left, right):
         if fault := unacceptable(side, set(known.values())):
-            raise reader.place.error(fault, remedy="rewrite the constraint")
+            raise reader.place.error(fault.what, remedy=fault.remedy)
     if kind(left, right) == sp.false:
         raise reader.place.error(f"the constraint {reader.quote(tree)} is contradictory: it never holds", remedy="correct or remove it")
     return kind(left, right, evaluate=False)

@@ -17,12 +17,13 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import symbol
-from duhem.expression.parse import parse_expression, parse_relation
+from duhem.expression.abbreviations import NONE
 from duhem.expression.verbatim import Verbatim
-from duhem.expression.vocabulary import adopted
 from duhem.law.domain import POSITIVE, Domain, Domains
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion, relations
 from duhem.law.registry import register
+from duhem.law.signature import argument_names, called, listed
+from duhem.law.yield_surface import as_expression
 
 __all__ = ["ANGLE", "Law", "ParametricCriterion", "closes", "parametric"]
 
@@ -62,12 +63,10 @@ class ParametricCriterion(Verbatim):
                 "a boundary curve takes two forces and different names throughout", where=self.name, remedy="correct its names"
             )
         known = self.symbols()
-        put(self, "boundary", tuple(self._in_angle(x, known, "boundary") for x in self.boundary))
-        put(
-            self, "constraints", tuple(c if not isinstance(c, str) else parse_relation(c, known, where=self.name) for c in self.constraints)
-        )
+        put(self, "boundary", tuple(self._in_angle(x, known, "boundary") for x in listed(self.boundary, "boundary", self.name)))
+        put(self, "constraints", relations(self.constraints, known, self.name))
         if self.flow is not None:
-            put(self, "flow", tuple(self._in_angle(x, known, "flow") for x in self.flow))
+            put(self, "flow", tuple(self._in_angle(x, known, "flow") for x in listed(self.flow, "flow", self.name)))
         if any(len(pair) != 2 for pair in (self.boundary, self.flow or (0, 0))):
             raise InputError("boundary and flow have two components each", where=self.name, remedy="give one expression per force")
 
@@ -75,11 +74,7 @@ class ParametricCriterion(Verbatim):
         return hash((self.name, self.boundary, self.forces, self.pressure, self.parameters, self.constraints, self.flow))
 
     def _in_angle(self, given: Any, known: Mapping[str, sp.Symbol], what: str) -> sp.Expr:
-        expr = (
-            parse_expression(given, known, where=f"{what} of {self.name}")
-            if isinstance(given, str)
-            else adopted(sp.sympify(given, strict=True))
-        )
+        expr = as_expression(given, known, f"{what} of {self.name}", NONE)
         inside = {known[self.angle], *(known[name] for name in self.parameters)}
         if stray := expr.free_symbols - inside:
             raise InputError(f"{what} uses {sorted(map(str, stray))}", where=self.name, remedy="use the angle and the parameters only")
@@ -147,16 +142,16 @@ def parametric(
     """
 
     def build(f: Callable[..., Any]) -> ParametricCriterion:
-        arguments = list(inspect.signature(f).parameters)
+        arguments = argument_names(f)
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a != ANGLE}
         known = {ANGLE: symbol(ANGLE)} | {n: d.symbol(n) for n, d in domains.items()}
         law = ParametricCriterion(
             name=name or f.__name__.replace("_", "-"),
-            boundary=f(*(known[a] for a in arguments)),
+            boundary=called(f, known),
             parameters=domains,
-            constraints=tuple(constraints),  # text is read on construction
-            flow=None if flow is None else (flow[0], flow[1]),
+            constraints=constraints,  # type: ignore[arg-type]  # read on construction
+            flow=flow,  # type: ignore[arg-type]
             summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
             source=source,
             instead=instead,

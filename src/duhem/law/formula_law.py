@@ -17,7 +17,8 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import symbol
-from duhem.expression.abbreviations import Abbreviations
+from duhem.expression.abbreviations import NONE, Abbreviations
+from duhem.expression.adopted import adopted_relation
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation
@@ -25,10 +26,11 @@ from duhem.expression.verbatim import Verbatim
 from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
 from duhem.law.registry import register
-from duhem.law.shapes import Shape, converted
+from duhem.law.shapes import Shape, check_shape, converted
+from duhem.law.signature import argument_names, called, listed
 from duhem.law.yield_surface import YieldSurface, as_expression
 
-__all__ = ["FORCES", "PRESSURE", "Criterion", "criterion"]
+__all__ = ["FORCES", "PRESSURE", "Criterion", "criterion", "relations"]
 
 FORCES = ("sigma_a", "sigma_b")
 PRESSURE = "sigma_n"
@@ -76,7 +78,7 @@ class Criterion(Verbatim):
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "stress", _stress(self.stress, self.name))
-        put(self, "forces", tuple(self.forces) if self.stress is None else self._components(self.stress))
+        put(self, "forces", listed(self.forces, "forces", self.name) if self.stress is None else self._components(self.stress))
         put(self, "parameters", Domains(self.parameters))
         self._check_names()
         put(self, "_symbols", self._declared())
@@ -87,12 +89,13 @@ class Criterion(Verbatim):
         put(self, "define", define)
         short = define.short
         self._read_bounds(known, short)
-        put(self, "constraints", tuple(_relation(c, known, f"constraint of {self.name}", short) for c in self.constraints))
+        put(self, "constraints", relations(self.constraints, known, self.name, short))
         put(self, "domain", Domains(self.domain))
         for name, own in self.domain.items():
             if fault := range_fault(name, own, self.forces, self.pressure):
                 raise InputError(fault[0], where=f"domain of {self.name}", remedy=fault[1])
         if self.closed_form is not None:
+            check_shape(self.closed_form, self.name)
             put(self, "closed_form", converted(self.closed_form, lambda x: as_expression(x, known, f"closed form of {self.name}", short)))
         self._check_content()
 
@@ -106,6 +109,8 @@ class Criterion(Verbatim):
             owner = f"surface {i} of {self.name}"
             if not isinstance(given, YieldSurface):
                 raise InputError(f"{given!r} is no surface", where=owner, remedy="write YieldSurface(g=..., flow=...)")
+            if given.g is sp.nan:
+                raise InputError("there is no g", where=owner, remedy="give the surface a formula g")
             surfaces.append(given.read(known, self.force_symbols(), short, owner))
         whole = YieldSurface(self.g, self.flow, self.potential, self.written, self.written_flow)
         whole = whole.read(known, self.force_symbols(), short, self.name)
@@ -138,25 +143,17 @@ class Criterion(Verbatim):
         names = [*self.forces, *([self.pressure] if self.pressure else []), *self.parameters]
         if not self.forces:
             raise InputError(f"{self.name} declares no force", remedy="name at least one in forces")
-        for name in names:
-            if not isinstance(name, str) or not name.isidentifier():
-                raise InputError(f"{name!r} is not a name", where=self.name, remedy="use letters, digits and underscores")
+        _check_are_names(names, self.name)
         spelled = [normalize("NFKC", name) for name in names]  # as Python's parser has them
         for name in names:
             if spelled.count(normalize("NFKC", name)) > 1:
                 raise InputError(f"{name!r} is declared twice", where=self.name, remedy="give each force and parameter a name of its own")
 
     def _check_content(self) -> None:
-        known = set(self.symbols().values())
         forces = {self.symbols()[f] for f in self.forces}
         flows = [flow for flow in (self.flow, *(s.flow for s in self.surfaces)) if flow is not None]
         if self.g is sp.nan:
             raise InputError("there is no g", where=self.name, remedy="give g, or surfaces")
-        for what, expr in [("g", self.g), *(("g", s.g) for s in self.surfaces), *(("flow", c) for flow in flows for c in flow)]:
-            if stray := expr.free_symbols - known:
-                raise InputError(
-                    f"{what} uses the undeclared {sorted(map(str, stray))}", where=self.name, remedy="declare it as a parameter"
-                )
         if not all(g.free_symbols & forces for g in (self.g, *(s.g for s in self.surfaces))):
             raise InputError("g does not depend on any force", where=self.name, remedy=f"use at least one of {', '.join(self.forces)}")
         for flow in flows:
@@ -225,8 +222,20 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     )
 
 
-def _relation(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> Relational:
-    return parse_relation(given, known, where=where, short=short) if isinstance(given, str) else given
+def _check_are_names(names: Sequence[Any], law: str) -> None:
+    for name in names:
+        if not isinstance(name, str) or not name.isidentifier():
+            raise InputError(f"{name!r} is not a name", where=law, remedy="use letters, digits and underscores")
+
+
+def relations(given: Any, known: Mapping[str, sp.Symbol], law: str, short: Abbreviations = NONE) -> tuple[Relational, ...]:
+    """The constraints of a law, texts or SymPy's comparisons, without those that hold of themselves."""
+    where = f"constraint of {law}"
+    found = (
+        parse_relation(c, known, where=where, short=short) if isinstance(c, str) else adopted_relation(c, known.values(), where)
+        for c in listed(given, "constraints", law)
+    )
+    return tuple(c for c in found if c is not None)
 
 
 def _stress(given: Any, law: str) -> Stress | None:
@@ -285,9 +294,10 @@ def criterion(
     """
 
     def build(f: Callable[..., Any]) -> Criterion:
-        arguments, named = list(inspect.signature(f).parameters), name or f.__name__.replace("_", "-")
+        arguments, named = argument_names(f), name or f.__name__.replace("_", "-")
         of = _stress(stress, named)
-        axes = tuple(forces) if of is None else of.components
+        axes = listed(forces, "forces", named) if of is None else of.components
+        _check_are_names([*axes, *([pressure] if pressure else [])], named)
         fixed_names = {*axes, pressure, *(define or ())}
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
@@ -298,12 +308,12 @@ def criterion(
         values = shell | {n: parse_expression(n, shell, short=local.short) for n in local}
         law = Criterion(
             name=named,
-            g=f(*(values[a] for a in arguments)),
+            g=called(f, values),
             parameters=domains,
             forces=axes,
             pressure=pressure,
-            constraints=tuple(constraints),
-            flow=None if flow is None else tuple(flow),
+            constraints=constraints,  # type: ignore[arg-type]  # read on construction
+            flow=flow,  # type: ignore[arg-type]
             summary=(inspect.getdoc(f) or "").split("\n", 1)[0],
             source=source,
             closed_form=closed_form,

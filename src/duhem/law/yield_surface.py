@@ -10,10 +10,11 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Abbreviations
+from duhem.expression.adopted import adopted
 from duhem.expression.gradient import gradient
 from duhem.expression.parse import parse_expression, written_out
 from duhem.expression.verbatim import Verbatim
-from duhem.expression.vocabulary import adopted
+from duhem.law.signature import listed
 
 __all__ = ["YieldSurface", "as_expression"]
 
@@ -35,10 +36,11 @@ class YieldSurface(Verbatim):
 
     def read(self, known: Mapping[str, sp.Symbol], forces: Sequence[sp.Symbol], short: Abbreviations, owner: str) -> YieldSurface:
         """The same with its texts read over the symbols ``known``; InputError names the ``owner`` of what cannot be."""
-        g = as_expression(self.g, known, f"g of {owner}", short)
+        g = self.g if self.g is sp.nan else as_expression(self.g, known, f"g of {owner}", short)
         written = written_out(self.g, short) if isinstance(self.g, str) else self.written
         flow, written_flow = self.flow, self.written_flow
         if flow is not None:
+            flow = listed(flow, "flow", owner)
             if any(isinstance(c, str) for c in flow):
                 written_flow = tuple(written_out(c, short) if isinstance(c, str) else "" for c in flow)
             flow = tuple(as_expression(c, known, f"flow of {owner}", short) for c in flow)
@@ -60,8 +62,8 @@ class YieldSurface(Verbatim):
 
 
 def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
-    """Text, read over the symbols ``known``, or a SymPy expression, its own sign and atan2 as words of ours."""
-    return parse_expression(given, known, where=where, short=short) if isinstance(given, str) else adopted(sp.sympify(given, strict=True))
+    """Text, read over the symbols ``known``, or what :func:`duhem.expression.adopted.adopted` makes of anything else."""
+    return parse_expression(given, known, where=where, short=short) if isinstance(given, str) else adopted(given, known.values(), where)
 
 
 def _gradient(
