@@ -160,7 +160,7 @@ def _check_real(expr: sp.Basic) -> None:
     if _is_unreal(expr):
         raise InputError("the value is not real", remedy="take roots and logarithms of what is never negative, asin and acos in [-1, 1]")
     if isinstance(expr, _INFINITE):
-        raise InputError("the value is not finite", remedy="divide by what is never 0, and use finite numbers")
+        raise InputError("the value is not real and finite", remedy="divide by what is never 0, and use finite numbers")
 
 
 def _checked(expr: sp.Expr) -> sp.Expr:
