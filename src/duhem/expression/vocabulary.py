@@ -17,7 +17,7 @@ import sympy as sp
 
 from duhem.expression.matrices import rows
 
-__all__ = ["NODES", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "symbol"]
+__all__ = ["NODES", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "adopted", "symbol"]
 
 
 class Norm(sp.Function):
@@ -216,6 +216,11 @@ def _sign(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
 def _log10(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
     """log(x)/log(10), a whole number where it is one."""
     return sp.log(x, 10) if evaluate else sp.Mul(sp.log(x, evaluate=False), sp.Pow(sp.log(10), -1), evaluate=False)
+
+
+def adopted(expr: sp.Basic) -> sp.Basic:
+    """A SymPy expression with SymPy's own sign and atan2 as words of ours: their derivatives are formulas, without distributions."""
+    return expr.replace(sp.sign, _sign).replace(sp.atan2, Atan2) if expr.has(sp.sign, sp.atan2) else expr
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import NONE, Abbreviations
-from duhem.expression.adopted import adopted_relation
+from duhem.expression.given import given_relation
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation
@@ -232,7 +232,7 @@ def relations(given: Any, known: Mapping[str, sp.Symbol], law: str, short: Abbre
     """The constraints of a law, texts or SymPy's comparisons, without those that hold of themselves."""
     where = f"constraint of {law}"
     found = (
-        parse_relation(c, known, where=where, short=short) if isinstance(c, str) else adopted_relation(c, known.values(), where)
+        parse_relation(c, known, where=where, short=short) if isinstance(c, str) else given_relation(c, known.values(), where)
         for c in listed(given, "constraints", law)
     )
     return tuple(c for c in found if c is not None)

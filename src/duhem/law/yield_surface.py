@@ -10,7 +10,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 from duhem.expression.abbreviations import Abbreviations
-from duhem.expression.adopted import adopted
+from duhem.expression.given import given_formula
 from duhem.expression.gradient import gradient
 from duhem.expression.parse import parse_expression, written_out
 from duhem.expression.verbatim import Verbatim
@@ -62,8 +62,10 @@ class YieldSurface(Verbatim):
 
 
 def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
-    """Text, read over the symbols ``known``, or what :func:`duhem.expression.adopted.adopted` makes of anything else."""
-    return parse_expression(given, known, where=where, short=short) if isinstance(given, str) else adopted(given, known.values(), where)
+    """Text, read over the symbols ``known``, or what :func:`duhem.expression.given.given_formula` makes of anything else."""
+    return (
+        parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
+    )
 
 
 def _gradient(

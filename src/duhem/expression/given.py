@@ -16,15 +16,15 @@ from duhem.errors import InputError
 from duhem.expression.build import unacceptable
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.number import exact_number
-from duhem.expression.vocabulary import WORDS, Atan2
+from duhem.expression.vocabulary import adopted
 
-__all__ = ["adopted", "adopted_relation"]
+__all__ = ["given_formula", "given_relation"]
 
 _COMPARISONS = (sp.StrictLessThan, sp.LessThan, sp.StrictGreaterThan, sp.GreaterThan)
 _FAULTS = (ArithmeticError, AttributeError, TypeError, ValueError, RecursionError, NotImplementedError)
 
 
-def adopted(given: Any, known: Iterable[sp.Symbol], where: str) -> sp.Expr:
+def given_formula(given: Any, known: Iterable[sp.Symbol], where: str) -> sp.Expr:
     """``given`` as a real formula over the symbols ``known``; InputError, at ``where``, for what is not one.
 
     It must be made of real finite numbers, these very symbols and the words of the language, and no part of it may be known
@@ -38,7 +38,7 @@ def adopted(given: Any, known: Iterable[sp.Symbol], where: str) -> sp.Expr:
         raise InputError(f"{_quoted(given)} cannot be read", where=where, remedy="give one SymPy expression, or text") from None
 
 
-def adopted_relation(given: Any, known: Iterable[sp.Symbol], where: str) -> Relational | None:
+def given_relation(given: Any, known: Iterable[sp.Symbol], where: str) -> Relational | None:
     """``given`` as a comparison of two formulas, None where it holds of itself; InputError, at ``where``, for what is not one."""
     if given is True or given is sp.true:
         return None
@@ -47,7 +47,7 @@ def adopted_relation(given: Any, known: Iterable[sp.Symbol], where: str) -> Rela
     if type(given) not in _COMPARISONS:
         raise InputError(f"{_quoted(given)} is no comparison", where=where, remedy="compare two expressions with < <= > or >=")
     symbols = set(known)
-    return type(given)(adopted(given.lhs, symbols, where), adopted(given.rhs, symbols, where), evaluate=False)
+    return type(given)(given_formula(given.lhs, symbols, where), given_formula(given.rhs, symbols, where), evaluate=False)
 
 
 def _formula(given: Any, known: set[sp.Symbol]) -> sp.Expr:
@@ -60,10 +60,8 @@ def _formula(given: Any, known: set[sp.Symbol]) -> sp.Expr:
     if not isinstance(expr, sp.Expr):
         raise InputError(f"{_quoted(given)} is no formula", remedy="give one SymPy expression, or text")
     _check_symbols(expr, known)
-    kinds = {*map(type, sp.preorder_traversal(expr))}
-    if {sp.sign, sp.atan2} & kinds:
-        expr = expr.replace(sp.sign, WORDS["sign"].build).replace(sp.atan2, Atan2)
-    if sp.Float in kinds:
+    expr = adopted(expr)
+    if expr.has(sp.Float):
         expr = expr.replace(_has_float_exponent, lambda x: sp.Pow(x.base, inert_exponent(exact_number(x.exp))))
         expr = expr.xreplace({x: exact_number(x) for x in expr.atoms(sp.Float)})
     if fault := unacceptable(expr, known):
