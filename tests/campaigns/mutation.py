@@ -35,7 +35,8 @@ TESTS: Mapping[str, str] = {
     " test_false_proofs test_product_bounds test_spectrum test_smooth_roots test_profiles test_isotropy",
     "decide": "decide/test_reduction decide/test_boxes decide/test_clearing decide/test_line_and_plane decide/test_exact_parts"
     " decide/test_degenerate_sets decide/test_deciders decide/test_* test_budget test_cells",
-    "methods": "test_methods_formula test_methods_implicit test_methods_flow test_open_answers test_curve_methods test_homogeneity",
+    "methods": "test_methods_formula test_methods_implicit test_methods_flow test_methods_neighbours test_open_answers test_curve_methods"
+    " test_homogeneity test_power_share",
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import flint
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from duhem import Domain, Verdict
 from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.numeric_curve import Greatest, NumericCurve
 from duhem.proof.methods import curve_deviation, curve_refutation, curve_signs
 from duhem.proof.verdict import Evidence
 
@@ -230,3 +232,50 @@ def test_a_few_angles_show_whether_there_is_a_deviation() -> None:
         _turned(f"pos(-{S} - 4/5)"),
     ):
         assert curve_deviation._deviates(_subject((C, S), flow), {})
+
+
+def test_where_the_flow_runs_backward_it_deviates() -> None:
+    """Along the normal throughout, but turned round for angles of less than 66 degrees, or of more than 114."""
+    for flow in ((f"({C} - 2/5)*{C}", f"({C} - 2/5)*{S}"), (f"(2/5 - {C})*{C}", f"(2/5 - {C})*{S}")):
+        assert curve_deviation._deviates(_subject((C, S), flow), {})
+
+
+def test_no_deviation_of_a_curve_that_is_not_simple() -> None:
+    for boundary in (limacon("3/2"), DOUBLE, (C, f"{C}*{S}")):
+        assert curve_deviation.normality(_subject(boundary, _turned(S))) is None
+    ranged = _subject(limacon("e"), _turned("1"), e=Domain.between(0, "3/2"))
+    found = curve_deviation.normality(ranged)
+    assert found is None or (found.witness is not None and Fraction(found.witness.parameters["e"]) < 1)
+
+
+def test_where_the_greatest_deviation_is_known_roughly(monkeypatch: pytest.MonkeyPatch) -> None:
+    subject = _subject((C, S), _turned(f"(1 + {C}/2)*2/3"))
+    greatest = NumericCurve.greatest
+    for rough, bound in ((0.1, "than 48.1831"), (0.0, "")):
+
+        def widened(curve: NumericCurve, *asked: Any, by: float = rough) -> Greatest | None:
+            found = greatest(curve, *asked)
+            return found and Greatest(found.value.union(found.value + by * flint.arb(5, 0) / 9), found.arcs)
+
+        monkeypatch.setattr(NumericCurve, "greatest", widened)
+        told = curve_deviation.normality(subject)
+        assert told is not None and told.detail.partition("nowhere by more")[2].strip() == bound
+    monkeypatch.setattr(NumericCurve, "greatest", lambda *_: None)
+    assert curve_deviation.normality(subject) is None
+
+
+def test_the_place_of_the_greatest_deviation_for_flows_turned_either_way() -> None:
+    for sign in ("", "-"):
+        curve = _subject((C, S), _turned(f"{sign}({C}*4/5 - {S}*3/5 + 2)/2")).at({})
+        worst = curve.greatest(curve_deviation.deviation, 3, 1e-9)
+        assert worst is not None and curve_deviation._place(curve, worst) == pytest.approx(-math.atan2(3, 4), abs=1e-7)
+
+
+def test_zero_force_and_power_over_a_range() -> None:
+    span = Domain.between(0, 1)
+    assert curve_signs.origin(_subject((f"{C} + 3/2 + e", S), NORMAL, e=span)) is None
+    assert curve_signs.origin(_subject((f"{C} + e", S), NORMAL, e=Domain.between(0, "2/5"))) is not None
+    touching = _subject((f"{C} + e", S), NORMAL, e=span)
+    assert curve_signs.origin(touching) is None and curve_signs.dissipation(touching) is None
+    wound = curve_signs.origin(_subject(limacon("e"), e=Domain.between(0, "3/5")))
+    assert wound is not None and (wound.method, wound.detail) == ("winding", "T x T' > 0: the curve runs around 0 once")

@@ -10,8 +10,10 @@ from typing import Any
 import pytest
 
 from duhem import Criterion, Domain, Verdict
+from duhem.law.criterion_file import reads
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import chords, corners, flow
+from duhem.proof.search.boundary_points import scouts
 from duhem.proof.verdict import Proof, Witness
 from duhem.proof.witness.enclosed_point import EnclosedPoint
 
@@ -222,3 +224,49 @@ def test_corners_and_sharp_points() -> None:
     assert corners.smoothness(subject("abs(a) + b**2 - 1", domain=within)) is None  # where the claim is not asked
     edge = corners.smoothness(subject("max(norm(a, b), abs(c)) - 1", forces="abc"))
     assert edge is not None and edge.method == "witness-corner"
+
+
+def test_what_shows_that_a_flow_is_parallel() -> None:
+    for slip in (A_B, ("a*(1 + abs(b))", "b*(1 + abs(b))")):
+        known = flow.normality(subject(DISC, slip))
+        assert known is not None and known.proof is not None and set(known.proof.evidence) == {"along", "across"}
+
+
+def test_of_two_surfaces_each_flow_counts() -> None:
+    text = '[criterion]\nname = "x"\nforces = ["a", "b"]\npressure = false\n' + "".join(
+        f'[[surface]]\ng = "{g}"\nflow = ["{{}}", "{{}}"]\n' for g in (DISC, "a - 1/2")
+    )
+    for slips, normal in ((("a", "b", "1", "0"), True), (("a", "b", "1", "1/9"), False), (("a", "2*b", "1", "0"), False)):
+        law = reads(text.format(*slips))
+        assert (flow.normality(FormulaSubject(law)) is not None) is normal  # type: ignore[arg-type]
+
+
+def test_a_centre_is_inside_at_the_same_parameters() -> None:
+    law = subject("(a - 2)**2 + b**2 - q", q=Domain.between(1, 2))
+    choice = next(law.choices(1))
+    (q,) = choice
+    inside = list(flow._centre(law, choice))
+    assert inside and all((x - 2) ** 2 + y * y < choice[q] for x, y in inside)
+    assert not list(flow._centre(law, {q: Fraction(1234, 1001)}))
+
+
+def test_targets_close_by_are_inside() -> None:
+    law = subject("a**2 + 2*b**2 - 1", ("a", "2*b + a/500"))
+    scout = next(scouts(law, 1))
+    near = list(flow._on_the_boundary(law, scout))
+    assert near and all(0 <= 1 - x * x - 2 * y * y < Fraction(1, 10**9) for _, (x, y) in near)
+
+
+def test_a_deviation_that_shows_close_by_alone() -> None:
+    law = subject("a**2 + 2*b**2 - 1", ("a", "2*b + a/500"))
+    assert flow.normality_refuted(law, 1, near=False) is None
+
+
+def test_a_flow_towards_zero_force() -> None:
+    """At its least power the flow leans towards zero force, wherever else it may lean."""
+    law = subject(DISC, ("-a", "-b"))
+    exit = next(iter(next(scouts(law, 1)).least_power(5)))
+    found = flow._leans_towards(law, exit, (Fraction(0), Fraction(0)))
+    assert found is not None and found.points["tau"] == {"a": "0", "b": "0"}
+    assert flow._leans_towards(law, exit, (Fraction(5), Fraction(5))) is None  # no point of K
+    assert flow._leans_towards(subject(DISC, A_B), exit, (Fraction(0), Fraction(0))) is None

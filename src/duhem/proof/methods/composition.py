@@ -81,7 +81,7 @@ def _of_one_sign(constant: sp.Expr, subject: FormulaSubject) -> bool:
     """Whether no force is in it, and its sign is strict."""
     if constant.free_symbols & set(subject.simple.forces):
         return False
-    return any(subject.ask(sign * constant, Sense.POSITIVE).holds is True for sign in (-1, 1))
+    return subject.positive(-constant) or subject.positive(constant)
 
 
 def _tame(node: sp.Basic, mark: sp.Symbol) -> bool:

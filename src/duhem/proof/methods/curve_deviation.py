@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from math import factorial
 
@@ -11,7 +12,7 @@ import flint
 from duhem.expression.balls import certain_sign
 from duhem.proof.facts.curve_quantities import LEAD, LEAN
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.numeric_curve import Ball, CurveJet, Greatest, NumericCurve, Span, cross, dot
+from duhem.proof.facts.numeric_curve import Ball, CurveJet, Greatest, NumericCurve, Span, Vector, cross, dot
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.curve_violations import leaning_flow
@@ -47,15 +48,13 @@ def normality(subject: CurveSubject) -> Evidence | None:
 def _deviates(subject: CurveSubject, values: Values) -> bool:
     """Whether a few angles show a deviation at all."""
     curve = subject.at(values)
-    return any(certain_sign(LEAN.of(curve.at(Fraction(k, 7), 1))) in (1, -1) for k in range(-20, 21, 3)) or any(
-        certain_sign(LEAD.of(curve.at(Fraction(k, 7), 1))) == -1 for k in range(-20, 21, 3)
-    )
+    jets = (curve.at(Fraction(k, 7), 1) for k in range(-20, 21, 3))
+    return any(certain_sign(LEAN.of(jet)) or certain_sign(LEAD.of(jet)) == -1 for jet in jets)
 
 
 def deviation(jet: CurveJet) -> tuple[Ball, Ball, Ball]:
     """The angle from the outward normal to the flow, its slope and second derivative by the angle (not a number at a jump)."""
-    tangent = [flint.arb_series([v[i] / factorial(k) for k, v in enumerate(jet.boundary[1:4])], prec=3) for i in (0, 1)]
-    flow = [flint.arb_series([v[i] / factorial(k) for k, v in enumerate(jet.flow[:3])], prec=3) for i in (0, 1)]
+    flow, tangent = _series(jet.flow), _series(jet.boundary[1:])
     lead, lean = cross(flow, tangent), dot(flow, tangent)
     side, half = certain_sign(lean[0]), flint.arb.pi() / 2
     if lead[0] > 0:
@@ -67,6 +66,11 @@ def deviation(jet: CurveJet) -> tuple[Ball, Ball, Ball]:
     else:
         return half + half * flint.arb(0, 1), flint.arb("nan"), flint.arb("nan")
     return signed[0] + shift, signed[1], 2 * signed[2]
+
+
+def _series(derivatives: Sequence[Vector]) -> list[Ball]:
+    """Both components of a vector with its derivatives 0, 1, 2, ... by the angle, as far as the second."""
+    return [flint.arb_series([x / factorial(k) for k, x in enumerate(row)], prec=3) for row in zip(*derivatives, strict=True)]
 
 
 def _place(curve: NumericCurve, worst: Greatest) -> float:

@@ -20,6 +20,8 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["convexity", "dissipation", "hessian", "smoothness"]
 
+_MOST_PIECES = 8
+
 
 def convexity(subject: FormulaSubject) -> Evidence | None:
     """Tangential second derivatives >= 0 on the boundary of a set star-shaped about the origin, no kink inward on a seam.
@@ -27,7 +29,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     Of closed branches: strictly inside them there may be no boundary at all, and then nothing would have been asked.
     """
     pieces, forces = subject.pieces, subject.simple.forces
-    if pieces is None or len(pieces) > (8 if len(forces) == 2 else 1) or not subject.continuous or not _star(subject, pieces):
+    if pieces is None or len(pieces) > (_MOST_PIECES if len(forces) == 2 else 1) or not subject.continuous or not _star(subject, pieces):
         return None
     if len(forces) == 1:
         detail = "K is an interval: star-shaped about 0 on a line"
@@ -37,7 +39,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         bend, tangential = _bend(piece.expr, forces)
         on_boundary = (sp.Eq(piece.expr, 0), *tangential)
         answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *piece.conditions())
-        if answer.holds is not True and len(forces) == 2 and _crossed(subject, piece):
+        if answer.holds is not True and _crossed(subject, piece):
             answer = subject.ask(bend, Sense.NONNEGATIVE, *on_boundary, *piece.conditions(strict=True))
         if answer.holds is not True:
             return None
@@ -101,7 +103,7 @@ def _outward_kink(subject: FormulaSubject, before: Branch, after: Branch) -> boo
 def hessian(subject: FormulaSubject) -> Evidence | None:
     """g is convex: second derivatives >= 0 inside every branch, no downward jump of the gradient across a seam."""
     pieces = subject.pieces
-    if pieces is None or len(pieces) > 8 or not subject.continuous:
+    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
         return None
     forces = subject.simple.forces
     used: set[str] = set()
@@ -131,7 +133,7 @@ def hessian(subject: FormulaSubject) -> Evidence | None:
 def smoothness(subject: FormulaSubject) -> Evidence | None:
     """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
     pieces, forces = subject.pieces, subject.simple.forces
-    if pieces is None or len(pieces) > 8 or not subject.continuous:
+    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
         return None
     used: set[str] = set()
     for piece in pieces:

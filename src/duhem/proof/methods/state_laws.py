@@ -17,16 +17,13 @@ def state_laws(subject: Subject) -> Evidence | None:
     """
     d = len(subject.law.forces)
     u, inelastic = (sp.Matrix(sp.symbols(f"{name}1:{d + 1}", real=True)) for name in ("u", "w"))
-    factor = sp.Matrix(d, d, lambda i, j: sp.Symbol(f"l{i + 1}{j + 1}", real=True) if i >= j else 0)
-    stiffness = factor * factor.T
+    factor = sp.Matrix(d, d, sp.symbols(f"l1:{d * d + 1}", real=True)).lower_triangular()
     elastic = u - inelastic
-    energy = sp.expand((elastic.T * stiffness * elastic)[0] / 2)
-    stress = stiffness * elastic
-    derived = all(
-        sp.expand(sp.diff(energy, u[i]) - stress[i]) == 0 == sp.expand(sp.diff(energy, inelastic[i]) + stress[i]) for i in range(d)
-    )
+    stress = factor * factor.T * elastic
+    energy = elastic.dot(stress) / 2
     squares = sum((r**2 for r in factor.T * elastic), sp.S.Zero) / 2
-    if not derived or sp.expand(energy - squares) != 0:
+    differences = [energy - squares, *(energy.diff(u) - stress), *(energy.diff(inelastic) + stress)]
+    if any(map(sp.expand, differences)):
         return None
     return Evidence(
         Verdict.PROVED,

@@ -1,0 +1,310 @@
+"""Beside what a method proves: laws that lack one hypothesis of its theorem, of which it must say nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import sympy as sp
+
+from duhem import Criterion, Domain, Verdict
+from duhem.expression import Norm
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import chords, composition, convex_sums, corners, degrees, evaluation, power_share, rounded
+from duhem.proof.search import polynomial_dents, sampled_chords
+from duhem.proof.verdict import Proof
+from tests.proof.test_power_share import dilatant
+
+UNIT, BEYOND = Domain.between(0, 1), Domain.between(1, 2)
+
+
+def subject(g: str, forces: str = "ab", pressure: str | None = None, **law: Any) -> FormulaSubject:
+    parameters = {name: law.pop(name) for name in ("q", "m") if name in law}
+    return FormulaSubject(Criterion("law", g, forces=tuple(forces), pressure=pressure, parameters=parameters, **law))
+
+
+OVAL = "(a**2 + a*b + b**2)"  # its matrix is positive, its squares are not those of a and b alone
+MATRIX = {"directions", "convex sums"}
+
+
+@pytest.mark.parametrize("g", [f"{OVAL} - 1", f"({OVAL} - 1)**3", f"{OVAL} - a - 1"])
+def test_where_a_matrix_was_looked_at_the_proof_says_so(g: str) -> None:
+    for method in (composition.convexity, composition.smoothness):
+        found = method(subject(g))
+        assert found is not None and found.proof is not None and set(found.proof.evidence) == MATRIX
+        plain = method(subject(g.replace(OVAL, "(a**2 + b**2)")))
+        assert plain is not None and plain.proof == Proof("composition")
+
+
+@pytest.mark.parametrize(
+    ("g", "law", "why", "rule", "evidence"),
+    [
+        (f"sqrt{OVAL} - 1", {}, "by Euler's relation", "euler", MATRIX),
+        (f"{OVAL}**2*a - 1", {}, "by Euler's relation", "euler", set()),  # no root is taken
+        (f"{OVAL}*a - q", {"q": BEYOND}, "by Euler's relation", "euler", set()),
+        (f"{OVAL} - q", {"q": BEYOND}, "because g is convex and negative at the origin", "composition", MATRIX),
+    ],
+)
+def test_why_the_gradient_does_not_vanish(g: str, law: dict[str, Any], why: str, rule: str, evidence: set[str]) -> None:
+    told, proof = composition._regular(subject(g, **law)) or ("", None)
+    assert told == why and proof is not None and (proof.rule, set(proof.evidence)) == (rule, evidence)
+
+
+@pytest.mark.parametrize(
+    ("g", "law"),
+    [
+        (f"{OVAL}*a - q", {"q": UNIT}),  # 0 may be on the boundary
+        (f"{OVAL} - q", {"q": UNIT}),
+        ("norm(a - 2, b) - 1", {}),
+        ("sqrt(norm(a - 2, b)) - 1", {}),
+        ("a**4 - 3*a**2*b**2 + b**4 + a - 1", {}),  # negative at 0, not convex
+        (f"sqrt{OVAL} - abs(a)", {}),
+    ],
+)
+def test_where_the_gradient_may_vanish(g: str, law: dict[str, Any]) -> None:
+    assert composition._regular(subject(g, **law)) is None
+
+
+@pytest.mark.parametrize(
+    ("g", "of", "inside"),
+    [
+        ("norm(a - 2, b) - 1", {}, ("2", "0")),
+        ("norm(a - q, b) - q", {"q": BEYOND}, ("q", "0")),
+        ("norm(a - q, b) - q", {"q": UNIT}, None),  # a point
+        ("norm(a - m, b + m/2) - q", {"q": BEYOND, "m": BEYOND}, ("m", "-m/2")),
+        ("norm(a - abs(p), b) - abs(p)/2", {"pressure": "p"}, ("-p", "0")),
+        ("norm(a, b) - 1", {}, None),  # the origin: another's
+        ("sqrt(norm(a - 2, b)) - 1", {}, None),  # not convex
+    ],
+)
+def test_convex_and_negative_at_a_centre(g: str, of: dict[str, Any], inside: tuple[str, str] | None) -> None:
+    found = composition._regular_about_its_centre(subject(g, **of))
+    if inside is None:
+        assert found is None
+    else:
+        proof = Proof("composition", {"inside": dict(zip("ab", inside, strict=True))})
+        assert found == (f"because g is convex and negative at ({', '.join(inside)})", proof)
+    aside = composition._regular_about_its_centre(subject(OVAL.replace("a", "(a - 2)") + " - 1"))
+    assert aside is not None and aside[1] is not None and set(aside[1].evidence) == {"inside"} | MATRIX
+
+
+@pytest.mark.parametrize(("kink", "cancelled"), [("pos(b)**2", True), ("neg(b)**2", True), ("abs(b)**3", True), ("b**4", False)])
+def test_what_is_said_of_kinks(kink: str, cancelled: bool) -> None:
+    found = composition.smoothness(subject(f"a**2 + b**2 + {kink} - 1"))
+    assert found is not None and found.detail.startswith("every kink lies where" if cancelled else "g has no kink, no tip") is True
+
+
+POLYNOMIAL = "a**4 + a**2*b**2 + b**4"  # convex by sums of squares
+
+
+@pytest.mark.parametrize(
+    ("g", "kind"),
+    [
+        (f"norm({POLYNOMIAL}, b) - 1", "convex"),
+        (f"norm({POLYNOMIAL} - 10, b) - 1", None),  # a ring: below 0 nothing is known to rise
+        (f"({POLYNOMIAL} - 10)**2 - 1", None),
+        (f"abs({POLYNOMIAL} - 10) - 1", None),
+        (f"exp({POLYNOMIAL}) - 3 + a", "convex"),
+        (f"sqrt(sqrt({POLYNOMIAL} + 1)) - 2", "quasiconvex"),
+        (f"sqrt({POLYNOMIAL} + 1) + a - 2", None),
+        (f"{POLYNOMIAL} + a - q", "convex"),
+        (f"-({POLYNOMIAL}) + a + 1", None),
+    ],
+)
+def test_convex_sums_below_zero_are_not_taken_for_more(g: str, kind: str | None) -> None:
+    found = convex_sums.convexity(subject(g, **({"q": UNIT} if "q" in g else {})))
+    assert (found and found.detail.partition(": ")[0]) == (kind and f"g is {kind}")
+    assert found is None or (found.proof is not None and set(found.proof.evidence) == MATRIX)
+
+
+@pytest.mark.parametrize(
+    ("g", "forces", "proved"),
+    [
+        ("a**3 + b**3 + a", "ab", False),  # g rises outward on one half of the plane alone
+        ("a**3 + b**3 - norm(a, b)", "ab", True),
+        ("a**2 - b**2 - a", "ab", False),
+        ("a**3 - a", "a", False),
+        ("a**4 + a**2 - 1", "a", True),
+        ("a**4 - a**2 - 1", "a", True),
+        ("a**4 - 3*a**2 + 1", "a", False),  # comes back to 0
+        ("norm(a, b) - exp(a)", "ab", False),
+    ],
+)
+def test_the_power_by_degrees_is_asked_everywhere(g: str, forces: str, proved: bool) -> None:
+    assert (degrees.dissipation(subject(g, forces)) is not None) is proved
+
+
+@pytest.mark.parametrize(
+    ("g", "potential", "share"),
+    [
+        ("2*norm(a, b) + 2*c - 2", "norm(a, b) + c/2", "1/4"),
+        ("2*norm(a, b) + 4*c - 2", "norm(a, b) + c", "1/4"),
+        ("norm(a, b) + 4*c - 1", "norm(a, b) + 5*c", None),
+        ("norm(a, b) + c - q", "2*norm(a, b) + 3*c", None),
+        ("a**2 + b**2 - c**2 - q", "a**2 + b**2 - c**2/2", "2"),
+        ("where(c > 0, norm(a, b) + c, norm(a, b)) - 1", "norm(a, b) + c/2", None),  # of g no term is c
+        ("where(c > 0, norm(a, b), 2*norm(a, b)) - 1", "norm(a, b)", None),  # it jumps
+    ],
+)
+def test_which_share_of_g_a_potential_holds(g: str, potential: str, share: str | None) -> None:
+    found = degrees.dissipation_of_potential(subject(g, "abc", potential=potential, q=Domain.fixed(1)))
+    assert (found and found.proof and found.proof.evidence["share"]) == share
+
+
+P = "((p + 1/2)/2)"  # from 0 to 1 on a K with the origin inside
+LENS = "max(norm(a, b) - 2*(P - P**2)**(2/3), -P, P - 1)"
+
+
+@pytest.mark.parametrize(
+    ("g", "of", "round_"),
+    [
+        (LENS.replace("(P - P**2)", "(P*(1 - P))").replace("2/3", "1/3"), {}, True),
+        (LENS.replace("(P - P**2)", "((P - P**2)*P)").replace("2/3", "1/2"), {}, False),  # rises like P at its end: a tip
+        (LENS.replace("(P - P**2)", "pos(P - P**2)"), {}, True),
+        (LENS.replace("(P - P**2)", "(q*(P - P**2))"), {"q": BEYOND}, True),
+        (LENS.replace("(P - P**2)", "(q*(P - P**2))"), {"q": UNIT}, False),  # a segment
+        (LENS.replace("2*(", "q*("), {"q": BEYOND}, True),
+        (LENS.replace("2*(", "q*("), {"q": UNIT}, False),
+        (LENS.replace("2/3", "q"), {"q": Domain.between("1/4", "1/2")}, True),
+        (LENS.replace("2/3", "q"), {"q": Domain.between("1/4", 1)}, False),  # two cones
+        (LENS.replace("2/3", "q"), {"q": Domain.between(0, "1/2")}, False),  # a cylinder
+        (LENS.replace("norm(a, b)", "a"), {}, False),
+        (LENS.replace("norm(a, b)", "sqrt(norm(a, b))"), {}, False),
+        (LENS.replace("-P,", "-P, norm(a - 1/10, b) - 1/5,"), {}, False),  # cut by another ball
+        (LENS.replace("-P,", "-P, norm(a + 1/10, b) - 1/5,"), {}, False),
+        (LENS.replace("norm(a, b)", "norm(a, b) - (P - P**2)**(1/3)"), {}, False),
+        ("max(a - 1, -a - 1)", {}, False),
+    ],
+)
+def test_what_ends_round_and_what_does_not(g: str, of: dict[str, Any], round_: bool) -> None:
+    assert (rounded.smoothness(subject(g.replace("P", P), "abp", **of)) is not None) is round_
+
+
+def test_each_end_of_a_load_has_its_own_factor() -> None:
+    law = subject("norm(a, b) + p**2 - 1", "abp")
+    a, b, p = law.simple.forces
+
+    def ends(load: sp.Expr, loads: Sequence[sp.Expr], parts: Sequence[sp.Expr]) -> bool:
+        return rounded._ends_round(load, loads, parts, law)
+
+    low, high = -p, p - 1
+    for parts, at_low, at_high in (
+        ([p, 1 - p], True, True),
+        ([p - p**2], True, True),
+        ([p - p**2, p], False, True),  # both are 0 at one end
+        ([1 - p], False, True),
+        ([p, a + 1], False, False),  # its value there is not known
+        ([p, sp.Rational(1, 2) - p], True, False),
+        ([p, p - 1], False, True),
+        ([p - p**2, 2 - p], True, True),
+    ):
+        assert (ends(low, [low, high], parts), ends(high, [low, high], parts)) == (at_low, at_high), parts
+    corner = a - 1  # in the plane of a and p the set has corners
+    assert not ends(low, [low, high, corner], [p, 1 - p]) and not ends(low, [low, p], [p]) and not ends(low, [low, p - 0], [p, 1 - p])
+    size = Norm(a, b)
+    assert all(rounded._vanishes_with(size, expr, law) for expr in (size, size**2, p * size, p * size**3, sp.sqrt(size)))
+    assert not any(rounded._vanishes_with(size, expr, law) for expr in (1 / size, size + p, sp.exp(size), p))
+
+
+def test_the_factor_of_a_gauge_and_its_root() -> None:
+    law = subject("norm(a, b) + p**2 - q", "abp", q=BEYOND)
+    (a, b, p), q = law.simple.forces, law.law.symbols()["q"]
+    root, size = sp.Pow(p - p**2, sp.Rational(1, 3)), Norm(a, b)
+    for f, found in (
+        (size - root, (size, root)),
+        (size - 3 * root, (size, root)),
+        (size - q * root, (size, root)),
+        (size - (q - 1) * root, None),  # may be 0
+        (size + root, None),
+        (size + a - root, (size + a, root)),
+        (root - size, None),
+        (size - sp.Pow(p, 2), None),
+        (size - sp.Pow(p, sp.Rational(-1, 3)), None),
+        (size - sp.Pow(p, a), None),
+        (size, None),
+    ):
+        assert rounded._gauge_and_root(f, law) == found, f
+
+
+def test_roots_as_letters() -> None:
+    law = subject("norm(a, b) - 1")
+    a, b = law.simple.forces
+    r = sp.Symbol("r", positive=True)
+    q = sp.Symbol("q", positive=True)
+    y = a**2 + b**2
+    expr = sp.sqrt(y) + 1 / sp.sqrt(a) + y**2 + sp.sqrt(q) + (a + 1) ** sp.Rational(1, 3)
+    assert power_share._radicands(expr, (a, b)) == sorted([y, a], key=sp.default_sort_key)
+    assert power_share._terms(2 * sp.sqrt(y) * a + y, (a, b), {y: r}) == {(1, 0, 1): 2, (0, 0, 2): 1}
+    assert power_share._terms(y / sp.sqrt(y) - q, (a, b), {y: r}) == {(0, 0, 1): 1, (0, 0, 0): -q}
+    assert power_share._terms(sp.exp(a), (a, b), {}) is None and power_share._terms(1 / a + b, (a, b), {}) is None
+    assert power_share._terms((a**2 + a * b) / a, (a, b), {}) == {(1, 0): 1, (0, 1): 1}
+    shares = list(
+        power_share._shares({(1, 0): 2 * q, (0, 1): sp.S(3)}, {(1, 0): sp.S(4), (0, 1): sp.S(6), (0, 0): sp.S(5), (2, 0): sp.S(1)})
+    )
+    assert shares == [0, q / 2, sp.Rational(1, 2)]
+    assert [power_share._rarely_zero(tip, (a, b)) for tip in (y, a**2 + q, q * a, sp.sqrt(y), a * 0)] == [True, True, False, False, True]
+
+
+def test_what_is_said_of_a_share_of_the_power() -> None:
+    found = power_share.dissipation(FormulaSubject(dilatant(alpha=Domain.fixed("0.2"), beta=Domain.fixed("0.05"))))
+    assert found is not None and found.verdict is Verdict.PROVED and found.method == "power-share (sign-rules)"
+    assert found.detail.startswith("force . flow = 1/4*g + ") and found.detail.endswith(
+        "wherever g = 0; at an apex so are the flow's limits"
+    )
+    assert found.proof is not None and found.proof.rule == "power-share" and found.proof.evidence["share"] == "1/4"
+
+
+J2, J3 = "((a-b)**2 + (b-c)**2 + (c-a)**2)", "(2*a-b-c)*(2*b-c-a)*(2*c-a-b)"
+
+
+def test_the_origin_where_g_has_no_value_there() -> None:
+    law = subject(f"sqrt({J2}) + {J3}/{J2}/500 - q", "abc", q=UNIT)
+    found = evaluation.origin(law)
+    assert found is not None and (found.verdict, found.method) == (Verdict.PROVED, "evaluation (sign-rules)")
+    assert found.detail == "g(0) = -q <= 0"
+    for g in ("a/b - 1", "log(a) - 1"):
+        why = evaluation.origin_undefined(subject(g))
+        assert why is not None and (why.verdict, why.method) == (Verdict.UNDECIDED, "none")
+        assert why.detail.startswith("g has no value at zero force; if its limit is meant there, write where(")
+    assert evaluation.origin_undefined(subject("norm(a, b) - 1")) is None
+    assert evaluation.origin(subject("a/b - 1")) is None and evaluation.origin_refuted(subject("a/b - 1")) is None
+    apart = evaluation.origin_refuted(subject("norm(a - q, b) - 999/1000", q=UNIT))  # outside at the end of a range alone
+    assert apart is not None and apart.witness is not None and sp.Rational(apart.witness.parameters["q"]) > sp.Rational("0.999")
+
+
+def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    monkeypatch.setattr(sampled_chords, "sampled_chords", lambda subject, most: asked.append(most) or ())
+    monkeypatch.setattr(polynomial_dents, "chords_across_dents", lambda subject, most, thorough: asked.append(thorough) or ())
+    law = subject("a**2 + b**2 - 1")
+    for method in (
+        chords.convexity_by_scouting,
+        chords.convexity_by_thorough_scouting,
+        chords.convexity_at_clear_dents,
+        chords.convexity_at_deepest_dents,
+    ):
+        assert method(law) is None
+    few, many, clear, deepest = asked
+    assert 0 < few < many and (clear, deepest) == (False, True)
+
+
+def test_the_first_chord_that_holds_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = [SimpleNamespace(parameters={}, p=k, q=-k) for k in range(4)]
+    monkeypatch.setattr(chords, "chord", lambda subject, parameters, p, q: None if p < 2 else (p, q))
+    found = chords._refuted(subject("a**2 + b**2 - 1"), tried)  # type: ignore[arg-type]
+    assert found is not None and found.witness == (2, -2)
+
+
+def test_dents_in_one_arc_and_seams_of_two_pieces() -> None:
+    """The first arc is round, the second is dented; the third has no counterexample of its own."""
+    half = subject("where(b > 0, norm(a, b), norm(a, b) + 2*a**2*b**2/norm(a, b)**3) - 1")
+    found = chords.convexity_at_dents(half)
+    assert found is not None and found.verdict is Verdict.REFUTED
+    two = subject("norm(a, b) - abs(a)/2 - 1")
+    assert two.pieces is not None and len(two.pieces) == 2
+    kinked = chords.convexity_at_seams(two)
+    assert kinked is not None and kinked.verdict is Verdict.REFUTED
+    assert chords.convexity_at_seams(subject("abs(abs(a) - 2) - 1", "a")) is None
+    assert corners.smoothness(subject("abs(a) - 1", "a")) is None
