@@ -271,6 +271,13 @@ def test_the_place_of_the_greatest_deviation_for_flows_turned_either_way() -> No
         assert worst is not None and curve_deviation._place(curve, worst) == pytest.approx(-math.atan2(3, 4), abs=1e-7)
 
 
+def test_what_is_analytic() -> None:
+    for factor, always, fixed in ((f"norm(2, {C})", False, True), (f"abs({C} - 2)", False, False), (f"(2 + {C})**3", True, True)):
+        curve = (f"{C}*{factor}", f"{S}*{factor}")
+        assert curve_signs._analytic(_subject(curve)) is fixed
+        assert curve_signs._analytic(_subject((curve[0] + "*(1 + e)", curve[1]), e=Domain.between(0, 1))) is always
+
+
 def test_zero_force_and_power_over_a_range() -> None:
     span = Domain.between(0, 1)
     assert curve_signs.origin(_subject((f"{C} + 3/2 + e", S), NORMAL, e=span)) is None

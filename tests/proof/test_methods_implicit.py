@@ -40,6 +40,7 @@ TWO: dict[str, str] = {  # by which methods it is proved: convexity, smoothness,
     "abs(a) + abs(b) - 1": "cdh",
     "where(a > 0, a**2 + b**2, 2*a**2 + b**2) - 1": "csdh",
     "where(a > 0, a**2 + b**2, a**2 + 2*b**2) - 1": "",  # it jumps
+    "where(a > 0, 1, 2)*(a**2 + b**2) - 1": "",  # two half discs, each of which is round
     "where(a > 0, a**2 + b**2, a**2 + b**2 - a) - 1": "cdh",
     "where(a > 0, a**2 + b**2, a**2 + b**2 + a) - 1": "d",
     "a**2 + b**2 + 1": "sdh",  # nowhere
@@ -115,6 +116,8 @@ def test_what_they_say() -> None:
         ("regular-value (plane-cells)", "grad g != 0 wherever g = 0, with one direction on both sides of each seam"),
     ]
     assert [f and f.proof and f.proof.rule for f in smooth] == ["regular-value"] * 2
+    assert found[0] and found[0].proof and set(found[0].proof.evidence) == {"outward", "directions", "inward"}
+    assert smooth[0] and smooth[0].proof and set(smooth[0].proof.evidence) == {"outward"}
     power = implicit.dissipation(kinked)
     assert power is not None and (power.method, power.detail) == ("boundary-power (sign-rules, sturm)", "force . flow >= 0 wherever g = 0")
     assert power.proof is not None and power.proof.rule == "boundary-power" and set(power.proof.evidence) == {"outward"}

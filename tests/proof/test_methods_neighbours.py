@@ -182,6 +182,13 @@ def test_what_ends_round_and_what_does_not(g: str, of: dict[str, Any], round_: b
     assert (rounded.smoothness(subject(g.replace("P", P), "abp", **of)) is not None) is round_
 
 
+def test_the_same_sets_are_convex_where_their_loads_are_known() -> None:
+    """The root is concave between its loads alone."""
+    for g, convex in ((LENS, True), (LENS.replace("-P, P - 1", "-P"), False), (LENS.replace("2/3", "2"), False)):
+        found = composition.convexity(subject(g.replace("P", P), "abp"))
+        assert (found is not None) is convex and (found is None or found.detail.startswith("g is "))
+
+
 def test_each_end_of_a_load_has_its_own_factor() -> None:
     law = subject("norm(a, b) + p**2 - 1", "abp")
     a, b, p = law.simple.forces

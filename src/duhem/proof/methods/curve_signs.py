@@ -23,7 +23,7 @@ _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 def origin(subject: CurveSubject) -> Evidence | None:
     """The curve winds around 0."""
     if not subject.free:
-        turns = subject.at({}).winding(lambda j: j.boundary[0], 0)
+        turns = subject.turns_at({}, 0)
         return _proved("winding (interval)", f"the curve never meets 0 and winds around it {_times(turns)}") if turns else None
     turns = subject.flow_turns()
     if turns and (method := subject.positive(POWER)):
