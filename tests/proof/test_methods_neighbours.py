@@ -10,7 +10,7 @@ import pytest
 import sympy as sp
 
 from duhem import Criterion, Domain, Verdict
-from duhem.expression import Norm
+from duhem.expression import Norm, Where
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import chords, composition, convex_sums, corners, degrees, evaluation, power_share, rounded
 from duhem.proof.search import polynomial_dents, sampled_chords
@@ -172,8 +172,8 @@ LENS = "max(norm(a, b) - 2*(P - P**2)**(2/3), -P, P - 1)"
         (LENS.replace("2/3", "q"), {"q": Domain.between(0, "1/2")}, False),  # a cylinder
         (LENS.replace("norm(a, b)", "a"), {}, False),
         (LENS.replace("norm(a, b)", "sqrt(norm(a, b))"), {}, False),
-        (LENS.replace("-P,", "-P, norm(a - 1/10, b) - 1/5,"), {}, False),  # cut by another ball
-        (LENS.replace("-P,", "-P, norm(a + 1/10, b) - 1/5,"), {}, False),
+        (LENS.replace("-P,", "-P, norm(a - 1/10, b) - 1/5,"), {}, False),  # cut by a ball
+        (LENS.replace("-P,", "-P, norm(a - 1/10, b) - 2*(P - P**2)**(2/3),"), {}, False),  # cut by another lens
         (LENS.replace("norm(a, b)", "norm(a, b) - (P - P**2)**(1/3)"), {}, False),
         ("max(a - 1, -a - 1)", {}, False),
     ],
@@ -213,6 +213,23 @@ def test_each_end_of_a_load_has_its_own_factor() -> None:
     size = Norm(a, b)
     assert all(rounded._vanishes_with(size, expr, law) for expr in (size, size**2, p * size, p * size**3, sp.sqrt(size)))
     assert not any(rounded._vanishes_with(size, expr, law) for expr in (1 / size, size + p, sp.exp(size), p))
+
+
+def test_what_is_smooth_but_where_it_is_zero() -> None:
+    law = subject("norm(a, b) + p**2 - 1", "abp")
+    a, b, p = law.simple.forces
+    size = Norm(a, b)
+    for expr, smooth in (
+        (size, True),
+        (sp.Abs(a), True),
+        (p - p**2, True),
+        (size * sp.Abs(a), True),
+        (size + sp.Abs(a), False),
+        (size - 1, False),
+        (Where(a > 0, a, sp.S.Zero), False),
+        (sp.Max(a, b), False),
+    ):
+        assert rounded._smooth_but_where_zero(expr, law) is smooth, expr
 
 
 def test_the_factor_of_a_gauge_and_its_root() -> None:
