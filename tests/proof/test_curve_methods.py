@@ -44,6 +44,7 @@ CURVES: dict[str, tuple[tuple[str, str], tuple[str, str] | None, str]] = {
     "limacon, dented": (limacon("3/5"), None, "osd"),
     "limacon, dented, with the normal of a circle": (limacon("3/5"), NORMAL, "osd"),
     "limacon with a loop": (limacon("3/2"), None, ""),
+    "limacon with a loop, about a point beside it": ((f"(1 + 3/2*{C})*{C} - 3/2", limacon("3/2")[1]), None, "o"),  # its tangent turns twice
     "figure of eight": ((C, f"{C}*{S}"), None, ""),
     "diamond with its corners": ((f"{C}*abs({C})", f"{S}*abs({S})"), None, "ocnd"),
 }
@@ -205,6 +206,9 @@ def test_neighbouring_arcs_are_one() -> None:
     assert curve_deviation._cluster(((f(-1), f(-1, 2)), (f(1, 4), f(1, 2)), (f(1, 2), f(1)))) == (f(1, 4), 1)
     assert curve_deviation._cluster(((f(-1), f(-1, 2)), (f(-1, 4), f(-1, 8)))) == (f(-1, 4), f(-1, 8))
     assert curve_deviation._cluster(((f(-1, 2), f(0)), (f(0), f(1, 2)))) == (f(-1, 2), f(1, 2))
+    later = (f(3, 4), f(1))
+    for first, found in (((f(-1, 2), f(1, 2)), True), ((f(-1, 8), f(1, 4)), True), ((f(-1, 4), f(1, 8)), False)):
+        assert curve_deviation._cluster((first, later)) == (first if found else later)
 
 
 def test_the_greatest_deviation_and_where_it_is() -> None:
@@ -242,7 +246,8 @@ def test_where_the_flow_runs_backward_it_deviates() -> None:
 
 def test_no_deviation_of_a_curve_that_is_not_simple() -> None:
     for boundary in (limacon("3/2"), DOUBLE, (C, f"{C}*{S}")):
-        assert curve_deviation.normality(_subject(boundary, _turned(S))) is None
+        for flow in (_turned(S), ("1", "0")):
+            assert curve_deviation.normality(_subject(boundary, flow)) is None
     ranged = _subject(limacon("e"), _turned("1"), e=Domain.between(0, "3/2"))
     found = curve_deviation.normality(ranged)
     assert found is None or (found.witness is not None and Fraction(found.witness.parameters["e"]) < 1)
@@ -251,7 +256,7 @@ def test_no_deviation_of_a_curve_that_is_not_simple() -> None:
 def test_where_the_greatest_deviation_is_known_roughly(monkeypatch: pytest.MonkeyPatch) -> None:
     subject = _subject((C, S), _turned(f"(1 + {C}/2)*2/3"))
     greatest = NumericCurve.greatest
-    for rough, bound in ((0.1, "than 48.1831"), (0.0, "")):
+    for rough, bound in ((0.1, "than 48.1831"), (0.001, "than 45.0318"), (0.0, "")):
 
         def widened(curve: NumericCurve, *asked: Any, by: float = rough) -> Greatest | None:
             found = greatest(curve, *asked)

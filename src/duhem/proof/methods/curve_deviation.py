@@ -70,7 +70,7 @@ def deviation(jet: CurveJet) -> tuple[Ball, Ball, Ball]:
 
 def _series(derivatives: Sequence[Vector]) -> list[Ball]:
     """Both components of a vector with its derivatives 0, 1, 2, ... by the angle, as far as the second."""
-    return [flint.arb_series([x / factorial(k) for k, x in enumerate(row)], prec=3) for row in zip(*derivatives, strict=True)]
+    return [flint.arb_series([v[i] / factorial(k) for k, v in enumerate(derivatives)], prec=3) for i in (0, 1)]
 
 
 def _place(curve: NumericCurve, worst: Greatest) -> float:
