@@ -9,6 +9,7 @@ import sympy as sp
 
 from duhem import Criterion, Domain, Verdict
 from duhem.expression.branches import Branch
+from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import implicit, polyhedral
 
@@ -182,6 +183,15 @@ def test_whether_the_boundary_crosses_a_seam(g: sp.Expr, switch: sp.Expr, crosse
     assert implicit._crossed(law, Branch({switch: 1}, g)) is crossed and implicit._crossed(law, Branch({}, g)) is True
     assert implicit._crossed(law, Branch({a - 3 * b - 9: -1, switch: 1}, g)) is crossed
     assert implicit._crossed(subject("a**2 - 1", "a"), Branch({}, a**2 - 1)) is False
+
+
+def test_an_open_answer_says_nothing_of_a_seam(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = subject("a**2 + b**2 - 1")
+    for answer in (Answer(None), Answer(False)):
+        monkeypatch.setattr(FormulaSubject, "ask", lambda *_, told=answer, **__: told)
+        assert implicit._crossed(law, Branch({b: 1}, a**2 + b**2 - 1)) is False
+        assert implicit._outward_kink(law, Branch({b: 1}, a**2 + b**2 - 1), Branch({b: -1}, a**2 + 2 * b**2 - 1)) is False
+        assert implicit._star(law, (Branch({}, a**2 + b**2 - 1),)) is False and implicit._regular(law, sp.exp(a), ()) is False
 
 
 def test_a_kink_between_two_branches() -> None:
