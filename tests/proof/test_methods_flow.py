@@ -13,7 +13,7 @@ from duhem import Criterion, Domain, Verdict
 from duhem.law.criterion_file import reads
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import chords, corners, flow
-from duhem.proof.search.boundary_points import scouts
+from duhem.proof.search.boundary_points import BoundaryScout, scouts
 from duhem.proof.verdict import Proof, Witness
 from duhem.proof.witness.enclosed_point import EnclosedPoint
 
@@ -270,3 +270,9 @@ def test_a_flow_towards_zero_force() -> None:
     assert found is not None and found.points["tau"] == {"a": "0", "b": "0"}
     assert flow._leans_towards(law, exit, (Fraction(5), Fraction(5))) is None  # no point of K
     assert flow._leans_towards(subject(DISC, A_B), exit, (Fraction(0), Fraction(0))) is None
+
+
+def test_zero_force_is_a_target_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(BoundaryScout, "far_targets", lambda scout: iter(()))
+    found = flow.normality_refuted(subject(DISC, ("-a", "-b")), 1, near=False)
+    assert found is not None and found.witness is not None and found.witness.points["tau"] == {"a": "0", "b": "0"}

@@ -332,3 +332,17 @@ def test_dents_in_one_arc_and_seams_of_two_pieces() -> None:
     assert kinked is not None and kinked.verdict is Verdict.REFUTED
     assert chords.convexity_at_seams(subject("abs(abs(a) - 2) - 1", "a")) is None
     assert corners.smoothness(subject("abs(a) - 1", "a")) is None
+
+
+@pytest.mark.parametrize(
+    ("g", "slip", "proved"),
+    [
+        ("a**2 + b**2 - 1", ("a", "b"), True),
+        ("a**2 + b**2 - 1", ("a - 2*b", "b + 2*a"), True),
+        ("a**2 + b**2 - 1", ("-a", "-b"), False),
+        ("a**2 + b**2 - 1", ("a - 3/2", "b"), False),
+        ("a**2 + b**2 - 1", None, False),
+    ],
+)
+def test_the_power_of_a_flow_that_is_defined_everywhere(g: str, slip: tuple[str, str] | None, proved: bool) -> None:
+    assert (power_share.dissipation(subject(g, flow=slip)) is not None) is proved
