@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import pytest
 
@@ -77,3 +78,17 @@ def test_command_ends_with_4_where_the_point_is_not_solved(run: Run, monkeypatch
     code, out, _ = run("coulomb", "--set", "mu=0.3", "--trial", "1", "2", "--pressure", "-1")
     assert code == 4
     assert "inaccurate" in out
+
+
+def test_command_ends_with_4_at_a_point_that_is_stationary_only(run: Run, tmp_path: Path) -> None:
+    law = tmp_path / "oval.toml"
+    law.write_text(
+        '[criterion]\nname = "oval"\ng = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + 3*sigma_a/5)"\n', "utf-8"
+    )
+    code, out, _ = run(str(law), "--trial", "-3", "0", "--pressure", "-1")
+    assert code == 4
+    assert "inaccurate (K is not convex there" in out
+    for trial, expected in (("-3", 4), ("3", 0)):
+        code, out, _ = run(str(law), "--trial", trial, "0", "--pressure", "-1", "--format", "json")
+        assert code == expected
+        assert (json.loads(out)["remark"] is None) == (code == 0)

@@ -283,3 +283,21 @@ def test_a_law_without_closed_form_is_checked_once(monkeypatch):
         assert (np.diff(history.multiplier) > 0).sum() >= points - 2
         counts.append(len(calls))
     assert counts[0] == counts[1]
+
+
+# -- a K that is not convex -----------------------------------------------------------------------------------------
+
+DENTED = duhem.Criterion("oval", "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + 3*sigma_a/5)", {})
+
+
+def test_a_run_ends_at_a_point_that_is_stationary_and_not_closest():
+    with pytest.raises(duhem.DuhemError, match=r"^step 1: .*K is not convex there"):
+        simulate(DENTED, Path.linear([[0, 0], [-3, 0], [-3, 1]], pressure=-1.0), stiffness=1.0)
+
+
+def test_a_run_is_not_ended_by_what_it_does_not_reach():
+    """The last step would end in the dent if the one before it had not slipped; both are taken in one block."""
+    knots = [[0, 0], [0, 0.1], [0, 0.2], [0, 0.3], [0, 3], [-3, 0]]
+    history = simulate(DENTED, Path.linear(knots, pressure=-1.0), stiffness=1.0)
+    assert len(history) == len(knots)
+    assert duhem.project(DENTED, [-3.0, 0.0], -1.0).status[0] == duhem.Status.INACCURATE

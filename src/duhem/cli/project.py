@@ -31,7 +31,8 @@ def project(
     """One slip increment of LAW: the closest point of K to a trial stress.
 
     Prints stress, slip and multiplier with the residuals of the optimality conditions, recomputed from the law's formula.
-    Ends with 4 if they say that the point is not solved.
+    Ends with 4 if they say that the point is not solved.  Where K is not convex a point may be stationary and not the closest;
+    it is then called inaccurate as soon as one of the points of K that are tried speaks against it.
     """
     fixed = read_fixed_formula(law, settings)
     target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")

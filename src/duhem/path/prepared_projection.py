@@ -14,7 +14,7 @@ from duhem.projection import closed_form, quadrants
 from duhem.projection.coefficients import coefficients, of_pressure
 from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
-from duhem.projection.result import Array, Status
+from duhem.projection.result import NOT_CLOSEST, Array, Status
 
 __all__ = ["Closest", "Numbers", "closest", "numbers"]
 
@@ -102,10 +102,14 @@ def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
 
     def at(trial: Array, rows: Rows) -> Answer:
         found = prepared.at(replace(prepared.setting, trial=trial, pressure=increment.pressure[rows]))
-        if (lost := np.flatnonzero(found.status >= Status.INACCURATE)).size:
+        slips = np.flatnonzero((found.slip != 0.0).any(axis=1) | (found.multiplier > 0.0))
+        read = slips[0] + 1 if slips.size else len(rows)  # a run takes a block no further than its first slip
+        if (lost := np.flatnonzero(found.status[:read] >= Status.INACCURATE)).size:
             row, status = int(rows[lost[0]]), Status(int(found.status[lost[0]])).name.lower()
-            what = f"the closest point under method {found.method} is {status}"
-            raise DuhemError(what, where=f"step {row}", remedy="take another projection, or smaller steps")
+            what, remedy = f"the closest point under method {found.method} is {status}", "take another projection, or smaller steps"
+            if found.residuals.stationary_only()[lost[0]]:
+                what, remedy = f"{what}: {NOT_CLOSEST}", "verify the law's convexity, and take parameters for which it holds"
+            raise DuhemError(what, where=f"step {row}", remedy=remedy)
         return found.stress, found.slip, found.multiplier
 
     return at, f"projection by {prepared.method.name}"

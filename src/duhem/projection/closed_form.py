@@ -140,4 +140,4 @@ def _on_interval(found: Coefficients, increment: Increment) -> Project:
     return project
 
 
-CLOSED_FORM = Method("closed-form", applies, solve, ClosedFormOptions, tangent)
+CLOSED_FORM = Method("closed-form", applies, solve, ClosedFormOptions, tangent, convex=True)

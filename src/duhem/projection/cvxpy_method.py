@@ -112,14 +112,14 @@ def solve(increment: Increment, options: CvxpyOptions = _DEFAULTS) -> Solution:
 
 def _bettered(increment: Increment, solution: Solution, options: CvxpyOptions) -> None:
     """Poor answers give way, in place, to better ones by other tolerances: where a solver stalls is a matter of luck."""
-    worst = residuals(increment, solution).worst()
+    worst = residuals(increment, solution, convex=True).worst()
     for tolerance in conic_solvers.tolerances(options.solver)[1:]:
         at = np.flatnonzero(~solution.failed & (worst > _POOR))
         if not at.size:
             return
         asked = replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
         other = solve(asked, replace(options, tolerance=tolerance, batch=1))
-        found = residuals(asked, other).worst()
+        found = residuals(asked, other, convex=True).worst()
         better = np.flatnonzero(found < worst[at])
         worst[at[better]] = found[better]
         for kept, new in ((solution.stress, other.stress), (solution.slip, other.slip), (solution.multiplier, other.multiplier)):
@@ -324,4 +324,4 @@ def _sign(symbol: sp.Symbol) -> dict[str, bool]:
     return {"nonneg": True} if symbol.is_nonnegative else {"nonpos": True} if symbol.is_nonpositive else {}
 
 
-CVXPY = Method("cvxpy", applies, solve, CvxpyOptions)
+CVXPY = Method("cvxpy", applies, solve, CvxpyOptions, convex=True)

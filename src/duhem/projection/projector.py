@@ -17,12 +17,11 @@ from duhem.projection.increment import Increment
 from duhem.projection.method import Method
 from duhem.projection.methods import METHODS
 from duhem.projection.residuals import residuals
-from duhem.projection.result import Array, Projection, Residuals, Solution, Status
+from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
 from duhem.projection.validation import posed, setting
 
 __all__ = ["ACCURACY", "Projector", "project"]
 
-ACCURACY = 1e-7  # a point with a larger residual is inaccurate
 _BLOCK = 16_384
 
 
@@ -47,8 +46,11 @@ def project(
     ``tangent`` adds d sigma/d u and d sigma/d sigma_n.  ``options`` are the method's.
 
     Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
-    returned as if it were.  Raises InputError for input that cannot be used, naming the first bad entry, and for a
-    law with a flow of its own, which the closest point does not integrate.
+    returned as if it were.  The methods find the closest point of a convex K.  Where K is not convex they find a
+    stationary one, which counts as not solved (``inaccurate``) where a known point of K lies beyond the plane through it
+    across the slip: see :class:`duhem.projection.result.Projection` for what is tried.  Raises InputError for input that
+    cannot be used, naming the first bad entry, and for a law with a flow of its own, which the closest point does not
+    integrate.
     """
     return Projector.of(law, stiffness, parameters, method)(trial, pressure, tangent, **options)
 
@@ -86,7 +88,7 @@ class Projector:
             remedy = "leave tangent out, or take a law with a closed form"
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
         solution = method.solve(question, method.options_of(options))
-        found = residuals(question, solution)
+        found = residuals(question, solution, method.convex)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,

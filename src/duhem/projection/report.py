@@ -27,7 +27,7 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
     if law.pressure is not None and pressure is not None:
         head += page.field(law.pressure, _number(pressure), _FIELD)
     head += page.field("method", f"{done.method} ({done.why})", _FIELD)
-    head += page.field("status", _status(done), _FIELD)
+    head += page.field("status", f"{_status(done)} ({remark})" if (remark := _remark(done)) else _status(done), _FIELD)
     increment = page.table([("force", "trial", "stress", "slip"), *_rows(law, trial, done)], "lr")
     sums = [
         *page.field("multiplier", _number(done.multiplier[0]), _FIELD),
@@ -61,6 +61,7 @@ def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
         "method": done.method,
         "why": done.why,
         "status": _status(done),
+        "remark": _remark(done),
         "stress": [_finite(x) for x in done.stress[0]],
         "slip": [_finite(x) for x in done.slip[0]],
         "multiplier": _finite(done.multiplier[0]),
@@ -95,6 +96,13 @@ def _status(done: Projection) -> str:
     from duhem.projection.result import Status
 
     return Status(int(done.status[0])).name.lower()
+
+
+def _remark(done: Projection) -> str | None:
+    """Why a point that looks solved is not."""
+    from duhem.projection.result import NOT_CLOSEST
+
+    return NOT_CLOSEST if done.residuals.stationary_only()[0] else None
 
 
 def _number(x: float) -> str:

@@ -10,16 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from functools import lru_cache, reduce
+from functools import reduce
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices, Jet, JetProgram, formula, program
-from duhem.expression.numpy_ import Program
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.increment import Increment
+from duhem.projection.known_points import beyond_tangents, raised, tips
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.stiffness_factors import factors
 
@@ -32,16 +32,19 @@ _BESIDE = (1e-15, 1e-13, 1e-11, 1e-9, 1e-8, 5e-8, 1e-6, 1e-4)  # of the length o
 _CLOSE = 2.0  # times as far from the boundary as from the stress is not beside it
 _THIN = 1e-13  # of the length of a stress: what is less than this across is rounding
 _ROUNDING = 4e-15  # of each number that enters
+_QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that occur
 _OPPOSED = -0.9  # cosine of two normals so close to each other that K is thin, or a point
 _SUSPECT = 1e-9  # a normal farther off than this is looked at again, as the normal of a corner
-_HALVINGS = 1100
 
 
-def residuals(increment: Increment, solution: Solution) -> Residuals:
-    """The five residuals of each point (N,); nan or inf where the solution is."""
+def residuals(increment: Increment, solution: Solution, convex: bool = False) -> Residuals:
+    """The five residuals of each point (N,); nan or inf where the solution is.
+
+    ``convex``: K is known to be, so that the first four are enough and fewer tau are tried for the fifth.
+    """
     n = len(solution.multiplier)
     out = Residuals(*(np.zeros(n) for _ in range(5)))
-    judge = _Judge(increment)
+    judge = _Judge(increment, convex or not (solution.slip.any() or solution.multiplier.any()))  # to stick is to be closest
     keep_freed_memory(n)
     with np.errstate(all="ignore"):
         for start in range(0, n, _BLOCK):
@@ -58,7 +61,7 @@ def residuals(increment: Increment, solution: Solution) -> Residuals:
 class _Judge:
     """The law's formula, its slopes, and the metric of one set of increments."""
 
-    def __init__(self, increment: Increment) -> None:
+    def __init__(self, increment: Increment, convex: bool) -> None:
         law = increment.law
         self.forces = law.force_symbols()
         self.pressure = law.symbols()[law.pressure] if law.pressure else None
@@ -69,7 +72,12 @@ class _Judge:
         lower, inverse = factors(increment.stiffness)
         self.of_slip, self.of_stress, self.to_stress = lower, inverse.T, lower.T
         self.largest = float(increment.pressure.min(initial=0.0))
-        self.tips = _tips(self.g, len(self.forces), self.largest if law.pressure else None)
+        self.tips = tips(self.g, len(self.forces), self.largest if law.pressure else None)
+        self.convex = convex
+        if not convex:
+            pressures = np.quantile(increment.pressure, _QUANTILES, method="nearest") if law.pressure else None
+            found = beyond_tangents(self.g, self.formula, len(self.forces), None if pressures is None else np.unique(pressures))
+            self.tips = np.vstack([self.tips, found])
 
     def value(self, stress: Array, pressure: Array) -> Array:
         return self.g(*stress.T) if self.pressure is None else self.g(*stress.T, pressure)
@@ -122,6 +130,8 @@ class _Judge:
             off[suspect] = np.fmin(off[suspect], self._off_cone(doubt))
         out.stationarity[at] = np.maximum(balance, off)
         out.variational[at] = self._excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
+        if not self.convex:
+            out.variational[at] = np.fmax(out.variational[at], self._beside_excess(pressure, point, moved, size, whole, room)) + 0.0 * whole
 
     def _excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, reach: Array) -> Array:
         """The largest (sigma_tr - sigma) . k^-1 (tau - sigma) over known points tau of K, relative; lengths are over ``size``."""
@@ -135,6 +145,16 @@ class _Judge:
                 relative = _share(excess[beyond], whole[beyond] * (away[beyond] + reach[beyond]))
                 worst[beyond] = np.fmax(worst[beyond], np.where(inside, relative, 0.0))
         return worst
+
+    def _beside_excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, room: Array) -> Array:
+        """The same over points tau close to the stress."""
+
+        def inside(points: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+            stress: Array = size[rows] * (points @ self.to_stress)
+            return np.asarray(self.value(stress, pressure[rows]) < 0.0)
+
+        normal, distance = map(np.nan_to_num, _unit(moved))
+        return np.asarray(_share(distance * raised(inside, point, normal, room), whole * 2.0 * room))
 
     def _unbalanced(self, trial: Array, stress: Array, slip: Array) -> Array:
         """trial - k slip - stress, beyond what the rounding of each explains, component by component."""
@@ -241,27 +261,6 @@ def _choices(many: int, d: int, most: int) -> Iterator[NDArray[np.intp]]:
     for count in range(1, d + 1):
         sets = np.array(list(combinations(range(many), count)))
         yield from (sets[start : start + most] for start in range(0, len(sets), most))
-
-
-@lru_cache(maxsize=256)
-def _tips(g: Program, d: int, pressure: float | None) -> Array:
-    """Points of K at one pressure (2 d + 1, d), or close guesses: the origin, and how far K goes along the axes both ways.
-
-    From within, by a bisection of the judge's own that shares nothing with the methods, and whose geometric means see parts of
-    K far out; the origin again where K does not contain it.
-    """
-    ways = np.vstack([np.eye(d), -np.eye(d)])
-    rest = () if pressure is None else (np.full(2 * d, pressure),)
-    low, high = np.zeros(2 * d), np.full(2 * d, 1e300)
-    with np.errstate(all="ignore"):
-        for _ in range(_HALVINGS):
-            middle = np.where(low > 0.0, np.sqrt(low) * np.sqrt(high), high * 2.0**-64)
-            middle = np.where(high < 1.5 * low, (low + high) / 2, middle)
-            inside = g(*(middle[:, None] * ways).T, *rest) < 0.0
-            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-            if ((high - low <= 1e-12 * high) | (high == 0.0)).all():
-                break
-    return np.vstack([np.zeros(d), low[:, None] * ways])
 
 
 def _ways(d: int) -> Array:

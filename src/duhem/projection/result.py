@@ -8,9 +8,12 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Array", "Projection", "Residuals", "Solution", "Status"]
+__all__ = ["ACCURACY", "NOT_CLOSEST", "Array", "Projection", "Residuals", "Solution", "Status"]
 
 Array = NDArray[np.float64]
+
+ACCURACY = 1e-7  # a point with a larger residual is inaccurate
+NOT_CLOSEST = "K is not convex there: the point is stationary, and not shown to be the closest one"
 
 
 class Status(IntEnum):
@@ -39,7 +42,8 @@ class Residuals:
     ``feasibility`` max(g, 0); ``multiplier_sign`` max(-lambda, 0); ``complementarity`` the lesser of
     slip and distance from the boundary, one of which is to vanish; ``stationarity``
     distance of trial - k slip from the stress and of slip from lambda times the normal cone; ``variational`` the largest
-    (sigma_tr - sigma) . k^-1 (tau - sigma) over points tau of K that are known.
+    (sigma_tr - sigma) . k^-1 (tau - sigma) over points tau of K that are known: the ends of K on the axes and, unless the
+    method shows that K is convex, points beside the stress and, if they show that it is not, the boundary on some hundred rays.
     """
 
     feasibility: Array
@@ -49,8 +53,13 @@ class Residuals:
     variational: Array
 
     def worst(self) -> Array:
-        """The largest of the five at each point."""
+        """The largest of the five at each point; nan where one is."""
         return np.max(np.stack([self.feasibility, self.multiplier_sign, self.complementarity, self.stationarity, self.variational]), axis=0)
+
+    def stationary_only(self) -> NDArray[np.bool_]:
+        """Points (N,) that satisfy the conditions of stationarity and not the inequality: of a convex K there are none."""
+        first = np.maximum.reduce([self.feasibility, self.multiplier_sign, self.complementarity, self.stationarity])
+        return np.asarray((first <= ACCURACY) & (self.variational > ACCURACY))
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +71,10 @@ class Projection:
     reason; newton and cvxpy take the slip from sigma_tr - sigma, so that close to the boundary it has the digits of the
     stress less the decades by which that difference is smaller; ``tangent`` d sigma/d u (N, d, d) and ``tangent_pressure``
     d sigma/d sigma_n (N, d) where asked for.
+
+    On a K that is not convex a point that only satisfies the stationarity conditions is ``INACCURATE``, never ``SLIP``, as soon as
+    one point tau that is tried has (sigma_tr - sigma) . k^-1 (tau - sigma) > 0.  Without such a tau in all of K the point is the
+    closest; with one it still may be, and nobody vouches for it.  The tau tried are samples: what lies between them is not seen.
     """
 
     stress: Array

@@ -1,0 +1,184 @@
+"""Points tau of K that are known by the sign of g alone: what the variational inequality of an answer is tried on.
+
+On a K that is not convex the conditions of Karush, Kuhn and Tucker hold at points that are not the closest.  The
+inequality (sigma_tr - sigma) . k^-1 (tau - sigma) <= 0 for all tau of K still singles out the closest point, of any K:
+
+    |sigma_tr - tau|^2 = |sigma_tr - sigma|^2 - 2 (sigma_tr - sigma) . k^-1 (tau - sigma) + |tau - sigma|^2.
+
+No finite set of tau shows it.  :func:`tips` go with every law; where K is not known to be convex, :func:`beyond_tangents`
+looks along rays from the origin once a law and pressure, and :func:`raised` beside each answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.expression.jets import JetProgram
+from duhem.expression.numpy_ import Program
+from duhem.expression.rays import Rays
+from duhem.projection.result import Array
+
+__all__ = ["beyond_tangents", "raised", "tips"]
+
+_Inside = Callable[[Array, NDArray[np.intp]], NDArray[np.bool_]]
+
+_HALVINGS = 1100
+_RAYS = 384
+_RADII = np.concatenate([2.0 ** np.arange(-12, -4), np.arange(1, 129) / 16, 2.0 ** np.arange(3.25, 10.25, 0.25)])  # in extents of K
+_LADDER = 2.0 ** np.arange(-1000, 1000, 0.5)
+_BITS = 48
+_MOST = 1500  # points of one boundary; where g is noise the rays cross it everywhere
+_WITHIN = 1e-9  # of a radius: points this far from the boundary are still inside after a few roundings
+_BEYOND = 1e-8  # of the distance: less than this beyond a tangent plane is rounding
+_ASIDE = (0.3, 0.03, 0.003)  # of the length of a stress
+_RAISE = 4e-7  # of it: an answer that passes may be off by a quarter of this
+_DOUBLINGS = 20
+
+
+@lru_cache(maxsize=256)
+def tips(g: Program, d: int, pressure: float | None) -> Array:
+    """Points of K at one pressure (2 d + 1, d), or close guesses: the origin, and how far K goes along the axes both ways.
+
+    From within, by a bisection of the judge's own that shares nothing with the methods, and whose geometric means see parts of
+    K far out; the origin again where K does not contain it.
+    """
+    ways = np.vstack([np.eye(d), -np.eye(d)])
+    rest = () if pressure is None else (np.full(2 * d, pressure),)
+    low, high = np.zeros(2 * d), np.full(2 * d, 1e300)
+    with np.errstate(all="ignore"):
+        for _ in range(_HALVINGS):
+            middle = np.where(low > 0.0, np.sqrt(low) * np.sqrt(high), high * 2.0**-64)
+            middle = np.where(high < 1.5 * low, (low + high) / 2, middle)
+            inside = g(*(middle[:, None] * ways).T, *rest) < 0.0
+            low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+            if ((high - low <= 1e-12 * high) | (high == 0.0)).all():
+                break
+    return np.vstack([np.zeros(d), low[:, None] * ways])
+
+
+def beyond_tangents(g: Program, slopes: JetProgram, d: int, pressures: Array | None) -> Array:
+    """Points of K (n, d) at the first of the ``pressures``, or of K at another and scaled to it, if K is seen not to be convex.
+
+    None, (0, d), where no point that is found on the boundary lies beyond the tangent plane of another.
+    """
+    if pressures is None:
+        return _not_convex(g, slopes, d, None)
+    first, looks = float(pressures[0]), {_alike(g, d, float(pressure)) for pressure in pressures}
+    scales = {look: 1.0 if look == first else first / look for look in sorted(looks) if look < 0.0 or look == first}
+    return np.vstack([np.zeros((0, d)), *(_not_convex(g, slopes, d, look) * scale for look, scale in scales.items())])
+
+
+def _alike(g: Program, d: int, pressure: float) -> float:
+    """-1 where K there is K at the pressure -1, scaled, so that one look is enough for a law; else the pressure itself."""
+    inner, outer = _boundary(g, d, -1.0)[:2]
+    if pressure < 0.0 and len(inner):
+        inside = g(*(-pressure * inner).T, np.full(len(inner), pressure)) < 0.0
+        outside = g(*(-pressure * outer).T, np.full(len(outer), pressure)) > 0.0
+        if (inside & outside).all():
+            return -1.0
+    return pressure
+
+
+@lru_cache(maxsize=256)
+def _not_convex(g: Program, slopes: JetProgram, d: int, pressure: float | None) -> Array:
+    """The points of :func:`_boundary` and beyond at one pressure, if one lies beyond the tangent plane of another; else none."""
+    inner, _, endless, scale = _boundary(g, d, pressure)
+    known = np.vstack([inner, endless])
+    if not len(inner):
+        return inner
+    with np.errstate(all="ignore"):
+        jet, _ = slopes(inner, () if pressure is None else (np.full(len(inner), pressure),), None, second=False)
+        assert jet.gradient is not None
+        at, to, normal = inner / scale, known / scale, jet.gradient * scale
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        excess = normal @ to.T - np.einsum("nd,nd->n", normal, at)[:, None]
+        apart = np.linalg.norm(at, axis=1)[:, None] + np.linalg.norm(to, axis=1)
+        return known if (excess > _BEYOND * apart).any() else np.zeros((0, d))
+
+
+@lru_cache(maxsize=256)
+def _boundary(g: Program, d: int, pressure: float | None) -> tuple[Array, Array, Array, Array]:
+    """Where rays from the origin enter and leave K: points just inside and just outside (n, d); far points of rays that do
+    not end in K (m, d); and the extents of K along the axes (d,)."""
+
+    def level(points: Array) -> Array:
+        flat = points.reshape(-1, d)
+        return g(*flat.T, *(() if pressure is None else (np.full(len(flat), pressure),))).reshape(points.shape[:-1])
+
+    with np.errstate(all="ignore"):
+        scale = _extents(level, tips(g, d, pressure))
+        if not scale.size:
+            return np.zeros((0, d)), np.zeros((0, d)), np.zeros((0, d)), np.ones(d)
+        rays = Rays(level, np.zeros(d), _directions(d) * scale)
+        radii = np.concatenate([[0.0], _RADII])
+        inside = rays.inside(radii)
+        row, step = np.nonzero(inside[:, 1:] != inside[:, :-1])
+        row, step = row[:: 1 + len(row) // _MOST], step[:: 1 + len(row) // _MOST]
+        leaves = inside[row, step]
+        low, high = radii[step], radii[step + 1]
+        crossed = Rays(level, np.zeros(d), rays.way[row])
+        inner, outer = crossed.narrowed(np.where(leaves, low, high), np.where(leaves, high, low), _BITS, 4)
+        aside = np.where(leaves, 1.0, -1.0) * _WITHIN
+        within, without = crossed.at(inner * (1.0 - aside)), crossed.at(outer * (1.0 + aside))
+        sound = (level(within) < 0.0) & (level(without) > 0.0)
+        return within[sound], without[sound], rays.at(np.full(len(inside), radii[-1]))[inside[:, -1]], scale
+
+
+def _extents(level: Callable[[Array], Array], known: Array) -> Array:
+    """How far K goes along each axis (d,), one length for all where not from the origin on; none (0,) where it is not seen."""
+    d = known.shape[1]
+    reach = np.abs(known[1:]).max(axis=1).reshape(2, d).max(axis=0)
+    seen = (reach > 0.0) & (reach < 1e299)
+    if seen.any():
+        return np.where(seen, reach, reach[seen].max())
+    ways = _directions(d)[:: 1 if d > 2 else _RAYS // 32]
+    inside = np.any(level(_LADDER[:, None] * ways[:, None, :]) < 0.0, axis=0)  # at = 0 it may be rounding alone
+    ends = _LADDER[:-1][inside[:-1] & ~inside[1:]]
+    return np.full(d, ends[-1]) if ends.size else np.zeros(0)
+
+
+def _directions(d: int) -> Array:
+    """Rays: evenly round a plane, else the axes and what chance gives, the same each time."""
+    if d == 1:
+        return np.array([[1.0], [-1.0]])
+    if d == 2:
+        angle = 2.0 * np.pi * np.arange(_RAYS) / _RAYS
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    chance = np.random.default_rng(0).standard_normal((_RAYS - 2 * d, d))
+    return np.vstack([np.eye(d), -np.eye(d), chance / np.linalg.norm(chance, axis=1)[:, None]])
+
+
+def raised(inside: _Inside, point: Array, normal: Array, reach: Array) -> Array:
+    """How far (N,) K goes beyond the planes through the points (N, d) with these unit normals, close to the points; 0 if it does not.
+
+    ``inside(points, rows)`` tells which points of K these are, ``reach`` (N,) the length of a stress.
+    """
+    height = np.zeros(len(point))
+    steps = _RAISE * 2.0 ** np.arange(_DOUBLINGS)
+    for way in _tangents(normal):
+        for share in _ASIDE:
+            beside = point + (share * reach)[:, None] * way
+            at = np.flatnonzero(inside(beside + (_RAISE * reach)[:, None] * normal, np.arange(len(point))))
+            if at.size:
+                lifts = reach[at, None] * steps
+                above = beside[at, None, :] + lifts[:, :, None] * normal[at, None, :]
+                in_k = inside(above.reshape(-1, point.shape[1]), np.repeat(at, _DOUBLINGS)).reshape(lifts.shape)
+                height[at] = np.maximum(height[at], np.where(in_k, lifts, 0.0).max(axis=1))
+    return height
+
+
+def _tangents(normal: Array) -> Iterator[Array]:
+    """Unit vectors (N, d) across the normals, both ways: the axes without their share of the normal."""
+    d = normal.shape[1]
+    across = [np.stack([-normal[:, 1], normal[:, 0]], axis=1)] if d == 2 else []
+    if d > 2:
+        across = [np.eye(d)[i] - normal[:, i : i + 1] * normal for i in range(d)]
+    for way in across:
+        length = np.sqrt(np.einsum("nd,nd->n", way, way))[:, None]
+        unit = way / np.where(length > 0.0, length, 1.0)
+        yield unit
+        yield -unit

@@ -1,0 +1,204 @@
+"""On a K that is not convex no stationary point passes for the closest one, and on a convex neighbour every closest point passes.
+
+What is closest is read off fine grids of boundaries that are known as curves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import duhem
+from duhem.law.formula_law import Criterion
+from duhem.projection.residuals import residuals
+from duhem.projection.result import ACCURACY, Residuals, Solution, Status
+from duhem.projection.validation import increment
+
+Array = NDArray[np.float64]
+Drawn = tuple[str, Array]  # g over a and b, and the boundary of its K, point by point
+_ANGLE = np.linspace(0.0, 2.0 * np.pi, 20_001)
+_GRID = 1e-5  # more than a grid of the boundary is off by
+
+
+def polar(radius: Callable[[Array], Array]) -> Array:
+    r = radius(_ANGLE)
+    return np.stack([r * np.cos(_ANGLE), r * np.sin(_ANGLE)], axis=1)[r > 0.0]
+
+
+def discs(rng: np.random.Generator) -> Drawn:
+    """Up to three that overlap or lie apart."""
+    many = int(rng.integers(2, 4))
+    middle, radius = rng.uniform(-2.5, 2.5, (many, 2)).round(3), rng.uniform(0.4, 1.2, many).round(3)
+    middle[0] = 0.0
+    parts = [f"norm(a - ({x}), b - ({y})) - {r}" for (x, y), r in zip(middle.tolist(), radius.tolist(), strict=True)]
+    edge = np.vstack([polar(lambda t, r=r: np.full_like(t, r)) + m for m, r in zip(middle, radius, strict=True)])
+    depth = np.min([np.hypot(*(edge - m).T) - r for m, r in zip(middle, radius, strict=True)], axis=0)
+    return f"min({', '.join(parts)})", edge[depth > -1e-9]
+
+
+def oval_of(e: float) -> Drawn:
+    """A limacon: convex up to e = 1/2."""
+    return f"norm(a, b)**2 - (norm(a, b) + {e}*a)", polar(lambda t: 1.0 + e * np.cos(t))
+
+
+def flower_of(e: float) -> Drawn:
+    """r = 1 + e cos 3 theta: convex up to e = 1/10."""
+    return f"norm(a, b)**4 - norm(a, b)**3 - {e}*(a**3 - 3*a*b**2)", polar(lambda t: 1.0 + e * np.cos(3.0 * t))
+
+
+def cassini_of(c: float) -> Drawn:
+    """|sigma - (1, 0)| |sigma + (1, 0)| = c^2 with c > 1: convex from c = 2^1/2 on."""
+    edge = polar(lambda t: np.sqrt(np.cos(2.0 * t) + np.sqrt(c**4 - np.sin(2.0 * t) ** 2)))
+    return f"((a - 1)**2 + b**2)*((a + 1)**2 + b**2) - {c**4!r}", edge
+
+
+def lemniscate_of(c: float) -> Drawn:
+    return f"(a**2 + b**2)**2 - {c}*(a**2 - b**2)", polar(lambda t: np.sqrt(np.maximum(c * np.cos(2.0 * t), 0.0)))
+
+
+def number(low: float, high: float) -> Callable[[np.random.Generator], float]:
+    return lambda rng: round(float(rng.uniform(low, high)), 4)
+
+
+def of(shape: Callable[[float], Drawn], low: float, high: float) -> Callable[[np.random.Generator], Drawn]:
+    return lambda rng: shape(number(low, high)(rng))
+
+
+def law(g: str) -> Criterion:
+    return Criterion("drawn", g, {}, forces=("a", "b"), pressure=None)
+
+
+NOT_CONVEX = {
+    "discs": discs,
+    "ovals": of(oval_of, 0.55, 0.9),
+    "flowers": of(flower_of, 0.2, 0.6),
+    "lemniscates": of(lemniscate_of, 0.5, 3.0),
+    "cassini": of(cassini_of, 1.01, 1.2),
+}
+CONVEX = {
+    "ovals": of(oval_of, 0.0, 0.5),
+    "flowers": of(flower_of, 0.0, 0.1),
+    "cassini": of(cassini_of, 1.4143, 3.0),
+}
+
+
+@pytest.mark.parametrize("family", NOT_CONVEX)
+def test_no_stationary_point_passes_for_the_closest(family: str) -> None:
+    rng = np.random.default_rng(1)
+    farther = passed = 0
+    for _ in range(2):
+        g, edge = NOT_CONVEX[family](rng)
+        trial = rng.normal(size=(30, 2)) * 2.0
+        trial[:3, 0] = trial[3:6, 1] = 0.0  # on the axes of symmetry stationary points are many
+        done = duhem.project(law(g), trial)
+        slip = trial - done.stress
+        length = np.linalg.norm(slip, axis=1)
+        beyond = np.array([((edge - s) @ n).max() for s, n in zip(done.stress, slip, strict=True)])
+        nearest = np.array([np.linalg.norm(edge - u, axis=1).min() for u in trial])
+        slips, said = done.status == Status.SLIP, done.residuals.stationary_only()
+        assert (length[slips] <= nearest[slips] + _GRID).all()
+        assert (beyond[slips] <= _GRID * length[slips]).all()
+        assert (done.status[said] == Status.INACCURATE).all()
+        assert (beyond[said] > 0.0).all()  # no alarm without a point of K behind it
+        farther += int((said & (length > nearest + _GRID)).sum())
+        passed += int(slips.sum())
+    assert farther > 0 < passed  # stationary points that are not closest occur
+
+
+KNOWN: list[tuple[str, tuple[float, float], float]] = [  # of which the last is the distance of the closest point
+    (oval_of(0.6)[0], (-3.0, 0.0), 2.596),
+    ("min(norm(a, b), norm(a + 3, b)) - 1", (-1.6, 0.1), 0.4036),
+    ("(a**2 + b**2)**2 - 2*(a**2 - b**2)", (0.0, 1.0), 0.81),
+]
+
+
+@pytest.mark.parametrize(("g", "trial", "closest"), KNOWN)
+def test_stationary_points_that_nothing_else_tells(g: str, trial: tuple[float, float], closest: float) -> None:
+    question = increment(law(g), [trial], None, 1.0, None)
+    done = duhem.project(question.law, trial)
+    solution = Solution(done.stress, done.slip, done.multiplier, done.status == Status.FAILED)
+    assert np.linalg.norm(done.stress[0] - trial) > closest
+    assert residuals(question, solution, convex=True).worst()[0] <= ACCURACY
+    assert done.status[0] == Status.INACCURATE and done.residuals.stationary_only()[0]
+
+
+@pytest.mark.parametrize("family", CONVEX)
+def test_convex_neighbours_pass(family: str) -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(3):
+        g, edge = CONVEX[family](rng)
+        trial = rng.normal(size=(40, 2)) * 2.0
+        done = duhem.project(law(g), trial)
+        assert set(done.status) <= {Status.STICK, Status.SLIP}
+        slips = np.flatnonzero(done.status == Status.SLIP)
+        assert slips.size > 10
+        nearest = np.array([np.linalg.norm(edge - u, axis=1).min() for u in trial[slips]])
+        assert np.abs(np.linalg.norm(trial - done.stress, axis=1)[slips] - nearest).max() <= _GRID
+
+
+@pytest.mark.parametrize(
+    "g",
+    [
+        "max(abs(a) - 1, abs(b) - 2)",
+        "max(norm(a - 1/2, b) - 1, norm(a + 1/2, b) - 1)",
+        "max(a + b - 1, a - 2*b - 1, -a - 1)",
+        "(abs(a)**(11/10) + abs(b)**(11/10)) - 1",
+        "abs(a)**20 + abs(3*b)**20 - 1",
+        "norm(a - 9, b) - 1",
+        "norm(a, b/1000000) - 1",
+        "a**2 - b",
+        "abs(a - 2*b) - 1",
+    ],
+)
+def test_convex_sets_of_all_kinds_pass(g: str) -> None:
+    trial = np.random.default_rng(3).normal(size=(40, 2)) * 4.0
+    assert set(duhem.project(law(g), trial).status) <= {Status.STICK, Status.SLIP}
+
+
+OVAL = Criterion(
+    "oval", "norm(sigma_a, sigma_b)**2 - mu*abs(sigma_n)*(norm(sigma_a, sigma_b) + e*sigma_a)", {"mu": duhem.POSITIVE, "e": duhem.REAL}
+)
+
+
+@pytest.mark.parametrize("pressure", [-1e-9, -1.0, -7.3, -1e12])
+def test_the_middle_of_a_dent_is_not_closest_at_any_pressure(pressure: float) -> None:
+    trial = np.array([[-3.0, 0.0], [3.0, 0.0], [0.0, 3.0]]) * -pressure
+    done = duhem.project(OVAL, trial, pressure, parameters={"mu": 1, "e": "0.6"})
+    assert done.status.tolist() == [Status.INACCURATE, Status.SLIP, Status.SLIP]
+    assert done.residuals.stationary_only().tolist() == [True, False, False]
+    assert (duhem.project(OVAL, trial, pressure, parameters={"mu": 1, "e": "0.5"}).status == Status.SLIP).all()
+
+
+@pytest.mark.parametrize("load", ["1 + abs(sigma_n)", "abs(sigma_n)**2", "abs(sigma_n)"])
+@pytest.mark.parametrize("stiffness", [1.0, (1.0, 100.0), ((2.0, 1.0), (1.0, 3.0))])
+def test_another_part_of_k_is_seen_at_every_pressure(load: str, stiffness: object) -> None:
+    """Two discs, their size and distance growing with the pressure in step."""
+    two = Criterion("two", f"min(norm(sigma_a, sigma_b), norm(sigma_a + 3*({load}), sigma_b)) - ({load})", {})
+    pressure = -np.array([0.5, 1.0, 3.0, 3.5])
+    size = duhem.project(two, np.tile([1e3, 0.0], (4, 1)), pressure).stress[:, :1]
+    wrong = duhem.project(two, size * [-1.6, 0.01], pressure, stiffness)
+    assert (wrong.status == Status.INACCURATE).all() and wrong.residuals.stationary_only().all()
+    assert (duhem.project(two, size * [3.0, 0.0], pressure, stiffness).status == Status.SLIP).all()
+
+
+@pytest.mark.parametrize("width", [0.001, 0.01, 0.1, 0.4])
+def test_the_end_of_a_slot_is_not_closest_however_narrow(width: float) -> None:
+    slot = law(f"max(norm(a, b) - 1, min({width} - abs(b), a - 1/2))")
+    done = duhem.project(slot, [[2.0, 0.0], [2.0, 1.0], [-2.0, 0.0]])
+    assert done.status.tolist() == [Status.INACCURATE, Status.SLIP, Status.SLIP]
+
+
+def test_three_forces() -> None:
+    two = Criterion("two", "min(norm(a, b, c), norm(a + 3, b, c)) - 1", {}, forces=("a", "b", "c"), pressure=None)
+    dent = Criterion("dent", "norm(a, b, c)**2 - (norm(a, b, c) + 3*a/5)", {}, forces=("a", "b", "c"), pressure=None)
+    for case, trial in ((two, [-1.6, 0.1, 0.1]), (dent, [-3.0, 0.0, 0.0])):
+        assert duhem.project(case, [trial, [3.0, 0.0, 0.0]]).status.tolist() == [Status.INACCURATE, Status.SLIP]
+
+
+def test_only_the_inequality_tells_a_stationary_point() -> None:
+    each = np.array([0.0, 1e-3, 0.0, 1e-3])
+    found = Residuals(np.zeros(4), np.zeros(4), np.zeros(4), each, np.array([0.0, 0.0, 1e-3, 1e-3]))
+    assert found.stationary_only().tolist() == [False, False, True, False]
