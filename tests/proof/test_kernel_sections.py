@@ -11,12 +11,12 @@ import pytest
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import facts, over
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.invariants import Invariants, invariants
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total
 from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from duhem.proof.kernel.section import _ABOVE, by_section
+from duhem.proof.kernel.section import _ABOVE, by_section, sign_on_axis
 from duhem.proof.kernel.section_value import ROOT, SectionValue, added, base_of, bend, multiplied, power_of, raised_to, reduced, widened
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.test_kernel_facts import said
@@ -82,7 +82,8 @@ SHOWN = [
     ("sqrt(J2)*((4 + C3)**2 + (4 + C3))**(1/2)", ""), ("sqrt(J2)*((20 + C3)**2 + (20 + C3))**(1/2)", ">= convex"),
     ("sqrt(J2)*((20 + C3)**(3/2) + (20 + C3)**(1/2))**(2/3)", ">= convex"), ("sqrt(J2)*((20 + C3)**(1/3) + (20 + C3)**(1/2))", ""),
     ("sqrt(J2)*((20 + C3)**(1/2)*(20 + C3)**(1/2))**(1/1)", ">= convex"), ("sqrt(J2)*(9.99 - C3)**-1", ""),
-    ("J2*(1 + 2*C3/7)", ">= convex"), ("J2*(1 + C3/3.49)", ""),
+    ("J2*(1 + 2*C3/7)", ">= convex"), ("J2*(1 + C3/3.49)", ""), ("sqrt(J2)*(2 + C3)**(m - m)", ">= convex"),
+    ("sqrt(J2)*(10 - C3)**(m - m - 1)", ">= convex"),
 ]  # fmt: skip
 
 
@@ -100,6 +101,7 @@ def test_what_is_shown_of_sections(text: str, expected: str) -> None:
         ("sqrt(J2)*(1 + C3/8) + a - m", True, False), ("sqrt(J2)*(1 + C3/8) + a", True, False), ("J2*C3 - m", True, True),
         ("sqrt(J2)*cos(acos(C3)/3 - pi/6) - m", True, False), ("C3 + J2 - m", False, False), ("J2 + 1/J2 - m", False, False),
         ("sqrt(J2)*(2 + C3)**0.3 - m", True, True), ("sqrt(J2 + J3**2) - m", True, True), ("sqrt(J2) + abs(J3) - m", True, False),
+        ("where(J2 > 0, 5, -1) + sqrt(J2)*(1 + C3/8)", False, False), ("where(J2 <= 0, -1, 5) + sqrt(J2)*(1 + C3/8)", False, False),
         ("exp(sqrt(J2)*(1 + C3/8)) - 2", True, True), ("exp(sqrt(J2)*(1 + C3/8)) - 1", True, False),
     ],
 )  # fmt: skip
@@ -249,3 +251,10 @@ def test_other_roots_stay(text: str) -> None:
 def test_the_end_of_w_lies_beyond_1_over_sqrt_3() -> None:
     """c = sqrt(3) w is asked for -1 <= c <= 1, hardly further."""
     assert F(1, 3) < _ABOVE**2 < F(1, 3) + F(1, 10**11)
+
+
+def test_beside_the_axis_what_is_compared_may_have_another_sign() -> None:
+    for text, sign in (("sqrt(J2)*(1 + C3/8) - 1", NEGATIVE), ("exp(J2)*(1 + sqrt(J2)*C3)", POSITIVE), ("where(J2 > 0, 5, -1) + J3", ANY)):
+        stated = law(text)
+        assert sign_on_axis(stated.g, law("J2").g, over(stated), facts) == sign
+        assert sign_on_axis(stated.g, law("J3").g, over(stated), facts) == ANY

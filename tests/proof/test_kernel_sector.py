@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel import sector
+from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.polynomial import written
@@ -48,7 +49,8 @@ VALUES: list[tuple[str, int | F, bool]] = [  # a formula, its degree, and whethe
     ("sqrt(J2)*FIRST", 2, True),
     ("FIRST**(1/2)", F(1, 2), True), ("J2**(1/2) - 2*LAST", 1, True), ("J2**(3/2)/(FIRST + sqrt(J2))", 2, False),
     ("(FIRST + sqrt(3)*J2**(1/2))**2", 2, True), ("FIRST**(1/3)", F(1, 3), True), ("(J2 + FIRST**2)**(3/4)", F(3, 2), True),
-    ("J2**(-1/2)", -1, False), ("FIRST*J2**(-1/2)", 0, False), ("(FIRST*J2)**(1/2)*FIRST**(1/2)", 2, True),
+    ("FIRST*(2 + LAST/FIRST)**(m - m)", 1, True), ("J2**(-1/2)", -1, False), ("FIRST*J2**(-1/2)", 0, False),
+    ("(FIRST*J2)**(1/2)*FIRST**(1/2)", 2, True),
     ("FIRST*(1 + LAST/FIRST)", 1, True),
     ("cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3)", 0, False), ("sqrt(J2)*cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3)", 1, True),
     ("sqrt(J2)*cos(-acos(3*sqrt(3)/2*J3/J2**(3/2))/3)", 1, True), ("where(J2 > 0, J2/FIRST, 0)", 1, True),
@@ -140,3 +142,33 @@ def shown(text: str) -> Facts | None:
 def test_what_is_shown_of_sectors(text: str, expected: str) -> None:
     found = shown(text)
     assert (said(found) if found else "") == expected
+
+
+COSINE = "cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3)"  # without a value where the deviator is 0; FIRST times it is 0 there by continuity
+
+
+@pytest.mark.parametrize(
+    ("text", "empty"),
+    [
+        (f"FIRST*{COSINE} + a", "0 + a"), ("where(FIRST > 0, a, FIRST)", "where(FIRST > 0, a, 0)"),
+        ("where(J2 <= a, J2, b)", "where(J2 <= a, 0, b)"),
+        ("m*FIRST**2 - m", "0 - m"), ("J2/FIRST + 1", "0/FIRST + 1"), ("exp(FIRST)", "exp(0)"), ("max(a, LAST + 1)", "max(a, 0 + 1)"),
+    ],
+)  # fmt: skip
+def test_what_is_left_where_the_deviator_is_zero(text: str, empty: str) -> None:
+    """What is compared stays: beside the axis it may have another sign than on it."""
+    (reader,) = readers(law(f"({text}) + 0*FIRST"))
+    domain = over(law("a"))
+    left = reader.emptied(parse(written_out(text)))
+    assert domain.polynomial(left) == domain.polynomial(parse(written_out(empty)))
+
+
+@pytest.mark.parametrize(
+    ("text", "right"),
+    [
+        (f"FIRST*{COSINE} - 1", True), (f"FIRST*{COSINE} + 1", False), ("FIRST*J2/LAST - 1", False), (f"{COSINE} - 2", False),
+        (f"where(FIRST > 0, 5, -1) + FIRST*{COSINE}", False), (f"where(FIRST <= 0, -1, 5) + FIRST*{COSINE}", False),
+    ],
+)  # fmt: skip
+def test_the_origin_by_continuity(text: str, right: bool) -> None:
+    assert (not objection("origin", "evaluation", frozenset(), law(text), {})) is right

@@ -14,6 +14,7 @@ from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.outer import without_outer_map
+from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.piecewise import polyhedra
 from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
@@ -98,10 +99,10 @@ def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
 
 
 def _at_zero(law: StatedLaw) -> list[Facts]:
-    """g at the origin, as its text says it and by continuity: functions of J2 and J3 are 0 there."""
+    """g at the origin, as its text says it and by continuity: functions of J2 and J3 are 0 there; what jumps beside them has no limit."""
     domain = over(law)
     emptied = (*without_sections(law.g, domain, facts), *without_sectors(law.g, domain, facts, over))
-    return [_at(law._replace(g=g), {}) for g in (law.g, *emptied)]
+    return [_at(law._replace(g=g), {}) for g in (law.g, *(g for g in emptied if not chooses(g, domain)))]
 
 
 def _inside(law: StatedLaw, evidence: Evidence) -> bool:
