@@ -49,7 +49,7 @@ VALUES: list[tuple[str, int | F, bool]] = [  # a formula, its degree, and whethe
     ("sqrt(J2)*FIRST", 2, True),
     ("FIRST**(1/2)", F(1, 2), True), ("J2**(1/2) - 2*LAST", 1, True), ("J2**(3/2)/(FIRST + sqrt(J2))", 2, False),
     ("(FIRST + sqrt(3)*J2**(1/2))**2", 2, True), ("FIRST**(1/3)", F(1, 3), True), ("(J2 + FIRST**2)**(3/4)", F(3, 2), True),
-    ("FIRST*(2 + LAST/FIRST)**(m - m)", 1, True), ("J2**(-1/2)", -1, False), ("FIRST*J2**(-1/2)", 0, False),
+    ("FIRST*(3 + LAST/FIRST)**(m - m)", 1, True), ("J2**(-1/2)", -1, False), ("FIRST*J2**(-1/2)", 0, False),
     ("(FIRST*J2)**(1/2)*FIRST**(1/2)", 2, True),
     ("FIRST*(1 + LAST/FIRST)", 1, True),
     ("cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3)", 0, False), ("sqrt(J2)*cos(acos(3*sqrt(3)/2*J3/J2**(3/2))/3)", 1, True),
