@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import re
 from pathlib import Path
 from typing import Any
 
@@ -251,6 +252,13 @@ FAMILY = [(lobe_law(n), {"e": e}, verdict) for n, e, verdict in LOBES]
 def test_thresholds_agree_with_the_curvature_of_the_boundary(law: Criterion, values: dict[str, str], verdict: Verdict) -> None:
     least = _curvatures(law, values).min()
     assert least > -1e-10 if verdict is Verdict.PROVED else least < -1e-8
+
+
+def test_an_empty_domain_is_said_with_its_ends() -> None:
+    for make, ends in ((lambda: Domain(high=0, positive=True), "(0, 0]"), (lambda: Domain(high=-2, positive=True), "(0, -2]"),
+                       (lambda: Domain.between(2, 1), "[2, 1]")):  # fmt: skip
+        with pytest.raises(InputError, match=re.escape(f"the domain {ends} is empty")):
+            make()
 
 
 def test_a_positive_parameter_has_no_other_least_value() -> None:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
+from duhem import POSITIVE, Criterion, Domain, InputError, ParametricCriterion, Verdict, YieldSurface, verify
 from duhem.law.criterion_file import reads
+from duhem.proof.facts.definedness import broken_at
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.law_text import law_as_text
+from duhem.proof.statement.obligations import obligations
 from duhem.proof.verdict import Trust
 
 UNIT, SYMMETRIC = Domain.between(0, 1), Domain.between(-1, 1)
@@ -148,3 +152,57 @@ def test_names_that_python_spells_alike_are_one_name() -> None:
     twins = {"\N{MICRO SIGN}": POSITIVE, "\N{GREEK SMALL LETTER MU}": UNIT}
     with pytest.raises(InputError, match="declared twice"):
         Criterion(name="law", g="norm(a, b) - 1", forces=("a", "b"), parameters=twins)
+
+
+@pytest.mark.parametrize(
+    ("flow", "low", "message"),
+    [
+        (("a/q", "b/q"), 0, "divides by q, which is 0 at q = 0; .* q != 0 .positive = true"),
+        (("a*log(q)", "b*log(q)"), 0, "takes the logarithm of q, which is 0 at q = 0; .* q > 0 .positive = true"),
+        (("a*sqrt(q - 1/4)", "b"), 0, r"takes a root of q - 1/4, which is negative at q = 1/\d+; admit only values with q >= 1/4$"),
+        (("a", "b*sqrt(1/4 - 2*q)"), 0, "takes a root of .*; admit only values with q <= 1/8$"),
+        (("a*sqrt(q**2 - 1)", "b"), 0, r"takes a root of .*; admit only values with q\*\*2 - 1 >= 0$"),
+        (("a", "b/(q - 2)"), 0, "divides by q - 2, which is 0 .*; admit only values with q != 2$"),
+    ],
+)
+def test_a_flow_undefined_for_admitted_parameters_is_an_error_of_the_flow(flow: tuple[str, str], low: int, message: str) -> None:
+    with pytest.raises(InputError, match=f"^law: the flow {message}"):
+        FormulaSubject(law("norm(a, b) - 1", flow=flow, q=Domain.between(low))).check_defined()
+    surfaces = (YieldSurface("abs(a) - 1"), YieldSurface("abs(b) - 1", flow=flow))
+    several = Criterion(name="law", surfaces=surfaces, forces=("a", "b"), pressure=None, parameters={"q": Domain.between(low)})
+    with pytest.raises(InputError, match=f"^law: the flow of surface 2 {message}"):
+        FormulaSubject(several).check_defined()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("root", "low", "at"),
+    [
+        ("-p - 1", None, r"p = -1/\d+: it takes a root of abs\(p\) - 1"),
+        ("p + 1", "-1.0000001", r"p = -10000001/10000000: it takes a root of 1"),
+        ("p + q", None, r"q = \S+, p = -\S+: it takes a root"),
+    ],
+)
+def test_a_flow_without_a_value_at_some_pressure_is_said_and_loses_no_other_claim(root: str, low: str | None, at: str) -> None:
+    flow, domain = (f"a*sqrt({root})", f"b*sqrt({root})"), {"p": Domain.between(low)} if low else {}
+    own = {"q": POSITIVE} if "q" in root else {}
+    odd = Criterion("law", "norm(a, b) + p", own, ("a", "b"), "p", flow=flow, domain=domain)
+    found = verify(odd, claims=["origin", "dissipation"], effort="quick")
+    assert {r.claim for r in found.results if r.verdict is Verdict.PROVED} == {"origin"}
+    assert re.match(f"the flow has no value at {at}", found.remarks[0])
+
+
+def test_a_flow_with_a_value_at_every_admitted_pressure_is_not_said_to_have_none() -> None:
+    for root, low in (("p + 1", "-1"), ("1 - p", None)):
+        flow, domain = (f"a*sqrt({root})", f"b*sqrt({root})"), {"p": Domain.between(low)} if low else {}
+        subject = FormulaSubject(Criterion("law", "norm(a, b) + p", {}, ("a", "b"), "p", flow=flow, domain=domain))
+        assert all(broken_at(subject.problem, o) is None for o in obligations(subject.problem.stated_flows[0][0]))
+
+
+@pytest.mark.slow
+def test_the_search_is_silent_where_there_is_nothing_to_measure() -> None:
+    """Warnings are errors here: points that stand still, slips of no length, sizes beyond doubles."""
+    for boundary, flow in ((("cos(phi)", "0"), None), (("0", "0"), None), (("cos(phi)", "0"), ("0", "0"))):
+        verify(ParametricCriterion("law", boundary, flow=flow), effort="quick")
+    verify(law("sign(a) - 1/2"), effort="quick")
+    verify(law("norm(a, b)/1e300 - 1", flow=("1e200*a", "1e250*b")), effort="quick")

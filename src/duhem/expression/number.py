@@ -15,7 +15,7 @@ from duhem.errors import InputError
 __all__ = ["DECIMAL", "exact_number", "fraction", "ratio", "rational"]
 
 # A decimal without sign.  At most MOST_DIGITS digits and a scale of at most 10^+-MOST_DIGITS: beyond doubles, yet cheap.
-DECIMAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+DECIMAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 MOST_DIGITS = 400
 _NUMBER = re.compile(rf"([+-]?)({DECIMAL})(?:\s*/\s*({DECIMAL}))?", re.ASCII)
 _REMEDY = "write a finite number such as 0.15, 1e-6 or 1/2"

@@ -28,6 +28,7 @@ from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 __all__ = ["TABLE", "Program", "compiled", "evaluate"]
 
 Array = NDArray[np.float64]
+_UNDEFINED = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)  # what a root of -1 or a quotient by 0 becomes where values are put in
 
 
 def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, ArrayLike]) -> Array:
@@ -79,6 +80,8 @@ def _constant(node: Any) -> float:
         return math.e
     if node in (sp.true, sp.false):
         return float(node is sp.true)
+    if node in _UNDEFINED:
+        return math.nan
     raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
 
 

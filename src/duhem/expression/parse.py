@@ -37,6 +37,7 @@ _TOKEN = re.compile(
     r"|(?P<operator>\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)"
 )
 _ARITHMETIC = "write it with numbers, declared names, + - * / ** and the words of the language"
+_DIGITS = "write numbers with the digits 0 to 9, powers with **"
 _HINTS = {
     "^": "write ** for a power",
     "=": "comparisons are < <= > >=",
@@ -158,7 +159,8 @@ class _Reader:
             token = _TOKEN.match(self.text, at)
             if token is None:
                 mark = self.text[at]
-                raise self.place.error(f"unexpected {mark!r}", at=at, remedy=_HINTS.get(mark, _ARITHMETIC))
+                remedy = _DIGITS if mark.isdigit() else _HINTS.get(mark, _ARITHMETIC)
+                raise self.place.error(f"unexpected {mark!r}", at=at, remedy=remedy)
             at = token.end()
             if token.lastgroup != "space":
                 yield token
@@ -206,6 +208,8 @@ class _Reader:
 
     def check_name(self, token: re.Match[str]) -> None:
         name, at = token[0], token.start()
+        if not name.isidentifier():  # a superscript is of words to a pattern
+            raise self.place.error(f"{name[:40]!r} is not a name", at=at, remedy=f"use letters, digits and underscores; {_DIGITS}")
         called = self.text[token.end() :].lstrip().startswith("(")
         if called and name in INVARIANTS:
             remedy = 'declare stress = { name = "sigma", kind = "3d" }'

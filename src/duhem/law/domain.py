@@ -34,7 +34,9 @@ class Domain:
         if self.positive:
             object.__setattr__(self, "low", sp.S.Zero)
         if self.low is not None and self.high is not None and (self.low > self.high or (self.positive and self.high <= 0)):
-            raise InputError(f"the domain {self.describe()} is empty", remedy="give a least value below the greatest")
+            ends = f"({self.low}, {self.high}]" if self.positive else f"[{self.low}, {self.high}]"
+            remedy = "give a greatest value above 0" if self.positive else "give a least value below the greatest"
+            raise InputError(f"the domain {ends} is empty", remedy=remedy)
 
     @classmethod
     def between(cls, low: Any = None, high: Any = None) -> Domain:

@@ -10,6 +10,7 @@ from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
+from duhem.proof.facts.definedness import broken_at
 from duhem.proof.facts.extent import Extent, extent
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.regularity import regularity
@@ -75,10 +76,12 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
             + (place and f". It may be undefined {place}")
         )
     elif subject.doubtful_flow:
-        first = subject.doubtful_flow[0]
+        broken = next(((o, at) for o in subject.doubtful_flow if (at := broken_at(subject.problem, o)) is not None), None)
+        first = broken[0] if broken else subject.doubtful_flow[0]
         part = formula(_stated(subject, first.expr))
         yield (
-            f"the flow may be undefined on the boundary: it {first.does} {part}; "
+            f"the flow {f'has no value at {_admitted(subject, broken[1])}' if broken else 'may be undefined on the boundary'}: "
+            f"it {first.does} {part}; "
             "of such a flow nothing is proved but what the kernel confirms"
         )
     if odd is not None:
@@ -99,6 +102,12 @@ def _tips(subject: FormulaSubject) -> Iterator[str]:
     place = f"where {', '.join(tips)} = 0"
     inside = "; that point is inside K for sigma_n < 0, so the boundary is not touched" if law.pressure and certain else ""
     yield f"'g is differentiable' holds with one exception: not {place}{inside}"
+
+
+def _admitted(subject: FormulaSubject, values: Mapping[sp.Symbol, sp.Rational]) -> str:
+    """Values of parameters and of the size of the pressure, in the law's own names."""
+    magnitude, pressure = subject.problem.magnitude, subject.law.pressure
+    return ", ".join(f"{pressure} = {-v}" if x is magnitude else f"{x} = {v}" for x, v in values.items())
 
 
 def _stated(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:

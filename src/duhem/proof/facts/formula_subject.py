@@ -62,10 +62,11 @@ class FormulaSubject(Subject):
     def doubtful_flow(self) -> tuple[Obligation, ...]:
         """The same of flows of the law's own, of which only that part of the boundary counts on which they act."""
         found = list[Obligation]()
-        for face, trees in zip(self.problem.faces, self.problem.stated_flows, strict=True):
+        for i, (face, trees) in enumerate(zip(self.problem.faces, self.problem.stated_flows, strict=True), 1):
+            of = f"the flow of surface {i}" if self.law.surfaces else "the flow"
             inside = (sp.LessThan(smooth, 0) for other in face.others for smooth in smooth_below(other))
             there = (sp.Eq(face.g, 0, evaluate=False), *(r for r in inside if isinstance(r, sp.LessThan)))
-            found += open_obligations(self, self.problem, trees, () if self.doubtful else there)
+            found += open_obligations(self, self.problem, trees, () if self.doubtful else there, of)
         return tuple(found)
 
     @property

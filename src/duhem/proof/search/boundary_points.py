@@ -79,6 +79,7 @@ class BoundaryScout:
         return np.zeros((0, len(self.forces))) if self.centre is None else self.centre + radii[:, None] * self.directions
 
     @cached_property
+    @np.errstate(all="ignore")
     def unit_flow(self) -> tuple[Any, Any]:
         """Slips of length 1 at boundary points, and the number of the point of each; 0 where there is none in doubles.
 
@@ -101,6 +102,7 @@ class BoundaryScout:
             return np.broadcast_to(compiled(expr.subs(rationals(self.parameters)), self.forces)(*points.T), len(points))
 
     @cached_property
+    @np.errstate(all="ignore")
     def _gradient(self) -> Any:
         step = 1e-6 * (np.linalg.norm(self.boundary, axis=1, keepdims=True) + 1e-300)
         columns = []
@@ -145,6 +147,7 @@ class BoundaryScout:
         """Boundary points with negative power: the most negative and some of the others."""
         yield from (self._exit(k) for k in _spread(self._power(), most))
 
+    @np.errstate(all="ignore")
     def _power(self) -> Any:
         """The least power of a slip of length 1 at each boundary point, as a share of the force's size."""
         place, slips = self.unit_flow
@@ -154,6 +157,7 @@ class BoundaryScout:
         return found
 
     @cached_property
+    @np.errstate(all="ignore")
     def _reach(self) -> tuple[Any, Any]:
         """How far each slip goes towards each boundary point and the centre, and as a share of the distance."""
         place, slips = self.unit_flow

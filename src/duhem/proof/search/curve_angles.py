@@ -105,14 +105,14 @@ class _Samples:
     def dent(self) -> int | None:
         """Where the curve turns right most sharply, if anywhere."""
         after = np.roll(self.steps, -1, axis=0)
-        turn = (self.steps[:, 0] * after[:, 1] - self.steps[:, 1] * after[:, 0]) / np.linalg.norm(self.steps, axis=1)
+        turn = _quotient(self.steps[:, 0] * after[:, 1] - self.steps[:, 1] * after[:, 0], np.linalg.norm(self.steps, axis=1))
         k = int(np.argmin(turn))
         return (k + 1) % _ANGLES if turn[k] < 0 else None
 
     def least_power(self) -> int:
         """Where boundary . flow is least, for its size."""
-        power = np.sum(self.points * self.slips, axis=1) / (np.linalg.norm(self.points, axis=1) * np.linalg.norm(self.slips, axis=1))
-        return int(np.argmin(power))
+        sizes = np.linalg.norm(self.points, axis=1) * np.linalg.norm(self.slips, axis=1)
+        return int(np.argmin(_quotient(np.sum(self.points * self.slips, axis=1), sizes)))
 
     def ahead(self, slip: list[float], point: list[float]) -> Iterator[float]:
         """Angles of boundary points towards which a flow at a boundary point leans, the farthest in that direction first."""
@@ -120,3 +120,10 @@ class _Samples:
         for k in np.argsort(-reach)[:3]:
             if reach[k] > 0:
                 yield self.angle(int(k))
+
+
+def _quotient(over: Array, under: Array) -> Array:
+    """Infinite where it has no value: where the curve stands still, or a size is 0."""
+    with np.errstate(all="ignore"):
+        found = over / under
+    return np.where(np.isfinite(found), found, np.inf)

@@ -70,15 +70,20 @@ def _unsettled(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[int, .
     rays = list(_rays(g, forces))
     last, first = Rays(value, np.zeros(n), np.array(rays, dtype=float)).left(_RADII)
     for ray, reach in zip(rays, np.where(last < first, last, np.nan), strict=True):
-        x = reach * np.array(ray, dtype=float)
-        size = float(np.linalg.norm(x))
-        slope = np.array([value(x + s) - value(x - s) for s in 1e-6 * size * np.eye(n)])
-        if not (np.isfinite(slope).all() and slope.any()):
-            continue
-        frame = np.linalg.svd(slope[None, :])[2][1:]
-        far, near = (_least_bend(value, x, size * share * frame) for share in (_NEAR, _NEARER))
-        if not near > _SETTLED * far > 0:
+        if _unsettled_at(value, reach * np.array(ray, dtype=float)):
             yield ray
+
+
+@np.errstate(all="ignore")
+def _unsettled_at(value: Any, x: NDArray[Any]) -> bool:
+    """Whether the least second difference along the boundary at x is no more > 0 or falls; not where there is no slope in doubles."""
+    size = float(np.linalg.norm(x))
+    slope = np.array([value(x + s) - value(x - s) for s in 1e-6 * size * np.eye(len(x))])
+    if not (np.isfinite(slope).all() and slope.any()):
+        return False
+    frame = np.linalg.svd(slope[None, :])[2][1:]
+    far, near = (_least_bend(value, x, size * share * frame) for share in (_NEAR, _NEARER))
+    return not near > _SETTLED * far > 0
 
 
 def _least_bend(value: Any, x: NDArray[Any], frame: NDArray[Any]) -> float:
