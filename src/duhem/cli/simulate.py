@@ -21,8 +21,8 @@ __all__ = ["simulate"]
 def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resume: bool) -> int:
     """Drive a law along the loading path of SCENE, a TOML file.
 
-    A step whose closest point of K cannot be vouched for ends the run; so does one that meets a K that is not convex, where a
-    known point of K speaks against it.
+    A step whose closest point of K cannot be vouched for ends the run: on a K that is not convex, where one of the points of K
+    that are tried speaks against it.  The exact integrator follows the slip along the boundary and asks for no closest point.
 
     A run that is interrupted keeps what is done in FILE.partial, and --resume goes on from there.
     """
