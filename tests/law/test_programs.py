@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
@@ -165,6 +166,17 @@ def test_arguments_are_the_names_of_the_law_however_they_are_passed() -> None:
             make(given)
     with pytest.raises(InputError, match="names nothing"):
         parametric(name="x")(lambda phi, *k: (sp.cos(phi), sp.sin(phi)))
+
+
+def test_a_function_that_cannot_take_symbols_is_refused_with_its_cause() -> None:
+    make = criterion(name="x", forces=("a", "b"), pressure=None)
+    unfit = (lambda a, b: a if a > b else b, lambda a, b: math.sqrt(a), lambda a, b: sp.Max(a, sp.log(-3 - b**2)), lambda a, b: a / b + {})
+    for function in unfit:
+        with pytest.raises(InputError, match="cannot be computed with symbols") as caught:
+            make(function)
+        assert caught.value.where == "<lambda>" and caught.value.remedy and caught.value.__cause__ is not None
+    with pytest.raises(InputError, match="the value is not real"):  # what the function says itself stays
+        make(lambda a, b: _law(g=sp.I * a).g)
 
 
 def test_the_rest_of_a_law_is_what_it_should_be() -> None:

@@ -31,10 +31,18 @@ def argument_names(function: Callable[..., Any]) -> list[str]:
 
 
 def called(function: Callable[..., Any], values: Mapping[str, Any]) -> Any:
-    """The function of these values of its arguments."""
+    """The function of these values of its arguments; InputError, with the cause, where it cannot be computed with symbols."""
     arguments = inspect.signature(function).parameters.values()
     by_place = [values[x.name] for x in arguments if x.kind is not x.KEYWORD_ONLY]
-    return function(*by_place, **{x.name: values[x.name] for x in arguments if x.kind is x.KEYWORD_ONLY})
+    by_name = {x.name: values[x.name] for x in arguments if x.kind is x.KEYWORD_ONLY}
+    try:
+        return function(*by_place, **by_name)
+    except InputError:
+        raise
+    except (TypeError, ValueError, ArithmeticError) as fault:  # an if on a symbol, math.sqrt, a comparison of what is not real
+        what = " ".join(f"its formula cannot be computed with symbols: {fault}".split())
+        remedy = "use SymPy's functions instead of if and math, or return text in the words of the language"
+        raise InputError(what, where=getattr(function, "__name__", repr(function)), remedy=remedy) from fault
 
 
 def listed(given: Any, what: str, law: str) -> tuple[Any, ...]:
