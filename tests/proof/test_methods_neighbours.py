@@ -11,6 +11,7 @@ import sympy as sp
 
 from duhem import Criterion, Domain, Verdict
 from duhem.expression import Norm, Where
+from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import chords, composition, convex_sums, corners, degrees, evaluation, power_share, rounded
 from duhem.proof.search import polynomial_dents, sampled_chords
@@ -346,3 +347,11 @@ def test_dents_in_one_arc_and_seams_of_two_pieces() -> None:
 )
 def test_the_power_of_a_flow_that_is_defined_everywhere(g: str, slip: tuple[str, str] | None, proved: bool) -> None:
     assert (power_share.dissipation(subject(g, flow=slip)) is not None) is proved
+
+
+def test_a_denial_without_a_point_shows_no_dent(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = subject("norm(a, b) - 9*a*b/norm(a, b)/10 - 1")
+    assert chords.convexity_at_dents(law) is not None
+    for answer in (Answer(False), Answer(None), Answer(True)):
+        monkeypatch.setattr(FormulaSubject, "ask", lambda *_, told=answer, **__: told)
+        assert chords.convexity_at_dents(law) is None
