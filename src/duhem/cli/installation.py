@@ -21,7 +21,7 @@ EXTRAS = {
     "fast": ("numba",),
     "second": ("cvc5",),
     "test": ("import-linter", "mypy", "pytest", "pytest-xdist", "pyyaml", "ruff"),
-    "mutation": ("cosmic-ray",),
+    "mutation": ("cosmic-ray", "coverage"),
 }
 # Distributions that bring the same module under another name.
 _ALSO = {"cvxpy-base": "cvxpy"}
