@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import replace
+from typing import Any
 
 import pytest
 import sympy as sp
@@ -13,7 +14,8 @@ from duhem.errors import InputError
 from duhem.identification.criterion_text import criterion_text
 from duhem.law.criterion_file import reads
 from duhem.law.curve_law import ParametricCriterion
-from duhem.law.formula_law import Criterion
+from duhem.law.domain import POSITIVE, Domain
+from duhem.law.formula_law import Criterion, criterion
 from duhem.law.yield_surface import YieldSurface
 
 HEAD = '[criterion]\nname = "x"\n'
@@ -48,6 +50,38 @@ def test_surfaces_are_read_with_their_flows_and_written_back() -> None:
     assert pickle.loads(pickle.dumps(law)) == law and hash(pickle.loads(pickle.dumps(law))) == hash(law)
     fixed = law.fix({"mu": "0.3"})
     assert [s.potential for s in fixed.surfaces] == [None, None, "sigma_b**2"] and fixed.surfaces[2].flow == (0, 2 * b)
+
+
+def test_a_function_may_return_surfaces() -> None:
+    @criterion(name="capped-cone", parameters={"c": Domain(low=0, high=1)})
+    def capped(sigma_a: Any, sigma_b: Any, sigma_n: Any, mu: Any, c: Any) -> Any:
+        """A cone with a cap."""
+        return YieldSurface(sp.sqrt(sigma_a**2 + sigma_b**2) + mu * sigma_n), YieldSurface(sigma_a - c, flow=(1, c * sigma_b))
+
+    stated = (YieldSurface("sqrt(sigma_a**2 + sigma_b**2) + mu*sigma_n"), YieldSurface("sigma_a - c", ("1", "c*sigma_b")))
+    assert capped == Criterion(
+        "capped-cone", parameters={"mu": POSITIVE, "c": Domain(low=0, high=1)}, surfaces=stated, summary="A cone with a cap."
+    )
+
+    @criterion(name="one-surface", pressure=None)
+    def one(sigma_a: Any, sigma_b: Any) -> Any:
+        return YieldSurface(sigma_a**2 + sigma_b**2 - 1, potential="sigma_a**2")
+
+    assert one.surfaces[0].flow == (2 * one.symbols()["sigma_a"], 0)
+
+
+@pytest.mark.parametrize(
+    ("returned", "flow", "said"),
+    [
+        (lambda a, b: [YieldSurface(a - 1), b - 1], None, "is no surface"),
+        (lambda a, b: [a - 1, b - 1], None, "is no formula"),
+        (lambda a, b: [], None, "is no formula"),
+        (lambda a, b: (YieldSurface(a - 1), YieldSurface(b - 1)), ("a", "b"), "has its g and its flow from them"),
+    ],
+)
+def test_what_a_function_may_not_return(returned: Any, flow: Any, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        criterion(name="x", forces=("a", "b"), pressure=None, flow=flow)(returned)
 
 
 def test_python_takes_surfaces_as_files_do() -> None:

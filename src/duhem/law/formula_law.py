@@ -288,9 +288,10 @@ def criterion(
 ) -> Criterion | Callable[[Callable[..., Any]], Criterion]:
     """Turn a function of the declared names into a registered :class:`Criterion`.
 
-    The function receives SymPy symbols by the names of its arguments and returns g; its docstring's first line
-    becomes the summary.  The law's name is the function's, underscores as hyphens, unless given.  Parameters that are
-    arguments but not declared are positive.  An argument that names a definition receives what it stands for.
+    The function receives SymPy symbols by the names of its arguments and returns g, or a :class:`YieldSurface` or several of
+    them, whose flows may use the arguments too; its docstring's first line becomes the summary.  The law's name is the
+    function's, underscores as hyphens, unless given.  Parameters that are arguments but not declared are positive.  An argument
+    that names a definition receives what it stands for.
     """
 
     def build(f: Callable[..., Any]) -> Criterion:
@@ -306,9 +307,11 @@ def criterion(
         shell |= {n: d.symbol(n) for n, d in domains.items()}
         local = Definitions.of(define or {}, shell, of, named)
         values = shell | {n: parse_expression(n, shell, short=local.short) for n in local}
+        made = called(f, values)
+        surfaces = _surfaces(made)
         law = Criterion(
             name=named,
-            g=called(f, values),
+            g=sp.nan if surfaces else made,
             parameters=domains,
             forces=axes,
             pressure=pressure,
@@ -321,8 +324,15 @@ def criterion(
             define=local,
             potential=potential,
             domain=Domains(domain),
+            surfaces=surfaces,
         )
         register(law.name, law)
         return law
 
     return build if function is None else build(function)
+
+
+def _surfaces(made: Any) -> tuple[YieldSurface, ...]:
+    """What a function returned, if it is a surface or a list with one in it."""
+    listed = tuple(made) if isinstance(made, list | tuple) else (made,)
+    return listed if any(isinstance(part, YieldSurface) for part in listed) else ()
