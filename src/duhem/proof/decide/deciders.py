@@ -11,6 +11,7 @@ from duhem.expression import Atan2, Neg, Pos, Where
 from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.exact import by_exact
+from duhem.proof.decide.factoring import factor_list
 from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
 from duhem.proof.decide.question import Answer, Question, Sense, domain
 from duhem.proof.decide.rays import between_rays
@@ -204,7 +205,7 @@ def _factors(system: System, budget: Budget) -> tuple[tuple[Relation, tuple[Rela
         return () if goal.holds() else ((goal, ()),)
     if goal.op in ("==", "!=") or not budget.part(budget.left // 8).pays(_factoring(goal.poly)):
         return ((goal, ()),)
-    coefficient, factors = sp.factor_list(goal.poly)
+    coefficient, factors = factor_list(goal.poly)
     core, away = sp.Integer(sp.sign(coefficient)), []
     for factor, power in factors:
         if factor.is_positive:
