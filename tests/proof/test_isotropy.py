@@ -184,3 +184,10 @@ def test_a_constant_matrix_does_not_become_diagonal() -> None:
         principal = in_principal_stresses(stated)
         assert principal is not None and parse(f"{word}(1, 1, 1, 1, 0, 0)") in principal.g.args[0].args[0].args
         assert (objection("convexity", "composition", frozenset(), stated, {}) == "") is shown
+
+
+@pytest.mark.parametrize(
+    "part", ["((xx + yy + zz)*xy/xy)**2", "(0*log(xy) + 2)**2", "((xx + yy + zz)*(xy/xy))**3", "(sqrt(xy)*0 + xx + yy + zz)**2"]
+)
+def test_it_counts_inside_a_power_too(part: str) -> None:
+    assert in_principal_stresses(StatedLaw.read(law_as_text(law(f"{J2} + {part} - 1")))) is None

@@ -86,6 +86,24 @@ def test_a_constant_reaches_as_far_as_its_sign_says(text: str, holds: bool) -> N
             continue
 
 
+@pytest.mark.parametrize(
+    ("text", "above", "strict"),
+    [
+        ("abs(q)", True, False), ("-abs(q)", False, False), ("abs(q) + 1", True, True), ("sqrt(t)", True, False),
+        ("sqrt(t) + 1", True, True), ("tanh(t)", True, False), ("tanh(m)", True, True), ("exp(q)", True, True),
+        ("tanh(t) + abs(q)", True, False), ("sqrt(m)", True, True), ("-sqrt(t) - 1", False, False),
+    ],
+)  # fmt: skip
+def test_a_constant_that_may_be_zero_is_an_end(text: str, above: bool, strict: bool) -> None:
+    here = domain(q={"min": "-2", "max": "2"}, m={"positive": True}, t={"min": "0"})
+    poly = here.polynomial(parse(text))
+    found = [nonnegative(poly, (F(-1), F(1)), here, sharply) for sharply in (False, True)]
+    assert found == [above, strict]
+    assert [nonnegative({m: -c for m, c in poly.items()}, (F(-1), F(1)), here, sharply) for sharply in (False, True)][1] is (
+        text == "-sqrt(t) - 1"
+    )
+
+
 # -- along the rays --------------------------------------------------------------------------------------------------------
 
 
