@@ -102,3 +102,13 @@ def test_a_curve_has_no_formula(word: str) -> None:
     assert stated(curve)
     with pytest.raises(NotWritten, match=word):
         stated(curve | {word: "-s*cos(t)"})
+
+
+@pytest.mark.parametrize("odd", [{}, "", {"mu >= 0": 1}, "mu"])
+@pytest.mark.parametrize("word", ["forces", "constraints", "surfaces", "flow"])
+def test_a_list_is_a_list(word: str, odd: Any) -> None:
+    """An object without keys would be a law without constraints to the kernel, and none to who reads it."""
+    law = made("coulomb")["law"]
+    other = {k: v for k, v in law.items() if word != "surfaces" or k not in ("g", "flow")} | {word: odd}
+    with pytest.raises((NotWritten, KeyError)):
+        stated(other)

@@ -28,6 +28,7 @@ __all__ = [
     "StatedDomain",
     "StatedFace",
     "StatedLaw",
+    "as_list",
     "declared",
     "exact",
     "gap",
@@ -52,22 +53,27 @@ def without_more(given: Mapping[str, Any], known: Collection[str]) -> Mapping[st
     return given
 
 
+def as_list(given: Any) -> Sequence[Any]:
+    """A list; NotWritten for a text or an object, of which one could go through the letters or keys."""
+    if not isinstance(given, list | tuple):
+        raise NotWritten("something else stands where a list should")
+    return given
+
+
 def declared(given: Mapping[str, Any], others: tuple[str, ...], formulas: Collection[str]) -> Declared:
     """Forces, parameters, constraints and what fixed parameters stand for; ``others`` are further names.  NotWritten where they clash.
 
     ``formulas`` are the words of a law of its kind.
     """
     without_more(given, _LAW | set(formulas))
-    if any(isinstance(part, str) for part in (given["forces"], given["constraints"])):
-        raise NotWritten("a text stands where a list should")
-    forces = tuple(given["forces"])
+    forces = tuple(as_list(given["forces"]))
     parameters = {name: Bounds.read(entry) for name, entry in given["parameters"].items()}
     names = [*forces, *others, *parameters]
     if not forces or any(not n.isidentifier() or n != normalize("NFKC", n) or n in (*WORDS, "pi") for n in names):
         raise NotWritten("a name is none")
     if len(set(names)) < len(names):
         raise NotWritten("a name is declared twice")
-    constraints = tuple(parse(text) for text in given["constraints"])
+    constraints = tuple(parse(text) for text in as_list(given["constraints"]))
     if any(c.op not in COMPARISONS or not c.names() <= set(parameters) for c in constraints):
         raise NotWritten("a constraint does not compare parameters")
     fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
@@ -110,10 +116,8 @@ class StatedLaw(NamedTuple):
 
         def bound(entry: Mapping[str, Any]) -> tuple[Term, tuple[Term, ...] | None]:
             given_flow = entry["flow"]
-            if isinstance(given_flow, str):
-                raise NotWritten("a text stands where a list should")
             by_potential = isinstance(given_flow, Mapping)  # {"potential": "..."}, the flow being its gradient
-            texts = [without_more(given_flow, {"potential"})["potential"]] if by_potential else given_flow or []
+            texts = [without_more(given_flow, {"potential"})["potential"]] if by_potential else as_list(given_flow or [])
             g, *flow = (without_angles(parse(text)).put(fixed) for text in (entry["g"], *texts))
             if any(f.op in COMPARISONS or not f.names() <= names for f in (g, *flow)):
                 raise NotWritten("a name is not declared")
@@ -131,7 +135,7 @@ class StatedLaw(NamedTuple):
             return law
         if not given["surfaces"]:
             raise NotWritten("there is no surface")
-        surfaces = tuple(bound(without_more(entry, {"g", "flow"})) for entry in given["surfaces"])
+        surfaces = tuple(bound(without_more(entry, {"g", "flow"})) for entry in as_list(given["surfaces"]))
         g = Term("max", tuple(g for g, _ in surfaces)) if len(surfaces) > 1 else surfaces[0][0]
         return cls(forces, pressure, g, None, parameters, constraints, ranges, surfaces)
 
