@@ -13,6 +13,7 @@ from duhem import Criterion, Domain, Verdict
 from duhem.expression import Norm, Where
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.regularity import regularity
 from duhem.proof.methods import chords, composition, convex_sums, corners, degrees, evaluation, power_share, rounded
 from duhem.proof.search import polynomial_dents, sampled_chords
 from duhem.proof.verdict import Proof
@@ -355,3 +356,13 @@ def test_a_denial_without_a_point_shows_no_dent(monkeypatch: pytest.MonkeyPatch)
     for answer in (Answer(False), Answer(None), Answer(True)):
         monkeypatch.setattr(FormulaSubject, "ask", lambda *_, told=answer, **__: told)
         assert chords.convexity_at_dents(law) is None
+
+
+@pytest.mark.parametrize("g", ["atan(norm(a, b)) - e", "exp(norm(a, b)) + a - 1", "sin(norm(a, b)) + a/2", "tanh(norm(a, b) + a) - e/2"])
+def test_a_tip_under_another_word_is_not_off_the_boundary(g: str) -> None:
+    """At a = b = 0 it is there, for e = 0; what the words give for a mark that is then put to 0 is not asked."""
+    of = FormulaSubject(
+        Criterion("law", g, {"e": Domain(low=0, high=1)} if "e/2" in g or "- e" in g else {}, forces=("a", "b"), pressure=None)
+    )
+    (tip,) = regularity(of.simple.g, of).tips
+    assert not composition._off_boundary(of, tip) and composition.smoothness(of) is None
