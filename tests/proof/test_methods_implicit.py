@@ -256,3 +256,18 @@ def test_polyhedra(g: str, forces: str, convex: bool) -> None:
 def test_polyhedra_have_no_parameters() -> None:
     assert polyhedral.convexity(subject("abs(a) + q*abs(b) - 1", parameters={"q": Domain.between("1/2", 1)})) is None
     assert polyhedral._plane(2 * a - 4 * b + 6, (a, b)) == polyhedral._plane(-a + 2 * b - 3, (a, b)) != polyhedral._plane(a - 2 * b, (a, b))
+
+
+@pytest.mark.parametrize("size", ["1/1000", "1/64", "1", "1000"])
+@pytest.mark.parametrize(
+    ("body", "convex"),
+    [
+        ("a**2 + b**2 - abs(a) - 1", False),
+        ("a**2 + 2*b**2 - abs(a + b) - 1", False),
+        ("a**4 + b**4 + a**2 + b**2 - abs(b)/3 - 1", False),
+        ("a**2 + b**2 + abs(a) - 1", True),
+    ],
+)
+def test_the_size_of_g_does_not_matter_at_a_kink(body: str, convex: bool, size: str) -> None:
+    law = FormulaSubject(Criterion("law", f"({body})*({size})", {}, forces=("a", "b"), pressure=None))
+    assert (implicit.convexity(law) is not None) is convex
