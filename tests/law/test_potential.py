@@ -143,6 +143,7 @@ def test_the_kernel_takes_a_share_of_g_from_the_power(potential: str, share: str
     assert (not objection("dissipation", "potential", frozenset(), stated(text), {"share": share})) == confirmed
 
 
+@pytest.mark.long
 def test_at_the_tip_of_a_cone_the_flow_is_a_mean_of_those_around() -> None:
     """Drucker-Prager with dilatancy below friction: the formula of the flow is 0/0 at the tip."""
     g, potential = "sqrt(J2(s)) + alpha*I1(s) - k", "sqrt(J2(s)) + beta*I1(s)"

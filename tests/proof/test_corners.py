@@ -16,10 +16,6 @@ def law(g, forces=("a", "b", "c"), **parameters):
     return Criterion("law", g, parameters, forces=forces, pressure=None)
 
 
-def slow(one):
-    return pytest.param(one, marks=pytest.mark.slow)
-
-
 def long(one):
     return pytest.param(one, marks=pytest.mark.long)
 
@@ -28,15 +24,15 @@ CORNERED = [
     law("max(a, b, c) - f", f=POSITIVE),  # edges
     long(law("abs(a)/m + abs(b)/m + abs(c)/n - 1", m=POSITIVE, n=POSITIVE)),
     law("max(a**2 + b**2 + c**2 - 1, a - 1/2)"),  # a circle cut out of a sphere
-    slow(law("max(a**2 + b**2 + c**2 - 4, (a - 1)**2 + 2*b**2 + c**2 - 3, a - b - 2)")),  # irrational edges
+    long(law("max(a**2 + b**2 + c**2 - 4, (a - 1)**2 + 2*b**2 + c**2 - 3, a - b - 2)")),  # irrational edges
     long(law("max(a - b + (a + b)*sin(phi), b - c + (b + c)*sin(phi), c - a + (c + a)*sin(phi)) - 1", phi=Domain.between("0.3", "0.4"))),
     law("norm(a, b) - m*c", m=POSITIVE),  # tips
-    slow(law(f"sqrt({J2}) + h*(a + b + c) - k", h=POSITIVE, k=POSITIVE)),
-    slow(law("norm(a - b, c) + a + b - 1")),
+    long(law(f"sqrt({J2}) + h*(a + b + c) - k", h=POSITIVE, k=POSITIVE)),
+    long(law("norm(a - b, c) + a + b - 1")),
     long(law(f"sqrt({J2}) - exp(-(a + b + c)/3) + 1")),  # at a place that is no fraction
     law(f"sqrt({J2})*(2 + ({J3})/({J2})**(3/2)) + a + b + c - 1"),  # 0/0 at the tip itself
     long(law("min(a**2 + b**2 + c**2 - 1, (a - 1)**2 + b**2 + c**2 - 1)")),  # inward
-    slow(law("norm(a, b, c) + where(a > 0, a, a/2) - 1")),
+    long(law("norm(a, b, c) + where(a > 0, a, a/2) - 1")),
     law("abs(a - x) - r - s", forces=("a", "x", "r"), s=POSITIVE),
     long(law("max(abs(a + b - c + d), abs(a - d), abs(b + c))/sqrt(6) - t", forces=("a", "b", "c", "d"), t=POSITIVE)),
 ]
@@ -55,11 +51,11 @@ SMOOTH = [
     law("max(a**2 + b**2 + c**2 - 1, a - 2)"),  # a face that K does not reach
     law("max(norm(a, b, c), 1/2) - 1"),  # a kink inside K
     law("norm(a, b, c) + pos(norm(a, b, c) - 2) - 1"),  # outside it
-    slow(law("pos(a)**2 + 2*neg(a)**2 + b**2 + c**2 - 1")),  # the gradient is continuous
+    long(law("pos(a)**2 + 2*neg(a)**2 + b**2 + c**2 - 1")),  # the gradient is continuous
     long(law("norm(pos(a)/2 + neg(a)/3, b, c) - 1")),
     long(law("max(norm(a, b, c) - 1, 2*(norm(a, b, c) - 1))")),  # it jumps in size alone
     law("(a**2 + b**2)**(3/2) + c**2 - 1"),  # a root of higher degree, 0 on the boundary
-    slow(law("max(a**2 + b**2 + c**2 - 1, a**2 + b**2 + 2*c**2 - 1)")),  # two faces that touch
+    long(law("max(a**2 + b**2 + c**2 - 1, a**2 + b**2 + 2*c**2 - 1)")),  # two faces that touch
 ]
 
 

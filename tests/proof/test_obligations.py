@@ -179,8 +179,8 @@ def test_a_flow_undefined_for_admitted_parameters_is_an_error_of_the_flow(flow: 
     ("root", "low", "at"),
     [
         ("-p - 1", None, r"p = -1/\d+: it takes a root of abs\(p\) - 1"),
-        ("p + 1", "-1.0000001", r"p = -10000001/10000000: it takes a root of 1"),
-        ("p + q", None, r"q = \S+, p = -\S+: it takes a root"),
+        pytest.param("p + 1", "-1.0000001", r"p = -10000001/10000000: it takes a root of 1", marks=pytest.mark.long),
+        pytest.param("p + q", None, r"q = \S+, p = -\S+: it takes a root", marks=pytest.mark.long),
     ],
 )
 def test_a_flow_without_a_value_at_some_pressure_is_said_and_loses_no_other_claim(root: str, low: str | None, at: str) -> None:

@@ -210,9 +210,13 @@ def test_a_root_of_nothing_is_left_to_the_other_rules() -> None:
     assert small_laws.confirmed("origin", "evaluation", stated) and small_laws.confirmed("convexity", "composition", stated)
 
 
-@pytest.mark.parametrize(("claims", "said"), [(["origin"], "read as that limit (K is closed)"), (["smoothness"], "the point is not in K")])
-def test_a_limit_is_said_where_a_proof_takes_it(claims: list[str], said: str) -> None:
-    parts = {"origin": "sqrt(3*J2(s)) - 1 + 0*cos3theta(s)", "smoothness": "sqrt(3*J2(s)) - 1 + cos3theta(s)/5"}
-    stress = {"name": "s", "kind": "principal"}
-    found = verify(Criterion(name="law", g=parts[claims[0]], stress=stress, pressure=None), claims=claims)
+@pytest.mark.parametrize(
+    ("g", "said"),
+    [
+        ("sqrt(3*J2(s)) - 1 + 0*cos3theta(s)", "read as that limit (K is closed)"),
+        ("s_1**2 + s_2/s_3 - 1", "the point is not in K"),
+    ],
+)
+def test_a_limit_is_said_where_a_proof_takes_it(g: str, said: str) -> None:
+    found = verify(Criterion(name="law", g=g, stress={"name": "s", "kind": "principal"}, pressure=None), claims=["origin"])
     assert any(said in remark for remark in found.remarks)
