@@ -19,6 +19,7 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
+from duhem.expression import UNDEFINED
 from duhem.expression.fold import Table
 from duhem.expression.matrices import rows
 from duhem.expression.pnorm import PNorm, recognised
@@ -28,7 +29,6 @@ from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 __all__ = ["TABLE", "Program", "compiled", "evaluate"]
 
 Array = NDArray[np.float64]
-_UNDEFINED = (sp.I, sp.nan, sp.zoo, sp.oo, -sp.oo)  # what a root of -1 or a quotient by 0 becomes where values are put in
 
 
 def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, ArrayLike]) -> Array:
@@ -80,7 +80,7 @@ def _constant(node: Any) -> float:
         return math.e
     if node in (sp.true, sp.false):
         return float(node is sp.true)
-    if node in _UNDEFINED:
+    if node in UNDEFINED:
         return math.nan
     raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
 

@@ -334,5 +334,5 @@ def criterion(
 
 def _surfaces(made: Any) -> tuple[YieldSurface, ...]:
     """What a function returned, if it is a surface or a list with one in it."""
-    listed = tuple(made) if isinstance(made, list | tuple) else (made,)
-    return listed if any(isinstance(part, YieldSurface) for part in listed) else ()
+    parts = tuple(made) if isinstance(made, list | tuple) else (made,)
+    return parts if any(isinstance(part, YieldSurface) for part in parts) else ()

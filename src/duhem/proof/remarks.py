@@ -20,7 +20,7 @@ from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["not_needed", "remarks", "scope"]
 
-CONTINUED = "where it is 0/0 but has a limit, it is read as that limit (K is closed), and of the formula so read "
+_CONTINUED = "where it is 0/0 but has a limit, it is read as that limit (K is closed), and of the formula so read "
 _STEPS = 8_000_000  # for what is asked here and in no claim
 
 
@@ -71,7 +71,7 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
         proved = any(evidence.verdict is Verdict.PROVED for claim, evidence in settled.items() if claim != "state_laws")
         yield (
             f"g may be undefined for some forces: it {first.does} {part}; "
-            + (CONTINUED if proved else "where it is, the point is not in K, and of such a formula ")
+            + (_CONTINUED if proved else "where it is, the point is not in K, and of such a formula ")
             + "nothing is proved but what the kernel confirms"
             + (place and f". It may be undefined {place}")
         )

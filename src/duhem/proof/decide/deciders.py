@@ -13,7 +13,7 @@ from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.exact import by_exact
 from duhem.proof.decide.factoring import factor_list
 from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
-from duhem.proof.decide.question import Answer, Question, Sense, domain
+from duhem.proof.decide.question import Answer, Question, Sense, asked_of
 from duhem.proof.decide.rays import between_rays
 from duhem.proof.decide.smt import by_smt
 
@@ -115,7 +115,7 @@ def _by_argument(question: Question, budget: Budget) -> Answer:
     if wanted is None or question.sense is Sense.ZERO:
         return Answer(None, "monotone", reason="it is no monotone word")
     x, method = word.args[0], ""
-    for expr, sense in ((sp.sign(scale) * wanted(x), question.sense), *domain(word)):
+    for expr, sense in ((sp.sign(scale) * wanted(x), question.sense), *asked_of(word)):
         answer = decide(Question(expr, sense, question.given, question.circle), budget)
         if answer.holds is not True:
             return Answer(None, "monotone", reason=answer.reason)

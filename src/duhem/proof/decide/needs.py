@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
 from typing import NamedTuple
 
@@ -12,8 +12,6 @@ from duhem.expression import Atan2
 from duhem.expression.inert_number import InertNumber
 
 __all__ = ["NEEDY", "Need", "Sense", "needs_of"]
-
-NEEDY = (sp.Pow, sp.log, sp.asin, sp.acos, Atan2, sp.tan)  # the functions that have no value everywhere
 
 
 class Sense(StrEnum):
@@ -34,19 +32,10 @@ class Need(NamedTuple):
 
 
 def needs_of(kind: type[sp.Basic], args: tuple[sp.Expr, ...]) -> Iterator[Need]:
-    """The needs of a function of a kind that is NEEDY, those of its arguments aside."""
-    if issubclass(kind, sp.Pow):
-        yield from _of_power(*args)
-    elif issubclass(kind, sp.log):
-        yield Need(args[0], Sense.POSITIVE, "takes the logarithm of")
-    elif issubclass(kind, sp.asin | sp.acos):
-        does = f"needs for an arc {'sine' if issubclass(kind, sp.asin) else 'cosine'} that 0 <="
-        yield from (Need(1 + sign * args[0], Sense.NONNEGATIVE, does) for sign in (-1, 1))
-    elif issubclass(kind, Atan2):
-        if not any(x.is_nonzero for x in args):
-            yield Need(sp.Add(*(x**2 for x in args)), Sense.POSITIVE, "takes the angle of a point at the squared distance")
-    elif issubclass(kind, sp.tan):
-        yield Need(sp.cos(args[0]), Sense.ZERO, "divides by")
+    """The needs of a function of this kind, those of its arguments aside; none of a function that has a value everywhere."""
+    for needy, needs in _NEEDS.items():
+        if issubclass(kind, needy):
+            yield from needs(*args)
 
 
 def _of_power(base: sp.Expr, exponent: sp.Expr) -> Iterator[Need]:
@@ -60,3 +49,34 @@ def _of_power(base: sp.Expr, exponent: sp.Expr) -> Iterator[Need]:
         weak = Need(base, Sense.NONNEGATIVE, "takes a power of")
         rising = Need(exponent, Sense.POSITIVE, "takes a power with exponent")
         yield Need(base, Sense.POSITIVE, "takes a power of", (weak, rising))
+
+
+def _of_logarithm(x: sp.Expr) -> Iterator[Need]:
+    yield Need(x, Sense.POSITIVE, "takes the logarithm of")
+
+
+def _of_arc(name: str) -> Callable[[sp.Expr], Iterator[Need]]:
+    def needs(x: sp.Expr) -> Iterator[Need]:
+        yield from (Need(1 + sign * x, Sense.NONNEGATIVE, f"needs for an {name} that 0 <=") for sign in (-1, 1))
+
+    return needs
+
+
+def _of_angle(y: sp.Expr, x: sp.Expr) -> Iterator[Need]:
+    if not (y.is_nonzero or x.is_nonzero):
+        yield Need(sp.Add(y**2, x**2), Sense.POSITIVE, "takes the angle of a point at the squared distance")
+
+
+def _of_tangent(x: sp.Expr) -> Iterator[Need]:
+    yield Need(sp.cos(x), Sense.ZERO, "divides by")
+
+
+_NEEDS: Mapping[type[sp.Basic], Callable[..., Iterator[Need]]] = {
+    sp.Pow: _of_power,
+    sp.log: _of_logarithm,
+    sp.asin: _of_arc("arc sine"),
+    sp.acos: _of_arc("arc cosine"),
+    Atan2: _of_angle,
+    sp.tan: _of_tangent,
+}
+NEEDY = tuple(_NEEDS)  # the functions that have no value everywhere

@@ -8,12 +8,10 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Where
-from duhem.proof.decide.needs import NEEDY, Sense, needs_of
+from duhem.expression import UNDEFINED, Where
+from duhem.proof.decide.needs import Sense, needs_of
 
-__all__ = ["Answer", "Question", "Sense", "domain"]
-
-_UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)
+__all__ = ["Answer", "Question", "Sense", "asked_of"]
 
 
 @dataclass(frozen=True)
@@ -50,7 +48,7 @@ class Question:
                 needs = [Question(q.expr.xreplace(place), q.sense, tuple(r.xreplace(place) for r in q.given)) for q in _needs(self.expr)]
             except TypeError:  # SymPy compares nothing with what is undefined
                 return (self,)
-            if any(e.has(*_UNDEFINED) for e in (expr, *given, *(need.expr for need in needs))):
+            if any(e.has(*UNDEFINED) for e in (expr, *given, *(need.expr for need in needs))):
                 return (self,)
             if sp.false not in given:
                 kept, shown = tuple(r for r in given if r is not sp.true), set(_needs(expr))
@@ -95,12 +93,12 @@ def _needs(expr: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Questio
         return
     for part in expr.args:
         yield from _needs(part, given)
-    yield from (Question(of, sense, given) for of, sense in domain(expr))
+    yield from (Question(of, sense, given) for of, sense in asked_of(expr))
 
 
-def domain(expr: sp.Basic) -> Iterator[tuple[sp.Expr, Sense]]:
-    """What must hold of the arguments of a word, or a power, for it to be defined where they are."""
-    for need in needs_of(expr.func, expr.args) if isinstance(expr, NEEDY) else ():
+def asked_of(expr: sp.Basic) -> Iterator[tuple[sp.Expr, Sense]]:
+    """What is asked of the arguments of a word, or a power, for it to be defined where they are."""
+    for need in needs_of(expr.func, expr.args):
         if need.instead and expr.exp.is_positive:
             need = need.instead[0]
         yield (need.expr**2, Sense.POSITIVE) if need.sense is Sense.ZERO else (need.expr, need.sense)

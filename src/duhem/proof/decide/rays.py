@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
+from duhem.expression import UNDEFINED
 from duhem.expression.weights import degree
 from duhem.proof.decide.budget import Budget
 from duhem.proof.decide.question import Answer, Question, Sense
@@ -79,7 +80,7 @@ def _on(question: Question, rays: Sequence[Ray], sides: Sequence[_Side]) -> Answ
         if degree(question.expr, question.circle) is None:
             return None
         value = question.expr.xreplace(dict(zip(question.circle, ray, strict=True)))
-        if value.has(sp.nan, sp.zoo, sp.oo, sp.I) or (sign := sign_of_radicals(value)) is None:
+        if value.has(*UNDEFINED) or (sign := sign_of_radicals(value)) is None:
             return None
         if not {Sense.NONNEGATIVE: sign >= 0, Sense.POSITIVE: sign > 0, Sense.ZERO: sign == 0}[question.sense]:
             return Answer(False, _METHOD)

@@ -10,6 +10,7 @@ from random import Random
 
 import sympy as sp
 
+from duhem.expression import UNDEFINED
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.balls import certain_sign
 from duhem.expression.number import fraction
@@ -120,7 +121,7 @@ class CurveSubject(Subject):
                 left += whole
                 continue
             bare = whole.subs(dict.fromkeys(own, 0))
-            if bare.has(sp.nan, sp.zoo, sp.oo):
+            if bare.has(*UNDEFINED):
                 return None
             answer = self.ask(self._here(whole - bare), Sense.POSITIVE)
             if not answer.method:

@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import Atan2, Where
+from duhem.expression import UNDEFINED, Atan2, Where
 from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.proof.decide import Answer, Question, Sense
@@ -26,7 +26,6 @@ from duhem.proof.statement.problem import Problem
 __all__ = ["broken_at", "met_at_zero", "met_for_all", "open_obligations"]
 
 Point = dict[sp.Symbol, Any]
-_UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo)
 _REMEDY = "fix other values"
 _MOST_POINTS = 64
 _SIGNS = {sp.Ne: "!=", sp.Ge: ">=", sp.Gt: ">", sp.Le: "<=", sp.Lt: "<"}
@@ -39,7 +38,7 @@ def open_obligations(
 
     Raises InputError where one is broken by admitted parameter values, whatever the forces and the pressure; ``of`` says whose it is.
     """
-    if problem.g.has(*_UNDEFINED):
+    if problem.g.has(*UNDEFINED):
         raise InputError(f"{formula(problem.law.g)} is undefined at the fixed values", where=problem.law.name, remedy=_REMEDY)
     needed = dict.fromkeys(o for tree in trees for o in obligations(tree))
     found = tuple(o for o in needed if not _everywhere(subject, problem, o, of))
@@ -153,7 +152,7 @@ def _answer(subject: Subject, problem: Problem, obligation: Obligation) -> Answe
     expr = obligation.expr**2 if obligation.sense is Sense.ZERO else obligation.expr
     sense = Sense.NONNEGATIVE if obligation.sense is Sense.NONNEGATIVE else Sense.POSITIVE
     forces, given = problem.forces, (*problem.given, *obligation.given)
-    if any(x.has(*_UNDEFINED) for x in (expr, *given)):
+    if any(x.has(*UNDEFINED) for x in (expr, *given)):
         return Answer(None, reason="the expression is undefined")
     if not obligation.symbols() & set(forces):
         return subject.decided(Question(expr, sense, given))

@@ -8,6 +8,7 @@ from itertools import product
 
 import sympy as sp
 
+from duhem.expression import UNDEFINED
 from duhem.expression.balls import ball, certain_sign, enclose
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
@@ -97,7 +98,7 @@ def _cause(subject: FormulaSubject) -> str:
         return ""
     turned = law.g.xreplace({law.symbols()[law.pressure]: subject.problem.magnitude, **law.settled()})
     there = turned.xreplace(dict.fromkeys(law.force_symbols(), sp.S.Zero))
-    if there.has(sp.nan, sp.zoo) or not subject.nonnegative(-there.xreplace(dict(subject.simple.slice))):
+    if there.has(*UNDEFINED) or not subject.nonnegative(-there.xreplace(dict(subject.simple.slice))):
         return ""
     return f" ({law.pressure} <= 0 in compression: write abs({law.pressure}))"
 

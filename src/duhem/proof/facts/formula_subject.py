@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.derivation.potential import SupportFunction
 from duhem.derivation.support_function import support_function
-from duhem.expression import Where
+from duhem.expression import UNDEFINED, Where
 from duhem.expression.below import smooth_below
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.number import fraction, rational
@@ -149,7 +149,7 @@ class FormulaSubject(Subject):
         if not all(met_at_zero(self, self.problem, o) for o in obligations(self.problem.stated)):
             return None
         value = self.simple.g.xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
-        return None if value.has(sp.nan, sp.zoo, sp.oo) else value
+        return None if value.has(*UNDEFINED) else value
 
     @cached_property
     def limit_at_origin(self) -> sp.Expr | None:
@@ -157,7 +157,7 @@ class FormulaSubject(Subject):
         value = self.at_origin
         if value is None and self.meaning is not None:
             value = self.meaning.emptied(self.simple.g).xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
-        return None if value is None or value.has(sp.nan, sp.zoo, sp.oo) else value
+        return None if value is None or value.has(*UNDEFINED) else value
 
     def joined(self, *exprs: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> bool:
         """Whether the expressions never jump: built in without ``where``, else shown for every two branches where they meet."""
@@ -244,14 +244,14 @@ class FormulaSubject(Subject):
         if not self.admits(self.values_at(values, (Fraction(0),) * len(self.simple.forces))):
             return False
         try:
-            return not self.formula_at(values).has(sp.nan, sp.zoo, sp.oo, sp.I)
+            return not self.formula_at(values).has(*UNDEFINED)
         except (ValueError, TypeError):  # SymPy compares something with nan
             return False
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""
         expr = sp.sympify(expr)
-        if expr.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
+        if expr.has(*UNDEFINED):
             return Answer(None, reason="the expression is undefined")
         answer = Answer(True, "vacuous")
         for question in Question(expr, sense, (*self.simple.given, *given), circle).pinned():

@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import EigMax, Neg, Norm, Pos, Where
+from duhem.expression import UNDEFINED, EigMax, Neg, Norm, Pos, Where
 from duhem.expression.balls import certain_sign, enclose
 from duhem.expression.branches import Branch, TooManyBranchesError, almost_everywhere, branches, oriented, thick
 from duhem.expression.number import rational
@@ -25,7 +25,6 @@ from duhem.proof.facts.parameter_choices import Values, rationals
 __all__ = ["LocalPiece", "PlaneSection", "local_pieces"]
 
 _MOST_PIECES, _MOST_OPERATIONS = 16, 100
-_UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo)
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 Box = Mapping[sp.Symbol, Any]
 
@@ -98,7 +97,7 @@ def local_pieces(
                 signs = [(_plain(e), sign) for e, sign in (*zip(switches, whole.signs.values(), strict=True), *piece.signs.items())]
                 if (left := _open(signs, box)) is None:
                     continue
-                if sp.Tuple(expr, *gradient, *needs).has(*_UNDEFINED, *_KINKS) or any(s.is_zero for s, _ in signs):
+                if sp.Tuple(expr, *gradient, *needs).has(*UNDEFINED, *_KINKS) or any(s.is_zero for s, _ in signs):
                     return ()  # it is not seen which piece holds where
                 needed = tuple((e, sense) for e, (_, sense) in zip(needs, asked, strict=True))
                 found.setdefault((frozenset(left.items()), expr), LocalPiece(left, expr, tuple(gradient), needed))

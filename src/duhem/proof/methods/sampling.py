@@ -37,9 +37,9 @@ def _flow(subject: FormulaSubject, violation: str, seem: Callable[[BoundaryScout
     from duhem.proof.search.boundary_points import scouts
 
     looked = [scout for scout in scouts(subject, 12) if scout.found > 0]
-    if doubtful := [(count, scout) for scout in looked if (count := seem(scout))]:
-        count, scout = doubtful[0]
-        detail = f"in floats {violation} at {count} of {scout.found} boundary points of a parameter choice, which no exact witness confirms"
+    if doubtful := next(((count, scout.found) for scout in looked if (count := seem(scout))), None):
+        count, found = doubtful
+        detail = f"in floats {violation} at {count} of {found} boundary points of a parameter choice, which no exact witness confirms"
         return Evidence(Verdict.UNDECIDED, "sampling", detail)
     return _tested("no violation at", [scout.found for scout in looked])
 

@@ -89,9 +89,11 @@ class BoundaryScout:
         for points in (self.boundary, self.outside):
             heights = np.stack([self._over(points, face.g) for face in faces])
             acting = heights >= np.max(heights, axis=0) - _TOUCHING * np.linalg.norm(points * self._gradient, axis=1)
+            if len(faces) == 1:
+                acting[:] = True  # also where its height is no number
             for face, acts in zip(faces, acting, strict=True):
                 own = self._gradient if face.flow is None else np.stack([self._over(points, c) for c in face.flow], axis=1)
-                place.append(np.flatnonzero(acts | (len(faces) == 1)))
+                place.append(np.flatnonzero(acts))
                 slips.append(own[place[-1]])
         every = np.concatenate(slips)
         every = np.where(np.isfinite(every).all(axis=1, keepdims=True), every, 0.0)
