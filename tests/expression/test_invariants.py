@@ -74,10 +74,25 @@ def test_a_shear_stands_once_and_counts_twice(kind: str) -> None:
     assert sum(x * e for x, e in zip(point, conjugate, strict=True)) == (tensor * tensor).trace()
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_law_has_one_stress_so_that_it_need_not_be_named(kind: str) -> None:
+    words = [word for word in INVARIANTS if word != "principal" and (word, kind) != ("det", "plane")]
+    pairs = [(f"{word}*2 - {word}", f"{word}(s)*2 - {word} (s)") for word in words]
+    for short, long in [*pairs, ("principal(1) - principal( 2 )", "principal(s, 1) - principal(s, 2)")]:
+        assert _value(short, kind, POINTS[kind][0]) == _value(long, kind, POINTS[kind][0])
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("J2", "write J2\\(s\\)"),
+        ("J2()", "write J2\\(s\\)"),
+        ("J2(1)", "write J2\\(s\\)"),
+        ("J2 (s 1)", "write J2\\(s\\)"),
+        ("principal", "write principal\\(s, 1\\)"),
+        ("principal()", "write principal\\(s, 1\\)"),
+        ("principal(,1)", "write principal\\(s, 1\\)"),
+        ("principal(12)", "no principal stress 12"),
+        ("principal(0)", "no principal stress 0"),
         ("J2(t)", "write J2\\(s\\)"),
         ("J2(s, 1)", "write J2\\(s\\)"),
         ("J2(2*s)", "write J2\\(s\\)"),
@@ -100,8 +115,9 @@ def test_what_is_no_invariant(text: str, message: str) -> None:
 def test_without_a_stress_they_are_names_like_others(word: str) -> None:
     x = symbol(word)
     assert parse_expression(f"2*{word}", {word: x}) == 2 * x
-    with pytest.raises(InputError, match="declare stress"):
-        parse_expression(f"{word}(sigma)", {})
+    for text in (f"{word}(sigma)", word, f"2*{word} + 1"):
+        with pytest.raises(InputError, match="declare stress"):
+            parse_expression(text, {})
     with pytest.raises(InputError, match="already means something"):
         parse_expression("1", {word: x}, short=Abbreviations(stress=Stress("s", "3d")))
 

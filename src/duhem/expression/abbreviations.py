@@ -17,7 +17,7 @@ from duhem.expression.number import DECIMAL
 __all__ = ["NONE", "Abbreviations", "WrittenOut"]
 
 _TOKEN = re.compile(rf"(?P<number>{DECIMAL})|(?P<name>[^\W\d]\w*)")
-_ARGUMENTS = re.compile(r"\s*\(\s*(?P<stress>[^\W\d]\w*)\s*(?:,\s*(?P<index>\d+)\s*)?\)")
+_ARGUMENTS = re.compile(r"\s*\(\s*(?:(?P<stress>[^\W\d]\w*)\s*(?:,\s*(?P<index>\d+)\s*)?|(?P<alone>\d+)\s*)\)")
 
 
 @dataclass(frozen=True)
@@ -102,19 +102,23 @@ class Abbreviations:
             return self.formulas[name], end
         if name not in INVARIANTS or self.stress is None:
             return None, end
+        if not called and not INVARIANTS[name].indexed:
+            return self.stress.written_out(name), end
         return self._invariant(name, self.stress, _ARGUMENTS.match(text, end), end)
 
     def _invariant(self, word: str, stress: Stress, given: re.Match[str] | None, end: int) -> tuple[str, int]:
+        """``J2`` is ``J2(sigma)`` and ``principal(1)`` is ``principal(sigma, 1)``, as in print: a law has one stress."""
         indexed = INVARIANTS[word].indexed
         usage = f"{word}({stress.name}, 1)" if indexed else f"{word}({stress.name})"
-        if given is None or normalize("NFKC", given["stress"]) != normalize("NFKC", stress.name) or (given["index"] is None) == indexed:
+        index = given and (given["index"] or given["alone"])
+        other = given and given["stress"] and normalize("NFKC", given["stress"]) != normalize("NFKC", stress.name)
+        if given is None or other or (index is not None) != indexed:
             raise InputError(
                 f"{word} takes the declared stress{' and a number' * indexed}", remedy=f"write {usage}: {INVARIANTS[word].meaning}"
             )
-        index = None if given["index"] is None else int(given["index"])
-        if index is not None and not 1 <= index <= 3:
-            raise InputError(f"there is no principal stress {index}", remedy="1 is the greatest, 3 the least")
-        return stress.written_out(word, index), given.end()
+        if index is not None and index not in ("1", "2", "3"):
+            raise InputError(f"there is no principal stress {index[:24]}", remedy="1 is the greatest, 3 the least")
+        return stress.written_out(word, None if index is None else int(index)), given.end()
 
 
 NONE = Abbreviations()

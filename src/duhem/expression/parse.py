@@ -211,7 +211,7 @@ class _Reader:
         if not name.isidentifier():  # a superscript is of words to a pattern
             raise self.place.error(f"{name[:40]!r} is not a name", at=at, remedy=f"use letters, digits and underscores; {_DIGITS}")
         called = self.text[token.end() :].lstrip().startswith("(")
-        if called and name in INVARIANTS:
+        if name in INVARIANTS and (called or name not in self.known):
             remedy = 'declare stress = { name = "sigma", kind = "3d" }'
             raise self.place.error(f"{name} is of a stress, and none is declared", at=at, remedy=remedy)
         if called and name not in WORDS:

@@ -175,7 +175,7 @@ g = "norm((sigma_a - shift*abs(sigma_n))/mu_a, sigma_b/mu_b) - abs(sigma_n)"
 constraints = ["shift < mu_a"]
 
 # A stress instead of forces: kind = "3d" (sigma_xx yy zz yz xz xy), "plane" (sigma_xx yy xy) or "principal" (sigma_1 2 3).
-# With it I1(sigma) J2(sigma) J3(sigma) tr det cos3theta lode(sigma) principal(sigma, 1) are words too.  Each shear stress stands once;
+# With it I1 J2 J3 tr det cos3theta lode principal(1) are words too, or J2(sigma), principal(sigma, 1).  Each shear stress stands once;
 # its slip is the engineering shear 2 epsilon_xy, so that sums over the forces are inner products of tensors.
 # stress = { name = "sigma", kind = "3d" }
 
