@@ -32,7 +32,8 @@ def project(
 
     Prints stress, slip and multiplier with the residuals of the optimality conditions, recomputed from the law's formula.
     Ends with 4 if they say that the point is not solved.  Where K is not convex a point may be stationary and not the closest;
-    it is then called inaccurate as soon as one of the points of K that are tried speaks against it.
+    it is then called inaccurate as soon as one of the points of K that are tried speaks against it.  A stress beyond a range of
+    forces that LAW declares is called outside, and ends with 4 too.
     """
     fixed = read_fixed_formula(law, settings)
     target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")

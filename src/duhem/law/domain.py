@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 import sympy as sp
@@ -54,6 +55,11 @@ class Domain:
     def value(self) -> sp.Rational | None:
         """The fixed value, if there is only one."""
         return self.low if self.low is not None and self.low == self.high else None
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The doubles nearest to the ends; infinite where there is none."""
+        return -inf if self.low is None else float(self.low), inf if self.high is None else float(self.high)
 
     def __contains__(self, value: object) -> bool:
         number = exact_number(value)

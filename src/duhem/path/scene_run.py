@@ -9,7 +9,7 @@ from pathlib import Path as File
 from duhem.errors import InputError, MissingExtraError
 from duhem.path.history import History
 from duhem.path.scene import Scene
-from duhem.path.simulate import Interrupted, LeftPrecision
+from duhem.path.simulate import Interrupted, LeftDomain, LeftPrecision
 from duhem.show import figure
 
 __all__ = ["Stopped", "check_outputs", "perform"]
@@ -47,7 +47,7 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
             raise Stopped(f"{done}; name a table with --out to keep what is done") from None
         kept = kept_part.keep(stop.history, table, scene.fingerprint)
         raise Stopped(f"{done}, kept in {kept}; go on with --resume") from None
-    except LeftPrecision as fault:
+    except (LeftPrecision, LeftDomain) as fault:
         if table is None:
             raise
         kept = kept_part.keep(fault.history, table, scene.fingerprint)

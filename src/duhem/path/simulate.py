@@ -16,10 +16,11 @@ from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import Path
 from duhem.path.plan import Plan
+from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.projector import project
 from duhem.projection.result import Array
 
-__all__ = ["Interrupted", "LeftPrecision", "simulate"]
+__all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "simulate"]
 
 _TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
 
@@ -41,6 +42,18 @@ class LeftPrecision(InputError):
             f"stress, slip or energies leave double precision on the way to time {time:g}",
             where=f"path, step {len(history)}",
             remedy="take other units, in which the numbers are of moderate size",
+        )
+
+
+class LeftDomain(InputError):
+    """A run whose stress leaves a range of forces that the law declares; ``history`` is what was done before."""
+
+    def __init__(self, history: History, crossed: str, time: float) -> None:
+        self.history = history
+        super().__init__(
+            f"at time {time:g} {crossed}, where {history.law} claims nothing",
+            where=f"path, step {len(history)}",
+            remedy="stay inside the range, or declare a wider one in the law's domain",
         )
 
 
@@ -67,8 +80,9 @@ def simulate(
     A stress path must stay inside K: there no slip is determined on the boundary, and none is made.
 
     ``start`` is a part of the same run, to go on from; ``on_step(done, all)`` hears of progress.  Raises InputError for what
-    cannot be used, :class:`LeftPrecision`, an InputError, where numbers grow beyond double precision, and :class:`Interrupted`,
-    a KeyboardInterrupt, both with the part that is done.
+    cannot be used, for a pressure outside the range that the law declares too; :class:`LeftPrecision` and :class:`LeftDomain`,
+    both InputErrors, where numbers grow beyond double precision and where the stress at the end of a step lies outside a declared
+    range; and :class:`Interrupted`, a KeyboardInterrupt, all three with the part that is done.
     """
     if method not in INTEGRATORS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
@@ -101,10 +115,13 @@ def _next(rows: Iterator[int]) -> int | None:
 
 
 def _whole(ledger: Ledger, plan: Plan, method: str, why: str) -> History:
-    """The rows of a run, all of them finite."""
-    done = ledger.done
+    """The rows of a run, all of them finite and within the law's ranges."""
+    done, law = ledger.done, plan.increment.law
     if ledger.finite().done < done:
         raise LeftPrecision(ledger.history(plan, method, why), float(plan.path.time[ledger.done]))
+    if (out := np.flatnonzero(beyond(law, ledger.stress[:done]))).size:
+        ledger.done = int(out[0])
+        raise LeftDomain(ledger.history(plan, method, why), crossed(law, ledger.stress[out]), float(plan.path.time[out[0]]))
     return ledger.history(plan, method, why)
 
 
@@ -119,7 +136,8 @@ def _inside(plan: Plan, stress: Array, rows: slice) -> int | None:
 
 
 def _first(plan: Plan, given: ArrayLike | None) -> Array:
-    d = len(plan.increment.law.forces)
+    law = plan.increment.law
+    d = len(law.forces)
     try:
         stress = np.zeros(d) if given is None else np.array(given, dtype=np.float64)
     except (TypeError, ValueError):
@@ -129,6 +147,9 @@ def _first(plan: Plan, given: ArrayLike | None) -> Array:
     if _inside(plan, stress[None], slice(0, 1)) is not None:
         remedy = "give one inside K" if given is not None else "zero stress is not admissible: give stress= inside K"
         raise InputError(f"the stress at the start {stress.tolist()} lies outside K", where="stress", remedy=remedy)
+    if beyond(law, stress[None]).any():
+        what = f"the stress at the start: {crossed(law, stress[None])}"
+        raise InputError(what, where="stress", remedy="give one inside the range")
     return stress
 
 
@@ -141,6 +162,9 @@ def _prescribed(plan: Plan) -> History:
             where=f"path, step {i}",
             remedy='stay inside K, or prescribe the displacement (control="displacement")',
         )
+    if (out := np.flatnonzero(beyond(plan.increment.law, stress))).size:
+        what = f"at time {plan.path.time[out[0]]:g} {crossed(plan.increment.law, stress[out])}"
+        raise InputError(what, where=f"path, step {out[0]}", remedy="stay inside the range, or declare a wider one in the law's domain")
     ledger = Ledger.begun(plan, stress[0])
     ledger.sticks(plan, 1, len(stress), stress[1:])
     return _whole(ledger, plan, "prescribed stress", "inside K the slip stays what it was")

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
+from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import Increment
 from duhem.projection.method import Method
 from duhem.projection.methods import METHODS
@@ -48,9 +49,10 @@ def project(
     Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
     returned as if it were.  The methods find the closest point of a convex K.  Where K is not convex they find a
     stationary one, which counts as not solved (``inaccurate``) where a known point of K lies beyond the plane through it
-    across the slip: see :class:`duhem.projection.result.Projection` for what is tried.  Raises InputError for input that
-    cannot be used, naming the first bad entry, and for a law with a flow of its own, which the closest point does not
-    integrate.
+    across the slip: see :class:`duhem.projection.result.Projection` for what is tried.  A stress beyond the range that the law
+    declares for a force (its ``domain``) is ``outside``; the trial may lie anywhere.  Raises InputError for input that
+    cannot be used, naming the first bad entry, for a pressure outside its range, and for a law with a flow of its own, which
+    the closest point does not integrate.
     """
     return Projector.of(law, stiffness, parameters, method)(trial, pressure, tangent, **options)
 
@@ -95,7 +97,7 @@ class Projector:
             slip=solution.slip,
             multiplier=solution.multiplier,
             dissipation=np.einsum("ij,ij->i", solution.stress, solution.slip),
-            status=_status(solution, found),
+            status=_status(question, solution, found),
             method=method.name,
             why=self.why,
             residuals=found,
@@ -127,7 +129,7 @@ def _named(name: object) -> Method[Any]:
     return METHODS[name]()
 
 
-def _status(solution: Solution, found: Residuals) -> NDArray[np.int8]:
+def _status(question: Increment, solution: Solution, found: Residuals) -> NDArray[np.int8]:
     """What each point counts as, block by block."""
     status = np.empty(len(solution.multiplier), dtype=np.int8)
     for start in range(0, status.size, _BLOCK):
@@ -137,6 +139,8 @@ def _status(solution: Solution, found: Residuals) -> NDArray[np.int8]:
         finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)
         finite &= np.isfinite(solution.multiplier[block])
         judged = np.where(slips, Status.SLIP, Status.STICK)
+        if question.law.domain:
+            judged = np.where(beyond(question.law, solution.stress[block], question.trial[block]), Status.OUTSIDE, judged)
         judged = np.where(worst <= ACCURACY, judged, Status.INACCURATE)
         status[block] = np.where(solution.failed[block] | ~finite, Status.FAILED, judged)
     return status

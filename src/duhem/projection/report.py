@@ -27,7 +27,7 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
     if law.pressure is not None and pressure is not None:
         head += page.field(law.pressure, _number(pressure), _FIELD)
     head += page.field("method", f"{done.method} ({done.why})", _FIELD)
-    head += page.field("status", f"{_status(done)} ({remark})" if (remark := _remark(done)) else _status(done), _FIELD)
+    head += page.field("status", f"{_status(done)} ({remark})" if (remark := _remark(law, done)) else _status(done), _FIELD)
     increment = page.table([("force", "trial", "stress", "slip"), *_rows(law, trial, done)], "lr")
     sums = [
         *page.field("multiplier", _number(done.multiplier[0]), _FIELD),
@@ -61,7 +61,7 @@ def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
         "method": done.method,
         "why": done.why,
         "status": _status(done),
-        "remark": _remark(done),
+        "remark": _remark(law, done),
         "stress": [_finite(x) for x in done.stress[0]],
         "slip": [_finite(x) for x in done.slip[0]],
         "multiplier": _finite(done.multiplier[0]),
@@ -98,10 +98,13 @@ def _status(done: Projection) -> str:
     return Status(int(done.status[0])).name.lower()
 
 
-def _remark(done: Projection) -> str | None:
-    """Why a point that looks solved is not."""
-    from duhem.projection.result import NOT_CLOSEST
+def _remark(law: Criterion, done: Projection) -> str | None:
+    """Why a point that looks solved is not, or what of it is no answer of the law's."""
+    from duhem.projection.declared_ranges import crossed
+    from duhem.projection.result import NOT_CLOSEST, Status
 
+    if done.status[0] == Status.OUTSIDE:
+        return f"{crossed(law, done.stress[:1])}, where {law.name} claims nothing"
     return NOT_CLOSEST if done.residuals.stationary_only()[0] else None
 
 

@@ -17,12 +17,16 @@ NOT_CLOSEST = "K is not convex there: the point is stationary, and not shown to 
 
 
 class Status(IntEnum):
-    """How a point came out; the two failures are never returned as if they were answers."""
+    """How a point came out; the two failures are never returned as if they were answers.
+
+    ``OUTSIDE``: solved, and the stress lies outside the ranges of forces that the law declares, where it claims nothing.
+    """
 
     STICK = 0
     SLIP = 1
     INACCURATE = 2
     FAILED = 3
+    OUTSIDE = 4
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from duhem.errors import InputError
 from duhem.expression.number import exact_number
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
+from duhem.projection.declared_ranges import refused
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
@@ -157,6 +158,11 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
         raise InputError(
             f"{_at('pressure', at)} is {pressure[at]} > 0",
             remedy=f"{law.pressure} <= 0 in compression; an open contact carries no friction",
+        )
+    if (at := _first(refused(law, pressure))) is not None:
+        raise InputError(
+            f"{_at('pressure', at)} is {pressure[at]}, outside the range of {law.domain[law.pressure].stated(law.pressure)}",
+            remedy=f"{law.name} says nothing there: keep to the range, or declare a wider one in its domain",
         )
     return np.atleast_1d(pressure)
 

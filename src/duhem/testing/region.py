@@ -104,8 +104,8 @@ def _in_digits(law: Criterion) -> Callable[..., list[Any]]:
 
 @lru_cache(maxsize=64)
 def homogeneous(law: Criterion) -> bool:
-    """Whether K(c sigma_n) = c K(sigma_n) for all c > 0: no stress but the pressure sets its size."""
-    if law.pressure is None:
+    """Whether K(c sigma_n) = c K(sigma_n) for all c > 0: no stress but the pressure sets its size, and none is left out."""
+    if law.pressure is None or law.domain:
         return False
     pressure = law.symbols()[law.pressure]
     parts = scaled(law.g, law.force_symbols(), pressure)

@@ -56,6 +56,15 @@ def _pressures(low: int, high: int) -> list[float]:
     return [*(-m * 10.0**k for m in _MANTISSAS for k in sorted(range(low, high + 1), key=abs)), *[0.0] * tips]
 
 
+def _admitted(law: Criterion) -> list[float]:
+    """Those in the range that the law declares, its ends among them."""
+    own = law.domain.get(law.pressure or "")
+    if own is None:
+        return _pressures(-6, 6)
+    low, high = own.ends
+    return [*(p for p in _pressures(-6, 6) if low <= p <= high), *(end for end in (high, low) if -np.inf < end <= 0.0)]
+
+
 def stiffnesses(d: int, low: int = -3, high: int = 3) -> Strategy:
     """k (d, d) in Pa/m, symmetric positive definite: scalar, diagonal (each entry by decades), and coupled.
 
@@ -214,7 +223,7 @@ def cases(
     numbers |= draw(parameters(known, values))
     k = draw(_given(stiffness, stiffnesses(d)).map(lambda x: _matrix(x, d)))
     factor = draw(_table([2.0, 0.5, 4.0, 2.0**20, 2.0**-20]))
-    tables = [*[_COMPONENTS] * (3 * d), *_TABLES]
+    tables = [*[_COMPONENTS] * (3 * d), *_TABLES, *[_admitted(known)] * 2]
     lengths = [len(table) for table in tables]
     if rows == 1:
         picked = np.array([draw(st.tuples(*(st.integers(0, n - 1) for n in lengths)))])
@@ -228,7 +237,7 @@ def cases(
 
 
 _TABLES: list[list[Any]] = [
-    _PLACES, _MOVES, _MOVES, _SHARES, _SHARES, _STRETCHES, _KINDS, _AMPLITUDES, _pressures(-6, 6), _pressures(-6, 6),
+    _PLACES, _MOVES, _MOVES, _SHARES, _SHARES, _STRETCHES, _KINDS, _AMPLITUDES,
 ]  # fmt: skip
 
 
