@@ -41,6 +41,8 @@ def main() -> int:
         return _complain(str(fault), USAGE)
     except (click.Abort, KeyboardInterrupt):
         return _complain("interrupted", INTERRUPTED)
+    except MemoryError:
+        return _complain("there is not enough memory; ask for fewer points or steps at once", FAILED)
     except Exception as fault:
         if isinstance(fault, OSError) and fault.errno in _NO_ROOM:
             _drop(sys.stdout)

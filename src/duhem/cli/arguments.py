@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import click
 from click.shell_completion import CompletionItem
@@ -51,10 +50,13 @@ settings_option = click.option(
 def read_law(text: str) -> Law:
     from duhem.law import catalogue
 
-    if ":" in text and os.getcwd() not in sys.path:  # a law in a module beside the user, as with python -m
-        sys.path.insert(0, os.getcwd())
-    found: Law = catalogue.load(text)
-    return found
+    if ":" not in text or "" in sys.path:
+        return cast("Law", catalogue.load(text))
+    sys.path.append("")  # a module beside the user, after all that is installed, so that no file there stands in for a part of Python
+    try:
+        return cast("Law", catalogue.load(text))
+    finally:
+        sys.path.remove("")
 
 
 def read_fixed_formula(text: str, settings: Sequence[str]) -> Criterion:

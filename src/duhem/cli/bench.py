@@ -59,4 +59,4 @@ def bench(
             on_row=lambda row: progress.show(f"{row.scene}: {row.method} {row.setting}"),
         )
 
-    return carry_out(measure, text.text, json_file, plot)
+    return carry_out(measure, text.text, json_file, plot, [law])

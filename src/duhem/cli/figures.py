@@ -14,6 +14,7 @@ from duhem.cli.exit_code import HELD
 from duhem.cli.output import endless_page, say
 from duhem.errors import InputError
 from duhem.show.page import tied
+from duhem.show.place import check_place, write
 
 if TYPE_CHECKING:
     from duhem.micromodel.figures import Recipe
@@ -55,6 +56,7 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
         raise InputError(f"the folder cannot be made: {fault.strerror}", where=folder, remedy="name another with --out") from None
     files = {recipe: target / f"figure-{recipe.name}.{form if recipe.drawn and not data else 'csv'}" for recipe in chosen}
     for recipe, file in files.items():
+        check_place(file)
         if recipe.drawn and not data:
             from duhem.show.figure import check
 
@@ -66,7 +68,7 @@ def figures(names: Sequence[str], folder: str, settings: Sequence[str], form: st
 
             save(figure, file)
         else:
-            _write(file, figure.to_csv())
+            write(file, figure.to_csv())
         say("\n".join(page.hanging(f"{file}  {figure.title}")))
         if isinstance(figure, Table):
             say(indent(figure.to_text(page.width and page.width - 2), "  "))
@@ -91,12 +93,3 @@ def _read(settings: Sequence[str], chosen: Sequence[Recipe]) -> dict[str, float]
             raise InputError(f"{name} is set twice", where=f"--set {setting}", remedy="set it once")
         values[name] = read_number(value, f"--set {setting}")
     return values
-
-
-def _write(file: Path, text: str) -> None:
-    try:
-        file.write_text(text, encoding="utf-8", newline="")
-    except OSError as fault:
-        raise InputError(
-            f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="name another folder with --out"
-        ) from None

@@ -10,6 +10,7 @@ import click
 from duhem.cli.arguments import read_fixed_formula, settings_option
 from duhem.cli.exit_code import HELD
 from duhem.cli.output import Progress, page, say
+from duhem.show.place import check_places
 
 __all__ = ["identify"]
 
@@ -38,6 +39,7 @@ def identify(
     from duhem.show.printing import text
 
     family = read_fixed_formula(law, settings)
+    check_places([out, plot], [points, law])
     if plot is not None:
         from duhem.show import figure
 

@@ -26,5 +26,6 @@ def init(name: str) -> None:
     except FileExistsError:
         raise InputError("the file exists already", where=f"{path}", remedy="choose another name or move the file away") from None
     except OSError as fault:
+        path.unlink(missing_ok=True)  # the half that found room
         raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{path}", remedy="write where you may") from None
     say(f"wrote {path}; verify it with: duhem verify {path}")

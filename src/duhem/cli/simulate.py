@@ -38,7 +38,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
             click.echo(f"duhem: {each}", err=True)
         return USAGE
     table, figure = out or chosen.table, plot or chosen.plot
-    scene_run.check_outputs(table, figure, resume)
+    scene_run.check_outputs(table, figure, resume, [scene, *chosen.inputs])
     if explain:
         for part in chosen.parts(table, figure):
             say(f"{'left out' if isinstance(part, LeftOut) else 'needed'}: {part.part} ({part.reason})")

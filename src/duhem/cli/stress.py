@@ -48,4 +48,4 @@ def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: st
             on_row=lambda row: progress.show(f"{row.axis} {row.label}: {row.method}"),
         )
 
-    return carry_out(measure, text.text, json_file, plot)
+    return carry_out(measure, text.text, json_file, plot, [law])

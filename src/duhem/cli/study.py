@@ -11,7 +11,7 @@ import click
 from duhem.cli.arguments import read_fixed_formula, read_numbers
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED
 from duhem.cli.output import Progress, page, say
-from duhem.show.place import check_place, write
+from duhem.show.place import check_places, write
 from duhem.version import __version__
 
 if TYPE_CHECKING:
@@ -44,20 +44,20 @@ def carry_out(
     text: Callable[[AnyStudy, Page], str],
     json_file: str | None,
     plot: str | None,
+    inputs: Sequence[str],
 ) -> int:
-    """Measure, print, write what is asked for; the exit code."""
+    """Measure, print, write what is asked for, over none of the ``inputs``; the exit code."""
     from duhem.show import figure
     from duhem.show.printing import draw
 
     if plot is not None:
         figure.check(plot)
-    if json_file is not None:
-        check_place(json_file)
+    check_places([json_file, plot], inputs)
     with Progress("measuring") as progress:
         done = measure(progress)
     say(text(done, page()))
     if json_file is not None:
-        write(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False))
+        write(json_file, json.dumps({"duhem": __version__, **done.to_dict()}, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
     if plot is not None:
         draw(done, plot)
     return INTERRUPTED if done.interrupted else FAILED if done.failed else HELD

@@ -46,7 +46,7 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, cer
     asked = None if claims is None else read_claims(claims)
     fixed = read_fixed_law(law, settings)
     if certificate is not None:
-        check_place(certificate)
+        check_place(certificate, [law])
 
     from duhem.proof import report_json, report_text, verification
 
@@ -69,7 +69,7 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, cer
     if certificate is not None:
         from duhem.proof.certificate import certificate as certified
 
-        write(certificate, json.dumps(certified(done), indent=1, ensure_ascii=False))
+        write(certificate, json.dumps(certified(done), indent=1, ensure_ascii=False) + "\n")
     return _code([r.verdict for r in done.results], strict)
 
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.errors import InputError
 from duhem.identification.points import Points
 from duhem.law.formula_law import Criterion
+from duhem.show.place import write
 from duhem.show.printing import draw, text
 from duhem.version import __version__
 
@@ -168,12 +168,7 @@ class Identification:
         """Write the law as a criterion file that ``duhem verify`` takes.  InputError if it cannot be written."""
         from duhem.identification.criterion_text import criterion_text
 
-        content = criterion_text(self.law)
-        try:
-            with open(file, "w", encoding="utf-8", newline="\n") as stream:
-                stream.write(content)
-        except OSError as fault:
-            raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
+        write(file, criterion_text(self.law))
 
     def plot(self, file: Any = None, *, ax: Any = None) -> Any:
         """Draw points, criterion and outliers on ``ax`` or a new sheet, into ``file``, a name or stream; the axes (extra ``plot``)."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import Law, ParametricCriterion
     from duhem.law.formula_law import Criterion
 
-__all__ = ["load", "load_formula", "names", "summary", "template"]
+__all__ = ["load", "load_formula", "load_named", "names", "summary", "template"]
 
 _PACKAGE = "duhem.law.builtin"
 _GROUP = "duhem.criteria"
@@ -58,7 +58,26 @@ def load(law: str | Path | Law) -> Law:
         return _from_file(law)
     if not isinstance(law, str):
         raise InputError(f"{type(law).__name__} is no law", remedy="give a name, the path of a criterion file, or a Criterion")
-    name = law.strip().replace("_", "-")
+    if not law.endswith(".toml") and (known := _of_name(law)) is not None:
+        return known
+    if law.endswith(".toml") or _exists(law):
+        return _from_file(law)
+    if ":" in law:
+        return _attribute(law, law)
+    raise _unknown(law)
+
+
+def load_named(name: str) -> Law:
+    """The law of a name, never of a file or of a module: what a document asks for, which is data.  InputError if none has it."""
+    if (known := _of_name(name)) is not None:
+        return known
+    if ":" in name:
+        raise InputError(f"{name[:60]!r} would import code, and a file is data", remedy="write the name of a law, or a criterion file's")
+    raise _unknown(name)
+
+
+def _of_name(given: str) -> Law | None:
+    name = given.strip().replace("_", "-")
     if name in registered():
         return registered()[name]
     if name in (modules := _built_in()):
@@ -66,15 +85,15 @@ def load(law: str | Path | Law) -> Law:
         return registered()[name]
     if (published := file_of(name)) is not None:
         return _from_file(published)
-    if law.endswith(".toml") or _exists(law):
-        return _from_file(law)
     if name in (points := _added()):
         return _attribute(points[name].value, name)
-    if ":" in law:
-        return _attribute(law, law)
-    near = get_close_matches(name, (*names(), *chain.from_iterable(groups().values())), n=3, cutoff=0.5)
+    return None
+
+
+def _unknown(law: str) -> InputError:
+    near = get_close_matches(law.strip().replace("_", "-"), (*names(), *chain.from_iterable(groups().values())), n=3, cutoff=0.5)
     remedy = f"did you mean {' or '.join(near)}?" if near else "duhem list and duhem atlas name the laws; files end in .toml"
-    raise InputError(f"unknown law {law[:60]!r}", remedy=remedy)
+    return InputError(f"unknown law {law[:60]!r}", remedy=remedy)
 
 
 def load_formula(law: str | Path | Law) -> Criterion:

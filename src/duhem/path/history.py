@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.errors import MissingExtraError
 from duhem.path.plan import Plan
 from duhem.projection.result import Array
+from duhem.show.place import write, written
 from duhem.show.printing import draw
 
 __all__ = ["History"]
@@ -73,25 +74,17 @@ class History:
 
     def to_csv(self, file: str | os.PathLike[str], *, above: str = "") -> None:
         """Write :meth:`to_text`, under a line ``above`` if one is given.  Raises InputError if the file cannot be written."""
-        beside = f"{os.fspath(file)}.writing"  # a run cut short here leaves no half table under the name asked for
-        try:
-            with open(beside, "w", encoding="utf-8", newline="") as stream:
-                stream.write((f"{above}\n" if above else "") + self.to_text())
-            os.replace(beside, file)
-        except OSError as fault:
-            raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
+        write(file, (f"{above}\n" if above else "") + self.to_text())
 
     def to_parquet(self, file: str | os.PathLike[str]) -> None:
-        """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``)."""
+        """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``), InputError as :meth:`to_csv`."""
         try:
             import pyarrow
             from pyarrow import parquet
         except ImportError:
             raise MissingExtraError("pyarrow", "parquet") from None
-        try:
-            parquet.write_table(pyarrow.table(self.to_dict()), os.fspath(file))
-        except OSError as fault:
-            raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
+        with written(file) as beside:
+            parquet.write_table(pyarrow.table(self.to_dict()), beside)
 
     def plot(self, file: Any = None, **options: Any) -> Any:
         """Draw stress path, hysteresis loops and energies, into ``file``, a name or a binary stream, if one is given (extra ``plot``).

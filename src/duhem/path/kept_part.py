@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +12,12 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.path.history import History
 from duhem.path.plan import Plan
+from duhem.show.place import check_place
 
-__all__ = ["beside", "keep", "recall"]
+__all__ = ["beside", "check_kept", "keep", "recall"]
 
 _MARK = "# duhem part of run "
+_UNREADABLE = "check its permissions, or delete it"
 _ANOTHER = "delete it, or go on with the scene as it was and the version of duhem that wrote it"
 
 
@@ -22,10 +26,25 @@ def beside(file: str | os.PathLike[str]) -> Path:
     return Path(f"{os.fspath(file)}.partial")
 
 
-def keep(history: History, file: str | os.PathLike[str], fingerprint: str) -> Path:
-    """Write what is done; ``fingerprint`` is that of the run."""
+def check_kept(file: str | os.PathLike[str], inputs: Iterable[str] = ()) -> None:
+    """InputError where the part of the table ``file`` cannot be kept: what stands there is something else, or one of the ``inputs``."""
     place = beside(file)
-    history.to_csv(place, above=f"{_MARK}{fingerprint}")
+    check_place(place, inputs)
+    try:
+        with open(place, "rb") as stream:
+            known = stream.read(len(_MARK)) == _MARK.encode()
+    except FileNotFoundError:
+        return
+    except OSError as fault:
+        raise InputError(f"the part of a run cannot be read: {fault.strerror}", where=f"{place}", remedy=_UNREADABLE) from None
+    if not known:
+        raise InputError("this is no part of a run, and one would be kept there", where=f"{place}", remedy="move it away")
+
+
+def keep(history: History, file: str | os.PathLike[str], fingerprint: str) -> Path:
+    """Write what is done; ``fingerprint`` is that of the run.  A sum over the table shows what was changed or cut off since."""
+    place = beside(file)
+    history.to_csv(place, above=f"{_MARK}{fingerprint} {_sum(history.to_text())}")
     return place
 
 
@@ -37,19 +56,25 @@ def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> Histor
     except FileNotFoundError:
         return None
     except (OSError, UnicodeDecodeError):
-        raise InputError("the part of a run cannot be read", where=f"{place}", remedy="check its permissions, or delete it") from None
+        raise InputError("the part of a run cannot be read", where=f"{place}", remedy=_UNREADABLE) from None
     mark, _, table = text.partition("\n")
-    if mark != f"{_MARK}{fingerprint}":
+    if not mark.startswith(f"{_MARK}{fingerprint} "):
         raise InputError("this is the part of another run", where=f"{place}", remedy=_ANOTHER)
     try:
-        if not table.endswith("\n"):  # cut short within its last number, which would still read as one
+        if mark != f"{_MARK}{fingerprint} {_sum(table)}":
             raise ValueError
         header, *lines = table.splitlines()
         rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
+        if not np.isfinite(rows).all():
+            raise ValueError
         column = dict(zip(header.split(","), rows.T, strict=True))
         return _history(plan, column)
     except (ValueError, KeyError, IndexError):
         raise InputError("the part of a run is damaged", where=f"{place}", remedy="delete it and start afresh") from None
+
+
+def _sum(table: str) -> str:
+    return hashlib.sha256(table.encode()).hexdigest()
 
 
 def _history(plan: Plan, column: dict[str, np.ndarray]) -> History:

@@ -28,7 +28,7 @@ class Needed:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A checked scene; ``fingerprint`` tells runs of different scenes apart."""
+    """A checked scene; ``fingerprint`` tells runs of different scenes apart, ``inputs`` are the files that it names and reads."""
 
     law: Criterion
     path: Path
@@ -40,6 +40,7 @@ class Scene:
     stress: tuple[float, ...] | None = None
     table: str | None = None
     plot: str | None = None
+    inputs: tuple[str, ...] = ()
 
     def run(self, start: History | None = None, on_step: Callable[[int, int], None] | None = None) -> History:
         """The history; ``start`` and ``on_step`` as in :func:`duhem.simulate`."""

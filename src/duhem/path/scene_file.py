@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from duhem.errors import InputError
-from duhem.law.catalogue import load_formula
+from duhem.law.catalogue import load_formula, load_named
 from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
 from duhem.path.integrators import INTEGRATORS
@@ -88,6 +88,7 @@ class _SceneReader:
     def __init__(self, toml: PlacedToml, folder: File) -> None:
         self.toml, self.document, self.folder = toml, toml.document, folder
         self.faults: list[InputError] = []
+        self.inputs: list[str] = []
 
     def scene(self) -> Scene:
         self.known("", self.document, _SECTIONS[""])
@@ -125,6 +126,7 @@ class _SceneReader:
             stress=None if stress is None else tuple(np.atleast_1d(stress).tolist()),
             table=table,
             plot=plot,
+            inputs=tuple(self.inputs),
         )
 
     def fits(self, law: Criterion, path: Path, parameters: Mapping[str, Any], substeps: int, integrator: str) -> None:
@@ -151,7 +153,7 @@ class _SceneReader:
             return None
         beside = self.folder / given
         try:
-            return load_formula(beside if given.endswith(".toml") else given)
+            return load_formula(self.input(beside) if given.endswith(".toml") or beside.is_file() else load_named(given))
         except InputError as fault:
             place = fault.where if fault.where.startswith(str(beside)) else self.place("", "law")
             self.faults.append(InputError(fault.what, where=place, remedy=fault.remedy))
@@ -216,7 +218,7 @@ class _SceneReader:
                 return Path.circle(given.pop("radius"), **given)
             case "random":
                 return Path.random(dimension=dimension, **given)
-        return Path.from_csv(self.folder / given.pop("file"), **given)
+        return Path.from_csv(self.input(self.folder / given.pop("file")), **given)
 
     # -- values and places -------------------------------------------------------------------------------------
 
@@ -226,6 +228,13 @@ class _SceneReader:
             self.fault(f"{name} is not a table", "", name, f"write [{name}] on a line of its own")
             return {}
         return given
+
+    def input(self, file: File) -> File:
+        """A file that the scene names, noted as one that is read; InputError for what is no file, such as a pipe that nobody fills."""
+        if file.exists() and not file.is_file() and not file.is_dir():
+            raise InputError("this is a device or a pipe, not a file", where=f"{file}", remedy="name a file")
+        self.inputs.append(f"{file}")
+        return file
 
     def file(self, output: Mapping[str, Any], key: str) -> str | None:
         given = output.get(key)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.util import find_spec
-from pathlib import Path as File
 
 from duhem.errors import InputError, MissingExtraError
+from duhem.path import kept_part
 from duhem.path.history import History
 from duhem.path.scene import Scene
 from duhem.path.simulate import Interrupted, LeftDomain, LeftPrecision
 from duhem.show import figure
+from duhem.show.place import check_places
 
 __all__ = ["Stopped", "check_outputs", "perform"]
 
@@ -19,24 +20,26 @@ class Stopped(KeyboardInterrupt):
     """A run that was interrupted; its text says what is kept and how to go on."""
 
 
-def check_outputs(table: str | None, plot: str | None, resume: bool) -> None:
-    """Whether the files can be written in these formats with what is installed, before a long run and not after it."""
+def check_outputs(table: str | None, plot: str | None, resume: bool, inputs: Sequence[str] = ()) -> None:
+    """Whether the files can be written in these formats with what is installed, before a long run and not after it.
+
+    None is one of the ``inputs``, and what may stand where the part of a run is kept is such a part.
+    """
     if table is not None and not table.endswith((".csv", ".parquet")):
         raise InputError("the table is neither .csv nor .parquet", where=table, remedy="end its name in .csv or .parquet")
     if table is None and resume:
         raise InputError("there is no table to go on with", where="--resume", remedy="name it with --out or in [output]")
     if table is not None and table.endswith(".parquet") and find_spec("pyarrow") is None:
         raise MissingExtraError("pyarrow", "parquet")
-    if table is not None and not File(table).absolute().parent.is_dir():
-        raise InputError("there is no such directory", where=table, remedy="make it first")
+    check_places([table, plot], inputs)
+    if table is not None:
+        kept_part.check_kept(table, inputs)
     if plot is not None:
         figure.check(plot)
 
 
 def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[int, int], None] | None = None) -> History:
     """Run the scene and write ``table``; Stopped with the part kept beside it if interrupted, from which ``resume`` goes on."""
-    from duhem.path import kept_part
-
     start = kept_part.recall(table, scene.plan(), scene.fingerprint) if table is not None and resume else None
     try:
         history = scene.run(start, on_step)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from itertools import pairwise
 from math import floor, log10
 from textwrap import fill
 from typing import IO, TYPE_CHECKING, Any, Literal
 
 from duhem.errors import InputError, MissingExtraError
-from duhem.show.place import check_place
+from duhem.show.place import check_place, written
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -331,16 +331,8 @@ def save(sheet: Figure, file: Target) -> None:
         return
     file = os.fsdecode(file)
     form = _ending(file)
-    beside = f"{file}.writing"
-    try:
-        with style():
-            sheet.savefig(beside, format=form, dpi=160, metadata=_UNDATED.get(form))
-        os.replace(beside, file)
-    except OSError as fault:
-        raise InputError(f"the figure cannot be written: {fault.strerror}", where=f"{file}", remedy="write where you may") from None
-    finally:
-        with suppress(OSError):
-            os.unlink(beside)
+    with written(file) as beside, style():
+        sheet.savefig(beside, format=form, dpi=160, metadata=_UNDATED.get(form))
 
 
 def _is_stream(file: object) -> bool:

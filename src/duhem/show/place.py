@@ -3,29 +3,79 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 
 from duhem.errors import InputError
 
-__all__ = ["check_place", "write"]
+__all__ = ["AnyPath", "check_place", "check_places", "write", "written"]
+
+AnyPath = str | os.PathLike[str]
 
 
-def check_place(file: str | os.PathLike[str]) -> None:
-    """Raises InputError for a folder that is not there, a directory in the file's place, and what may not be written."""
+def check_place(file: AnyPath, inputs: Iterable[AnyPath] = ()) -> None:
+    """Raises InputError for a place that is no place for a result.
+
+    That is one in a folder that is not there, a directory, a link, a device or a pipe, what may not be written, and one of the
+    ``inputs`` (names of laws among them are of no file), however spelled: nothing that is read is written over.
+    """
     folder = os.path.dirname(os.path.abspath(file))
     if not os.path.isdir(folder):
         raise InputError("there is no such directory", where=f"{file}", remedy="make it first")
     if os.path.isdir(file):
         raise InputError("this is a directory", where=f"{file}", remedy="name a file")
+    if os.path.islink(file):
+        raise InputError("this is a link to another place", where=f"{file}", remedy="name that place, or another file")
+    if os.path.exists(file) and not os.path.isfile(file):
+        raise InputError("this is a device or a pipe, not a file", where=f"{file}", remedy="name a file")
     if not os.access(folder, os.W_OK) or (os.path.exists(file) and not os.access(file, os.W_OK)):
         raise InputError("it may not be written", where=f"{file}", remedy="write where you may")
+    if any(os.path.exists(given) and _same(file, given) for given in inputs):
+        raise InputError("this file is read, and would be written over", where=f"{file}", remedy="name another file")
 
 
-def write(file: str, content: str) -> None:
-    """Write a text and a line's end; what stood there before stays until all of it is written."""
-    beside = f"{file}.writing"
+def check_places(files: Iterable[AnyPath | None], inputs: Iterable[AnyPath] = ()) -> None:
+    """:func:`check_place` of each result that is asked for; no two of them are one file either."""
+    taken = list(inputs)
+    outputs: list[AnyPath] = []
+    for file in files:
+        if file is None:
+            continue
+        check_place(file, taken)
+        if any(_same(file, other) for other in outputs):
+            raise InputError("two results go into this file", where=f"{file}", remedy="give each a name of its own")
+        outputs.append(file)
+
+
+def write(file: AnyPath, content: str) -> None:
+    """Write a text, in UTF-8 with ends of lines as they are; InputError where it cannot be written."""
+    with written(file) as beside, open(beside, "w", encoding="utf-8", newline="") as stream:
+        stream.write(content)
+
+
+@contextmanager
+def written(file: AnyPath) -> Iterator[str]:
+    """An empty file beside ``file`` to write into, which takes its place at the end; where that fails, what stood there stays.
+
+    Its name cannot be foreseen, so that nobody has put a link in its place.  InputError where it cannot be written.
+    """
+    check_place(file)
+    beside = f"{os.fspath(file)}.{os.urandom(4).hex()}.writing"
     try:
-        with open(beside, "w", encoding="utf-8") as stream:
-            stream.write(content + "\n")
+        os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        yield beside
         os.replace(beside, file)
     except OSError as fault:
-        raise InputError(f"the file cannot be written: {fault.strerror}", where=file, remedy="write where you may") from None
+        reason = fault.strerror or " ".join(str(fault).split())
+        remedy = "write where you may and where there is room"
+        raise InputError(f"the file cannot be written: {reason}", where=f"{file}", remedy=remedy) from None
+    finally:
+        with suppress(OSError):
+            os.unlink(beside)
+
+
+def _same(file: AnyPath, other: AnyPath) -> bool:
+    """Whether two names, however spelled, are of one file, or would be if it were there."""
+    with suppress(OSError):
+        return os.path.samefile(file, other)
+    return os.path.realpath(file) == os.path.realpath(other)
