@@ -70,6 +70,7 @@ def read_fixed_formula(text: str, settings: Sequence[str]) -> Criterion:
 def read_fixed_law(text: str, settings: Sequence[str]) -> Law:
     law = read_law(text)
     from duhem.expression.number import exact_number
+    from duhem.expression.spelling import spelled
     from duhem.law.parameter_domain import check_domain
 
     values = {}
@@ -78,7 +79,7 @@ def read_fixed_law(text: str, settings: Sequence[str]) -> Law:
         where = f"--set {setting}"
         if not (name and equals and value):
             raise InputError("this is not of the form NAME=VALUE", where=where, remedy="write for example --set mu_a=0.15")
-        if name in values:
+        if (name := spelled(name)) in values:
             raise InputError(f"{name} is set twice", where=where, remedy="set it once")
         try:
             values[name] = exact_number(value)

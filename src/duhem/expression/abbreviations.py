@@ -8,11 +8,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from unicodedata import normalize
 
 from duhem.errors import InputError
 from duhem.expression.invariants import INVARIANTS, Stress
 from duhem.expression.number import DECIMAL
+from duhem.expression.spelling import spelled
 
 __all__ = ["NONE", "Abbreviations", "WrittenOut"]
 
@@ -92,7 +92,7 @@ class Abbreviations:
 
     def _long(self, text: str, token: re.Match[str]) -> tuple[str | None, int]:
         """What the name at ``token`` stands for, if it is an abbreviation, and where it ends."""
-        name, end = normalize("NFKC", token[0]), token.end()
+        name, end = spelled(token[0]), token.end()
         called = text[end:].lstrip().startswith("(")
         if name in self.to_come:
             raise InputError(f"{name!r} is used before it is defined", remedy="a definition uses what stands above it")
@@ -111,7 +111,7 @@ class Abbreviations:
         indexed = INVARIANTS[word].indexed
         usage = f"{word}({stress.name}, 1)" if indexed else f"{word}({stress.name})"
         index = given and (given["index"] or given["alone"])
-        other = given and given["stress"] and normalize("NFKC", given["stress"]) != normalize("NFKC", stress.name)
+        other = given and given["stress"] and spelled(given["stress"]) != stress.name
         if given is None or other or (index is not None) != indexed:
             raise InputError(
                 f"{word} takes the declared stress{' and a number' * indexed}", remedy=f"write {usage}: {INVARIANTS[word].meaning}"

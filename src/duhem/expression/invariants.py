@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from duhem.errors import InputError
+from duhem.expression.spelling import spelled
 
 __all__ = ["INVARIANTS", "KINDS", "Stress"]
 
@@ -34,7 +35,8 @@ class Stress:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.isidentifier():
             raise InputError(f"{self.name!r} is no name of a stress", remedy="use letters, digits and underscores")
-        if self.kind not in KINDS:
+        object.__setattr__(self, "name", spelled(self.name))
+        if not isinstance(self.kind, str) or self.kind not in KINDS:
             raise InputError(f"{self.kind!r} is no kind of stress", remedy=f"kinds are: {', '.join(KINDS)}")
 
     @property

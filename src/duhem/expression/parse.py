@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import re
-import unicodedata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -23,6 +22,7 @@ from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, unacceptable
 from duhem.expression.fold import fold
 from duhem.expression.invariants import INVARIANTS
 from duhem.expression.number import DECIMAL, exact_number, ratio
+from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import NODES, WORDS
 
 __all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "ratio"]
@@ -141,10 +141,10 @@ class _Reader:
         text = text.replace("\r", " ")  # line ends of other systems; offsets stay as they are
         if len(text) > MOST_CHARACTERS:
             raise place.error(f"the formula has {len(text)} characters", remedy=f"at most {MOST_CHARACTERS} are read")
-        for name in known:
+        names = {spelled(name): symbol for name, symbol in known.items()}
+        for name in names:
             if name in WORDS or name in short.words() or name == "pi" or iskeyword(name):
                 raise place.error(f"the name {name!r} already means something", remedy="choose another name for the force or parameter")
-        names = {unicodedata.normalize("NFKC", name): symbol for name, symbol in known.items()}
         if short != NONE:
             made = short.written_out(text, lambda what, at, remedy: place.error(what, at=at, remedy=remedy), MOST_CHARACTERS)
             text, place = made.text, replace(place, made=made)
@@ -221,7 +221,7 @@ class _Reader:
             raise self.place.error(f"{name!r} needs its arguments in brackets", at=at, remedy=f"write {name}(...)")
         if name == "not":
             raise self.place.error("'not' is not part of the language", at=at, remedy="turn the comparison round: not x > 0 is x <= 0")
-        if not called and name != "pi" and unicodedata.normalize("NFKC", name) not in self.known:
+        if not called and name != "pi" and spelled(name) not in self.known:
             if self.place.made and (short := self.place.made.abbreviation(at)):
                 what, remedy = f"{short[:40]!r} stands for a formula of {name!r}", f"known here: {', '.join(self.known) or 'nothing'}"
                 raise self.place.error(f"{what}, which is not known here", at=at, remedy=remedy)

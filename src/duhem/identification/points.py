@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
+from duhem.expression.spelling import respelled, spelled
 from duhem.law.formula_law import Criterion
 
 __all__ = ["Points"]
@@ -60,7 +61,8 @@ class Points:
         if isinstance(given, (str, PathLike)):
             return _of_columns(*_read(given, names), law, f"{fspath(given)}")
         if isinstance(given, Mapping) or hasattr(given, "keys"):  # a table of columns, as data frames are
-            columns = {n: _numbers(given[n], n) for n in (*names, *_OPTIONAL) if n in given}
+            held = respelled({name: name for name in given}, "points")
+            columns = {n: _numbers(given[held[n]], n) for n in (*names, *_OPTIONAL) if n in held}
             _complete(columns, names, tuple(map(str, given)), "points")
             return _of_columns(columns, (), law, "points")
         table = _numbers(given, "the table")
@@ -91,7 +93,7 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
     if not rows:
         raise InputError("the file is empty", where=where, remedy=f"give a header {','.join(names)} and one row a point")
     (first, header), *body = rows
-    header = [name.strip() for name in header]
+    header = [spelled(name.strip()) for name in header]
     if twice := sorted({name for name in header if header.count(name) > 1}):
         raise InputError(f"the column {twice[0]!r} is there twice", where=f"{where}:{first}", remedy="give each column a name of its own")
     for mark, said in _SEPARATORS.items():

@@ -20,6 +20,7 @@ from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_relation
+from duhem.expression.spelling import spelled
 from duhem.law.bounding_sections import BoundingSections, curve
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion
 from duhem.law.definitions import Definitions, PlacedFormula, definitions
@@ -63,9 +64,10 @@ class _CriterionReader(SectionReader):
         stress = self.stress()
         forces = self.names() if stress is None else list(stress.components)
         pressure = self.pressure()
-        domains = {p: self.domain(p, entry) for p, entry in self.table("parameters", required=False).items()}
+        given = self.table("parameters", required=False)
+        domains = {spelled(p): self.domain(p, entry) for p, entry in given.items()}
         declared = [(f, "criterion", "forces") for f in forces] + ([(pressure, "criterion", "pressure")] if pressure else [])
-        declared += [(p, "parameters", p) for p in domains]
+        declared += [(spelled(p), "parameters", p) for p in given]
         self.check_names(declared, Abbreviations(stress=stress).words())
         parameters = {p: domain.symbol(p) for p, domain in domains.items()}
         known = {f: symbol(f) for f in forces} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {}) | parameters
@@ -108,7 +110,7 @@ class _CriterionReader(SectionReader):
     ) -> Law:
         """A law given by its boundary, in an angle and the parameters."""
         self.keys("boundary", self.table("boundary"), ("angle", "T", "direction"))
-        angle = self.line("boundary", "angle", required=False) or ANGLE
+        angle = spelled(self.line("boundary", "angle", required=False) or ANGLE)
         self.check_names([*declared, (angle, "boundary", "angle")], frozenset())
         if pressure is None or len(forces) != 2:
             raise self.error("a boundary curve takes two forces and a pressure", "boundary", remedy="declare them, or write g instead")
@@ -136,7 +138,7 @@ class _CriterionReader(SectionReader):
         given = self.document["criterion"].get("forces", list(FORCES))
         if not (isinstance(given, list) and given and all(isinstance(f, str) for f in given)):
             raise self.error("forces is not a list of names", "criterion", "forces", remedy='write forces = ["sigma_a", "sigma_b"]')
-        return given
+        return [spelled(name) for name in given]
 
     def stress(self) -> Stress | None:
         head, example = self.document["criterion"], 'write stress = { name = "sigma", kind = "3d" }'
@@ -166,7 +168,7 @@ class _CriterionReader(SectionReader):
             raise self.error(
                 "pressure is not a name", "criterion", "pressure", remedy='write pressure = "sigma_n", or false for a law without'
             )
-        return given
+        return str(spelled(given))
 
     def check_names(self, declared: Sequence[tuple[str, str, str]], invariants: frozenset[str]) -> None:
         """Every name, with the section and key that declare it, is one, and is free."""
@@ -181,17 +183,20 @@ class _CriterionReader(SectionReader):
                 raise self.error(f"{name!r} is declared twice", section, key, remedy="give each force and parameter a name of its own")
 
     def ranges(self, forces: Sequence[str], pressure: str | None) -> Mapping[str, Domain]:
-        found = {}
-        for name, entry in self.table("domain", required=False).items():
+        found: dict[str, Domain] = {}
+        for key, entry in self.table("domain", required=False).items():
+            name = spelled(key)
             if not isinstance(entry, dict):
-                raise self.error(f"the range of {name} is not a table", "domain", name, remedy=f"write {name} = {{ min = -100 }}")
-            self.keys("domain", entry, ("min", "max"), inside=name)
+                raise self.error(f"the range of {name} is not a table", "domain", key, remedy=f"write {name} = {{ min = -100 }}")
+            self.keys("domain", entry, ("min", "max"), inside=key)
+            if name in found:
+                raise self.error(f"{name!r} has two ranges, in two spellings", "domain", key, remedy="give it one")
             try:
                 found[name] = Domain.between(entry.get("min"), entry.get("max"))
             except InputError as fault:
-                raise self.error(f"{name}: {fault.what}", "domain", name, remedy=fault.remedy) from None
+                raise self.error(f"{name}: {fault.what}", "domain", key, remedy=fault.remedy) from None
             if wrong := range_fault(name, found[name], forces, pressure):
-                raise self.error(wrong[0], "domain", name, remedy=wrong[1])
+                raise self.error(wrong[0], "domain", key, remedy=wrong[1])
         return found
 
     def domain(self, name: str, entry: Any) -> Domain:

@@ -18,6 +18,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.abbreviations import NONE
+from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion, relations
@@ -55,7 +56,9 @@ class ParametricCriterion(Verbatim):
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "forces", tuple(self.forces))
+        put(self, "forces", tuple(spelled(name) for name in self.forces))
+        put(self, "pressure", spelled(self.pressure))
+        put(self, "angle", spelled(self.angle))
         put(self, "parameters", Domains(self.parameters))
         names = [*self.forces, self.pressure, self.angle, *self.parameters]
         if len(self.forces) != 2 or len(set(names)) < len(names) or not all(n.isidentifier() for n in names):

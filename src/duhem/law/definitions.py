@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from keyword import iskeyword
 from typing import NamedTuple
-from unicodedata import normalize
 
 import sympy as sp
 
@@ -14,6 +13,7 @@ from duhem.expression import WORDS
 from duhem.expression.abbreviations import NONE, Abbreviations
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, written_out
+from duhem.expression.spelling import spelled
 from duhem.law.domain import by_name
 from duhem.law.frozen_mapping import FrozenMapping
 
@@ -54,8 +54,8 @@ def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbo
     A definition is replaced by its formula, in brackets, wherever its name stands: the law is what it is with all written out.
     """
     formulas: dict[str, str] = {}
-    left = [_spelled(name) for name in given]
-    taken = [*map(_spelled, known), *left]
+    left = [spelled(name) for name in given]
+    taken = [*map(spelled, known), *left]
     for name, formula in given.items():
         if fault := _fault(name, taken, Abbreviations(stress=stress).words()):
             raise InputError(fault[0], where=formula.name_at, remedy=fault[1])
@@ -63,20 +63,15 @@ def definitions(given: Mapping[str, PlacedFormula], known: Mapping[str, sp.Symbo
         short = Abbreviations(dict(formulas), stress, frozenset(left))
         parse_expression(formula.text, known, where=formula.where, line=formula.line, column=formula.column, short=short)
         formulas[left.pop(0)] = written_out(formula.text, short)
-    return Definitions({name: formula.text for name, formula in given.items()}, Abbreviations(formulas, stress))
+    return Definitions({spelled(name): formula.text for name, formula in given.items()}, Abbreviations(formulas, stress))
 
 
 def _fault(name: str, taken: list[str], invariants: frozenset[str]) -> tuple[str, str] | None:
     """What is wrong with a name, and the remedy."""
     if not isinstance(name, str) or not name.isidentifier():
         return f"{name!r} is not a name", "use letters, digits and underscores"
-    if name in WORDS or name in invariants or name == "pi" or iskeyword(name):
+    if (name := spelled(name)) in WORDS or name in invariants or name == "pi" or iskeyword(name):
         return f"the name {name!r} already means something", "choose another"
-    if taken.count(_spelled(name)) > 1:
+    if taken.count(name) > 1:
         return f"{name!r} is declared twice", "give each force, parameter and definition a name of its own"
     return None
-
-
-def _spelled(name: str) -> str:
-    """As Python's parser has it."""
-    return normalize("NFKC", name) if isinstance(name, str) else name

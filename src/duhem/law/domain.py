@@ -13,6 +13,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import symbol
 from duhem.expression.parse import exact_number
+from duhem.expression.spelling import respelled
 from duhem.law.frozen_mapping import FrozenMapping
 
 __all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name", "range_fault"]
@@ -116,10 +117,10 @@ def range_fault(name: str, own: Domain, forces: Sequence[str], pressure: str | N
 
 
 def by_name(given: Mapping[str, Any] | None, what: str = "a value") -> Mapping[str, Any]:
-    """``given``, nothing for None; InputError where it does not map names to anything."""
+    """``given`` by names in one spelling, nothing for None; InputError where it does not map names to anything."""
     if given is not None and not isinstance(given, Mapping):
         raise InputError(f"{given!r} does not say which parameter has which value", where="parameters", remedy=f"map each name to {what}")
-    return given or {}
+    return respelled(given or {}, "parameters")
 
 
 class Domains(FrozenMapping[str, Domain]):

@@ -9,19 +9,20 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from keyword import iskeyword
 from typing import Any, overload
-from unicodedata import normalize
 
 import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
-from duhem.expression import symbol
+from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import NONE, Abbreviations
 from duhem.expression.given import given_relation
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation
+from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import Verbatim
 from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
@@ -79,7 +80,8 @@ class Criterion(Verbatim):
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "stress", _stress(self.stress, self.name))
-        put(self, "forces", listed(self.forces, "forces", self.name) if self.stress is None else self._components(self.stress))
+        put(self, "forces", self._named_forces() if self.stress is None else self._components(self.stress))
+        put(self, "pressure", spelled(self.pressure))
         put(self, "parameters", Domains(self.parameters))
         self._check_names()
         put(self, "_symbols", self._declared())
@@ -131,6 +133,9 @@ class Criterion(Verbatim):
         """Whether the slip is normal to the boundary by definition: neither the law nor a surface states a flow."""
         return self.flow is None and all(s.flow is None for s in self.surfaces)
 
+    def _named_forces(self) -> tuple[str, ...]:
+        return tuple(spelled(name) for name in listed(self.forces, "forces", self.name))
+
     def _components(self, stress: Stress) -> tuple[str, ...]:
         if tuple(self.forces) not in (FORCES, stress.components):
             raise InputError(
@@ -145,9 +150,10 @@ class Criterion(Verbatim):
         if not self.forces:
             raise InputError(f"{self.name} declares no force", remedy="name at least one in forces")
         _check_are_names(names, self.name)
-        spelled = [normalize("NFKC", name) for name in names]  # as Python's parser has them
         for name in names:
-            if spelled.count(normalize("NFKC", name)) > 1:
+            if name in WORDS or name == "pi" or iskeyword(name):
+                raise InputError(f"the name {name!r} already means something", where=self.name, remedy="choose another")
+            if names.count(name) > 1:
                 raise InputError(f"{name!r} is declared twice", where=self.name, remedy="give each force and parameter a name of its own")
 
     def _check_content(self) -> None:
@@ -298,13 +304,14 @@ def criterion(
     def build(f: Callable[..., Any]) -> Criterion:
         arguments, named = argument_names(f), name or f.__name__.replace("_", "-")
         of = _stress(stress, named)
-        axes = listed(forces, "forces", named) if of is None else of.components
+        axes = tuple(spelled(axis) for axis in listed(forces, "forces", named)) if of is None else of.components
         _check_are_names([*axes, *([pressure] if pressure else [])], named)
-        fixed_names = {*axes, pressure, *(define or ())}
+        load = spelled(pressure)
+        fixed_names = {*axes, load, *map(spelled, define or ())}
         declared = Domains(parameters)
         domains = {a: declared.get(a, POSITIVE) for a in arguments if a not in fixed_names}
         domains |= {n: d for n, d in declared.items() if define and n not in domains}  # for what is defined
-        shell = {n: symbol(n) for n in axes} | ({pressure: symbol(pressure, nonpositive=True)} if pressure else {})
+        shell = {n: symbol(n) for n in axes} | ({load: symbol(load, nonpositive=True)} if load else {})
         shell |= {n: d.symbol(n) for n, d in domains.items()}
         local = Definitions.of(define or {}, shell, of, named)
         values = shell | {n: parse_expression(n, shell, short=local.short) for n in local}
@@ -315,7 +322,7 @@ def criterion(
             g=sp.nan if surfaces else made,
             parameters=domains,
             forces=axes,
-            pressure=pressure,
+            pressure=load,
             constraints=constraints,  # type: ignore[arg-type]  # read on construction
             flow=flow,  # type: ignore[arg-type]
             summary=(inspect.getdoc(f) or "").split("\n", 1)[0],

@@ -32,6 +32,7 @@ from typing import Any
 import numpy as np
 
 from duhem.errors import InputError
+from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load_formula, load_named
 from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
@@ -165,18 +166,21 @@ class _SceneReader:
             return None
         before = len(self.faults)
         for name, value in given.items():
-            if name not in law.parameters:
+            if spelled(name) not in law.parameters:
                 self.unknown("parameter", name, tuple(law.parameters), "parameters")
                 continue
             try:
                 law.fix({name: value})
             except InputError as fault:
                 self.fault(f"{name}: {fault.what}", "parameters", name, fault.remedy)
+        values = {spelled(name): value for name, value in given.items()}
+        if len(values) < len(given):
+            self.fault("a parameter is given twice, in two spellings", "", "parameters", "give it once")
         for name, domain in law.parameters.items():
-            if name not in given and domain.value is None:
+            if name not in values and domain.value is None:
                 needs = f"{law.name} needs a value for {name}, {domain.describe()}"
                 self.fault(needs, "", "parameters", f"write {name} = ... in [parameters]")
-        return given if len(self.faults) == before else None
+        return values if len(self.faults) == before else None
 
     def path(self, law: Criterion | None) -> Path | None:
         given = dict(self.section("path"))
