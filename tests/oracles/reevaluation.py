@@ -231,6 +231,25 @@ def value(law: Criterion, at: Mapping[str, Fraction], expr: sp.Expr | None = Non
     return _evaluate(law, law.g if expr is None else expr, _point(at), jets=False).value
 
 
+def _exactly(node: Any, values: Mapping[sp.Symbol, Fraction]) -> Fraction | None:
+    """The value in fractions, where sums, products, whole powers, sizes and norms that are fractions make it one."""
+    if node.is_Symbol or node.is_Rational:
+        return values[node] if node.is_Symbol else Fraction(int(node.p), int(node.q))
+    if node.is_Pow:
+        base = _exactly(node.base, values)
+        return base ** int(node.exp) if base is not None and node.exp.is_Integer and node.exp > 0 else None
+    parts = [_exactly(a, values) for a in node.args]
+    known = [x for x in parts if x is not None]
+    if not known or len(known) < len(parts):
+        return None
+    if isinstance(node, Norm):
+        square = sum((x * x for x in known), Fraction(0))
+        root = Fraction(math.isqrt(square.numerator), math.isqrt(square.denominator))
+        return root if root * root == square else None
+    kinds = ((sp.Add, sum), (sp.Mul, math.prod), (sp.Max, max), (sp.Min, min), (sp.Abs, lambda some: abs(some[0])))
+    return next((Fraction(of(known)) for kind, of in kinds if isinstance(node, kind)), None)
+
+
 def gradient(law: Criterion, at: Mapping[str, Span]) -> tuple[Interval, ...]:
     """Intervals with the partial derivatives of g by the forces, anywhere in the box."""
     return _evaluate(law, law.g, at, jets=True).slopes
@@ -267,7 +286,8 @@ Points = Mapping[str, Mapping[str, Fraction]]
 
 
 def _inside(law: Criterion, at: Mapping[str, Fraction]) -> bool:
-    return bool(value(law, at).b <= 0)
+    exact = _exactly(law.g, {x: at[name] for name, x in law.symbols().items()})
+    return exact <= 0 if exact is not None else bool(value(law, at).b <= 0)
 
 
 def _outside(law: Criterion, at: Mapping[str, Fraction]) -> bool:

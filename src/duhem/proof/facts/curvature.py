@@ -6,7 +6,7 @@ through increasing maps (Agrawal, Boyd 2020): a set {g <= 0} is convex when g is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Any
@@ -20,6 +20,7 @@ from duhem.proof.facts.bends import bends
 from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.loads import above_within, concave_above_within, loads_of
+from duhem.proof.facts.one_side import left_on_one_side
 from duhem.proof.facts.power_curvature import MovingParts
 from duhem.proof.facts.profile import convex_by_its_profile
 from duhem.proof.facts.quadratic_form import semidefinite
@@ -53,9 +54,9 @@ def convex_in_its_region(subject: FormulaSubject) -> Curvature:
     g, forces = subject.simple.g, subject.simple.forces
     rules = _CurvatureRules(subject, FrozenMapping(), loads=tuple(loads_of(g, forces)))
     parts = g.args if isinstance(g, sp.Max) else (g,)
-    if not rules.loads and not any(part.is_polynomial(*forces) for part in parts):
+    if not rules.loads and len(parts) == 1 and not g.is_polynomial(*forces):
         return _UNKNOWN
-    shapes = [rules.in_the_region(part) for part in parts]
+    shapes = [rules.in_the_region(part, [other for other in parts if other is not part]) for part in parts]
     quasi = all(shape.quasiconvex for shape in shapes)
     return Curvature(quasiconvex=quasi, rules=used(*shapes, rule="K lies where the loads in g allow it"))
 
@@ -98,13 +99,15 @@ class _CurvatureRules:
                 self.found[expr] = _UNKNOWN
         return self.found[expr]
 
-    def in_the_region(self, part: sp.Expr) -> Curvature:
-        """A part of a maximum that K lies under."""
+    def in_the_region(self, part: sp.Expr, others: Sequence[sp.Expr]) -> Curvature:
+        """A part of a maximum that K lies under, and the others."""
         facts = self.of(part)
         if not facts.quasiconvex and convex_by_its_profile(part, self.loads, self.subject):
             return Curvature(quasiconvex=True, rules=("{Q <= h(t)} is convex for a seminorm sqrt Q and a concave profile sqrt h",))
         if not facts.quasiconvex and part.is_Add and len(part.args) == 2 and any(map(self._below_a_product, part.args, part.args[::-1])):
             return Curvature(quasiconvex=True, rules=("u^n <= c v_1 ... v_m is u <= a geometric mean, concave for v_i >= 0 and m <= n",))
+        if not facts.quasiconvex and facts.concave and left_on_one_side(part, others, self.forces, self.subject.positive):
+            return Curvature(quasiconvex=True, rules=("what is left of {f <= 0} on one side of where f > 0 is a half-space, f concave",))
         return facts
 
     def _below_a_product(self, power: sp.Expr, rest: sp.Expr) -> bool:

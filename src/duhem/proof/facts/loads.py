@@ -8,7 +8,7 @@ import sympy as sp
 
 from duhem.expression import Where
 
-__all__ = ["above_within", "alone", "concave_above_within", "loads_and_others", "loads_of"]
+__all__ = ["above_within", "affine", "alone", "concave_above_within", "loads_and_others", "loads_of"]
 
 
 def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
@@ -16,22 +16,23 @@ def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
     if g.has(Where):
         return
     for part in _greatest(g):
-        if _affine(part, forces):
+        if affine(part, forces):
             yield sp.expand(-part)
-        yield from (x.args[0] for x in sorted(part.atoms(sp.log), key=sp.default_sort_key) if _affine(x.args[0], forces))
+        yield from (x.args[0] for x in sorted(part.atoms(sp.log), key=sp.default_sort_key) if affine(x.args[0], forces))
 
 
 def loads_and_others(g: sp.Expr, forces: Collection[sp.Symbol]) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """What a maximum is taken of: loads and the rest."""
     parts = _greatest(g)
-    return [part for part in parts if _affine(part, forces)], [part for part in parts if not _affine(part, forces)]
+    return [part for part in parts if affine(part, forces)], [part for part in parts if not affine(part, forces)]
 
 
 def _greatest(g: sp.Expr) -> tuple[sp.Expr, ...]:
     return g.args if isinstance(g, sp.Max) else (g,)
 
 
-def _affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
+def affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
+    """Whether an expression is a load: of degree 1 in the forces."""
     moving = sorted(expr.free_symbols & set(forces), key=str)
     return bool(moving) and expr.is_polynomial(*moving) and sp.Poly(expr, *moving).total_degree() == 1
 

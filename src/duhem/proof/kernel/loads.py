@@ -10,7 +10,7 @@ from duhem.proof.kernel.polynomial import Monomial, Polynomial, times, total, wr
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
-__all__ = ["at_end_of", "collected", "multiple", "sign_within"]
+__all__ = ["at_end_of", "collected", "multiple", "share_and_rest", "sign_within"]
 
 
 def collected(term: Term, domain: StatedDomain) -> Term:
@@ -79,7 +79,7 @@ def sign_within(term: Term, known: Facts, domain: StatedDomain, shown: Shown) ->
 def _of_affine(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
     found, poly = ANY, domain.polynomial(term)
     for side, strict in domain.sides.items():
-        if (split := _split(poly, domain.polynomial(side), domain)) is None:
+        if (split := share_and_rest(poly, domain.polynomial(side), domain)) is None:
             continue
         way, left = (shown(written(part), domain).sign for part in split)
         if not way & NEGATIVE and not left & NEGATIVE:
@@ -89,7 +89,7 @@ def _of_affine(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
     return found
 
 
-def _split(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> tuple[Polynomial, Polynomial] | None:
+def share_and_rest(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> tuple[Polynomial, Polynomial] | None:
     """(c, d) with poly = c load + d, both constant and c not plainly 0."""
     if not (share := _share(poly, load, domain)):
         return None
@@ -111,7 +111,7 @@ def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomai
     It is concave where all loads are >= 0 and perhaps nowhere else: so they are asked for at both ends, and hold between them.
     """
     load, end = domain.polynomial(side), domain.polynomial(other)
-    split = _split(end, load, domain)
+    split = share_and_rest(end, load, domain)
     if split is None or shown(written(split[0]), domain).sign != NEGATIVE or not _of_load(term, load, domain):
         return False
     ends = [_zero(x, domain) for x in (load, end)]
@@ -123,7 +123,7 @@ def _of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
     """Whether the forces enter a term through multiples of a load and constants alone."""
     if domain.constant(term):
         return True
-    if term.op in ("+", "*", "name") and _split(domain.polynomial(term), load, domain) is not None:
+    if term.op in ("+", "*", "name") and share_and_rest(domain.polynomial(term), load, domain) is not None:
         return True
     return term.op != "name" and all(_of_load(a, load, domain) for a in term.args)
 

@@ -14,7 +14,7 @@ from math import comb, prod
 
 from duhem.proof.kernel.term import NotWritten
 
-__all__ = ["Face", "Vector", "corners", "dot", "is_bounded", "union_is_convex", "within"]
+__all__ = ["Face", "Vector", "corners", "dot", "is_bounded", "solved", "union_is_convex", "within"]
 
 _MOST_CHOICES, _MOST_CELLS = 5000, 100
 Vector = tuple[Fraction, ...]
@@ -25,7 +25,7 @@ def corners(faces: Sequence[Face], n: int) -> list[Vector]:
     """The corners, each once."""
     found = list[Vector]()
     for chosen in _chosen(faces, n):
-        free, point = _solved(chosen, n)
+        free, point = solved(chosen, n)
         if not free and point is not None and point not in found and within(point, faces):
             found.append(point)
     return found
@@ -33,10 +33,10 @@ def corners(faces: Sequence[Face], n: int) -> list[Vector]:
 
 def is_bounded(faces: Sequence[Face], n: int) -> bool:
     """Whether it is, and holds no line even if it is empty."""
-    if all(_solved(chosen, n)[0] for chosen in _chosen(faces, n)):
+    if all(solved(chosen, n)[0] for chosen in _chosen(faces, n)):
         return False
     for chosen in _chosen([(row, Fraction(0)) for row, _ in faces], n - 1):
-        free, _ = _solved(chosen, n)
+        free, _ = solved(chosen, n)
         if len(free) == 1 and not {-1, 1} <= {(rise > 0) - (rise < 0) for rise in (dot(row, free[0]) for row, _ in faces)}:
             return False
     return True
@@ -76,7 +76,7 @@ def _chosen(faces: Sequence[Face], n: int) -> Iterator[tuple[Face, ...]]:
     return combinations(faces, n)
 
 
-def _solved(equations: Sequence[Face], n: int) -> tuple[list[Vector], Vector | None]:
+def solved(equations: Sequence[Face], n: int) -> tuple[list[Vector], Vector | None]:
     """Directions along which every solution may be moved, and one solution if there is any, by elimination."""
     left, done = [[*row, limit] for row, limit in equations], dict[int, list[Fraction]]()
     for column in range(n):

@@ -1,8 +1,8 @@
 """K where g need not be quasiconvex everywhere: g = max(f, loads), or g has a logarithm of a load.
 
 K lies where all loads in the maximum are <= 0, and where those under a logarithm are > 0: elsewhere g is > 0 or has no value.  That
-region is convex, and so is K where g is defined and each part of the maximum quasiconvex in it, a power below a product or a body
-with a convex profile.
+region is convex, and so is K where g is defined and each part of the maximum quasiconvex in it, a power below a product, a body
+with a convex profile or of which the others leave one side.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.one_side import left_on_one_side
 from duhem.proof.kernel.product_bound import convex_below_a_product
 from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.shape import Shown
@@ -19,7 +20,7 @@ __all__ = ["convex_in_its_region", "loads_and_others"]
 
 
 def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> bool:
-    """Whether g is defined, and every part of it quasiconvex or a body with a convex profile where all of its loads allow it to be <= 0."""
+    """Whether g is defined, and every part of it quasiconvex, or of a convex set, where all of its loads allow it to be <= 0."""
     domain = over(law)
     if _chooses(law.g):
         return False  # what is not chosen need not have a value
@@ -33,6 +34,7 @@ def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw
         (known.defined and known.quasiconvex)
         or convex_below_a_product(part, inside, shown)
         or convex_by_its_profile(part, [*inside.sides], inside, shown)
+        or left_on_one_side(part, [other for other in (*loads, *others) if other is not part], domain)
         for part, known in found
     )
 

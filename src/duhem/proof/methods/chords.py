@@ -18,6 +18,7 @@ __all__ = [
     "convexity_at_clear_dents",
     "convexity_at_deepest_dents",
     "convexity_at_dents",
+    "convexity_at_far_points",
     "convexity_at_narrow_dents",
     "convexity_at_seams",
     "convexity_between_exact_rays",
@@ -48,6 +49,13 @@ def _scouted(subject: FormulaSubject, most: int) -> Evidence | None:
     from duhem.proof.search.sampled_chords import sampled_chords  # numpy, only when something is looked for
 
     return _refuted(subject, sampled_chords(subject, most))
+
+
+def convexity_at_far_points(subject: FormulaSubject) -> Evidence | None:
+    """From where a ball in a maximum lies farthest along a load."""
+    from duhem.proof.search.far_points import chords_from_far_points
+
+    return _refuted(subject, chords_from_far_points(subject))
 
 
 def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:

@@ -14,8 +14,9 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.balls import ball, certain_sign, enclose, precision
+from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.verdict import Witness
 
 __all__ = ["chord", "decimal_pair", "describe", "origin_outside", "sign_at"]
@@ -31,6 +32,10 @@ def sign_at(expr: sp.Expr, values: Values) -> tuple[int | None, Any]:
             enclosure = enclose(expr, {x: ball(v) for x, v in values.items()})
             if (sign := certain_sign(enclosure)) is not None:
                 return sign, enclosure
+    if (
+        enclosure is not None and enclosure.is_finite() and (exact := expr.xreplace(rationals(values))).is_Rational
+    ):  # 0, or closer to it than is looked at
+        return int(sp.sign(exact)), ball(fraction(exact))
     return None, enclosure
 
 
