@@ -7,7 +7,7 @@ Newton's method on a quadratic through nearby values.  Chords are built in fract
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -19,6 +19,7 @@ import sympy as sp
 from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.subject import fact
 from duhem.proof.search.suggestion import Chord, Point
 
 __all__ = ["chords_across_dents"]
@@ -27,6 +28,8 @@ _STARTS, _FOLLOWED, _STEPS = 240, 6, 40  # directions a force, how many of the l
 _NOISE = 1e-12  # a bend above this is taken for one inward
 _APART = 0.98  # the cosine between two of these is less
 _CLEAR = -1e-4  # a dent that deep needs no more search
+_ALL_BUT_FLAT = 0.1  # the least bend of a start beside a minimum that may be a dent; that of a sphere is 1
+_CLOSEST = 1e-5  # no quadratic is laid through closer values
 _PRICE = 2  # steps of a direction and a term
 _SHORTEST = 70  # half the length of a chord is that of the ray times a power of 1/2 below this
 _FINE = 2**60  # directions are rounded to such fractions
@@ -47,6 +50,11 @@ class _Form:
     def at(self, x: Sequence[Fraction]) -> Fraction:
         """Its exact value."""
         return sum((c * _product(x, m) for m, c in zip(self.powers, self.factors, strict=True)), Fraction(0))
+
+    @property
+    def terms(self) -> dict[tuple[int, ...], Fraction]:
+        """The numbers by exponents."""
+        return dict(zip(self.powers, self.factors, strict=True))
 
     def slope(self, i: int) -> _Form:
         """The derivative by one variable."""
@@ -84,9 +92,10 @@ def _form(subject: FormulaSubject, parameters: Values) -> _Form | None:
 def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> Iterator[Chord]:
     """Chords at the lowest bends, at so many choices of the parameters; none where g is no polynomial in the forces with g(0) < 0.
 
-    Only ``thorough`` are minima sought; without it the starts alone are looked at, for a dent that is clear.
+    Only ``thorough`` are minima sought wherever they may be; without it the starts alone are looked at, for a dent that is clear,
+    and minima where one of them is all but flat: then a dent is found sooner than a proof is given up.
     """
-    n, seen = len(subject.simple.forces), set[_Form]()
+    n, seen, known = len(subject.simple.forces), set[_Form](), _looked_at(subject)
     for parameters in subject.choices(most) if n > 1 else ():
         form = _form(subject, parameters)
         if form in seen:
@@ -94,69 +103,51 @@ def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> I
         if form is None or not subject.budget.pays(_PRICE * _STARTS * n * len(form.powers) * (6 if thorough else 1)):
             return
         seen.add(form)
-        for direction, along in _lowest(_Floats(form, n), thorough):
+        for direction, along in known.setdefault(form, _Floats(form, n)).lowest(thorough):
             for p, q in _across(form, direction, along):
                 yield Chord(parameters, p, q)
 
 
-def _lowest(floats: _Floats, thorough: bool) -> list[tuple[Any, Any]]:
-    """Directions of boundary points that seem to bend outward, and the tangents along which they do, the lowest first."""
+@fact
+def _looked_at(subject: FormulaSubject) -> dict[_Form, _Floats]:
+    """What was found, for whoever looks again."""
+    return {}
+
+
+def _followed(floats: _Floats, starts: Any) -> Any:
+    """Each to a minimum near by: the minimum of a quadratic through the values around, as long as that is lower, ever closer."""
     import numpy as np
 
-    n = floats.n
-    rng = np.random.default_rng(5)
-    diagonals = [np.eye(n)[i] + s * np.eye(n)[j] for i, j in combinations(range(n), 2) for s in (1, -1)]
-    starts = np.vstack([np.eye(n), -np.eye(n), diagonals, rng.standard_normal((_STARTS * n, n))])
-    starts /= np.linalg.norm(starts, axis=1, keepdims=True)
-    bends = floats.bends(starts)[0]
-    order = np.argsort(bends, kind="stable")
-    if bends[order[0]] < _CLEAR:
-        found = [starts[order[0]]]
-    elif thorough and np.isfinite(bends[order[0]]):
-        apart = list[Any]()
-        for k in order[: 4 * _FOLLOWED * n]:
-            if len(apart) < _FOLLOWED and all(abs(starts[k] @ other) < _APART for other in apart):
-                apart.append(starts[k])
-        found = [_followed(floats, start) for start in apart]
-    else:
-        return []
-    values, tangents = floats.bends(np.array(found))
-    return [(found[k], tangents[k]) for k in np.argsort(values, kind="stable") if values[k] < _NOISE]
-
-
-def _followed(floats: _Floats, start: Any) -> Any:
-    """To a minimum near by: the minimum of a quadratic through the values around, as long as that is lower, ever closer."""
-    import numpy as np
-
-    here, width, m = start, 0.05, floats.n - 1
-    steps = np.vstack([np.zeros(m), np.eye(m), -np.eye(m), *([np.eye(m)[i] + np.eye(m)[j]] for i, j in combinations(range(m), 2))])
+    found, widths, m = starts.copy(), np.full(len(starts), 0.05), floats.n - 1
+    pairs = list(combinations(range(m), 2))
+    steps = np.vstack([np.zeros(m), np.eye(m), -np.eye(m), *([np.eye(m)[i] + np.eye(m)[j]] for i, j in pairs)])
     for _ in range(_STEPS):
-        frame = np.linalg.svd(here[None, :])[2][1:]
-        around = here + width * steps @ frame
-        around /= np.linalg.norm(around, axis=1, keepdims=True)
-        values = floats.bends(around)[0]
-        if not np.isfinite(values).all():
-            width /= 4
-            continue
-        one, other = values[1 : m + 1], values[m + 1 : 2 * m + 1]
-        slope, curve = (one - other) / 2, np.diag(one + other - 2 * values[0])
-        for k, (i, j) in enumerate(combinations(range(m), 2)):
-            curve[i, j] = curve[j, i] = values[2 * m + 1 + k] - one[i] - one[j] + values[0]
-        sizes, axes = np.linalg.eigh(curve)
-        step = -axes @ ((axes.T @ slope) / np.maximum(np.abs(sizes), 1e-3 * max(1e-12, float(np.abs(sizes).max()))))
-        length = float(np.linalg.norm(step))
-        step *= min(1.0, 3 / length) if length > 0 else 0
-        tried = np.array([*(here + width * share * step @ frame for share in (1.0, 0.5, 0.2)), around[int(np.argmin(values))]])
-        tried /= np.linalg.norm(tried, axis=1, keepdims=True)
-        lower = floats.bends(tried)[0]
-        best = int(np.argmin(np.where(np.isfinite(lower), lower, np.inf)))
-        if lower[best] < values[0]:
-            here = tried[best]
-        if length < 1 or not lower[best] < values[0]:
-            width /= 3
-        if width < 1e-6:
+        going = np.flatnonzero(widths >= _CLOSEST)
+        if not len(going):
             break
-    return here
+        here, width = found[going], widths[going]
+        frames = width[:, None, None] * np.linalg.svd(here[:, None, :])[2][:, 1:]
+        around, values = floats.beside(here, steps @ frames)
+        inside = np.isfinite(values).all(axis=1)
+        values = np.where(inside[:, None], values, 0.0)
+        one, other = values[:, 1 : m + 1], values[:, m + 1 : 2 * m + 1]
+        slope, curve = (one - other) / 2, np.zeros((len(going), m, m))
+        curve[:, range(m), range(m)] = one + other - 2 * values[:, :1]
+        for k, (i, j) in enumerate(pairs):
+            curve[:, i, j] = curve[:, j, i] = values[:, 2 * m + 1 + k] - one[:, i] - one[:, j] + values[:, 0]
+        sizes, axes = np.linalg.eigh(curve)
+        least = 1e-3 * np.maximum(1e-12, np.abs(sizes).max(axis=1))
+        step = -np.einsum("pij,pj->pi", axes, np.einsum("pji,pj->pi", axes, slope) / np.maximum(np.abs(sizes), least[:, None]))
+        length = np.linalg.norm(step, axis=1)
+        step *= np.minimum(1.0, 3 / np.maximum(length, 1e-300))[:, None]
+        tried, lower = floats.beside(here, np.array([1.0, 0.5, 0.2])[:, None] * np.einsum("pi,pin->pn", step, frames)[:, None])
+        low, row = values.argmin(axis=1), np.arange(len(going))
+        tried, lower = np.concatenate([tried, around[row, low, None]], axis=1), np.column_stack([lower, values[row, low]])
+        best = lower.argmin(axis=1)
+        better = inside & (lower[row, best] < values[:, 0])
+        found[going] = np.where(better[:, None], tried[row, best], here)
+        widths[going] = np.where(inside, np.where((length < 1) | ~better, width / 3, width), width / 4)
+    return found
 
 
 class _Floats:
@@ -166,28 +157,64 @@ class _Floats:
         import numpy as np
 
         self.n, self.form = n, form
-        self.powers, self.factors = np.array(form.powers), np.array([float(c) for c in form.factors])
         self.degrees = np.array(form.degrees)
+        self._own = _Terms.of([form.terms])
+        slopes = [form.slope(i) for i in range(n)]
+        self._slopes = _Terms.of([f.terms for f in slopes])
+        self._entries = [(i, j) for i in range(n) for j in range(i + 1)]
+        self._bends = _Terms.of([slopes[i].slope(j).terms for i, j in self._entries])
 
-    def _monomials(self, x: Any, lowered: Sequence[int]) -> Any:
-        """The terms at each row of x, derived once by each variable in ``lowered``."""
+    def lowest(self, thorough: bool) -> list[tuple[Any, Any]]:
+        """Directions of boundary points that seem to bend outward, and the tangents along which they do, the lowest first."""
+        starts, bends, tangents = self._starts
+        if bends[0] < _CLEAR:
+            return [(starts[0], tangents[0])]
+        if not (thorough or bends[0] < _ALL_BUT_FLAT) or bends[0] == float("inf"):
+            return []
+        return [(x, v) for x, bend, v in zip(*self._minima, strict=True) if bend < (_NOISE if thorough else -_NOISE)]
+
+    @cached_property
+    def _starts(self) -> tuple[Any, Any, Any]:
+        """Directions, their bends and the tangents, the lowest first."""
         import numpy as np
 
-        powers, factors = self.powers.copy(), self.factors.copy()
-        for i in lowered:
-            factors = factors * powers[:, i]
-            powers[:, i] = np.maximum(powers[:, i] - 1, 0)
-        table = x[:, :, None] ** np.arange(self.powers.max() + 1)
-        terms = np.broadcast_to(factors, (len(x), len(factors))).copy()
-        for i in range(self.n):
-            terms *= table[:, i, powers[:, i]]
-        return terms
+        n = self.n
+        rng = np.random.default_rng(5)
+        diagonals = [np.eye(n)[i] + s * np.eye(n)[j] for i, j in combinations(range(n), 2) for s in (1, -1)]
+        starts = np.vstack([np.eye(n), -np.eye(n), diagonals, rng.standard_normal((_STARTS * n, n))])
+        return self._sorted(starts / np.linalg.norm(starts, axis=1, keepdims=True))
+
+    @cached_property
+    def _minima(self) -> tuple[Any, Any, Any]:
+        """The same of minima that are found from the lowest of the starts, none beside another."""
+        import numpy as np
+
+        apart = list[Any]()
+        for start in self._starts[0][: 4 * _FOLLOWED * self.n]:
+            if len(apart) < _FOLLOWED and all(abs(start @ other) < _APART for other in apart):
+                apart.append(start)
+        return self._sorted(_followed(self, np.array(apart)))
+
+    def _sorted(self, directions: Any) -> tuple[Any, Any, Any]:
+        import numpy as np
+
+        bends, tangents = self.bends(directions)
+        order = np.argsort(bends, kind="stable")
+        return directions[order], bends[order], tangents[order]
+
+    def beside(self, here: Any, steps: Any) -> tuple[Any, Any]:
+        """The directions some steps away from each of several, and their bends."""
+        import numpy as np
+
+        x = here[:, None, :] + steps
+        x /= np.linalg.norm(x, axis=2, keepdims=True)
+        return x, self.bends(x.reshape(-1, self.n))[0].reshape(x.shape[:2])
 
     def reach(self, u: Any) -> Any:
         """The distance at which each ray first meets the boundary; infinite where it does not."""
         import numpy as np
 
-        terms, top = self._monomials(u, ()), int(self.degrees.max())
+        terms, top = self._own.parts(u), int(self.degrees.max())
         by_degree = np.stack([terms[:, self.degrees == k].sum(axis=1) for k in range(top + 1)], axis=1)
         if not by_degree[:, 1:top].any():
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -207,11 +234,10 @@ class _Floats:
         there = np.isfinite(found)
         r = np.where(there, found, 1.0)
         x = r[:, None] * u
-        gradient = np.stack([self._monomials(x, (i,)).sum(axis=1) for i in range(self.n)], axis=1)
+        gradient, entries = self._slopes.at(x), self._bends.at(x)
         hessian = np.empty((len(u), self.n, self.n))
-        for i in range(self.n):
-            for j in range(i + 1):
-                hessian[:, i, j] = hessian[:, j, i] = self._monomials(x, (i, j)).sum(axis=1)
+        for k, (i, j) in enumerate(self._entries):
+            hessian[:, i, j] = hessian[:, j, i] = entries[:, k]
         size = np.linalg.norm(gradient, axis=1)
         normal = gradient / np.where(size > 0, size, 1.0)[:, None]
         flat = np.eye(self.n) - normal[:, :, None] * normal[:, None, :]
@@ -220,6 +246,38 @@ class _Floats:
         rise = (u * gradient).sum(axis=1)
         good = there & (rise > 0)
         return np.where(good, r * values[:, 0] / np.where(good, rise, 1.0), np.inf), axes[:, :, 0]
+
+
+@dataclass(frozen=True)
+class _Terms:
+    """Several polynomials in floats: the exponents in any of them, and the numbers of each."""
+
+    powers: Any
+    factors: Any
+
+    @classmethod
+    def of(cls, polynomials: Sequence[Mapping[tuple[int, ...], Fraction]]) -> _Terms:
+        import numpy as np
+
+        powers = list(dict.fromkeys(m for p in polynomials for m in p))
+        return cls(np.array(powers), np.array([[float(p.get(m, 0)) for p in polynomials] for m in powers]))
+
+    def at(self, x: Any) -> Any:
+        """Their values at each row of x."""
+        return self._monomials(x) @ self.factors
+
+    def parts(self, x: Any) -> Any:
+        """The terms of the only one."""
+        return self._monomials(x) * self.factors[:, 0]
+
+    def _monomials(self, x: Any) -> Any:
+        import numpy as np
+
+        table = x[:, :, None] ** np.arange(self.powers.max() + 1)
+        found = table[:, 0, self.powers[:, 0]]
+        for i in range(1, x.shape[1]):
+            found = found * table[:, i, self.powers[:, i]]
+        return found
 
 
 def _across(form: _Form, direction: Any, along: Any) -> Iterator[tuple[Point, Point]]:

@@ -15,6 +15,7 @@ from typing import Any
 
 from duhem.proof.search.blocks import Block, Exponents, Polynomial, added, times
 from duhem.proof.search.faces import combined, positive_somewhere, stretched, vanishing, without_flat_directions
+from duhem.proof.search.inner_point import inner_point
 
 __all__ = ["Balance", "Multiples", "balanced"]
 
@@ -23,6 +24,7 @@ _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
 _PROJECTED, _INSIDE = 400, 0.2  # times a solution is moved onto the equations and so far into the cone, in its own units
+_MOST_INSIDE = 20_000  # products of numbers a step
 _SETTLED = 3  # times it is moved onto the equations in the end
 _FLAT = (1e-4, 1e-5, 1e-6)  # an eigenvalue that small, relative to the greatest, is taken for 0
 
@@ -61,7 +63,7 @@ def balanced(
         margin, values = solution
         if margin < -1e-4:
             return None
-        if (exact := system.exact(values)) is not None:
+        if (exact := system.exact(values)) is not None or (exact := system.exact_inside(values)) is not None:
             return system.found(exact)
         found = None if touched else vanishing(start, blocks, spheres)
         if not touched and found is None and (exact := system.exact_by_stretching(spheres)) is not None:
@@ -148,6 +150,33 @@ class _System:
             return None
         for d in _DENOMINATORS:
             exact = nearest([Fraction(round(float(x) * d), d) for x in values])
+            if all(_positive_semidefinite(gram) for gram in self._grams(exact)):
+                return exact
+        return None
+
+    def exact_inside(self, values: Any) -> list[Fraction] | None:
+        """The same by more digits than ``values`` have, where but few numbers are left free by the equations."""
+        width, free = sum(len(b.squares) ** 2 for b in self.blocks), len(self.columns) - len(self.rows)
+        if self.multiples or free <= 0 or free * free * width > _MOST_INSIDE:
+            return None
+        rank, equations = self._independent()
+        if equations is None or (len(self.columns) - rank) ** 2 * width > _MOST_INSIDE:
+            return None
+        n, table = len(self.columns), [[Fraction(int(x.p), int(x.q)) for x in row] for row in equations.tolist()[:rank]]
+        pivots = [next(j for j in range(n) if row[j]) for row in table]
+        chosen = [j for j in range(n) if j not in {*pivots}]
+
+        def solution(free: Mapping[int, Fraction], right: int) -> list[Fraction]:
+            z = [free.get(j, Fraction(0)) for j in range(n)]
+            for p, row in zip(pivots, table, strict=True):
+                z[p] = right * row[n] - sum((row[j] * c for j, c in free.items() if row[j]), Fraction(0))
+            return z
+
+        base = list(self._grams(solution({}, 1)))
+        ways = [list(self._grams(solution({j: Fraction(1)}, 0))) for j in chosen]
+        start = [Fraction(float(values[j])) for j in chosen]
+        for y in inner_point(base, ways, start):
+            exact = solution(dict(zip(chosen, y, strict=True)), 1)
             if all(_positive_semidefinite(gram) for gram in self._grams(exact)):
                 return exact
         return None
