@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import sympy as sp
 from sympy.polys.matrices import DomainMatrix
@@ -15,6 +16,8 @@ def invariant_directions(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[
 
     Either every affine part of the tree is unchanged along v, or g is a polynomial and every coefficient of v . grad g vanishes.
     """
+    if g.is_polynomial(*forces) and not any(part.has(sp.Add) for part in sp.Add.make_args(g)):  # multiplied out: the second says all
+        return [tuple(v / sp.gcd(tuple(v))) for v in _flat(g, forces)]
     parts = _affine_parts(g, forces)
     matrix = sp.Matrix([[sp.diff(p, x) for x in forces] for p in parts])
     found = [tuple(v / sp.gcd(tuple(v))) for v in matrix.nullspace() if all(c.is_Rational for c in v)]
@@ -25,15 +28,18 @@ def invariant_directions(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[
 
 def _flat(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Matrix]:
     """Rational vectors that span what is orthogonal to grad g everywhere, g being a polynomial: to the coefficients of all its terms."""
-    rows: dict[tuple[tuple[int, ...], sp.Expr], list[sp.Expr]] = {}
+    rows: dict[tuple[tuple[int, ...], sp.Expr], list[Any]] = {}
     for powers, factor in sp.Poly(g, *forces).terms():
-        for term, number in sp.expand(factor).as_coefficients_dict().items():
+        numbers = {sp.S.One: factor} if factor.is_Rational else sp.expand(factor).as_coefficients_dict()
+        for term, number in numbers.items():
             for i, power in enumerate(powers):
                 if power:
                     lowered = (*powers[:i], power - 1, *powers[i + 1 :])
-                    rows.setdefault((lowered, term), [sp.S.Zero] * len(forces))[i] = power * number
-    reduced, pivots = DomainMatrix.from_Matrix(sp.Matrix(list(rows.values()))).convert_to(sp.QQ).rref()
-    return list(reduced.to_Matrix()[: len(pivots), :].nullspace())
+                    rows.setdefault((lowered, term), [sp.QQ.zero] * len(forces))[i] = sp.QQ.from_sympy(power * number)
+    if not rows:
+        return []
+    reduced, pivots = DomainMatrix(list(rows.values()), (len(rows), len(forces)), sp.QQ).rref()
+    return list(reduced.to_Matrix()[: len(pivots), :].nullspace()) if len(pivots) < len(forces) else []
 
 
 def _affine_parts(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:

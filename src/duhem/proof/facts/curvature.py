@@ -49,13 +49,18 @@ def curvature(
     return _CurvatureRules(subject, convex, loads=loads).of(expr)
 
 
-def convex_in_its_region(subject: FormulaSubject) -> Curvature:
-    """Facts about g where loads in it allow it to be <= 0; of the maximum that it is, the parts that are no loads together."""
+def convex_in_its_region(subject: FormulaSubject, anywhere: Curvature | None = None) -> Curvature:
+    """Facts about g where loads in it allow it to be <= 0; of the maximum that it is, the parts that are no loads together.
+
+    What is known of g ``anywhere`` need not be found again where there are no loads.
+    """
     g, forces = subject.simple.g, subject.simple.forces
     rules = _CurvatureRules(subject, FrozenMapping(), loads=tuple(loads_of(g, forces)))
     parts = g.args if isinstance(g, sp.Max) else (g,)
     if not rules.loads and len(parts) == 1 and not g.is_polynomial(*forces):
         return _UNKNOWN
+    if not rules.loads and anywhere is not None:
+        rules.found[g] = anywhere
     shapes = [rules.in_the_region(part, [other for other in parts if other is not part]) for part in parts]
     quasi = all(shape.quasiconvex for shape in shapes)
     return Curvature(quasiconvex=quasi, rules=used(*shapes, rule="K lies where the loads in g allow it"))
@@ -134,7 +139,7 @@ class _CurvatureRules:
         """The facts, plus the sign SymPy sees; a node without forces is a constant whatever its parts."""
         if not node.free_symbols & self.forces:
             return self.constant(node)
-        if node.is_extended_nonnegative:
+        if not facts.nonnegative and node.is_extended_nonnegative:
             facts = replace(facts, nonnegative=True)
         if self.loads:
             facts = self._within(node, facts)

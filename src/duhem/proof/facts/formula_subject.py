@@ -274,8 +274,8 @@ class FormulaSubject(Subject):
 
     def nonnegative(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is >= 0 on the whole domain (False also when undecided)."""
-        return self.ask(constant, Sense.NONNEGATIVE).holds is True
+        return bool(constant >= 0) if constant.is_Rational else self.asked(constant)
 
     def positive(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is > 0 on the whole domain (False also when undecided)."""
-        return self.ask(constant, Sense.POSITIVE).holds is True
+        return bool(constant > 0) if constant.is_Rational else self.asked(constant, strict=True)

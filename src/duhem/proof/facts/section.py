@@ -107,15 +107,6 @@ class Meaning:
     third: sp.Expr
     known: dict[sp.Expr, Section | None] = field(default_factory=dict, compare=False, repr=False)
 
-    def shown_in(self, expr: sp.Expr) -> bool:
-        """Whether some sum in the formula is a multiple of J2."""
-        for part in expr.atoms(sp.Add):
-            if part.is_polynomial(*self.forces) and sp.Poly(part, *self.forces).total_degree() == 2:
-                found = self.read(part)
-                if found is not None and found.degree == 2:
-                    return True
-        return False
-
     def read(self, expr: sp.Expr) -> Section | None:
         """The expression as such a function; None where it is none."""
         if expr not in self.known:
@@ -171,7 +162,11 @@ class Meaning:
 
 def meaning_of(g: sp.Expr, forces: Sequence[sp.Symbol], left: Sequence[sp.Symbol]) -> Meaning | None:
     """What tensor the forces of a law are, if J2 of one stands in its formula."""
-    return next((meaning for meaning in _meanings(forces, left) if meaning.shown_in(g)), None)
+    parts = [part for part in g.atoms(sp.Add) if part.is_polynomial(*left) and sp.Poly(part, *left).total_degree() == 2]
+    for meaning in _meanings(forces, left) if parts else ():
+        if any(found is not None and found.degree == 2 for found in map(meaning.read, parts)):
+            return meaning
+    return None
 
 
 def _meanings(forces: Sequence[sp.Symbol], left: Sequence[sp.Symbol]) -> Iterator[Meaning]:

@@ -22,7 +22,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     """K is convex if g is quasiconvex by the composition rules (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)."""
     facts = curvature(subject.simple.g, subject)
     if not facts.quasiconvex:
-        facts = convex_in_its_region(subject)
+        facts = convex_in_its_region(subject, facts)
     if not facts.quasiconvex:
         return None
     kind = "convex" if facts.convex else "quasiconvex"

@@ -172,9 +172,17 @@ class _Forms:
 
     def derivatives(self, f: sp.Poly) -> tuple[sp.Poly, sp.Poly]:
         """v . grad f and v . Hess f v."""
-        v = self.generators[len(self.forces) : 2 * len(self.forces)]
-        first = self.along(v, [f.diff(x) for x in self.forces])
-        return first, self.along(v, [first.diff(x) for x in self.forces])
+        first = self._along_directions(f)
+        return first, self._along_directions(first)
+
+    def _along_directions(self, f: sp.Poly) -> sp.Poly:
+        """v . grad f, term by term."""
+        found, n = dict[tuple[int, ...], Any](), len(self.forces)
+        for m, c in f.as_dict(native=True).items():
+            for i in (i for i in range(n) if m[i]):
+                k = tuple(p - (j == i) + (j == n + i) for j, p in enumerate(m))
+                found[k] = found.get(k, 0) + m[i] * c
+        return sp.Poly.from_dict(found, *self.generators, domain=f.get_domain())
 
     @property
     def zero(self) -> sp.Poly:

@@ -28,7 +28,9 @@ def inner_point(base: Blocks, ways: Sequence[Blocks], start: Sequence[Fraction])
     """Numbers y with which base + sum y_k ways_k is positive definite, as it seems, in ever more digits; none where none was found."""
     with precision(_BITS):
         found = _found(base, ways, start)
-    for digits in range(3, _FINEST, 3) if found is not None else ():
+    if found is None:
+        return
+    for digits in range(3, _FINEST, 3):
         yield [Fraction(round(y * 10**digits), 10**digits) for y in found]
 
 

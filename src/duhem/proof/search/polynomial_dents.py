@@ -24,11 +24,11 @@ from duhem.proof.search.suggestion import Chord, Point
 
 __all__ = ["chords_across_dents"]
 
-_STARTS, _FOLLOWED, _STEPS = 240, 6, 40  # directions a force, how many of the lowest are followed, and for how long
+_STARTS, _FOLLOWED, _STEPS = 240, 6, 40  # directions a force, how many of them are followed, and for how long
 _NOISE = 1e-12  # a bend above this is taken for one inward
-_APART = 0.98  # the cosine between two of these is less
+_BESIDE = 3  # of so many others a force is it the lowest
 _CLEAR = -1e-4  # a dent that deep needs no more search
-_ALL_BUT_FLAT = 0.1  # the least bend of a start beside a minimum that may be a dent; that of a sphere is 1
+_ALL_BUT_FLAT = 0.03  # the least bend of a start beside a minimum that may be a dent; that of a sphere is 1
 _CLOSEST = 1e-5  # no quadratic is laid through closer values
 _PRICE = 2  # steps of a direction and a term
 _SHORTEST = 70  # half the length of a chord is that of the ray times a power of 1/2 below this
@@ -186,14 +186,17 @@ class _Floats:
 
     @cached_property
     def _minima(self) -> tuple[Any, Any, Any]:
-        """The same of minima that are found from the lowest of the starts, none beside another."""
+        """The same of minima that are found from the lowest of the starts that are lower than those beside them."""
         import numpy as np
 
-        apart = list[Any]()
-        for start in self._starts[0][: 4 * _FOLLOWED * self.n]:
-            if len(apart) < _FOLLOWED and all(abs(start @ other) < _APART for other in apart):
-                apart.append(start)
-        return self._sorted(_followed(self, np.array(apart)))
+        starts, bends, _ = self._starts
+        low = len(starts) // 4
+        near = starts[:low] @ starts.T
+        if not (self.degrees % 2).any():
+            near = np.abs(near)  # so are the bends on both sides alike
+        beside = np.argpartition(-near, _BESIDE * self.n, axis=1)[:, : _BESIDE * self.n + 1]
+        lowest = np.flatnonzero((bends[:low, None] <= bends[beside]).all(axis=1))[:_FOLLOWED]
+        return self._sorted(_followed(self, starts[lowest]))
 
     def _sorted(self, directions: Any) -> tuple[Any, Any, Any]:
         import numpy as np
