@@ -73,3 +73,27 @@ def test_the_oracle_knows_known_thresholds() -> None:
     gotoh = ["1", "-2.60", "3.75", "-2.79", "0.99", "6.29", "-7.72", "6.33", "8.96"]
     assert plane_quartics.convex([F(c) for c in gotoh])
     assert plane_quartics.convex([F(c) for c in ("1", "-2.60", "3.75", "-2.79", "0.99", "6.29", "-7.72", "6.33", "1")]) is False
+
+
+NARROW = (  # beside a hollow that is broad and lies lower at every start
+    "31633830716390426801*sx**4/54975581388800000000 + 389391161791595493199*sx**3*sy/68719476736000000000"
+    " + 937049358035860506801*sx**2*sy**2/42949672960000000000"
+    " + 4464801847059676615617*sx**2*t**2/1374389534720000000000"
+    " + 13228938195145835493199*sx*sy**3/343597383680000000000"
+    " + 8527053982299786588413*sx*sy*t**2/1374389534720000000000 + 4497506853339837520403*sy**4/171798691840000000000"
+    " + 11853511173861647547607*sy**2*t**2/1374389534720000000000"
+    " + 31373806095857290588413*t**4/1374389534720000000000 - 1"
+)
+
+
+def test_a_narrow_dent_beside_a_broad_hollow() -> None:
+    stated = law(NARROW, "sx sy t")
+    for method in (chords.convexity_at_clear_dents, chords.convexity_at_deepest_dents):
+        found = method(FormulaSubject(stated))
+        assert found is not None and found.witness is not None
+
+
+@pytest.mark.parametrize(("depth", "seen"), [(F(1, 10**9), True), (F(0), False), (F(-1, 10**9), False)])
+def test_what_is_all_but_flat_is_followed_at_once(depth: Fraction, seen: bool) -> None:
+    found = chords.convexity_at_clear_dents(FormulaSubject(law(f"{ball(F(8, 9) + depth, 'a b c')} - 1", "a b c")))
+    assert (found is not None) is seen
