@@ -225,3 +225,32 @@ def test_a_constraint_that_a_fixed_value_settles_is_dropped() -> None:
 def test_parameters_that_are_no_domains_by_name(parameters, message):
     with pytest.raises(InputError, match=message):
         Criterion("x", "abs(sigma_a) - mu*abs(sigma_n)", parameters)
+
+
+@pytest.mark.parametrize(
+    ("section", "most"),
+    [
+        ('forces = [{}]\ng = "f0"\n', 100),
+        ('g = "sigma_a"\nconstraints = [{}]\n', 200),
+        ('g = "sigma_a"\n[parameters]\n{}\n', 200),
+        ('g = "sigma_a"\n[define]\n{}\n', 500),
+        ("{}\n", 200),
+    ],
+)
+def test_a_law_has_no_more_parts_than_are_of_use(section: str, most: int) -> None:
+    def text(n: int) -> str:
+        names = [f"f{i}" for i in range(n)]
+        if "[{}]" in section:
+            entries = ", ".join(f'"{name}"' for name in names)
+        elif section == "{}\n":
+            entries = '[[surface]]\ng = "sigma_a"\n' * n
+        else:
+            entries = "\n".join(f'{name} = "1"' if "define" in section else f"{name} = {{}}" for name in names)
+        return '[criterion]\nname = "x"\n' + section.format(entries)
+
+    with pytest.raises(InputError, match=f"has {most + 1} entries; at most {most}"):
+        reads(text(most + 1))
+    try:
+        reads(text(most))
+    except InputError as fault:
+        assert "entries" not in str(fault)  # what else is wrong with it

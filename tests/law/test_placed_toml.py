@@ -283,3 +283,37 @@ def test_deep_nesting_is_read_or_refused_in_words(depth):
 def test_unknown_names_have_a_near_one_or_all():
     assert meant("stifness", ["law", "stiffness"]) == "did you mean 'stiffness'?"
     assert meant("zzz", ["law", "path"]) == "known are: law, path" and meant("zzz", []) == "known are: none"
+
+
+# -- limits -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        (".".join("a" * 17) + " = 1", 1),
+        ("x = 1\n[" + " . ".join(["'a'"] * 17) + "]", 2),
+        ("[[" + ".".join(['"a.\\"b"'] * 40_000) + "]]", 1),
+        ("x = { b = 1, " + ".".join("a" * 20_000) + " = 1 }", 1),
+    ],
+)
+def test_a_key_of_many_parts_is_refused_before_it_is_read(text, line, monkeypatch):
+    """Its cost grows with the square of the parts: 40 kB of them took 10 s and 2 GB."""
+    monkeypatch.setattr("tomllib.loads", lambda *_, **__: pytest.fail("it was read"))
+    with pytest.raises(InputError, match="more than 16 parts") as fault:
+        parsed(text, "f.toml")
+    assert fault.value.where == f"f.toml:{line}"
+
+
+def test_a_key_of_few_parts_and_dots_elsewhere_are_read():
+    text = ".".join("a" * 16) + ' = 1\nx = [1.5, 2.5, 3.5, 4.5, 5.5, 6.5]\ny = "' + "1.5, " * 100 + '"\n'
+    assert parsed(text, "f.toml").document["x"][1] == 2.5
+
+
+@pytest.mark.parametrize(
+    ("text", "place"), [("n = 0x" + "f" * 4000, "f.toml:1:1"), ("[t]\nn = [1, { m = -" + "9" * 401 + " }]", "f.toml:2:11")]
+)
+def test_an_integer_too_long_to_be_printed_has_its_place(text, place):
+    with pytest.raises(InputError, match="too long") as fault:
+        parsed(text, "f.toml")
+    assert fault.value.where == place

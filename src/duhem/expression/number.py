@@ -29,16 +29,25 @@ def exact_number(x: Any) -> sp.Rational:
     raises InputError.
     """
     if isinstance(x, sp.Rational):
-        return x
+        return _bounded(x)
     if isinstance(x, bool):
         raise InputError(f"{x} is a truth value, not a number", remedy=_REMEDY)
     if isinstance(x, str):
         return _from_text(x)
     if isinstance(x, numbers.Rational):
-        return rational(x)
+        return _bounded(rational(x))
     if isinstance(x, (numbers.Real, Decimal, sp.Float)):
         return _from_text(str(x))
     raise InputError(f"{str(x)[:40]!r} ({type(x).__name__}) is not a number", remedy=_REMEDY)
+
+
+def _bounded(x: sp.Rational) -> sp.Rational:
+    """``x`` where it is no longer than what is read as text; sums and products of such numbers may be longer, and are no input."""
+    if max(int(x.p).bit_length(), int(x.q).bit_length()) > 8 * MOST_DIGITS:
+        raise InputError(
+            "the number is too long or too large", remedy=f"at most {MOST_DIGITS} digits and exponents up to {MOST_DIGITS} are read"
+        )
+    return x
 
 
 def rational(x: numbers.Rational) -> sp.Rational:

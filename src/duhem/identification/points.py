@@ -25,7 +25,8 @@ __all__ = ["Points"]
 
 Array = NDArray[np.float64]
 
-MOST_BYTES = 50_000_000
+MOST_BYTES = 20_000_000
+_MOST_ROWS = 200_000
 _OPTIONAL = ("weight", "scatter")
 _SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
@@ -144,6 +145,9 @@ def _rows(text: str, where: str) -> list[tuple[int, list[str]]]:
         for row in reader:
             if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#"):
                 rows.append((reader.line_num, row))
+                if len(rows) > _MOST_ROWS:
+                    place, remedy = f"{where}:{reader.line_num}", "fit a part of them"
+                    raise InputError(f"there are more than {_MOST_ROWS} rows", where=place, remedy=remedy)
     except csv.Error as fault:
         raise InputError(f"this is not CSV: {fault}", where=f"{where}:{reader.line_num}", remedy="separate numbers by commas") from None
     return rows

@@ -35,6 +35,9 @@ __all__ = ["read", "reads"]
 
 MOST_BYTES = 1_000_000
 _CRITERION = ("name", "summary", "source", "forces", "stress", "pressure", "g", "potential", "constraints")
+_MOST = {
+    ("criterion", "forces"): 100, ("criterion", "constraints"): 200, ("parameters",): 200, ("define",): 500, ("surface",): 200,
+}  # fmt: skip
 _PARAMETER = ("positive", "min", "max", "value")
 _ATLAS = ("equation", "claims", "verdicts", "note")  # what is said of the law: nothing of it is part of the law
 
@@ -60,6 +63,7 @@ class _CriterionReader(SectionReader):
         self.keys("atlas", self.table("atlas", required=False), _ATLAS)
         head = self.table("criterion")
         self.keys("criterion", head, _CRITERION)
+        self.check_sizes()
         name = self.line("criterion", "name")
         stress = self.stress()
         forces = self.names() if stress is None else list(stress.components)
@@ -131,6 +135,15 @@ class _CriterionReader(SectionReader):
         )
         check_domain(law, where=self.place("criterion", "constraints"))
         return law
+
+    def check_sizes(self) -> None:
+        """Nothing is longer than a law has use for, before anything is made of it."""
+        for path, most in _MOST.items():
+            *section, key = path
+            table = self.document.get(section[0], {}) if section else self.document
+            given = table.get(key, ()) if isinstance(table, dict) else ()
+            if isinstance(given, dict | list) and len(given) > most:
+                raise self.error(f"{key} has {len(given)} entries", *path, remedy=f"at most {most} are read")
 
     # -- the parts ---------------------------------------------------------------------------------------------
 

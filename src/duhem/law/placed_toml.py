@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from os import PathLike
@@ -93,9 +93,16 @@ class PlacedToml:
 
 def parsed(text: str, where: str, *, number: Callable[[str], Any] = float) -> PlacedToml:
     """The document written in ``text``, decimals read by ``number``; InputError with line and column where it is no TOML."""
+    if deep := _DEEP.search(text):
+        at = f"{where}:{text.count(chr(10), 0, deep.end()) + 1}"
+        raise InputError(f"a key has more than {_MOST_PARTS} parts", where=at, remedy="shorten it")
     try:
         document = tomllib.loads(text, parse_float=number)
-        return PlacedToml(where, text, document, _Scan(text).spots)
+        placed = PlacedToml(where, text, document, _Scan(text).spots)
+        for path, value in _integers(document):
+            if not -_LARGEST < value < _LARGEST:
+                raise InputError("the number is too long", where=placed.place(*path), remedy=f"at most {_MOST_DIGITS} digits are read")
+        return placed
     except tomllib.TOMLDecodeError as fault:
         what, _, place = str(fault).partition(" (at ")
         if numbers := re.fullmatch(r"line (\d+), column (\d+)\)", place):
@@ -103,10 +110,26 @@ def parsed(text: str, where: str, *, number: Callable[[str], Any] = float) -> Pl
         else:
             at = f"{where}:{text.count(chr(10), 0, len(text.rstrip())) + 1}" if place else where
         raise InputError(what[:1].lower() + what[1:], where=at, remedy="correct the TOML syntax") from None
+    except InputError:
+        raise
     except (RecursionError, ValueError, ArithmeticError):
         raise InputError("the file nests too deeply or holds a number that is too large", where=where, remedy="simplify it") from None
 
 
+def _integers(found: Any, path: _Path = ()) -> Iterator[tuple[_Path, int]]:
+    """Every integer in a document: hexadecimal ones are read in any length, and too long to be printed."""
+    if isinstance(found, dict | list):
+        for key, inner in found.items() if isinstance(found, dict) else enumerate(found):
+            yield from _integers(inner, (*path, key))
+    elif isinstance(found, int) and found.bit_length() > 64:
+        yield path, found
+
+
+_MOST_DIGITS = 400
+_LARGEST = 10**_MOST_DIGITS
+_MOST_PARTS = 16  # of a dotted key, whose cost grows with their square
+_KEY = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')[ \t]*+"""
+_DEEP = re.compile(rf"(?:^|[\[{{,])[ \t]*+(?:{_KEY}\.[ \t]*+){{{_MOST_PARTS}}}", re.MULTILINE)  # where a key may begin
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _PART = re.compile(r"""[ \t]*(?P<part>[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')[ \t]*""")
 _STRING = re.compile(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -12,13 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
+from duhem.expression.spelling import spelled
+from duhem.path.table_file import MOST_NUMBERS, read_table
 from duhem.projection.result import Array
 
 __all__ = ["CONTROLS", "Arc", "Control", "Path"]
 
 Control = Literal["displacement", "stress"]
 CONTROLS: tuple[Control, ...] = ("displacement", "stress")
-MOST_KNOTS = 20_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +49,12 @@ class Path:
     control: Control = "displacement"
     arc: Arc | None = None
 
+    def __post_init__(self) -> None:
+        given = (self.values, self.time, *([] if self.pressure is None else [self.pressure]))
+        m = len(self.time) if isinstance(self.time, np.ndarray) else 0
+        if not all(isinstance(array, np.ndarray) and len(array) == m for array in given) or self.values.ndim != 2:
+            raise InputError("this is no path", where="path", remedy="make one with Path.linear(points, pressure=...)")
+
     @classmethod
     def linear(
         cls, points: ArrayLike, *, pressure: ArrayLike | None = None, time: ArrayLike | None = None, control: Control = "displacement"
@@ -58,9 +64,10 @@ class Path:
             raise InputError(f"unknown control {control!r}", where="path", remedy=f"choose {' or '.join(CONTROLS)}")
         values = _numbers(points, "points")
         values = values[:, None] if values.ndim == 1 else values
-        if values.ndim != 2 or not 2 <= len(values) <= MOST_KNOTS or not values.shape[1]:
+        if values.ndim != 2 or len(values) < 2 or not values.shape[1]:
             raise InputError(f"points has the shape {np.shape(points)}", where="path", remedy="give (m, d) with at least two rows")
         m = len(values)
+        _check_size(m, values.shape[1], "points")
         times = np.arange(m, dtype=np.float64) if time is None else _numbers(time, "time")
         if times.shape != (m,):
             raise InputError(f"time has the shape {times.shape} for {m} points", where="path", remedy="give one time a point")
@@ -81,9 +88,14 @@ class Path:
     ) -> Path:
         """0, then ``cycles`` times from mean + amplitude to mean - amplitude and back: ``amplitude`` (d,) or a number."""
         swing = np.atleast_1d(_numbers(amplitude, "amplitude"))
-        middle = np.broadcast_to(_numbers(mean, "mean"), swing.shape)
+        middle = _numbers(mean, "mean")
+        if swing.ndim != 1 or middle.shape not in ((), swing.shape):
+            what = f"amplitude has the shape {swing.shape}, mean {middle.shape}"
+            raise InputError(what, where="path", remedy="give one number a force in each")
         _count(cycles, "cycles", 1)
-        corners = [np.zeros_like(swing), middle + swing, *[middle - swing, middle + swing] * cycles]
+        _check_size(2 * cycles + 2, swing.size, "cycles")
+        with np.errstate(all="ignore"):  # what is not finite is found
+            corners = [np.zeros_like(swing), middle + swing, *[middle - swing, middle + swing] * cycles]
         return cls.linear(np.array(corners), pressure=pressure, control=control)
 
     @classmethod
@@ -103,14 +115,20 @@ class Path:
         ``chords`` makes it the polygon of its knots instead.
         """
         _count(points, "points", 1)
-        if not (np.isfinite(radius) and radius > 0.0 and np.isfinite(turns) and turns != 0.0 and np.isfinite(start)):
+        size, rounds, first = _number(radius, "radius"), _number(turns, "turns"), _number(start, "start")
+        if not (size > 0.0 and rounds != 0.0):
             raise InputError("radius, turns and start make no circle", where="path", remedy="give a radius > 0 and turns other than 0")
-        steps = max(1, round(abs(turns) * points))
+        if not isinstance(chords, bool | np.bool_):
+            raise InputError(f"chords = {str(chords)[:40]!r}", where="path", remedy="give true or false")
+        _check_size(abs(rounds) * points + 1.0, 2, "turns")
+        steps = max(1, round(abs(rounds) * points))
         middle = _numbers(centre, "centre")
         if middle.shape != (2,):
             raise InputError(f"centre has the shape {middle.shape}", where="path", remedy="give two numbers")
-        arc = Arc(middle, float(radius), start + 2.0 * np.pi * turns * np.arange(steps + 1) / steps)
-        polygon = cls.linear(arc.at(arc.angle), pressure=pressure)
+        with np.errstate(all="ignore"):  # what is not finite is found
+            arc = Arc(middle, size, first + 2.0 * np.pi * rounds * np.arange(steps + 1) / steps)
+            knots = arc.at(arc.angle)
+        polygon = cls.linear(knots, pressure=pressure)
         return polygon if chords else replace(polygon, arc=arc)
 
     @classmethod
@@ -121,11 +139,16 @@ class Path:
         """
         _count(points, "points", 1)
         _count(dimension, "dimension", 1)
-        _count(seed, "seed", 0)
+        _count(seed, "seed", 0, 2**63 - 1)
+        _check_size(points + 1, dimension, "points")
+        size, load = _numbers(scale, "scale"), None if pressure is None else _numbers(pressure, "pressure")
+        if size.shape not in ((), (dimension,)):
+            raise InputError(f"scale has the shape {size.shape}", where="path", remedy=f"give one number or {dimension}")
         draw = np.random.default_rng(seed)
-        deviates = draw.standard_normal((points, dimension)) * _numbers(scale, "scale")
-        if pressure is not None and np.ndim(pressure) == 1 and np.size(pressure) == 2 and points != 1:
-            low, high = np.sort(_numbers(pressure, "pressure")).tolist()
+        with np.errstate(all="ignore"):  # what is not finite is found
+            deviates = draw.standard_normal((points, dimension)) * size
+        if load is not None and load.shape == (2,) and points != 1:
+            low, high = np.sort(load).tolist()
             pressure = draw.uniform(low, high, points + 1)
         return cls.linear(np.vstack([np.zeros(dimension), deviates]), pressure=pressure)
 
@@ -143,15 +166,18 @@ class Path:
 
         ``pressure`` names a column or is one number; a name that the header lacks means no pressure.
         """
-        header, rows = _table(file)
-        names = tuple(columns) if columns is not None else tuple(h for h in header if h.startswith("u_") and not h.startswith("u_in_"))
+        header, rows = read_table(file)
+        if columns is not None and (isinstance(columns, str) or not all(isinstance(name, str) for name in columns)):
+            raise InputError("columns is no list of names", where="columns", remedy='write columns = ["u_a", "u_b"]')
+        own = tuple(h for h in header if h.startswith("u_") and not h.startswith("u_in_"))
+        names = own if columns is None else tuple(map(spelled, columns))
         if not names or (absent := [n for n in names if n not in header]):
             lacks = f"no column {', '.join(absent)}" if names else "no column named u_..."
             raise InputError(f"the table has {lacks}", where=f"{file}:1", remedy=f"its columns are {', '.join(header)}")
         at = {name: rows[:, i] for i, name in enumerate(header)}
-        load = at.get(pressure) if isinstance(pressure, str) else pressure
+        load = at.get(spelled(pressure)) if isinstance(pressure, str) else pressure
         try:
-            return cls.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=at.get(time), control=control)
+            return cls.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=at.get(spelled(time)), control=control)
         except InputError as fault:
             raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None
 
@@ -160,8 +186,7 @@ class Path:
         _count(substeps, "substeps", 1)
         if substeps == 1:
             return self
-        if (len(self.time) - 1) * substeps >= MOST_KNOTS:
-            raise InputError(f"{(len(self.time) - 1) * substeps} steps are too many", where="substeps", remedy="take fewer")
+        _check_size((len(self.time) - 1) * substeps + 1, self.values.shape[1], "substeps")
         time, values = _between(self.time, substeps), _between(self.values, substeps)
         arc = None if self.arc is None else replace(self.arc, angle=_between(self.arc.angle, substeps))
         if arc is not None:
@@ -200,10 +225,17 @@ def _numbers(given: Any, what: str) -> Array:
         array = raw.astype(np.float64)
     except (ValueError, TypeError):
         raise InputError(f"{what} is not made of numbers", where="path", remedy="give finite numbers") from None
-    if (bad := np.argwhere(~np.isfinite(array))).size:
+    if len(bad := np.argwhere(~np.isfinite(array))):  # of one number too, which has no index
         at = tuple(bad[0].tolist())
         raise InputError(f"{what}{list(at) if at else ''} is {array[at]}", where="path", remedy="give finite numbers")
     return array
+
+
+def _number(given: Any, what: str) -> float:
+    array = _numbers(given, what)
+    if array.ndim:
+        raise InputError(f"{what} has the shape {array.shape}", where="path", remedy="give one number")
+    return float(array)
 
 
 def _pressure(given: ArrayLike | None, m: int) -> Array | None:
@@ -220,29 +252,15 @@ def _pressure(given: ArrayLike | None, m: int) -> Array | None:
     return np.array(np.broadcast_to(array, (m,)))
 
 
-def _count(given: Any, what: str, least: int) -> None:
+def _count(given: Any, what: str, least: int, most: int = MOST_NUMBERS) -> None:
     whole = isinstance(given, (int, np.integer)) and not isinstance(given, bool)
-    if not whole or not least <= given < MOST_KNOTS:
-        raise InputError(f"{what} = {given!r}", where="path", remedy=f"give a whole number from {least} to {MOST_KNOTS - 1}")
+    if not whole or not least <= given <= most:
+        shown = repr(given)[:60] if not whole or abs(given) < 10**60 else "a number of more than 60 digits"
+        raise InputError(f"{what} = {shown}", where="path", remedy=f"give a whole number from {least} to {most}")
 
 
-def _table(file: str | PathLike[str]) -> tuple[list[str], Array]:
-    """Header and rows of a CSV file; InputError names the line of whatever is no number."""
-    try:
-        with open(file, encoding="utf-8-sig", newline="") as stream:
-            lines = [row for row in csv.reader(stream) if row]
-    except (OSError, UnicodeDecodeError, csv.Error) as fault:
-        reason = getattr(fault, "strerror", None) or str(fault)
-        raise InputError(f"the table cannot be read: {reason}", where=f"{file}", remedy="check its name and that it is CSV") from None
-    if len(lines) < 3:
-        raise InputError("the table has fewer than two rows", where=f"{file}", remedy="give a header and at least two rows")
-    header = [name.strip() for name in lines[0]]
-    rows = np.empty((len(lines) - 1, len(header)))
-    for i, row in enumerate(lines[1:]):
-        try:
-            rows[i] = [float(cell) for cell in row]
-        except ValueError:
-            raise InputError(
-                f"{','.join(row)[:60]!r} is not {len(header)} numbers", where=f"{file}:{i + 2}", remedy="write numbers separated by commas"
-            ) from None
-    return header, rows
+def _check_size(knots: float, dimension: int, what: str) -> None:
+    """Whether so many knots are kept, before there is memory for them."""
+    most = MOST_NUMBERS // dimension
+    if not knots <= most:
+        raise InputError(f"{what}: {knots:.6g} knots are too many", where="path", remedy=f"give at most {most}, or run the path in parts")

@@ -47,6 +47,9 @@ class Plan:
     ) -> Plan:
         """What :func:`duhem.simulate` is given, checked; InputError for what does not fit."""
         known = load_formula(law)
+        if not isinstance(path, Path):
+            what = f"{type(path).__name__} is no loading path"
+            raise InputError(what, where="path", remedy="make one with Path.linear(points, pressure=...) or Path.from_csv(file)")
         fine = path.refined(substeps)
         d = len(known.forces)
         if fine.values.shape[1] != d:

@@ -57,7 +57,7 @@ _KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # what each kind
     "table": (("file",), ("columns", "time", "control")),
 }
 _PROJECTIONS = ("auto", *METHODS)
-MOST_BYTES = 10_000_000
+MOST_BYTES = 1_000_000
 
 
 class SceneFaults(InputError):
@@ -111,7 +111,7 @@ class _SceneReader:
             self.fault(f"table {table!r} is neither .csv nor .parquet", "output", "table", 'write for example table = "history.csv"')
         if "stiffness" not in self.document:
             self.fault("there is no stiffness", "", "stiffness", "write for example stiffness = 1e9, in Pa/m, above the first [section]")
-        stress = self.document.get("stress")
+        stress = self.stress()
         if law is not None and path is not None and parameters is not None and "stiffness" in self.document:
             self.fits(law, path, parameters, substeps, integrator)
         if self.faults or law is None or path is None:
@@ -124,7 +124,7 @@ class _SceneReader:
             method=integrator,
             projection=projection,
             substeps=substeps,
-            stress=None if stress is None else tuple(np.atleast_1d(stress).tolist()),
+            stress=stress,
             table=table,
             plot=plot,
             inputs=tuple(self.inputs),
@@ -145,6 +145,19 @@ class _SceneReader:
                 pieces(plan)
             except InputError as fault:
                 self.fault(fault.what, "method", "integrator", fault.remedy.replace("method=", "integrator = "))
+
+    def stress(self) -> tuple[float, ...] | None:
+        given = self.document.get("stress")
+        if given is None:
+            return None
+        try:
+            stress = np.atleast_1d(np.asarray(given))
+            if stress.ndim == 1 and stress.dtype.kind in "iuf":
+                return tuple(stress.astype(np.float64).tolist())
+        except ValueError:  # ragged
+            pass
+        self.fault("stress is not made of numbers", "", "stress", "give one number a force, in Pa")
+        return None
 
     def law(self) -> Criterion | None:
         given = self.document.get("law")

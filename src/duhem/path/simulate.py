@@ -84,8 +84,12 @@ def simulate(
     both InputErrors, where numbers grow beyond double precision and where the stress at the end of a step lies outside a declared
     range; and :class:`Interrupted`, a KeyboardInterrupt, all three with the part that is done.
     """
-    if method not in INTEGRATORS:
+    if not isinstance(method, str) or method not in INTEGRATORS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
+    if start is not None and not isinstance(start, History):
+        raise InputError(f"{type(start).__name__} is no history", where="start", remedy="give what an interrupted run left")
+    if on_step is not None and not callable(on_step):
+        raise InputError(f"{type(on_step).__name__} cannot be called", where="on_step", remedy="give a function of (done, all)")
     plan = Plan.of(law, path, stiffness=stiffness, parameters=parameters, projection=projection, substeps=substeps)
     if plan.path.control == "stress":
         with np.errstate(all="ignore"):  # what is not finite is found

@@ -1,0 +1,98 @@
+"""A table of numbers from a file: a header of names, rows of numbers, commas between them; what is otherwise is said with its line."""
+
+from __future__ import annotations
+
+import csv
+from array import array
+from os import PathLike
+from typing import TextIO
+
+import numpy as np
+
+from duhem.errors import InputError
+from duhem.expression.spelling import spelled
+from duhem.projection.result import Array
+
+__all__ = ["MOST_NUMBERS", "read_table"]
+
+MOST_NUMBERS = 10_000_000  # of a path: five million knots in the plane, with some 100 bytes each before the first step
+_MOST_CHARACTERS = 100_000  # of a line
+_COMMAS = "separate numbers by commas, with points in decimals"
+_SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
+
+
+def read_table(file: str | PathLike[str]) -> tuple[list[str], Array]:
+    """The names in the header, and the rows (m, names) below it.  Blank lines and those that begin with # are left out.
+
+    InputError names the line of whatever is no number; no more than ``MOST_NUMBERS`` are read.
+    """
+    if not isinstance(file, (str, PathLike)):
+        raise InputError(f"{type(file).__name__} is no name of a file", where="file", remedy="give the path of a table")
+    try:
+        with open(file, encoding="utf-8-sig") as stream:
+            return _read(stream, f"{file}")
+    except InputError:
+        raise
+    except UnicodeDecodeError:
+        raise InputError("this is not text in UTF-8", where=f"{file}", remedy="write the table as CSV") from None
+    except (OSError, ValueError) as fault:
+        reason = getattr(fault, "strerror", None) or str(fault)
+        raise InputError(f"the table cannot be read: {reason}", where=f"{file}", remedy="check its name and that it is CSV") from None
+
+
+def _read(stream: TextIO, where: str) -> tuple[list[str], Array]:
+    header: list[str] = []
+    numbers = array("d")
+    line = 0
+    while text := stream.readline(_MOST_CHARACTERS + 1):
+        line += 1
+        place = f"{where}:{line}"
+        if len(text) > _MOST_CHARACTERS or "\0" in text:
+            raise InputError("this is no line of a table", where=place, remedy="write the table as CSV")
+        if not text.strip() or text.lstrip().startswith("#"):
+            continue
+        cells = _cells(text, place)
+        if not header:
+            header = _header(cells, place)
+            continue
+        try:
+            row = [float(cell) for cell in cells]
+        except ValueError:
+            row = []
+        if len(row) != len(header):
+            raise InputError(f"{text.strip()[:60]!r} is not {len(header)} numbers", where=place, remedy=_COMMAS)
+        numbers.extend(row)
+        if len(numbers) > MOST_NUMBERS:
+            raise InputError(f"the table has more than {MOST_NUMBERS} numbers", where=place, remedy="run it in parts")
+    if len(numbers) < 2 * max(1, len(header)):
+        raise InputError("the table has fewer than two rows", where=where, remedy="give a header and at least two rows")
+    return header, np.array(numbers).reshape(-1, len(header))
+
+
+def _cells(text: str, place: str) -> list[str]:
+    if '"' not in text:
+        return text.split(",")
+    try:
+        return next(csv.reader([text], strict=True))
+    except csv.Error as fault:
+        raise InputError(f"this is not CSV: {fault}", where=place, remedy=_COMMAS) from None
+
+
+def _header(cells: list[str], place: str) -> list[str]:
+    names = [spelled(cell.strip()) for cell in cells]
+    for mark, said in _SEPARATORS.items():
+        if mark in names[0]:
+            raise InputError(f"the columns are separated by {said}", where=place, remedy=_COMMAS)
+    if all(map(_is_number, names)):
+        raise InputError("there is no header", where=place, remedy="write the names of the columns above, such as time,u_a,u_b,sigma_n")
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise InputError(f"the column {twice[:40]!r} is there twice", where=place, remedy="give each column a name of its own")
+    return names
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
