@@ -40,10 +40,13 @@ _NEAR = 2e-13  # distances that count as rounding, relative to the numbers at ha
 _SETTLED = 1e-15  # the polyhedron is this close to K, relative likewise: nothing more can be learnt from outside
 _EDGE_STEPS = 60
 _PATIENCE = 8  # rounds without coming closer after which the same is concluded
+_NUDGE = 1e-8  # of the numbers at hand: how far beside a point without a normal one is looked for
 _STRAIGHT = 1e-5  # over shorter ways a bend could hide in rounding
 _BESIDE = 1e-10  # how far the normals at a settled, sharp edge may be taken from beside it
+_AROUND = 3e-8  # the same where the point itself has no normal that a formula could tell
 _DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
 _TIP = 1e-14  # a component this small is rounding of the others
+_ORIGIN = 1e-12  # a stress this small is none, if none is in K: corners are met less closely than sides
 _DEFAULTS = Options()
 _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting half-space
 
@@ -97,7 +100,9 @@ def _measured(k: Body, trial: Array, pressure: Array) -> tuple[Body, Array, NDAr
         x = trial / k.size[:, None]
         share, missed = crossing(k.level, origin, x)
         near = np.max(np.abs(origin + share[:, None] * (x - origin)), axis=1)
-        grown = np.where(missed, 1.0, power_of_two(near))
+        half = origin + 0.5 * share[:, None] * (x - origin)
+        seen = ~missed & (k.level(half, everyone) < 0)  # where powers vanish, a ray that misses K seems to enter it
+        grown = np.where(seen, power_of_two(near), 1.0)
         k, origin = k.resized(pressure, k.size * grown), origin / grown[:, None]
         centre, none = inner_points(k, everyone)
         if not (centre != origin).any():
@@ -107,10 +112,11 @@ def _measured(k: Body, trial: Array, pressure: Array) -> tuple[Body, Array, NDAr
 
 
 def _snap(k: Body, x: Array) -> None:
-    """Components that are rounding become 0 where only that keeps the point inside: the tip of a cone, a face through 0."""
-    clean = np.where(np.abs(x) <= _TIP * _reach(k, x)[:, None], 0.0, x)
+    """Components that are rounding become 0 where only that keeps the point inside, a face through 0, and all of them at a tip."""
+    none = np.abs(x).max(axis=1, keepdims=True) <= _ORIGIN
+    clean = np.where(none | (np.abs(x) <= _TIP * _reach(k, x)[:, None]), 0.0, x)
     at = np.flatnonzero(np.any(clean != x, axis=1))
-    better = at[(k.level(x[at], at) > 0) & (k.level(clean[at], at) <= 0)]
+    better = at[((k.level(x[at], at) > 0) | ~clean[at].any(axis=1)) & (k.level(clean[at], at) <= 0)]
     x[better] = clean[better]
 
 
@@ -183,7 +189,16 @@ def _search(k: Body, trial: Array, centre: Array) -> _Found:
         tried = np.flatnonzero(found.failed[left] & now)
         _accept(found, k, refine(k, s[left[tried]], x[tried], left[tried]), left[tried], outer, cuts)
         _try_meets(found, k, s, left[found.failed[left] & now], outer, cuts)
+        lost = np.flatnonzero(found.failed[left])
+        _accept_vertex(found, k, left[lost], x[lost], gap[lost], outer, cuts)
+        lost = np.flatnonzero(found.failed[left] & settled)
+        _accept_polyhedron(found, k, left[lost], x[lost], gap[lost], settled[lost], outer, cuts, _AROUND)
         touch = k.piece(x, left, second=False)
+        if (bare := np.flatnonzero(found.failed[left] & ~settled & ~np.isfinite(touch.normal).all(axis=1))).size:
+            x[bare] = _pulled(
+                k, y[bare] + _NUDGE * _reach(k, x[bare])[:, None] * _any_way(round_, s.shape[1]), centre[left[bare]], left[bare]
+            )
+            touch = k.piece(x, left, second=False)
         open_ = found.failed[left] & ~settled & np.all(np.isfinite(touch.normal), axis=1)
         left, x = left[open_], x[open_]
         slot = outer.free_slot(left)
@@ -229,7 +244,15 @@ def _accept(found: _Found, k: Body, state: Stationary, at: Index, outer: HalfSpa
 
 
 def _accept_polyhedron(
-    found: _Found, k: Body, at: Index, x: Array, gap: Array, settled: NDArray[np.bool_], outer: HalfSpaces, cuts: _Cuts
+    found: _Found,
+    k: Body,
+    at: Index,
+    x: Array,
+    gap: Array,
+    settled: NDArray[np.bool_],
+    outer: HalfSpaces,
+    cuts: _Cuts,
+    beside: float = _BESIDE,
 ) -> None:
     """Take the nearest point of the polyhedron where it lies on K, and every half-space that presses touches K right there."""
     if not at.size:
@@ -238,16 +261,52 @@ def _accept_polyhedron(
     d = x.shape[1]
     apart = np.linalg.norm(k.whitened((cuts.x[at] - x[:, None, :]).reshape(-1, d)).reshape(len(at), -1, d), axis=2)
     reach = _reach(k, x)[:, None]
-    close = (apart <= _NEAR * reach) & (gap[:, None] <= _NEAR * reach) | (apart <= _BESIDE * reach) & settled[:, None]
+    close = (apart <= _NEAR * reach) & (gap[:, None] <= _NEAR * reach) | (apart <= beside * reach) & settled[:, None]
     for i, slot in zip(*np.nonzero(active & ~close & settled[:, None]), strict=True):
         close[i, slot] = _flat(k, at[i : i + 1], x[i], cuts.x[at[i], slot], apart[i, slot])
     good = active.any(axis=1) & np.all(close | ~active, axis=1)
-    at, x = at[good], x[good]
+    _take(found, at[good], x[good], outer, cuts)
+
+
+def _accept_vertex(found: _Found, k: Body, at: Index, x: Array, gap: Array, outer: HalfSpaces, cuts: _Cuts) -> None:
+    """Take the corners y of the polyhedron that lie on K to rounding, wherever its sides touch K: an apex of bent sides.
+
+    The closest point p of K lies in the polyhedron, n_i . (p - y) = -t_i <= 0, and |s - p| <= |s - y| + gap.  With
+    s - y = sum mu_i n_i this leaves mu_i t_i <= |s - y| gap, and d normals bound p - y by the t_i.  Where the origin is as near
+    as that, and in K, it is meant.
+    """
+    d = x.shape[1]
+    presses = outer.active[at] & (outer.multipliers[at] > 0)
+    who = np.flatnonzero(presses.sum(axis=1) == d)
+    if not who.size:
+        return
+    at, x, presses, gap = at[who], x[who], presses[who], gap[who]
+    normals = outer.normals[at][presses].reshape(-1, d, d)
+    multipliers = outer.multipliers[at][presses].reshape(-1, d)
+    reach = _reach(k, x)
+    away = np.linalg.norm(np.einsum("nj,njd->nd", multipliers, normals), axis=1)
+    spread = np.linalg.svd(normals, compute_uv=False)[:, -1]
+    with np.errstate(all="ignore"):
+        off = np.linalg.norm(1.0 / multipliers, axis=1) * away * np.maximum(gap, _SETTLED * reach) / spread
+    good = off <= _BESIDE * reach
+    at, x, off = at[good], x[good], off[good] + gap[good]
+    tip = (np.linalg.norm(k.whitened(x), axis=1) <= off) & (k.level(np.zeros_like(x), at) <= 0)
+    _take(found, at, np.where(tip[:, None], 0.0, x), outer, cuts)
+
+
+def _take(found: _Found, at: Index, x: Array, outer: HalfSpaces, cuts: _Cuts) -> None:
+    """Keep the points ``x`` with the half-spaces that press."""
     multiplier = np.where(outer.active[at], outer.multipliers[at], 0.0)
     found.x[at] = x
     found.normal[at] = np.einsum("nm,nmd->nd", multiplier, outer.normals[at])
     found.weight[at] = np.sum(multiplier / cuts.slope[at], axis=1)
     found.failed[at] = False
+
+
+def _any_way(round_: int, d: int) -> Array:
+    """A direction (d,) with nothing to it, another each round and the same each time."""
+    way = np.random.default_rng(round_).standard_normal(d)
+    return np.asarray(way / np.linalg.norm(way))
 
 
 def _flat(k: Body, at: Index, x: Array, touch: Array, apart: float) -> bool:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from duhem.expression import balls, mpmath_
 from duhem.expression.balls import precision
 from duhem.expression.jets import Choices, JetProgram, formula
+from duhem.expression.limits import Filled, filled
 from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.rays import Rays
 from duhem.law.formula_law import Criterion
@@ -80,14 +81,16 @@ class Region:
 
     def _exactly(self, stress: list[float], pressure: float) -> bool:
         (level,) = _in_digits(self.law)(*stress, *self._others(pressure))
+        if level != level:  # a limit, if it has one
+            level = self.level(np.array([stress]), np.array([pressure]))[0]
         return not level <= 0
 
 
 @lru_cache(maxsize=64)
-def _programs(law: Criterion) -> tuple[Program, JetProgram]:
+def _programs(law: Criterion) -> tuple[Program | Filled, JetProgram]:
     names = tuple(law.symbols().values())
     forces = law.force_symbols()
-    return compiled(law.g, names), formula(law.g, forces, names[len(forces) :])
+    return filled(compiled(law.g, names), law.g, forces), formula(law.g, forces, names[len(forces) :])
 
 
 @lru_cache(maxsize=64)

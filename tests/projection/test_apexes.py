@@ -1,0 +1,112 @@
+"""Closest points at apexes whose sides are bent, at tips in the origin, and where a formula is 0/0."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+import duhem
+from duhem.projection import newton
+from duhem.projection.validation import increment
+
+HYDROSTATIC = np.ones(3)
+GOLDEN = (np.sqrt(5.0) - 1.0) / 2.0
+ROUSSELIER = 1099 / 2000 * np.log(2000 / 901)  # D s1 f exp(p/((1 - f) s1)) = R, at f = 901/2000 and else 1
+
+# law, its parameters, where on the hydrostatic axis it ends, and how far from the axis its slips there may go
+APEXES = [
+    ("rousselier", {"f": "901/2000", "D": 1, "s1": 1, "R": 1}, ROUSSELIER, 0.2),
+    ("bresler-pister", {"a": 1, "b": 1, "c": -1, "fc": 1}, GOLDEN, 0.05),
+    ("bresler-pister", {"a": 1, "b": 1, "c": -1, "fc": 1}, -1.0 - GOLDEN, 0.05),
+    ("willam-warnke", {}, 5.0 / 3.0, 0.1),
+    ("abaqus-linear", {}, 10.0 / 7.0, 0.2),
+    ("bigoni-piccolroaz", {}, 0.1, 0.0),
+    ("bigoni-piccolroaz", {}, -1.0, 0.0),
+]
+
+
+def trials(apex: float, wide: float) -> np.ndarray:
+    """Stresses beyond the apex, at most ``wide`` off the axis, on it first."""
+    rng = np.random.default_rng(0)
+    off = rng.standard_normal((12, 3))
+    off -= off.mean(axis=1, keepdims=True)
+    off *= wide / np.linalg.norm(off, axis=1, keepdims=True)
+    off[:2] = 0.0
+    far = np.array([1.0, 1e-3, *np.geomspace(1e-2, 1e3, 10)])[:, None]
+    return apex * HYDROSTATIC + far * (np.sign(apex) * HYDROSTATIC + off)
+
+
+@pytest.mark.parametrize(("name", "values", "apex", "wide"), APEXES)
+def test_bent_sides_meet_in_an_apex(name: str, values: dict, apex: float, wide: float) -> None:
+    law = duhem.load(name).fix(values)
+    asked = trials(apex, wide)
+    found = newton.solve(increment(law, asked, None, 1.0, None))
+    assert not found.failed.any()
+    off = np.abs(found.stress - apex).max(axis=1)
+    assert (off <= 1e-8 * (1.0 + np.abs(asked).max(axis=1) * 1e-4)).all(), off
+    np.testing.assert_allclose(found.slip, asked - apex, rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", ["ottosen", "abaqus-linear", "argyris", "bigoni-piccolroaz", "van-eekelen", "willam-warnke-tensor"])
+def test_on_the_hydrostatic_axis_a_stress_inside_stays(name: str) -> None:
+    law = duhem.load(name)
+    law = law.fix({p: 1 if p in "ak" else "4/5" for p, domain in law.parameters.items() if domain.value is None})
+    on = np.array([0.0] * len(law.forces))
+    on[:3] = 1.0
+    asked = np.array([-0.09, 0.0, 0.05])[:, None] * on
+    found = newton.solve(increment(law, asked, None, 1.0, None))
+    assert not found.failed.any()
+    np.testing.assert_array_equal(found.stress, asked)
+    assert not found.slip.any()
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "trial"),
+    [
+        ("sap", {"mu": 1}, [[-0.574, -0.065, -0.877], [0.1, 0.2, -3.0], [1e-9, 0.0, -1.0]]),
+        ("dafalias-manzari", {"alpha": 0, "m": "1/2"}, [[-1.0, 0.2], [-3.0, -1.0]]),
+        ("teardrop", {}, [[1.0, 0.5], [0.7, 1.1]]),
+    ],
+)
+def test_a_tip_in_the_origin_is_met_exactly(name: str, values: dict, trial: list[list[float]]) -> None:
+    law = duhem.load(name).fix(values)
+    found = newton.solve(increment(law, trial, None, 1.0, None))
+    assert not found.failed.any()
+    assert not found.stress.any()
+
+
+def _clay(p: float, sign: float) -> np.ndarray:
+    """s-clay1 of M = 1, alpha = 1/2, pm = 1, by its parameter."""
+    return np.array([p, 0.5 * p + sign * np.sqrt(0.75 * max(p * (1.0 - p), 0.0))])
+
+
+def _teardrop(p: float, sign: float) -> np.ndarray:
+    return p * np.array([1.0, 1.0]) + sign * p * np.sqrt(max(1.0 + p, 0.0)) * np.array([1.0, -1.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "curve", "ends"),
+    [
+        ("s-clay1", {"M": 1, "alpha": "1/2", "pm": 1}, _clay, (0.0, 1.0)),
+        ("teardrop", {}, _teardrop, (-1.0, 0.0)),
+    ],
+)
+def test_a_ray_from_a_boundary_origin_that_misses_the_set(name: str, values: dict, curve, ends: tuple[float, float]) -> None:
+    """Where powers of tiny stresses vanish it seems to enter; the closest point is that of the curve, searched along it."""
+    law = duhem.load(name).fix(values)
+    angle = np.linspace(0.1, 2.0 * np.pi, 17)
+    trial = 3.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    found = newton.solve(increment(law, trial, None, 1.0, None))
+    assert not found.failed.any()
+    for at, stress in zip(trial, found.stress, strict=True):
+        nearest = np.inf
+        for sign in (1.0, -1.0):
+            grid = np.linspace(*ends, 400)
+            rough = grid[np.argmin([np.linalg.norm(curve(p, sign) - at) for p in grid])]
+            low, high = max(rough - 0.01, ends[0]), min(rough + 0.01, ends[1])
+            best = minimize_scalar(
+                lambda p, s=sign, t=at: np.linalg.norm(curve(p, s) - t), bounds=(low, high), method="bounded", options={"xatol": 1e-12}
+            )
+            nearest = min(nearest, best.fun, *(np.linalg.norm(curve(p, sign) - at) for p in (*ends, rough)))
+        assert np.linalg.norm(stress - at) == pytest.approx(nearest, rel=1e-9)
