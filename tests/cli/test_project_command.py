@@ -92,3 +92,12 @@ def test_command_ends_with_4_at_a_point_that_is_stationary_only(run: Run, tmp_pa
         code, out, _ = run(str(law), "--trial", trial, "0", "--pressure", "-1", "--format", "json")
         assert code == expected
         assert (json.loads(out)["remark"] is None) == (code == 0)
+
+
+def test_what_is_missing_is_asked_for_in_the_words_of_the_command(run: Run) -> None:
+    code, out, message = run("coulomb", "--trial", "1", "1", "--pressure", "-1", "--stiffness", "1")
+    assert (code, out) == (2, "")
+    assert "--set mu=VALUE" in message and "parameters=" not in message
+    code, out, message = run("coulomb", "--set", "mu=0.2", "--trial", "1", "1", "--stiffness", "1")
+    assert (code, out) == (2, "")
+    assert message.startswith("duhem: --pressure: coulomb needs the pressure sigma_n")

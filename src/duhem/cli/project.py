@@ -9,6 +9,7 @@ import click
 from duhem.cli.arguments import Vectors, law_argument, read_fixed_formula, read_number, read_numbers, settings_option
 from duhem.cli.exit_code import FAILED, HELD
 from duhem.cli.output import page, say
+from duhem.errors import InputError
 from duhem.projection.methods import METHODS
 
 __all__ = ["project"]
@@ -36,6 +37,11 @@ def project(
     forces that LAW declares is called outside, and ends with 4 too.
     """
     fixed = read_fixed_formula(law, settings)
+    if missing := [name for name, domain in fixed.parameters.items() if domain.value is None]:
+        remedy = f"give {' '.join(f'--set {name}=VALUE' for name in missing)}"
+        raise InputError(f"no value is given for {', '.join(missing)}", where=fixed.name, remedy=remedy)
+    if fixed.pressure is not None and pressure is None:
+        raise InputError(f"{fixed.name} needs the pressure {fixed.pressure}", where="--pressure", remedy="give it, <= 0 in compression")
     target, rows = read_numbers(trial, "--trial"), read_numbers(stiffness, "--stiffness")
     load = None if pressure is None else read_number(pressure, "--pressure")
 

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
-from duhem.expression.spelling import respelled, spelled
+from duhem.expression.given_array import columns, unmasked
+from duhem.expression.spelling import spelled
 from duhem.law.formula_law import Criterion
 
 __all__ = ["Points"]
@@ -61,17 +62,15 @@ class Points:
         names = (*law.forces, *([law.pressure] if law.pressure else []))
         if isinstance(given, (str, PathLike)):
             return _of_columns(*_read(given, names), law, f"{fspath(given)}")
-        if isinstance(given, Mapping) or hasattr(given, "keys"):  # a table of columns, as data frames are
-            held = respelled({name: name for name in given}, "points")
-            columns = {n: _numbers(given[held[n]], n) for n in (*names, *_OPTIONAL) if n in held}
-            _complete(columns, names, tuple(map(str, given)), "points")
-            return _of_columns(columns, (), law, "points")
-        table = _numbers(given, "the table")
-        if table.ndim != 2 or table.shape[1] != len(names):
-            raise InputError(
-                f"the table has the shape {table.shape}", where="points", remedy=f"give one column for each of {', '.join(names)}"
-            )
-        return _of_columns(dict(zip(names, table.T, strict=True)), (), law, "points")
+        if (table := columns(given, "points")) is not None:
+            known = {n: _numbers(table[n], n) for n in (*names, *_OPTIONAL) if n in table}
+            _complete(known, names, tuple(table), "points")
+            return _of_columns(known, (), law, "points")
+        rows = _numbers(given, "the table")
+        if rows.ndim != 2 or rows.shape[1] != len(names):
+            remedy = f"give one column for each of {', '.join(names)}"
+            raise InputError(f"the table has the shape {rows.shape}", where="points", remedy=remedy)
+        return _of_columns(dict(zip(names, rows.T, strict=True)), (), law, "points")
 
     def at(self, forces: Array) -> Points:
         """The same test with other forces."""
@@ -79,6 +78,7 @@ class Points:
 
 
 def _numbers(given: ArrayLike, what: str) -> Array:
+    unmasked(given, what)
     try:
         if not np.iscomplexobj(given):
             return np.asarray(given, dtype=np.float64)

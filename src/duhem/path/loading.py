@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
+from duhem.expression.given_array import unlabelled, unmasked
 from duhem.expression.spelling import spelled
 from duhem.path.table_file import MOST_NUMBERS, read_table
 from duhem.projection.result import Array
@@ -62,7 +63,7 @@ class Path:
         """Straight from point to point: ``points`` (m, d), or (m,) for one force; ``pressure`` one number or (m,)."""
         if control not in CONTROLS:
             raise InputError(f"unknown control {control!r}", where="path", remedy=f"choose {' or '.join(CONTROLS)}")
-        values = _numbers(points, "points")
+        values = _numbers(unlabelled(points, "points", "give its columns as an array, in the order of the forces"), "points")
         values = values[:, None] if values.ndim == 1 else values
         if values.ndim != 2 or len(values) < 2 or not values.shape[1]:
             raise InputError(f"points has the shape {np.shape(points)}", where="path", remedy="give (m, d) with at least two rows")
@@ -219,10 +220,12 @@ def _between(knots: Array, n: int) -> Array:
 
 def _numbers(given: Any, what: str) -> Array:
     try:
-        raw = np.asarray(given)
+        raw = np.asarray(unmasked(given, what))
         if raw.dtype.kind not in "iuf":
             raise ValueError
         array = raw.astype(np.float64)
+    except InputError:
+        raise
     except (ValueError, TypeError):
         raise InputError(f"{what} is not made of numbers", where="path", remedy="give finite numbers") from None
     if len(bad := np.argwhere(~np.isfinite(array))):  # of one number too, which has no index

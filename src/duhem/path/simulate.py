@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
+from duhem.expression.given_array import in_order
 from duhem.law.formula_law import Criterion
 from duhem.path.history import History
 from duhem.path.integrators import INTEGRATORS
@@ -143,7 +144,9 @@ def _first(plan: Plan, given: ArrayLike | None) -> Array:
     law = plan.increment.law
     d = len(law.forces)
     try:
-        stress = np.zeros(d) if given is None else np.array(given, dtype=np.float64)
+        stress = np.zeros(d) if given is None else np.array(in_order(given, law.forces, "stress"), dtype=np.float64)
+    except InputError:
+        raise
     except (TypeError, ValueError):
         raise InputError("the stress at the start is not made of numbers", where="stress", remedy=f"give {d} numbers") from None
     if stress.shape != (d,) or not np.isfinite(stress).all():

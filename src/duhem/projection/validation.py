@@ -11,6 +11,7 @@ import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
+from duhem.expression.given_array import check_rows, in_order, unlabelled, unmasked
 from duhem.expression.number import exact_number
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
@@ -55,6 +56,7 @@ def posed(setting: Increment, trial: ArrayLike, pressure: ArrayLike | None) -> I
     d = len(setting.law.forces)
     stresses = _trial(trial, d, setting.law)
     pressures = _pressure(pressure, setting.law)
+    check_rows(trial, pressure, "pressure")
     try:
         n = np.broadcast_shapes((stresses.shape[0],), pressures.shape)[0]
     except ValueError:
@@ -134,7 +136,7 @@ def _at(where: str, index: tuple[int, ...]) -> str:
 
 
 def _trial(given: ArrayLike, d: int, law: Criterion) -> Array:
-    trial = _array(given, "trial")
+    trial = _array(in_order(given, law.forces, "trial"), "trial")
     if trial.ndim == 1:
         trial = trial[None]
     if trial.ndim != 2 or trial.shape[1] != d:
@@ -151,7 +153,7 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
         return np.zeros(1)
     if given is None:
         raise InputError(f"{law.name} needs the pressure {law.pressure}", where="pressure", remedy="give one number or one a trial stress")
-    pressure = _array(given, "pressure")
+    pressure = _array(unmasked(given, "pressure"), "pressure")
     if pressure.ndim > 1:
         raise InputError(f"pressure has the shape {pressure.shape}", where="pressure", remedy="give one number or the shape (N,)")
     if (at := _first(pressure > 0.0)) is not None:
@@ -168,9 +170,11 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
 
 
 def _stiffness(given: ArrayLike, law: Criterion) -> Array:
-    k, d = _array(given, "stiffness"), len(law.forces)
+    d = len(law.forces)
+    remedy = f"give one number, ({d},) or ({d}, {d})"
+    k = _array(unlabelled(given, "stiffness", f"{remedy}, in the order of {', '.join(law.forces)}"), "stiffness")
     if k.shape not in ((), (d,), (d, d)):
-        raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=f"give one number, ({d},) or ({d}, {d})")
+        raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
     alike = np.ones(d) if law.stress is None else np.where(law.stress.shears, 0.5, 1.0)  # one number is meant of the tensors
     matrix = k if k.ndim == 2 else np.diag(k if k.ndim else k * alike)
     if (bad := _first(np.diagonal(matrix) <= 0.0)) is not None:

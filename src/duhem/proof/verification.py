@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from difflib import get_close_matches
 from fractions import Fraction
 from functools import partial
 from threading import RLock
@@ -85,7 +86,11 @@ class Verification:
         for result in self.results:
             if result.claim == claim:
                 return result
-        raise KeyError(claim)
+        asked = ", ".join(result.claim for result in self.results) or "none"
+        if isinstance(claim, str) and claim in CLAIMS:
+            raise InputError(f"the claim {claim!r} was not asked for", remedy=f"name it in claims; those asked for are: {asked}")
+        near = get_close_matches(str(claim), CLAIMS, n=1)
+        raise InputError(f"unknown claim {claim!r}", remedy=f"did you mean {near[0]!r}?" if near else f"those asked for are: {asked}")
 
     @property
     def generalized_standard(self) -> bool | None:
@@ -137,7 +142,7 @@ def verify(
     criterion: Law = load(law).fix(parameters)
     check_domain(criterion)
     wanted = _wanted(claims)
-    if effort not in EFFORTS:
+    if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     needed = _with_needs(wanted)
     with _alone():
@@ -196,10 +201,14 @@ def _examined(law: Law, effort: Fraction) -> Subject:
 
 
 def _wanted(claims: Iterable[str] | None) -> tuple[str, ...]:
+    every = f"the claims are: {', '.join(CLAIMS)}"
+    if not isinstance(claims, Iterable | None):
+        raise InputError(f"{claims!r} names no claims", where="claims", remedy=every)
     names = tuple(CLAIMS) if claims is None else (claims,) if isinstance(claims, str) else tuple(claims)
     for name in names:
-        if name not in CLAIMS:
-            raise InputError(f"unknown claim {name!r}", remedy=f"the claims are: {', '.join(CLAIMS)}")
+        if not isinstance(name, str) or name not in CLAIMS:
+            near = get_close_matches(str(name), CLAIMS, n=1)
+            raise InputError(f"unknown claim {name!r}", remedy=f"did you mean {near[0]!r}? {every}" if near else every)
     return names
 
 

@@ -1,0 +1,106 @@
+"""Arrays as programs give them: tables by the names of their columns, whatever library made them, and none with masked entries.
+
+What a table is is seen by what it offers: pandas, polars and xarray are not imported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.expression.spelling import spelled
+
+__all__ = ["check_rows", "columns", "in_order", "unlabelled", "unmasked"]
+
+_PLAIN = (np.generic, list, tuple, int, float, str)
+
+
+def columns(given: Any, where: str) -> dict[str, Any] | None:
+    """The columns of a table by name, in one spelling; None of what has no names, such as an array.
+
+    A table is a mapping (``xarray.Dataset`` is one), a data frame, a series or an ``xarray.DataArray`` labelled by names, or a
+    NumPy array of records.  InputError for names that are there twice, and for labels of which only some are names.
+    """
+    found = _labelled(given)
+    labels = [label for label, _ in found or ()]
+    if not any(isinstance(label, str) for label in labels):
+        return {} if isinstance(given, Mapping) else None
+    if not all(isinstance(label, str) for label in labels):
+        raise InputError("only some of the columns have a name", where=where, remedy="name each, or give a plain array")
+    made = {spelled(label): column for label, column in found or ()}
+    if len(made) < len(labels):
+        names = [spelled(label) for label in labels]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise InputError(f"the column {twice!r} is there twice", where=where, remedy="give each column a name of its own")
+    return made
+
+
+def in_order(given: Any, names: Sequence[str], where: str) -> Any:
+    """``given``, but the columns of a table in the order of ``names``, (N, d), or (d,) of one row.
+
+    InputError where a name is missing, and for columns besides, which might be meant.
+    """
+    unmasked(given, where)
+    table = columns(given, where)
+    if table is None:
+        return given
+    absent, besides = [n for n in names if n not in table], [n for n in table if n not in names]
+    if absent or besides:
+        lacks, has = f"there is no column {', '.join(absent)}", f"no column {', '.join(besides)[:60]} is asked for"
+        what = " and ".join([lacks] * bool(absent) + [has] * bool(besides))
+        raise InputError(what, where=where, remedy=f"give the columns {', '.join(names)}, in any order, and no other")
+    parts = [unmasked(table[name], f"{where}[{name!r}]") for name in names]
+    try:
+        return np.stack([np.asarray(part) for part in parts], axis=-1)
+    except ValueError:
+        raise InputError("the columns differ in length", where=where, remedy="give one number a row in each") from None
+
+
+def unlabelled(given: Any, where: str, remedy: str) -> Any:
+    """``given``; InputError for a table with names, whose order would count, and for masked entries."""
+    if columns(given, where) is not None:
+        raise InputError("this is a table with names, and nothing says in which order they count", where=where, remedy=remedy)
+    return unmasked(given, where)
+
+
+def unmasked(given: Any, where: str) -> Any:
+    """``given``; InputError where an entry of a masked array is masked: it is no number, though there is one below the mask."""
+    if isinstance(given, np.ma.MaskedArray):
+        mask: NDArray[np.bool_] = np.ma.getmaskarray(given)
+        if len(bad := np.argwhere(mask)):
+            index = f"[{', '.join(map(str, bad[0].tolist()))}]" if mask.ndim else ""
+            raise InputError(f"{where}{index} is masked", remedy="leave the row out, or give its number")
+    return given
+
+
+def check_rows(table: Any, column: Any, where: str) -> None:
+    """InputError where ``column`` has rows of other labels than the data frame ``table``: they are taken in order, and not joined."""
+    rows: Any = getattr(column, "index", None)
+    if hasattr(table, "columns") and hasattr(rows, "equals") and len(rows) == len(table) and not rows.equals(table.index):
+        remedy = "bring both into one order, or give an array"
+        raise InputError("its rows have other labels than those of the table of forces", where=where, remedy=remedy)
+
+
+def _labelled(given: Any) -> list[tuple[Any, Any]] | None:
+    """Label and column, one by one; None of what has no labels."""
+    if isinstance(given, np.ndarray):
+        return None if given.dtype.names is None else [(name, given[name]) for name in given.dtype.names]
+    if given is None or isinstance(given, _PLAIN):
+        return None
+    if isinstance(given, Mapping):
+        return list(given.items())
+    if hasattr(given, "columns") and hasattr(given, "__getitem__"):  # data frames, and tables of Arrow
+        return [(label, given[label]) for label in getattr(given, "column_names", given.columns)]
+    if hasattr(given, "dims") and hasattr(given, "coords"):  # xarray: along one dimension the labels may be names
+        array = np.asarray(given)
+        for axis, dimension in enumerate(given.dims):
+            labels: list[Any] = np.asarray(given.coords[dimension]).tolist() if dimension in given.coords else []
+            if any(isinstance(label, str) for label in labels):
+                return [(label, array.take(i, axis)) for i, label in enumerate(labels)]
+        return None
+    index = getattr(given, "index", None)
+    return None if index is None or callable(index) else list(zip(index, np.asarray(given), strict=True))  # a series
