@@ -135,8 +135,8 @@ def test_convex_sums_are_taken_as_such() -> None:
     for wrong in (law("a**4 + 7*a**2*b**2 + b**4 - 1"), law("a**4 + 6*a**2*b**2 + b**4 - 1 + 0/e")):
         known = facts(wrong.g, with_convex_sums(wrong, ["v", "w"], [bend]))
         assert not (known.convex and known.defined)
-    square = law("a**2 - 2*a*b + b**2")
-    above = identity(["the goal"], [([], ["a", "b"], [["1", "-1"], ["-1", "1"]])])
+    square = law("a**4 - 2*a**2*b**2 + b**4")
+    above = identity(["the goal"], [([], ["a**2", "b**2"], [["1", "-1"], ["-1", "1"]])])
     assert not facts(square.g, over(square)).nonnegative and facts(square.g, with_convex_sums(square, ["v", "w"], [above])).nonnegative
 
 

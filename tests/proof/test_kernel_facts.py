@@ -62,7 +62,8 @@ CONSTANTS = [
     ("e**0", "> affine"), ("e**q", ">= affine undefined"), ("e**m", ">= affine"), ("q**2", ">= affine"), ("q**3", "? affine"),
     ("q**4", ">= affine"), ("q**-2", ">= affine undefined"), ("p**(1/2)", "> affine"), ("(p - 1)**(1/2)", ">= affine"),
     ("(q + 1)**e", ">= affine undefined"), ("u**2", ">= affine"), ("u**2 + 1", "> affine"), ("u", "? affine"), ("abs(u)", ">= affine"),
-    ("u - u", "= affine"), ("u**2 - u**2 + 1", "> affine"), ("tan(q)", "? affine undefined"), ("tanh(q)", "? affine"),
+    ("u - u", "= affine"), ("u**2 - u**2 + 1", "> affine"), ("tan(q)", "? affine"),
+    ("tan(2*q)", "? affine undefined"), ("tanh(q)", "? affine"),
     ("tanh(m)", "> affine"), ("atan(k)", "< affine"), ("sinh(k)", "< affine"), ("cosh(q)", "> affine"), ("asin(q)", "? affine"),
     ("acos(q)", ">= affine"), ("acos(k)", "> affine undefined"), ("asin(2*q)", "? affine undefined"), ("max(q, m)", "> affine"),
     ("max(q, e)", ">= affine"), ("max(k, -m)", "< affine"), ("max(q, -m)", "? affine"), ("min(q, k)", "< affine"),
@@ -72,7 +73,19 @@ CONSTANTS = [
     ("m - exp(-m)", "? affine"), ("e**(p - 1)", ">= affine undefined"), ("0**e", ">= affine undefined"),
     ("(q + 1)**u", ">= affine undefined"), ("(m - m)**p", "= affine"), ("exp(e) - 1", ">= affine"), ("1 - exp(-e)", ">= affine"),
     ("exp(e) - 1/2", "> affine"), ("exp(-e) - 1", "<= affine"), ("m*exp(e)**2 - m", ">= affine"), ("exp(k)*exp(m) - 1", "? affine"),
-    ("exp(-e)*exp(k) - 1", "< affine"), ("exp(m)*exp(e) - 1", "> affine"), ("exp(e)**-1 - 1", "? affine"),
+    ("exp(-e)*exp(k) - 1", "< affine"), ("exp(m)*exp(e) - 1", "> affine"), ("exp(e)**-1 - 1", "<= affine"),
+    ("1/(1 + m) - 1", "< affine"), ("1/(1 + e) - 1", "<= affine"), ("1/(2 + q) - 1", "<= affine"), ("1/(1 + u) - 1", "? affine undefined"),
+    ("m/(1 + m)**2 - 1/(1 + m)", "< affine"), ("1/q - 1/q**2", "? affine undefined"), ("1/u - 1/u**2", "? affine undefined"),
+    ("k/(m - k) + 1", "> affine"), ("m/(k - m) + 1", "> affine"), ("2*m/(k - m) + 1", "? affine"),
+    ("1/(m*p) - q**2/(m*p)", ">= affine"), ("1/(m*p) - 1.001*q**2/(m*p)", "? affine"), ("1/m - q**2/sqrt(m)**2", ">= affine"),
+    ("1 - q**2", ">= affine"), ("1.001 - q**2", "> affine"), ("0.999 - q**2", "? affine"), ("e - e**2 - 1/4", "<= affine"),
+    ("u**2 - u*q + q**2", ">= affine"), ("u**2 - 2*u*q + q**2", ">= affine"), ("u**2 - 2.001*u*q + q**2", "? affine"),
+    ("u**2 - 2*u*q + q**2 + m", "> affine"), ("u**2 - u + 1/4", ">= affine"), ("u**2 - u + 0.249", "? affine"),
+    ("u**4 + 2*u**3 + u**2", ">= affine"), ("-u**2 - 2*u*q - q**2", "<= affine"), ("u**2 - 2*u*q - q**2", "? affine"),
+    ("sqrt(m**2 + e) - m - 1", "< affine"), ("sqrt((m - p)**2) - m - p", "< affine"), ("sqrt(m**2 + m) - m", "? affine"),
+    ("sqrt(m**2 + e) - m", "? affine"), ("sqrt(m**2 - m*e) - m", "<= affine undefined"), ("-m + sqrt(m**2)", "<= affine"),
+    ("tan(e)", ">= affine"), ("tan(3*e)", ">= affine"), ("tan(3.01*e)", "? affine undefined"), ("tan(-e)", "<= affine"),
+    ("tan(e + 1) - tan(1/2)", "> affine"), ("tan(m)", "? affine undefined"),
 ]  # fmt: skip
 
 FORMULAS = [
@@ -117,7 +130,7 @@ FORMULAS = [
     ("k*a", "? affine"), ("a*b", "?"), ("a*a", "?"), ("abs(a)*abs(b)", ">="), ("abs(a)*(-1 - abs(b))", "<="), ("0*a*b", "="),
     ("m*k*log(1 + abs(a))", "<="), ("m*log(1 + abs(a))", ">= quasiconvex"), ("-m*min(a, b)", "? convex"),
     ("(e - e)*a**3", "= quasiconvex"), ("a**3*q", "?"), ("a**3*k", "?"), ("log(e)*a", "? affine undefined"), ("a*log(m)", "? affine"),
-    ("-2*(a - b)*k*m", "? affine"),
+    ("-2*(a - b)*k*m", "? affine"), ("tan(0*a)", "= affine"),
 ]  # fmt: skip
 
 POWERS = [
@@ -159,6 +172,9 @@ POWERS = [
     ("norm(a + norm(a, b), b - norm(a, b))", ">="), ("(a + norm(a, b))**2 + (a - norm(a, b))**2", ">= convex"),
     ("(a + norm(a, b))**2 - (a - norm(a, b))**2", "?"), ("(abs(a)**2 + b**2)**2 + 3*norm(a, b)**4 - norm(a, b)**4", ">= convex"),
     ("max(abs(a + norm(b, 1)), abs(a - norm(b, 1)), 2*norm(b, 1))", "> convex"),
+    ("max(abs(a + norm(b, 1)), abs(a - norm(b, 1)), a + norm(b, 1) - (a - norm(b, 1)))", ">= convex"),
+    ("max(abs(a + norm(b, 1)), a - norm(b, 1) - (a + norm(b, 1)))", ">="),
+    ("max(abs(a + norm(b, 1)), abs(a - norm(b, 1)), a + norm(b, 1) - (a - 2*norm(b, 1))/2)", ">="),
     ("max(abs(a + norm(b, 1)), abs(a - norm(b, 1)), a*norm(b, 1))", ">="), ("(a + norm(b, 1))**14 + (a - norm(b, 1))**14", ">= convex"),
     ("(a + norm(b, 1))**13 + (a - norm(b, 1))**13", "?"), ("abs(a + 2*norm(b, 1)) + abs(a - 2*norm(b, 1)) + norm(b, 1)", "> convex"),
     ("abs(a + 2*norm(b, 1)) + abs(a - 2*norm(b, 1)) - norm(b, 1)", "?"),

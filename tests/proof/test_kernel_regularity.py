@@ -161,3 +161,35 @@ WRONG_RULES = {
 def test_a_wrong_rule_is_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(regularity, *WRONG_RULES[name])
     assert drawn()[2] is not None
+
+
+# -- a root that is never 0, and a slope at the origin ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("under", "right"), [("m", True), ("m**2", True), ("m/(1 + m)", True), ("e", False), ("m - m", False), ("(1 - m)**2", False)]
+)
+def test_a_root_of_what_is_never_0_has_no_tip(under: str, right: bool) -> None:
+    """Where that is 0 the set is a cone with its apex at (1, 0)."""
+    stated = law(f"sqrt((a - 1)**2 + b**2 + {under}) + 2*a - 2", m={"positive": True, "max": "1"}, e=UNIT)
+    assert confirmed(stated, "composition", {"inside": {"a": "-10"}}) is right
+
+
+@pytest.mark.parametrize(
+    ("g", "right"),
+    [
+        ("a**2 - m*b", True),
+        ("a**2 + b**2 - m*(a + b)", True),
+        ("a**2 - e*b", False),  # a line, for e = 0
+        ("a**2 + b**2", False),
+        ("a**2 + b**2 - e", False),
+        ("a**2 + b**2 - 2*m*b + m**2", False),  # a point
+        ("a**2 + b**2 - 2*m*b + m**2 - m**2*e", False),
+        ("a**2 + b**2 - m*b + s", True),
+        ("a**2 + b**2 - m*b + 0/e", False),
+        ("abs(a) - m*b", False),
+        ("sqrt(a**2 + m) - sqrt(m) - b", False),  # no polynomial: true, but not shown by its slope
+    ],
+)
+def test_a_convex_polynomial_that_falls_from_the_origin(g: str, right: bool) -> None:
+    assert confirmed(law(g, m=POSITIVE, e=UNIT), "composition") is right

@@ -13,13 +13,13 @@ from fractions import Fraction
 from itertools import combinations
 
 from duhem.proof.kernel.curvature import facts, over
-from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, StatedFace, StatedLaw
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedFace, StatedLaw
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
-from duhem.proof.kernel.polynomial import Polynomial, slope, times, total
+from duhem.proof.kernel.polynomial import Polynomial, slope, times, total, written
 from duhem.proof.kernel.refutation import Condition, Identity, shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
 
-__all__ = ["curves_inward", "flows_along_normals", "flows_outward", "rises_outward", "with_convex_sums"]
+__all__ = ["curves_inward", "falls_from_zero", "flows_along_normals", "flows_outward", "rises_outward", "with_convex_sums"]
 
 _BOUNDARY, _TANGENT = "the boundary", "the tangent"
 
@@ -30,6 +30,19 @@ def rises_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
     return facts(law.g, domain).defined and all(
         shown(_along(law.forces, g, domain), ">", _on_boundary(g, sides, domain), identities, domain) for g, sides in pieces(law.g, domain)
     )
+
+
+def falls_from_zero(law: StatedLaw) -> bool:
+    """Whether g is a polynomial with g(0) <= 0 and grad g(0) != 0, so that it is negative somewhere near."""
+    domain = over(law)
+    g = domain.polynomial(law.g)
+    if not facts(law.g, domain).defined or any(not domain.constant(x) and (x.op != "name" or n < 0) for m in g for x, n in m):
+        return False
+
+    def at_zero(f: Polynomial) -> Sign:
+        return facts(written({m: c for m, c in f.items() if all(domain.constant(x) for x, _ in m)}), domain).sign
+
+    return not at_zero(g) & POSITIVE and any(not at_zero(slope(g, Term("name", name=x))) & ZERO for x in law.forces)
 
 
 def flows_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
@@ -54,8 +67,10 @@ def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[
     if face.flow is None:
         return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), given in _on_face(face, (), domain))
     power = sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow))
-    return domain.nonnegative(power) or all(
-        shown(domain.polynomial(smooth), ">=", given, identities, domain) for (_, smooth), given in _on_face(face, (power,), domain)
+    return (
+        domain.nonnegative(power)
+        or facts(power, domain).nonnegative
+        or all(shown(domain.polynomial(smooth), ">=", given, identities, domain) for (_, smooth), given in _on_face(face, (power,), domain))
     )
 
 

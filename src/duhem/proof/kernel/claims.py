@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
-from duhem.proof.kernel.boundary import curves_inward, flows_along_normals, flows_outward, rises_outward, with_convex_sums
+from duhem.proof.kernel.boundary import curves_inward, falls_from_zero, flows_along_normals, flows_outward, rises_outward, with_convex_sums
+from duhem.proof.kernel.cases import cases
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
@@ -32,6 +33,7 @@ __all__ = ["RULES", "objection", "rules_of"]
 
 Evidence = Mapping[str, Any]
 Rule = Callable[[StatedLaw, Evidence], bool]
+_MOST_CASES = 4  # choices one after another
 _UNREADABLE = (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
@@ -43,12 +45,22 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     needed, check = rules[claim, rule]
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
+    return _objection_in_cases(claim, rule, check, law, evidence)
+
+
+def _objection_in_cases(
+    claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0
+) -> str:
+    """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons = set[str]()
     try:
         for form in _forms(claim, law):
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
+        parts = cases(law) if isinstance(law, StatedLaw) and depth < _MOST_CASES else ()
+        if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
+            return ""
     except _UNREADABLE:
         pass  # there is no simpler form
     return max(reasons)
@@ -138,7 +150,7 @@ def polyhedral(law: StatedLaw, _: Evidence) -> bool:
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
-    if not _inside(law, evidence):
+    if not (_inside(law, evidence) or falls_from_zero(law)):
         return False
     return (shape.defined and shape.convex and smooth_near_the_boundary(law.g, over(law))) or round_at_its_ends(law)
 

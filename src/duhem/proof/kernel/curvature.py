@@ -6,6 +6,8 @@ A part counts only where it is shown to be defined, for all forces, the whole do
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 
@@ -13,18 +15,22 @@ from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, signs_of_product
 from duhem.proof.kernel.elementary import sign_over
 from duhem.proof.kernel.even import quasiconvex_in_even_parts
+from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.loads import collected, multiple, sign_within
 from duhem.proof.kernel.polynomial import written
+from duhem.proof.kernel.positivity import nonnegative, without_content
+from duhem.proof.kernel.quadratic import by_its_matrix
 from duhem.proof.kernel.radicals import sign_of_radicals
 from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
-from duhem.proof.kernel.term import Term, factors, minus, number
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 
 __all__ = ["Facts", "facts", "over"]
 
 _HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
+_FEW, _SHORT = 3, 12  # names and terms of a polynomial
 _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
 
@@ -57,6 +63,8 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
         return found
     if term.op == "+" and known.defined and (like := collected(term, domain)) != term and (found := facts(like, domain)).convex:
         return replace(found, sign=found.sign & known.sign)
+    if term.op == "+" and known.defined and (squared := by_its_matrix(term, known, domain, facts)) != known:
+        return squared
     if term.op in ("+", "*", "**", "where") and (found := by_sector(term, domain, facts, over)) is not None:
         return replace(found, defined=found.defined or known.defined)
     for rule in (quasiconvex_in_even_parts, quasiconvex_in_eigenvalues):
@@ -66,26 +74,50 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
 
 
 def _sharpened(term: Term, domain: StatedDomain) -> Sign:
-    """The signs of a constant that its polynomial leaves."""
+    """The signs of a constant that its polynomial leaves, or its value."""
+    if not term.names() - {"pi"} and (sign := sign_over(term, domain.bounds)) != ANY:
+        return sign
     for i, part in enumerate(map(domain.plain, term.args) if term.op == "+" else ()):
         if part.op == "abs":  # |x| + y < 0 where x + y < 0 and -x + y < 0
             sides = (Term("+", (*term.args[:i], x, *term.args[i + 1 :])) for x in (part.args[0], minus(part.args[0])))
             signs = [facts(side, domain).sign for side in sides]
             if not (signs[0] | signs[1]) & POSITIVE:
                 return signs[0] | signs[1]
-        if part.op == "norm":  # |x| + y <= 0 where y <= 0 and x . x <= y^2
+        rooted = part.op == "**" and part.args[1] == _HALF
+        if part.op == "norm" or rooted:  # |x| + y <= 0 where y <= 0 and x . x <= y^2; so is sqrt(x) + y where x <= y^2
             rest = Term("+", (number(0), *term.args[:i], *term.args[i + 1 :]))
-            gap = Term("+", (Term("*", (rest, rest)), *(minus(Term("*", (a, a))) for a in part.args)))
+            squares = part.args[:1] if rooted else [Term("*", (a, a)) for a in part.args]
+            gap = Term("+", (Term("*", (rest, rest)), *map(minus, squares)))
             if not facts(rest, domain).sign & POSITIVE and domain.nonnegative(gap):
                 return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
     left = ANY
-    for turned, sign in ((term, POSITIVE), (minus(term), NEGATIVE)):
-        if domain.nonnegative(turned):
-            if domain.nonnegative(turned, strict=True):
-                return sign
-            left &= sign | ZERO
-    left &= sign_over(term, domain.bounds)
+    for form in _of_one_sign(term, domain):
+        for turned, sign in ((form, POSITIVE), (minus(form), NEGATIVE)):
+            if domain.nonnegative(turned) or _above_zero(turned, domain):
+                if domain.nonnegative(turned, strict=True) or _above_zero(turned, domain, strict=True):
+                    return sign
+                left &= sign | ZERO
+        left &= sign_over(form, domain.bounds)
     return left if left in (NEGATIVE, ZERO, POSITIVE) or term.names() else left & sign_of_radicals(term)
+
+
+def _above_zero(constant: Term, domain: StatedDomain, strict: bool = False) -> bool:
+    """Whether a short polynomial has no Bernstein coefficient < 0."""
+    poly = domain.polynomial(constant)
+    if len({x for m in poly for x, _ in m}) > _FEW or len(poly) > _SHORT:
+        return False
+    with suppress(NotWritten):
+        return nonnegative(poly, (Fraction(0), Fraction(1)), domain, strict)
+    return False
+
+
+def _of_one_sign(term: Term, domain: StatedDomain) -> Iterator[Term]:
+    """A constant, and what is left of it without what it divides by and what divides all of it, where that is simpler."""
+    yield term
+    poly = domain.polynomial(term)
+    with suppress(NotWritten):
+        if (left := without_content(multiplied_through(poly, domain, signed=True), domain)) != poly:
+            yield written(left)
 
 
 def _facts(term: Term, domain: StatedDomain) -> Facts:
@@ -137,9 +169,11 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             return Facts(x.defined, POSITIVE, x.convex_in_size, False, x.convex_in_size)
         case "atan2":
             return Facts(defined and any(not p.sign & ZERO for p in parts))  # it jumps where the first is 0 and the second < 0
+        case "tan" if _below_right(term.args[0], domain):
+            return _risen(x)
         case "tanh" | "atan":
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
-        case "cos" if all(facts(Term("+", (_NEAR_RIGHT, side)), domain).nonnegative for side in (term.args[0], minus(term.args[0]))):
+        case "cos" if _below_right(term.args[0], domain):
             return Facts(x.defined, POSITIVE)
         case "sin" | "cos":
             return Facts(x.defined)
@@ -148,7 +182,12 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined)
         case "<" | "<=" | ">" | ">=":
             return Facts(defined)
-    return Facts()  # tan has poles: no rule
+    return Facts()  # tan has poles
+
+
+def _below_right(angle: Term, domain: StatedDomain) -> bool:
+    """Whether an angle is less than a right one in size."""
+    return all(facts(Term("+", (_NEAR_RIGHT, side)), domain).nonnegative for side in (angle, minus(angle)))
 
 
 def _risen(x: Facts) -> Facts:

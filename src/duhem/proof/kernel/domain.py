@@ -37,6 +37,7 @@ __all__ = [
 ]
 
 _MOST_POWER, _MOST_STEPS, _MOST_CHOICES = 12, 400_000, 64
+_MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two constraints to be tried together
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
 
 
@@ -180,7 +181,9 @@ class StatedDomain:
         self.kept: dict[str, Any] = {}  # what a rule looks up once a law
         self.sides: dict[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
+        self._gaps: list[tuple[Polynomial, bool]] = []
         self._gaps = [(self.polynomial(gap(c)), len(c.op) == 1) for c in law.constraints]  # each >= 0, or > 0
+        self._compared: dict[Term, Sign] = {}
         self.bounds = sharpened(self.bounds, self._gaps)
         self.shown.clear()
 
@@ -191,14 +194,28 @@ class StatedDomain:
     def of(self, atom: Term) -> Sign:
         """The sign of what polynomials are written in."""
         if atom.op != "name":
-            return self._sign(atom, self)
+            return (
+                self._of_compared(atom)
+                if any(x == atom for known, _ in self._gaps for m in known for x, _ in m)
+                else self._sign(atom, self)
+            )
         if atom.name in ("pi", self.law.pressure):
             return POSITIVE if atom.name == "pi" else NEGATIVE
         return ANY if atom.name in self.law.forces else self.bounds[atom.name].sign()
 
+    def _of_compared(self, atom: Term) -> Sign:
+        """The sign of what constraints are written in, as the other constraints show it: else each would be asked before itself."""
+        if atom not in self._compared:
+            others = (
+                c for c, (known, _) in zip(self.law.constraints, self._gaps, strict=True) if all(x != atom for m in known for x, _ in m)
+            )
+            self._compared[atom] = self._sign(atom, StatedDomain(self.law._replace(constraints=tuple(others)), self._sign))
+        return self._compared[atom]
+
     def nonnegative(self, term: Term, strict: bool = False) -> bool:
         """Whether a constant is >= 0, or > 0, over the domain."""
-        return self._nonnegative(self._in_ranges(self.polynomial(term)), strict, 2)
+        poly = self._in_ranges(self.polynomial(term))
+        return self._nonnegative(poly, strict, 2 if len(poly) * sum(len(known) for known, _ in self._gaps) <= _MOST_PAIRS else 1)
 
     def _in_ranges(self, poly: Polynomial) -> Polynomial:
         """The polynomial with a name for each exponential of a constant of known sign: it lies on one side of 1."""
@@ -230,8 +247,12 @@ class StatedDomain:
         return False
 
     def _by_terms(self, poly: Polynomial, strict: bool) -> bool:
-        signs = [self._of_term(m, c) for m, c in poly.items()]
-        return not any(s & NEGATIVE for s in signs) and (not strict or POSITIVE in signs)
+        signs = {m: self._of_term(m, c) for m, c in poly.items()}
+        above = {m: c for m, c in poly.items() if not signs[m] & NEGATIVE}
+        others = {m: c for m, c in poly.items() if m not in above}
+        if 2 * len(others) > len(above) or not all(_outweighed(m, c, above) for m, c in others.items()):
+            return False
+        return not strict or any(signs[m] == POSITIVE for m in above)
 
     def _of_term(self, monomial: Monomial, factor: Fraction) -> Sign:
         sign = POSITIVE if factor > 0 else NEGATIVE
@@ -243,9 +264,11 @@ class StatedDomain:
         return sign
 
     def _measured(self, poly: Polynomial) -> Iterator[Polynomial]:
-        """The polynomial with its variables measured from ends of their ranges, by distances that are >= 0."""
+        """The polynomial, and with its variables measured from ends of their ranges, by distances that are >= 0."""
         powers = {(x, n > 0) for m in poly for x, n in m}
         turned = sorted(x for x, above in powers if above and x.name in self.bounds and (x, False) not in powers)
+        if turned:
+            yield poly
         for choice in islice(product(*(self._ends(x) for x in turned)), _MOST_CHOICES):
             moved = poly
             for x, (end, i) in zip(turned, choice, strict=True):
@@ -324,6 +347,16 @@ class StatedDomain:
         if not sign & POSITIVE:
             return number(0) if term.op == "pos" else minus(x)
         return Term("abs", (x,)) if term.op == "norm" else term
+
+
+def _outweighed(m: Monomial, c: Fraction, above: Polynomial) -> bool:
+    """Whether two terms that are >= 0 have a sum no less than |c m|, twice their geometric mean being so; they are used up."""
+    for one, a in above.items():
+        other = joined(joined(m, m), tuple((x, -n) for x, n in one))
+        if other in above and other != one and c * c <= 4 * a * above[other]:
+            del above[one], above[other]
+            return True
+    return False
 
 
 def inhabited(parameters: Mapping[str, Bounds], constraints: tuple[Term, ...], point: Mapping[str, Fraction]) -> bool:

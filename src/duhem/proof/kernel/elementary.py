@@ -21,9 +21,7 @@ _TERMS = 32  # of a series in which each term is a ninth of the one before, or l
 
 
 def sign_over(term: Term, bounds: Mapping[str, Bounds]) -> Sign:
-    """The sign of a constant with roots or words, < 0 or > 0, over the ranges of its names; all three where that is not shown."""
-    if not _beyond_polynomials(term):
-        return ANY
+    """The sign of a constant, < 0 or > 0, over the ranges of its names; all three where that is not shown."""
     names = sorted(term.names() - {"pi"})
     ends = [bounds[n][:2] if n in bounds else (None, None) for n in names]
     boxes, found = [[Enclosure.between(low, high) for low, high in ends if low is not None and high is not None]], 0
@@ -46,11 +44,6 @@ def sign_over(term: Term, bounds: Mapping[str, Bounds]) -> Sign:
         middle = (box[i].low + box[i].high) // 2
         boxes += [[*box[:i], part, *box[i + 1 :]] for part in (Enclosure(box[i].low, middle), Enclosure(middle, box[i].high))]
     return ANY
-
-
-def _beyond_polynomials(term: Term) -> bool:
-    whole = term.op != "**" or (term.args[1].op == "number" and term.args[1].value.denominator == 1)
-    return term.op in _WORDS or not whole or any(map(_beyond_polynomials, term.args))
 
 
 def enclosed(term: Term, box: Mapping[str, Enclosure]) -> Enclosure:

@@ -14,8 +14,9 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.alike import alike
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.shape import Facts, Shown
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["FreedOfRoots", "freed_of_roots", "quasiconvex_in_even_parts"]
 
@@ -80,9 +81,24 @@ def _freed(term: Term, names: dict[Term, Term], sized: bool, domain: StatedDomai
                 power, own = term.args[1], 1 / root.args[1].value
                 power = number(own * power.value) if power.op == "number" else product_of(number(own), power)
                 return Term("**", (Term("abs", (name,)), power))
+    if sized and (sizes := _sizes(term, names, domain)) is not None:
+        return sizes
     if sized and term.op == "+" and any(shown(a, domain).affine and not domain.constant(a) for a in term.args):
         return Term("+", tuple(_multiple(a, names, domain) or _freed(a, names, sized, domain, shown) for a in term.args))
     return term._replace(args=tuple(_freed(a, names, sized, domain, shown) for a in term.args))
+
+
+def _sizes(term: Term, names: dict[Term, Term], domain: StatedDomain) -> Term | None:
+    """The sum of c |z| for one of c r, which has nothing else left in it that depends on the forces."""
+    if term.op != "+":
+        return None
+    found = list[Term]()
+    for m, c in domain.polynomial(term).items():
+        moving = [(x, n) for x, n in m if not domain.constant(x)]
+        if moving and not (len(moving) == 1 and moving[0][1] == 1 and moving[0][0] in names):
+            return None
+        found.append(written({m: c}).put({root: Term("abs", (name,)) for root, name in names.items()}))
+    return sum_of(*found)
 
 
 def _multiple(term: Term, names: dict[Term, Term], domain: StatedDomain) -> Term | None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial, written
 from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
-__all__ = ["multiplied_out", "value", "vanishes", "written"]
+__all__ = ["multiplied_out", "multiplied_through", "value", "vanishes", "written"]
 
 _MOST_STEPS, _HIGHEST = 60, 64
 
@@ -27,13 +26,25 @@ def value(term: Term, domain: StatedDomain) -> Fraction | None:
 
 def vanishes(term: Term, domain: StatedDomain) -> bool:
     """Whether a term is 0 wherever it is defined; False where these rules do not show it."""
-    poly = domain.polynomial(term)
+    return not multiplied_through(domain.polynomial(term), domain)
+
+
+def multiplied_through(poly: Polynomial, domain: StatedDomain, signed: bool = False) -> Polynomial:
+    """The polynomial times what it divides by, and powers of roots undone; ``signed``: times what is seen to be > 0 alone."""
+    kept = set[Term]()
     for _ in range(_MOST_STEPS):
-        atom = next((x for m in poly for x, n in m if _undone(x, n, domain)), None)
+        atom = next((x for m in poly for x, n in m if x not in kept and _undone(x, n, domain)), None)
         if atom is None:
-            return not poly
+            break
+        base, least = _below(atom, poly, domain)
+        sign = domain.of(base) if signed and least % 2 else POSITIVE
+        if sign not in (NEGATIVE, POSITIVE):
+            kept.add(atom)
+            continue
         poly = domain.polynomial(_without(atom, poly, domain))
-    return False
+        if sign == NEGATIVE:
+            poly = {m: -c for m, c in poly.items()}
+    return poly
 
 
 def _root(x: Term, domain: StatedDomain) -> tuple[Term, Fraction] | None:
@@ -44,7 +55,7 @@ def _root(x: Term, domain: StatedDomain) -> tuple[Term, Fraction] | None:
         return None
     y = x.args[0]
     if y.op == "**" and (k := value(y.args[1], domain)) is not None and not _high(k * e):  # (z**k)**e is z**(k e) for z >= 0
-        sign = facts(y.args[0], domain).sign
+        sign = domain.of(y.args[0])
         if not sign & NEGATIVE:
             return y.args[0], k * e
         if not sign & POSITIVE and k % 2 == 0:
@@ -67,17 +78,24 @@ def _undone(x: Term, n: int, domain: StatedDomain) -> bool:
     return not plain or e < 0 or (e.denominator > 1 and not (e.numerator == 1 and 0 <= n < e.denominator))
 
 
+def _below(x: Term, poly: Polynomial, domain: StatedDomain) -> tuple[Term, int]:
+    """y, where x = y**e, and how often the polynomial is divided by it."""
+    found = _root(x, domain)
+    assert found is not None
+    y, e = found
+    return y, -min(0, *(dict(m).get(x, 0) * e.numerator // e.denominator for m in poly))
+
+
 def _without(x: Term, poly: Polynomial, domain: StatedDomain) -> Term:
     """The polynomial times that power of y which leaves none below the line, x = y**e."""
     found = _root(x, domain)
     assert found is not None
     y, e = found
     root = x if x.op != "**" else Term("**", (y, number(Fraction(1, e.denominator))))
-    split = {m: divmod(dict(m).get(x, 0) * e.numerator, e.denominator) for m in poly}
-    least = min(0, *(k for k, _ in split.values()))
+    _, least = _below(x, poly, domain)
     parts = list[Term]()
     for m, c in poly.items():
-        k, j = split[m]
+        k, j = divmod(dict(m).get(x, 0) * e.numerator, e.denominator)
         rest = written({tuple((z, n) for z, n in m if z != x): c})
-        parts.append(product_of(rest, Term("**", (y, number(k - least))), *[root] * j))
+        parts.append(product_of(rest, Term("**", (y, number(k + least))), *[root] * j))
     return sum_of(*parts)

@@ -118,9 +118,9 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
     if term.op in ("sin", "sinh", "tanh", "atan"):
         return Kinks(kinks, known[0].zeros, tips)
     if term.op in ("asin", "acos"):  # of x, for x^2 < 1
-        return Kinks(kinks, tips=tips | {Term("+", (number(1), minus(Term("*", term.args * 2))))})
+        return Kinks(kinks, tips=tips | _zeros_of(Term("+", (number(1), minus(Term("*", term.args * 2)))), domain))
     if term.op == "norm" and all(p.kinks <= p.zeros for p in known):
-        return Kinks(frozenset(), every, tips | {term})
+        return Kinks(frozenset(), every, tips | _zeros_of(term, domain))
     if term.op == "**" and domain.constant(term.args[1]):
         base, p = known[0], facts(term.args[1], domain).sign
         exponent = term.args[1].value if term.args[1].op == "number" else None
@@ -131,5 +131,10 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         above_one = Term("+", (term.args[1], number(-1)))
         if facts(above_one, domain).sign == POSITIVE:
             return Kinks(frozenset() if base.kinks <= base.zeros else base.kinks, base.zeros, tips)
-        return Kinks(base.kinks, base.zeros if p == POSITIVE else frozenset(), tips | {term.args[0]})
+        return Kinks(base.kinks, base.zeros if p == POSITIVE else frozenset(), tips | _zeros_of(term.args[0], domain))
     return None
+
+
+def _zeros_of(tip: Term, domain: StatedDomain) -> frozenset[Term]:
+    """A tip; none where it is never 0."""
+    return frozenset({tip} if facts(tip, domain).sign & ZERO else ())

@@ -42,6 +42,10 @@ class Term(NamedTuple):
     value: Fraction = Fraction(0)
     name: str = ""
 
+    def __hash__(self) -> int:
+        """Of what is equal where the terms are; that of a fraction takes long."""
+        return hash((self.op, self.args, self.value.numerator, self.name))
+
     def names(self) -> frozenset[str]:
         """Every name in the tree."""
         return frozenset({self.name}) if self.op == "name" else frozenset().union(*(a.names() for a in self.args))
