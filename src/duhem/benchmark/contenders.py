@@ -64,13 +64,26 @@ def applicable(question: Increment, tolerances: Tolerances = (None,)) -> tuple[l
     return found, left_out
 
 
-def _kernels(question: Increment, _: Tolerances) -> Iterator[Contender | LeftOut]:
+def _closed_form(question: Increment, _: Tolerances) -> Iterator[Contender | LeftOut]:
     """The closed form in NumPy, and compiled."""
     yield Contender.of("closed-form", "closed-form")
+    if question.trial.shape[1] == 2:
+        yield _compiled("closed-form")
+
+
+def _newton(question: Increment, _: Tolerances) -> Iterator[Contender | LeftOut]:
+    """Newton's method in NumPy, and the loop that is compiled for the law."""
+    yield Contender.of("newton", "newton")
+    if METHODS["closed-form"]().applies(question) is None:
+        yield LeftOut("newton, numba", "the law has a closed form")
+    else:
+        yield _compiled("newton")
+
+
+def _compiled(name: str) -> Contender | LeftOut:
     if find_spec("numba") is None:
-        yield LeftOut("closed-form, numba", 'numba is not installed, pip install "duhem[fast]"')
-    elif question.trial.shape[1] == 2:
-        yield Contender.of("closed-form, numba", "closed-form", compiled=True)
+        return LeftOut(f"{name}, numba", 'numba is not installed, pip install "duhem[fast]"')
+    return Contender.of(f"{name}, numba", name, compiled=True)
 
 
 def _conic(_: Increment, tolerances: Tolerances) -> Iterator[Contender | LeftOut]:
@@ -88,4 +101,8 @@ def _conic(_: Increment, tolerances: Tolerances) -> Iterator[Contender | LeftOut
 
 
 # Methods that are measured in several ways; any other is measured once, as it comes.
-_VARIANTS: Mapping[str, Callable[[Increment, Tolerances], Iterator[Contender | LeftOut]]] = {"closed-form": _kernels, "cvxpy": _conic}
+_VARIANTS: Mapping[str, Callable[[Increment, Tolerances], Iterator[Contender | LeftOut]]] = {
+    "closed-form": _closed_form,
+    "newton": _newton,
+    "cvxpy": _conic,
+}

@@ -10,7 +10,7 @@ which for a convex K are sufficient; so no iteration is trusted, only its result
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ from duhem.projection.stiffness_factors import too_far_apart
 from duhem.projection.whitened_body import Body, Index, body, power_of_two, whitening
 from duhem.projection.without_interior import shrunk
 
-__all__ = ["NEWTON", "applies", "solve", "tangent"]
+__all__ = ["NEWTON", "NewtonOptions", "applies", "solve", "tangent"]
 
 _TRIES = frozenset({0, 1, 2, 3, 4, 6, 8, 11, 15, 20, 26, 33, 41, 50, 60, 75, 90, 110, 130})
 _ROUNDS = 140
@@ -47,8 +47,20 @@ _AROUND = 3e-8  # the same where the point itself has no normal that a formula c
 _DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
 _TIP = 1e-14  # a component this small is rounding of the others
 _ORIGIN = 1e-12  # a stress this small is none, if none is in K: corners are met less closely than sides
-_DEFAULTS = Options()
 _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting half-space
+
+
+@dataclass(frozen=True)
+class NewtonOptions(Options):
+    """``compiled`` makes a loop of the law's formula and compiles it through numba, some seconds once a law, then kept on disk.
+
+    Worth it from some ten thousand points on; a missing numba raises MissingExtraError.
+    """
+
+    compiled: bool = False
+
+
+_DEFAULTS = NewtonOptions()
 
 
 def applies(increment: Increment) -> str | None:
@@ -56,11 +68,24 @@ def applies(increment: Increment) -> str | None:
     return too_far_apart(increment.stiffness)
 
 
-def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
+def solve(increment: Increment, options: NewtonOptions = _DEFAULTS) -> Solution:
     """The projection of every trial stress, to rounding; ``failed`` where no point could be shown to be optimal.
 
     The law is taken as convex.  At corners the slip is a sum over the pieces that meet, and so is the multiplier.
     """
+    if not options.compiled:
+        return _solve(increment)
+    from duhem.projection.compiled_newton import solved
+
+    solution, left = solved(increment)
+    if left.size:
+        rest = _solve(replace(increment, trial=increment.trial[left], pressure=increment.pressure[left]))
+        for field in fields(Solution):
+            getattr(solution, field.name)[left] = getattr(rest, field.name)
+    return solution
+
+
+def _solve(increment: Increment) -> Solution:
     trial, n = increment.trial, len(increment.trial)
     stress, slip, multiplier, failed = trial.copy(), np.zeros_like(trial), np.zeros(n), np.zeros(n, dtype=bool)
     forces = increment.law.force_symbols()
@@ -75,7 +100,7 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
         return Solution(stress, slip, multiplier, failed)
     sized, centre, none = _measured(whole.of(who), trial[who], increment.pressure[who])
     if none.any():
-        bare = shrunk(increment, who[none], solve)
+        bare = shrunk(increment, who[none], _solve)
         for kept, new in ((stress, bare.stress), (slip, bare.slip), (multiplier, bare.multiplier), (failed, bare.failed)):
             kept[who[none]] = new
     who, inner, centre = who[~none], sized.of(np.flatnonzero(~none)), centre[~none]
@@ -333,4 +358,4 @@ def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, c
         _accept(found, k, refine(k, s[who], outer.point[who] @ k.root.T, who, choices), who, outer, cuts)
 
 
-NEWTON = Method("newton", applies, solve, Options, tangent)
+NEWTON = Method("newton", applies, solve, NewtonOptions, tangent)

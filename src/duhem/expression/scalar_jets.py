@@ -1,0 +1,331 @@
+"""A formula with its gradient and Hessian as straight lines of Python over numbers, for a compiler to make a loop of.
+
+The jets of :mod:`duhem.expression.jets`, written out instead of computed: one point, entries that are 0 left out, the same
+smooth pieces at the kinks.  Numbers are doubles; where the formula is undefined they are nan or infinite.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import reduce
+from itertools import combinations
+from typing import Any
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.fold import Table, fold
+from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+
+__all__ = ["ScalarJets", "scalar_jets"]
+
+_TINY = "1e-120"  # as for arrays: below this share of a norm an argument counts as this share
+_MOST_SQUARINGS = 64  # a whole exponent up to this is multiplied out
+
+Slopes = Mapping[int, str]
+Bends = Mapping[tuple[int, int], str]
+
+
+@dataclass(frozen=True)
+class ScalarJets:
+    """Two functions as text, over the forces' numbers, row ``x`` of ``v``, and those of the others, ``q``.
+
+    ``level(v, x, q)`` returns the value.  ``piece(v, x, q, natural, choices, c, slopes, m, bends)`` returns it as well and
+    fills the row ``slopes`` of ``v`` and the matrix ``bends`` of ``m`` with the derivatives; where ``natural``, the row ``c``
+    of ``choices`` (``kinks`` small integers) is written, else it names the piece.
+    """
+
+    level: str
+    piece: str
+    kinks: int
+
+
+def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> ScalarJets:
+    """``expr`` differentiated in the ``forces``.  InputError for a word without a row here (``eigmax``)."""
+    formula = recognised(expr)
+    value = _Writer(0)
+    last = fold(formula, value.table(), value.leaf(forces, others))
+    level = ["def level(v, x, q):", *value.lines, f"    return {last.value}"]
+    whole = _Writer(len(forces))
+    jet = fold(formula, whole.table(), whole.leaf(forces, others))
+    d = range(len(forces))
+    slopes = [f"    v[slopes, {i}] = {jet.slopes.get(i, '0.0')}" for i in d]
+    bends = [f"    m[bends, {i}, {j}] = {jet.bends.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
+    head = "def piece(v, x, q, natural, choices, c, slopes, m, bends):"
+    piece = [head, *whole.lines, *slopes, *bends, f"    return {jet.value}"]
+    return ScalarJets("\n".join(level), "\n".join(piece), whole.kinks)
+
+
+@dataclass(frozen=True)
+class _Jet:
+    """Names of the value, of the slopes and of the second derivatives (i <= j) that are not 0 everywhere."""
+
+    value: str
+    slopes: Slopes = field(default_factory=dict)
+    bends: Bends = field(default_factory=dict)
+
+
+class _Writer:
+    """Writes the lines of one function; of ``d`` = 0 forces no derivative is followed."""
+
+    def __init__(self, d: int) -> None:
+        self.d, self.kinks = d, 0
+        self.lines: list[str] = []
+
+    def let(self, text: str) -> str:
+        """A new name for what ``text`` says."""
+        self.lines.append(f"    t{len(self.lines)} = {text}")
+        return f"t{len(self.lines) - 1}"
+
+    def leaf(self, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> Callable[[Any], _Jet]:
+        def jet(node: Any) -> _Jet:
+            if node in forces:
+                i = list(forces).index(node)
+                return _Jet(f"v[x, {i}]", {i: "1.0"} if self.d else {})
+            if node in others:
+                return _Jet(f"q[{list(others).index(node)}]")
+            return _Jet(_number(node))
+
+        return jet
+
+    def table(self) -> Table[_Jet]:
+        rows: dict[type, Callable[..., _Jet]] = {
+            sp.Add: lambda _, *terms: reduce(self.sum, terms),
+            sp.Mul: lambda _, *factors: reduce(self.product, factors),
+            sp.Pow: self.power,
+            sp.exp: lambda _, x: self.exponential(x),
+            sp.log: lambda _, x: self.logarithm(x),
+            Atan2: self.angle,
+            Norm: lambda _, *parts: self.norm(sp.Integer(2), *parts),
+            PNorm: lambda node, _, *parts: self.norm(node.args[0], *parts),
+            sp.Abs: self.absolute,
+            Pos: self.ramp,
+            Neg: self.ramp,
+            sp.Max: self.extreme,
+            sp.Min: self.extreme,
+            Where: self.choice,
+        }
+        rows |= {kind: self.smooth(*texts) for kind, texts in _SMOOTH.items()}
+        return rows | {kind: self.comparison(sign) for kind, sign in _SIGNS.items()}
+
+    # -- smooth ------------------------------------------------------------------------------------------------
+
+    def chain(self, x: _Jet, value: str, slope: str, bend: str) -> _Jet:
+        """f(x) from f, f' and f''."""
+        if not x.slopes:
+            return _Jet(value)
+        first, second = self.let(slope), self.let(bend)
+        slopes = {i: self.let(f"{first} * {a}") for i, a in x.slopes.items()}
+        bends = {ij: f"{first} * {a}" for ij, a in x.bends.items()}
+        for i, j in _pairs(x.slopes):
+            bends[i, j] = _plus(bends.get((i, j)), f"{second} * {x.slopes[i]} * {x.slopes[j]}")
+        return self.named(value, slopes, bends)
+
+    def named(self, value: str, slopes: Slopes, bends: Bends) -> _Jet:
+        return _Jet(value, {i: self.let(a) for i, a in slopes.items()}, {ij: self.let(a) for ij, a in bends.items()})
+
+    def smooth(self, value: str, slope: str, bend: str) -> Callable[[Any, _Jet], _Jet]:
+        def row(_: Any, x: _Jet) -> _Jet:
+            v = self.let(value.format(x=x.value))
+            s = self.let(slope.format(x=x.value, v=v)) if x.slopes else ""
+            return self.chain(x, v, s, bend.format(x=x.value, v=v, s=s))
+
+        return row
+
+    def sum(self, a: _Jet, b: _Jet) -> _Jet:
+        slopes = {i: _plus(a.slopes.get(i), b.slopes.get(i)) for i in {**a.slopes, **b.slopes}}
+        bends = {ij: _plus(a.bends.get(ij), b.bends.get(ij)) for ij in {**a.bends, **b.bends}}
+        return self.named(self.let(f"{a.value} + {b.value}"), slopes, bends)
+
+    def product(self, a: _Jet, b: _Jet) -> _Jet:
+        slopes: dict[int, str] = {}
+        bends: dict[tuple[int, int], str] = {}
+        for one, other in ((a, b), (b, a)):
+            for i, text in one.slopes.items():
+                slopes[i] = _plus(slopes.get(i), f"{other.value} * {text}")
+            for ij, text in one.bends.items():
+                bends[ij] = _plus(bends.get(ij), f"{other.value} * {text}")
+            for i, x in one.slopes.items():
+                for j, y in other.slopes.items():
+                    if i < j or (i == j and one is a):
+                        bends[i, j] = _plus(bends.get((i, j)), f"{x} * {y}" + f" * {2.0}" * (i == j))
+        return self.named(self.let(f"{a.value} * {b.value}"), slopes, bends)
+
+    def power(self, node: Any, base: _Jet, exponent: _Jet) -> _Jet:
+        if exponent.slopes:
+            return self.exponential(self.product(exponent, self.logarithm(base)))
+        if not node.exp.is_number:
+            e = exponent.value
+            first, second = f"{e} * {base.value} ** ({e} - 1.0)", f"{e} * ({e} - 1.0) * {base.value} ** ({e} - 2.0)"
+            return self.chain(base, self.let(f"{base.value} ** {e}"), first, second)
+        value, slope, bend = (self.let(f"{_number(c)} * {self.raised(base.value, node.exp - k)}") for k, c in enumerate(_falling(node.exp)))
+        return self.chain(base, value, slope, bend)
+
+    def raised(self, base: str, exponent: Any) -> str:
+        """base^exponent with few operations; 1 for the exponent 0."""
+        if exponent.is_negative:
+            return self.let(f"1.0 / {self.raised(base, -exponent)}")
+        if exponent.is_Integer and exponent <= _MOST_SQUARINGS:
+            square, found, left = base, "1.0", int(exponent)
+            while left:
+                if left & 1:
+                    found = square if found == "1.0" else self.let(f"{found} * {square}")
+                left >>= 1
+                square = self.let(f"{square} * {square}") if left else square
+            return found
+        if (2 * exponent).is_Integer and exponent <= _MOST_SQUARINGS:
+            root = self.let(f"sqrt({base})")
+            return root if 2 * exponent == 1 else self.let(f"{root} * {self.raised(base, exponent - sp.Rational(1, 2))}")
+        return self.let(f"{base} ** {_number(exponent)}")
+
+    def exponential(self, x: _Jet) -> _Jet:
+        value = self.let(f"exp({x.value})")
+        return self.chain(x, value, value, value)
+
+    def logarithm(self, x: _Jet) -> _Jet:
+        inverse = self.let(f"1.0 / {x.value}") if x.slopes else ""
+        return self.chain(x, self.let(f"log({x.value})"), inverse, f"-{inverse} * {inverse}")
+
+    def angle(self, _: Any, y: _Jet, x: _Jet) -> _Jet:
+        size = self.let(f"hypot({x.value}, {y.value})")
+        value = self.let(f"arctan2({y.value} + 0.0, {x.value}) if {size} > 0.0 else nan")
+        c, s = self.let(f"{x.value} / {size} / {size}"), self.let(f"{y.value} / {size} / {size}")
+        turn = self.weighted([(c, y), (f"-{s}", x)])
+        growth = self.weighted([(c, x), (s, y)])
+        bends = dict(turn.bends)
+        for i, j in _pairs({**turn.slopes, **growth.slopes}):
+            for a, b in ((i, j), (j, i)):
+                if a in turn.slopes and b in growth.slopes:
+                    bends[i, j] = _plus(bends.get((i, j)), f"-{turn.slopes[a]} * {growth.slopes[b]}")
+        return self.named(value, turn.slopes, bends)
+
+    def weighted(self, parts: Sequence[tuple[str, _Jet]]) -> _Jet:
+        """The derivatives of a sum of jets with factors that are held fixed."""
+        slopes: dict[int, str] = {}
+        bends: dict[tuple[int, int], str] = {}
+        for factor, jet in parts:
+            for i, a in jet.slopes.items():
+                slopes[i] = _plus(slopes.get(i), f"{factor} * {a}")
+            for ij, a in jet.bends.items():
+                bends[ij] = _plus(bends.get(ij), f"{factor} * {a}")
+        return self.named("0.0", slopes, bends)
+
+    def norm(self, p: Any, *parts: _Jet) -> _Jet:
+        """(sum |a_i|^p)^(1/p) of value P: slopes (|a_i|/P)^(p-1), second derivatives by pairs, so that they keep their sign."""
+        sizes = [self.let(f"abs({a.value})") for a in parts]
+        largest = self.let(_nested("max", sizes))
+        unit = self.let(f"{largest} if {largest} > 0.0 else 1.0")
+        powers = [self.raised(self.let(f"{size} / {unit}"), p) for size in sizes]
+        value = self.let(f"{unit} * {self.raised(self.let(' + '.join(powers)), 1 / p)}")
+        if not any(a.slopes for a in parts):
+            return _Jet(value)
+        one = self.let(f"1.0 / {value} if {value} > 0.0 else 1.0")
+        shares = [self.let(f"min({size} * {one}, 1.0)") for size in sizes]
+        steep = ["1.0" if p == 2 else self.raised(self.let(f"max({share}, {_TINY})"), p - 2) for share in shares]
+        signed = [self.let(f"{share} if {a.value} >= 0.0 else -{share}") for share, a in zip(shares, parts, strict=True)]
+        jet = self.weighted([(self.let(f"{x} * {k}"), a) for x, k, a in zip(signed, steep, parts, strict=True)])
+        bends = dict(jet.bends)
+        for i, j in combinations(range(len(parts)), 2):
+            turn = self.turned(signed[i], parts[i], signed[j], parts[j])
+            if not turn:
+                continue
+            weight = self.let(f"{_number(p - 1)} * {steep[i]} * {steep[j]} * {one} if {value} > 0.0 else 0.0")
+            for a, b in _pairs(turn):
+                bends[a, b] = _plus(bends.get((a, b)), f"{weight} * {turn[a]} * {turn[b]}")
+        return self.named(value, jet.slopes, bends)
+
+    def turned(self, x: str, a: _Jet, y: str, b: _Jet) -> Slopes:
+        """|y| da - |x| db, with the signs of the arguments: how their ratio turns."""
+        slopes = {i: f"{y} * {text}" for i, text in a.slopes.items()}
+        for i, text in b.slopes.items():
+            slopes[i] = _plus(slopes.get(i), f"-{x} * {text}")
+        return {i: self.let(text) for i, text in slopes.items()}
+
+    # -- kinks -------------------------------------------------------------------------------------------------
+
+    def chosen(self, natural: str) -> str:
+        """The name of the piece that is followed at a new kink; ``natural`` is the number of the one that holds."""
+        if not self.d:
+            return self.let(natural)
+        k, self.kinks = self.kinks, self.kinks + 1
+        self.lines.append(f"    if natural: choices[c, {k}] = {natural}")
+        return self.let(f"choices[c, {k}]")
+
+    def times(self, factor: str, x: _Jet) -> _Jet:
+        return self.named(
+            self.let(f"{factor} * {x.value}"),
+            {i: f"{factor} * {a}" for i, a in x.slopes.items()},
+            {ij: f"{factor} * {a}" for ij, a in x.bends.items()},
+        )
+
+    def absolute(self, _: Any, x: _Jet) -> _Jet:
+        side = self.chosen(f"-1 if {x.value} < 0.0 else 1")
+        return self.times(self.let(f"float({side})"), x)
+
+    def ramp(self, node: Any, x: _Jet) -> _Jet:
+        side = self.chosen(f"1 if {x.value} {'>= 0.0' if node.slope > 0 else '< 0.0'} else 0")
+        return self.times(self.let(f"{float(node.slope)} * {side}"), x)
+
+    def extreme(self, node: Any, *parts: _Jet) -> _Jet:
+        sign = ">=" if isinstance(node, sp.Max) else "<="
+        natural = str(len(parts) - 1)
+        for i in reversed(range(len(parts) - 1)):
+            first = " and ".join(f"not {parts[i].value} {'<' if sign == '>=' else '>'} {b.value}" for b in parts[i + 1 :])
+            natural = f"{i} if {first} else {natural}"
+        return self.selected(self.chosen(natural), parts)
+
+    def choice(self, _: Any, condition: _Jet, then: _Jet, otherwise: _Jet) -> _Jet:
+        return self.selected(self.chosen(f"0 if {condition.value} == 1.0 else 1"), (then, otherwise))
+
+    def selected(self, which: str, parts: Sequence[_Jet]) -> _Jet:
+        def pick(texts: Sequence[str]) -> str:
+            heads = [f"{text} if {which} == {i} else " for i, text in enumerate(texts[:-1])]
+            return "".join(heads) + texts[-1]
+
+        slopes = {i: pick([a.slopes.get(i, "0.0") for a in parts]) for i in sorted({i for a in parts for i in a.slopes})}
+        bends = {ij: pick([a.bends.get(ij, "0.0") for a in parts]) for ij in sorted({ij for a in parts for ij in a.bends})}
+        return self.named(self.let(pick([a.value for a in parts])), slopes, bends)
+
+    def comparison(self, sign: str) -> Callable[[Any, _Jet, _Jet], _Jet]:
+        return lambda _, a, b: _Jet(self.let(f"1.0 if {a.value} {sign} {b.value} else 0.0"))
+
+
+_SMOOTH = {  # value, slope and bend of x, with what was found before: the value v, the slope s
+    sp.sin: ("sin({x})", "cos({x})", "-{v}"),
+    sp.cos: ("cos({x})", "-sin({x})", "-{v}"),
+    sp.tan: ("tan({x})", "1.0 + {v} * {v}", "2.0 * {v} * {s}"),
+    sp.tanh: ("tanh({x})", "1.0 - {v} * {v}", "-2.0 * {v} * {s}"),
+    sp.sinh: ("sinh({x})", "cosh({x})", "{v}"),
+    sp.cosh: ("cosh({x})", "sinh({x})", "{v}"),
+    sp.atan: ("arctan({x})", "1.0 / (1.0 + {x} * {x})", "-2.0 * {x} * {s} * {s}"),
+    sp.asin: ("arcsin({x})", "1.0 / sqrt((1.0 - {x}) * (1.0 + {x}))", "{x} * {s} * {s} * {s}"),
+    sp.acos: ("arccos({x})", "-1.0 / sqrt((1.0 - {x}) * (1.0 + {x}))", "{x} * {s} * {s} * {s}"),
+}
+_SIGNS = {sp.StrictGreaterThan: ">", sp.GreaterThan: ">=", sp.StrictLessThan: "<", sp.LessThan: "<="}
+
+
+def _number(node: Any) -> str:
+    try:
+        value = int(node.p) / int(node.q) if node.is_Rational else float(node)
+    except (OverflowError, TypeError):
+        raise InputError(f"{node} has no value in double precision", remedy="rescale the formula") from None
+    return f"({value!r})" if value < 0.0 else repr(value)
+
+
+def _falling(e: Any) -> tuple[Any, Any, Any]:
+    """Factors of x^e, x^(e-1) and x^(e-2) in the value and its two derivatives."""
+    return sp.S.One, e, e * (e - 1)
+
+
+def _plus(first: str | None, second: str | None) -> str:
+    return first or second or "0.0" if first is None or second is None else f"{first} + {second}"
+
+
+def _pairs(keys: Mapping[int, str]) -> list[tuple[int, int]]:
+    return [(i, j) for i in sorted(keys) for j in sorted(keys) if i <= j]
+
+
+def _nested(word: str, texts: Sequence[str]) -> str:
+    return reduce(lambda a, b: f"{word}({a}, {b})", texts)

@@ -1,0 +1,316 @@
+"""One point at a time: the closest point of a convex K by Newton's method from where the way to the trial leaves K.
+
+The source of this module is compiled together with the functions of one law (:mod:`duhem.projection.compiled_newton`), whose names
+stand below without a body: that is why everything here is plain loops over small arrays.  Units as in
+:mod:`duhem.projection.whitened_body`; what is not shown to be optimal here is left to the search that uses half-spaces.
+
+Pieces of the boundary are kept as an active set: Newton's method goes to where those it has meet; a piece that is passed on
+the way is added, one whose multiplier is negative is dropped.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from numpy import sqrt
+
+from duhem.projection.newton_step import (
+    BEND,
+    BEST,
+    FIRST,
+    LENGTHS,
+    LEVELS,
+    MATRICES,
+    NORMALS,
+    RAW,
+    RAWBEND,
+    REST,
+    ROWS,
+    SLOPES,
+    STEP,
+    WHITE,
+    D,
+    S,
+    T,
+    U,
+    X,
+    below,
+    bent,
+    directed,
+    length,
+    shared,
+    times,
+    turn,
+    whitened,
+)  # fmt: skip
+
+__all__ = ["LEFT", "SLIP", "STICK", "solve"]
+
+KINKS = DATA = 0  # how many kinks and data the law has
+
+
+def level(v: Any, x: int, q: Any) -> float:
+    """h at row ``x`` of ``v``."""
+    raise NotImplementedError
+
+
+def piece(v: Any, x: int, q: Any, natural: bool, choices: Any, c: int, slopes: int, m: Any, bends: int) -> float:
+    """h there on a smooth piece, with its derivatives."""
+    raise NotImplementedError
+
+
+def resized(data: Any, n: int, size: float, q: Any) -> None:
+    """The data of point ``n`` in units of another size."""
+    raise NotImplementedError
+
+
+# -- compiled from here ----------------------------------------------------------------------------------------
+
+STICK, SLIP, LEFT = 0, 1, 2
+ANGLE, LOOSE, DEPTH, TIP = 1e-12, 1e-10, 1e-14, 1e-14  # as in the search
+STEPS, HALVINGS, ROUNDS, BRACKETS = 40, 7, 8, 200
+PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
+SETTLED, ROUNDED = 1e-15, 2e-16
+START = 1e-2  # how closely the way to the trial is cut, relative
+NEAR = 2.0**-40  # of the way: where the origin has no value, K is looked for this close to it
+
+
+def solve(trial: Any, data: Any, root: Any, inverse: Any, degree: float, stress: Any, slip: Any, multiplier: Any, state: Any) -> None:
+    """Stress, slip and multiplier of each point, and whether it sticks, slips or is left; ``inverse`` is that of ``root``.
+
+    The slip is that of a stiffness of mean 1.
+    """
+    v, m, a, q = np.empty((ROWS, D)), np.empty((MATRICES, D, D)), np.empty((2 * D, 2 * D + 1)), np.empty(DATA)
+    held = np.empty((D + 1, KINKS), np.int8)
+    for n in range(trial.shape[0]):
+        multiplier[n] = 0.0
+        for i in range(D):
+            stress[n, i], slip[n, i] = trial[n, i], 0.0
+        size = begun(trial, data, n, v, q)
+        if size == 0.0:
+            state[n] = STICK
+        elif size < 0.0 or not searched(v, m, a, q, held, root, inverse):
+            state[n] = LEFT
+        else:
+            state[n] = SLIP
+            weight = 0.0
+            for i in range(D):
+                stress[n, i] = v[X, i] * size
+            for j in range(D):
+                c = v[LENGTHS, j]
+                if c > 0.0:
+                    weight += c / v[SLOPES, j]
+                    for i in range(D):
+                        for k in range(D):
+                            slip[n, i] += c * m[NORMALS, j, k] * inverse[k, i] * size
+            multiplier[n] = weight * size if degree == 1.0 else weight * size * size ** (1.0 - degree)
+
+
+def begun(trial: Any, data: Any, n: int, v: Any, q: Any) -> float:
+    """The size of K on the way to the trial, with both and a point of the boundary in this unit; 0 for a stick, -1 if unclear."""
+    big = 0.0
+    for i in range(D):
+        big = max(big, abs(trial[n, i]))
+        if not isfinite(trial[n, i]):
+            return -1.0
+    size = below(big) if big > 0.0 else 1.0
+    for i in range(D):
+        v[T, i] = trial[n, i] / size
+    resized(data, n, size, q)
+    for k in range(DATA):
+        if not isfinite(q[k]):
+            return -1.0
+    out = level(v, T, q)
+    if out <= 0.0:
+        return 0.0
+    share = crossed(v, q, out)
+    near = 0.0
+    for i in range(D):
+        near = max(near, abs(share * v[T, i]))
+    if not near > 0.0:
+        return -1.0
+    grown = below(near)
+    resized(data, n, size * grown, q)
+    for i in range(D):
+        v[T, i] /= grown
+        v[FIRST, i] = share * v[T, i]
+    return size * grown
+
+
+def crossed(v: Any, q: Any, out: float) -> float:
+    """The share of the way from the origin to the trial that lies in K, a little less of it; 0 where the origin is no inner point."""
+    low, high = 0.0, 1.0
+    for i in range(D):
+        v[X, i] = 0.0
+    deep = level(v, X, q)
+    if not deep < 0.0:
+        low = NEAR
+        for i in range(D):
+            v[X, i] = low * v[T, i]
+        deep = level(v, X, q)
+        if not deep < 0.0:
+            return 0.0
+    for k in range(BRACKETS):
+        middle = (deep * high - out * low) / (deep - out)
+        if k % 3 == 2 or not low < middle < high:
+            middle = 0.5 * (low + high)
+        for i in range(D):
+            v[X, i] = middle * v[T, i]
+        found = level(v, X, q)
+        if found <= 0.0:
+            low, deep = middle, found
+            if found == 0.0:
+                break
+        else:
+            high, out = middle, (found if isfinite(found) else 1e300)
+        if high - low <= START * low:
+            break
+    return low
+
+
+def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
+    """True where a stress is found that is optimal, with its normals and multipliers (0 for pieces that do not press)."""
+    times(inverse, v, T, S)
+    for i in range(D):
+        v[X, i] = v[FIRST, i]
+    count = pressed(v, m, a, q, held, root, inverse)
+    if count == 0 and KINKS > 0:  # along a seam without a corner the piece may change from step to step
+        for i in range(D):
+            v[X, i] = v[FIRST, i]
+        if isfinite(newton(v, m, a, q, held, 1, True, root, inverse)) and optimal(v, m, q, held, 1, root):
+            count = 1
+    if count == 0:
+        return False
+    for j in range(count, D):
+        v[LENGTHS, j] = 0.0
+    snapped(v, q)
+    return True
+
+
+def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
+    """How many pieces press on the optimum, which is then in v; 0 where it is not found."""
+    count = 1
+    piece(v, X, q, True, held, 0, RAW, m, RAWBEND)
+    for _ in range(ROUNDS):
+        if not isfinite(newton(v, m, a, q, held, count, False, root, inverse)):
+            return 0
+        least = 0
+        for j in range(1, count):
+            if v[LENGTHS, j] < v[LENGTHS, least]:
+                least = j
+        if v[LENGTHS, least] < -ANGLE * (1.0 + length(v, REST)):
+            if count == 1:
+                return 0
+            count -= 1
+            for k in range(KINKS):
+                held[least, k] = held[count, k]
+        elif optimal(v, m, q, held, count, root):
+            return count
+        elif count == D or not added(held, count):
+            return 0
+        else:
+            count += 1
+    return 0
+
+
+def added(held: Any, count: int) -> bool:
+    """Whether the piece that holds is none of those held; then it is the next of them."""
+    for j in range(count):
+        equal = True
+        for k in range(KINKS):
+            equal = equal and held[j, k] == held[D, k]
+        if equal:
+            return False
+    for k in range(KINKS):
+        held[count, k] = held[D, k]
+    return True
+
+
+def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any) -> bool:
+    """Whether the stress satisfies the optimality conditions of a convex K; notes the piece that holds there."""
+    reach, curved, away, deep = 1.0 + length(v, U), 0.0, length(v, REST), 0.0
+    for i in range(D):
+        for j in range(D):
+            curved = max(curved, abs(m[BEND, i, j]))
+    for j in range(count):
+        deep = max(deep, abs(v[LEVELS, j]))
+        if not v[LENGTHS, j] >= -ANGLE * (1.0 + away):
+            return False
+    high = piece(v, X, q, True, held, D, RAW, m, RAWBEND) / whitened(v, root) if KINKS > 0 else 0.0
+    turned = turn(v, m, count) / (1.0 + away)
+    return turned <= min(max(1e-15 * reach * curved, ANGLE), LOOSE) and max(deep, abs(high)) <= DEPTH * reach
+
+
+def snapped(v: Any, q: Any) -> None:
+    """Components that are rounding become 0 where only that keeps the point inside: the tip of a cone, a face through 0."""
+    tip, rounded = TIP * (1.0 + length(v, U)), False
+    for i in range(D):
+        v[BEST, i] = v[X, i] if abs(v[X, i]) > tip else 0.0
+        rounded = rounded or v[BEST, i] != v[X, i]
+    if rounded and level(v, X, q) > 0.0 and level(v, BEST, q) <= 0.0:
+        for i in range(D):
+            v[X, i] = v[BEST, i]
+
+
+def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool, root: Any, inverse: Any) -> float:
+    """To where the pieces meet and the rest of the way is a sum of their normals; damped until the error falls.
+
+    The error at the stress where it ends, whose state is left in v and m; inf where there is none.
+    """
+    error, part = state_of(v, m, a, q, held, count, natural, root, inverse), 0.0
+    before, tries, steps = error, 0, 0
+    while isfinite(error) and steps < STEPS:
+        if part == 0.0:  # a new step from here
+            if error <= ROUNDED or not directed(v, m, a, count, root):
+                break
+            for i in range(D):
+                v[BEST, i] = v[X, i]
+            before, part, tries, steps = error, 1.0, 0, steps + 1
+        for i in range(D):
+            v[X, i] = v[BEST, i] + part * v[STEP, i]
+        error = state_of(v, m, a, q, held, count, natural, root, inverse)
+        if error < before:
+            if not error < PROGRESS * before and error < CLOSE:
+                break
+            part = 0.0
+            continue
+        if error < SETTLED and before < SETTLED:  # rounding alone
+            break
+        tries += 1
+        part *= 0.5 if part > 0.2 else 0.1
+        if tries == HALVINGS:
+            for i in range(D):
+                v[X, i] = v[BEST, i]
+            return state_of(v, m, a, q, held, count, natural, root, inverse)
+    return error
+
+
+def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool, root: Any, inverse: Any) -> float:
+    """How far the stress is from optimal on these pieces: normals, levels, multipliers, sum of the bends; inf where undefined."""
+    times(inverse, v, X, U)
+    for i in range(D):
+        v[REST, i] = v[S, i] - v[U, i]
+        for k in range(D):
+            m[BEND, i, k] = 0.0
+    deep = 0.0
+    for j in range(count):
+        high = piece(v, X, q, natural, held, j, RAW, m, RAWBEND)
+        slope = whitened(v, root)
+        if not slope > 0.0 or not isfinite(high):
+            return np.inf
+        v[SLOPES, j], v[LEVELS, j] = slope, high / slope
+        deep = max(deep, abs(v[LEVELS, j]))
+        for i in range(D):
+            m[NORMALS, j, i] = v[WHITE, i] / slope
+    if not shared(v, m, a, count):
+        return np.inf
+    for j in range(count):
+        if v[LENGTHS, j] > 0.0:
+            if count > 1:
+                piece(v, X, q, False, held, j, RAW, m, RAWBEND)
+            bent(m, root, v[LENGTHS, j] / v[SLOPES, j])
+    turned = turn(v, m, count) / (1.0 + length(v, REST))
+    error = sqrt(turned * turned + deep * deep)
+    return error if isfinite(error) else np.inf

@@ -1,0 +1,169 @@
+"""The loop that is made for one law: its text run as it is, and compiled, against the search and against bodies with a known answer."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem import Criterion, MissingExtraError
+from duhem.projection import compiled_newton, newton
+from duhem.projection.increment import Increment
+from duhem.projection.newton_kernel import LEFT, SLIP
+from duhem.projection.result import Solution, Status
+from duhem.projection.scaled_formula import scaled
+from duhem.projection.validation import posed, setting
+from duhem.projection.whitened_body import whitening
+
+LAWS: dict[str, dict[str, float]] = {
+    "superellipse": {"mu_a": 0.3, "mu_b": 0.2, "p": 4}, "limacon": {"mu": 0.3, "e": 0.4}, "hosford": {"yield_stress": 0.3, "m": 8},
+    "drucker1949": {"k": 0.3, "c": 2}, "von-mises": {"yield_stress": 0.3}, "box": {"mu_a": 0.3, "mu_b": 0.2}, 
+    "tresca": {"yield_stress": 0.3}, "antoni2007": {"mu_a_plus": 0.3, "mu_a_minus": 0.2, "mu_b_plus": 0.1, "mu_b_minus": 0.4},
+    "regularised": {"mu": 0.3, "c": 0.1},
+    "capped": {"mu": 0.3, "tau_max": 0.2}, "matchstick": {"mu_a": 0.3, "mu_b": 0.25}, "antoni2007-1d": {"mu_plus": 0.3, "mu_minus": 0.1},
+}  # fmt: skip
+
+
+def _question(name: str, n: int, seed: int, size: float = 1.0, full: bool = False) -> Increment:
+    law = duhem.load(name)
+    rng, d = np.random.default_rng(seed), len(law.forces)
+    stiffness: Any = np.array([1.0, 2.0, 1.5])[:d]
+    if full:
+        root = rng.normal(size=(d, d))
+        stiffness = root @ root.T + 0.3 * np.eye(d)
+    pressure = -size * rng.uniform(0.2, 1.2, n) if law.pressure else None
+    parameters = {name: (value * size if name in ("yield_stress", "k", "c", "tau_max") and law.name != "drucker1949" else value)
+                  for name, value in LAWS[name].items()}  # fmt: skip
+    if law.name == "drucker1949":
+        parameters["k"] *= size
+    return posed(setting(law, stiffness, parameters), size * rng.normal(size=(n, d)) * 0.5, pressure)
+
+
+def _as_text(question: Increment) -> tuple[Solution, np.ndarray]:
+    """The loop, not compiled."""
+    law = question.law
+    formula = scaled(question.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+    space: dict[str, Any] = {}
+    exec(compiled_newton.kernel_text(formula, law.force_symbols()), space)
+    n, d = question.trial.shape
+    values = formula.values(question.pressure, np.ones(n))
+    data = np.stack(list(values.values()), axis=1) if values else np.zeros((n, 0))
+    mean, root = whitening(question)
+    out = Solution(np.empty((n, d)), np.empty((n, d)), np.empty(n), np.zeros(n, dtype=bool))
+    state = np.empty(n, dtype=np.int8)
+    with np.errstate(all="ignore"):
+        space["solve"](question.trial, data, root, np.linalg.inv(root), formula.degree, out.stress, out.slip, out.multiplier, state)
+    return Solution(out.stress, out.slip / mean, out.multiplier / mean, out.failed), state
+
+
+@pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
+@pytest.mark.parametrize("name", LAWS)
+def test_it_is_the_search(name: str, full: bool) -> None:
+    question = _question(name, 25, 3, full=full)
+    found, state = _as_text(question)
+    known = newton.solve(question)
+    done = state != LEFT
+    assert done.mean() >= 0.9 and (state == SLIP).sum() >= 5
+    for one, other in ((found.stress, known.stress), (found.slip, known.slip), (found.multiplier, known.multiplier)):
+        assert one[done] == pytest.approx(other[done], rel=1e-9, abs=1e-11)
+    assert (found.multiplier[done] > 0).tolist() == (known.multiplier[done] > 0).tolist()
+
+
+@pytest.mark.parametrize("size", [1e-250, 1e-90, 1e90, 1e250])
+@pytest.mark.parametrize("name", ["superellipse", "hosford", "box", "regularised"])
+def test_units_do_not_matter(name: str, size: float) -> None:
+    here, state = _as_text(_question(name, 8, 5))
+    there, again = _as_text(_question(name, 8, 5, size=size))
+    assert state.tolist() == again.tolist() and LEFT not in state
+    assert there.stress / size == pytest.approx(here.stress, rel=1e-12, abs=1e-14)
+    assert there.slip / size == pytest.approx(here.slip, rel=1e-11, abs=1e-13)
+
+
+def test_at_a_corner_as_many_pieces_press_as_meet() -> None:
+    law = Criterion(name="brick", g="max(abs(a)/2, abs(b), abs(c)/3) - 1", forces=("a", "b", "c"), pressure=None)
+    trial = np.array([[5.0, 0.2, 1.0], [5.0, -3.0, 1.0], [-5.0, 3.0, 9.0], [0.1, 0.2, -0.3]])
+    found, state = _as_text(posed(setting(law, 1.0, {}), trial, None))
+    assert found.stress == pytest.approx(np.clip(trial, [-2, -1, -3], [2, 1, 3]), abs=1e-14)
+    assert found.slip == pytest.approx(trial - np.clip(trial, [-2, -1, -3], [2, 1, 3]), abs=1e-13)
+    assert state.tolist() == [SLIP, SLIP, SLIP, 0]
+
+
+@pytest.mark.parametrize("trial", [[np.nan, 1.0], [np.inf, 0.0], [1e300, 1e300]])
+def test_what_is_no_number_is_left_or_answered(trial: list[float]) -> None:
+    question = replace(_question("superellipse", 1, 0), trial=np.array([trial]))
+    found, state = _as_text(question)
+    assert state[0] == LEFT or np.isfinite(found.stress).all()
+
+
+def test_a_body_whose_inside_does_not_hold_the_origin_is_left() -> None:
+    law = Criterion(name="off", g="norm(a - 3, b) - 1", forces=("a", "b"), pressure=None)
+    question = posed(setting(law, 1.0, {}), np.array([[9.0, 0.0], [3.1, 0.0]]), None)
+    _, state = _as_text(question)
+    assert state.tolist() == [LEFT, 0]
+    assert newton.solve(question).stress[0] == pytest.approx([4.0, 0.0])
+
+
+def test_a_word_without_text_is_all_left() -> None:
+    law = Criterion(name="great", g="principal(1) - 1", stress={"name": "s", "kind": "3d"}, pressure=None)
+    question = posed(setting(law, 1.0, {}), np.array([[2.0, 0.0, 0.0, 0.1, 0.0, 0.2]]), None)
+    _, left = compiled_newton.solved(question)
+    assert left.tolist() == [0]
+
+
+def test_without_numba_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "numba", None)
+    compiled_newton._kernel.cache_clear()
+    with pytest.raises(MissingExtraError, match=r"duhem\[fast\]"):
+        duhem.project("superellipse", [1.0, 1.0], -1.0, 1.0, LAWS["superellipse"], method="newton", compiled=True)
+
+
+SCRIPT = """
+import numpy as np, duhem
+rng = np.random.default_rng(0)
+trial, pressure = rng.normal(size=(40_000, 2)), -rng.uniform(0.2, 1.0, 40_000)
+own = dict(mu_a=0.3, mu_b=0.2, p=3)
+fast = duhem.project("superellipse", trial, pressure, [1.0, 2.0], own, method="newton", compiled=True)
+assert set(fast.status.tolist()) == {0, 1}
+few = slice(39_900, None)
+alone = duhem.project("superellipse", trial[few], pressure[few], [1.0, 2.0], own, method="newton", compiled=True)
+assert (fast.stress[few] == alone.stress).all() and (fast.slip[few] == alone.slip).all()
+slow = duhem.project("superellipse", trial[few], pressure[few], [1.0, 2.0], own, method="newton")
+print(abs(fast.stress[few] - slow.stress).max(), abs(fast.slip[few] - slow.slip).max())
+"""
+
+
+@pytest.mark.long
+def test_compiled_it_is_the_same_and_is_kept(tmp_path: Any) -> None:
+    pytest.importorskip("numba")
+    for _ in range(2):
+        environment = {**os.environ, "DUHEM_CACHE_DIR": str(tmp_path / "kept")}
+        done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=environment)
+        assert done.returncode == 0, done.stderr
+        assert max(map(float, done.stdout.split())) < 1e-14
+    kept = {path.suffix for path in (tmp_path / "kept").rglob("*") if path.is_file()}
+    assert kept == {".py", ".nbi", ".nbc"}
+
+
+def test_a_folder_that_cannot_be_written_is_no_fault(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path / "file"))
+    assert compiled_newton._kept("text") is None
+
+
+def test_what_stands_in_the_way_in_the_folder_is_written_anew(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
+    monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
+    path = compiled_newton._kept("x = 1\n")
+    assert path is not None and path.read_text() == "x = 1\n"
+    path.write_text("import os")
+    assert compiled_newton._kept("x = 1\n") == path and path.read_text() == "x = 1\n"
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def test_statuses_are_the_judges() -> None:
+    assert Status.SLIP == SLIP and Status.STICK == 0
