@@ -250,7 +250,7 @@ def test_command(run: Run, tmp_path: Path) -> None:
     assert set(found) == {
         "duhem", "law", "subject", "machine", "interrupted", "reference", "rows", "refusals", "silently_wrong", "left_out",
     }  # fmt: skip
-    assert {row["method"] for row in found["rows"]} == {"newton"}
+    assert {row["method"] for row in found["rows"]} == {"newton", *["newton, numba"] * (find_spec("numba") is not None)}
     assert found["reference"] <= 1e-50
     row = found["rows"][0]
     assert row["points"] == row["finite"] == 2 and 0 <= row["slip_digits"] <= 16

@@ -28,12 +28,12 @@ TEXTS = [
 ]  # fmt: skip
 
 
-def _functions(g: sp.Expr) -> tuple[Any, Any, int]:
+def _functions(g: sp.Expr) -> tuple[Any, Any, int, tuple[float, ...]]:
     found = scalar_jets(g, FORCES, (LOAD,))
     names = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "arctan", "arcsin", "arccos", "arctan2", "hypot", "nan")
     space = {name: getattr(np, name) for name in names}
     exec(f"{found.level}\n\n{found.piece}", space)  # what a compiler would be given
-    return space["level"], space["piece"], found.kinks
+    return space["level"], space["piece"], found.kinks, found.constants
 
 
 def _points() -> list[np.ndarray]:
@@ -49,22 +49,22 @@ def test_every_word_is_asked_about() -> None:
 @np.errstate(all="ignore")
 def test_they_are_those_on_arrays(text: str) -> None:
     g = parse_expression(text, KNOWN)
-    level, piece, kinks = _functions(g)
+    level, piece, kinks, numbers = _functions(g)
     jets = formula(g, FORCES, (LOAD,))
     assert kinks == jets.kinks
     compared = 0
     for point in _points():
-        v, m, q = np.array([point, np.full(3, np.nan)]), np.full((1, 3, 3), np.nan), np.array([1.75])
+        v, m, q = np.array([point, np.full(3, np.nan)]), np.full((1, 3, 3), np.nan), np.array([1.75, *numbers])
         choices = np.zeros((1, kinks), dtype=np.int8)
         value = piece(v, 0, q, True, choices, 0, 1, m, 0)
-        jet, taken = jets(point[None], [q])
+        jet, taken = jets(point[None], [q[:1]])
         if not (np.isfinite(jet.value[0]) and np.isfinite(jet.gradient).all() and np.isfinite(jet.hessian).all()):
             continue
         compared += 1
         assert value == pytest.approx(jet.value[0], rel=1e-13, abs=1e-14) and level(v, 0, q) == pytest.approx(value, rel=1e-14, abs=1e-14)
         assert v[1] == pytest.approx(jet.gradient[0], rel=1e-12, abs=1e-12)
         assert m[0] == pytest.approx(jet.hessian[0], rel=1e-11, abs=1e-11)
-        named, _ = jets(point[None], [q], taken)
+        named, _ = jets(point[None], [q[:1]], taken)
         assert piece(v, 0, q, False, choices, 0, 1, m, 0) == pytest.approx(named.value[0], rel=1e-13, abs=1e-14)
     assert compared >= 8
 
@@ -72,8 +72,8 @@ def test_they_are_those_on_arrays(text: str) -> None:
 @pytest.mark.parametrize("text", ["abs(a) + pos(b) - neg(c)", "max(a, b**2, c)", "where(a > 0, a*b, b - c)"])
 def test_a_piece_is_followed_beyond_its_own_region(text: str) -> None:
     g = parse_expression(text, KNOWN)
-    _, piece, kinks = _functions(g)
-    q, m, choices = np.array([1.0]), np.empty((1, 3, 3)), np.zeros((1, kinks), dtype=np.int8)
+    _, piece, kinks, numbers = _functions(g)
+    q, m, choices = np.array([1.0, *numbers]), np.empty((1, 3, 3)), np.zeros((1, kinks), dtype=np.int8)
     start, beyond = np.array([1.0, 0.3, -0.2]), np.array([-2.0, -1.3, 1.7])
     v = np.array([start, np.zeros(3)])
     piece(v, 0, q, True, choices, 0, 1, m, 0)

@@ -34,28 +34,30 @@ class ScalarJets:
 
     ``level(v, x, q)`` returns the value.  ``piece(v, x, q, natural, choices, c, slopes, m, bends)`` returns it as well and
     fills the row ``slopes`` of ``v`` and the matrix ``bends`` of ``m`` with the derivatives; where ``natural``, the row ``c``
-    of ``choices`` (``kinks`` small integers) is written, else it names the piece.
+    of ``choices`` (``kinks`` small integers) is written, else it names the piece.  ``constants`` follow the others in ``q``: the
+    fractions of the formula, which are mostly values of parameters, so that one text serves them all.
     """
 
     level: str
     piece: str
     kinks: int
+    constants: tuple[float, ...]
 
 
 def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> ScalarJets:
     """``expr`` differentiated in the ``forces``.  InputError for a word without a row here (``eigmax``)."""
-    formula = recognised(expr)
-    value = _Writer(0)
+    formula, numbers = recognised(expr), dict[str, int]()
+    value = _Writer(0, numbers)
     last = fold(formula, value.table(), value.leaf(forces, others))
     level = ["def level(v, x, q):", *value.lines, f"    return {last.value}"]
-    whole = _Writer(len(forces))
+    whole = _Writer(len(forces), numbers)
     jet = fold(formula, whole.table(), whole.leaf(forces, others))
     d = range(len(forces))
     slopes = [f"    v[slopes, {i}] = {jet.slopes.get(i, '0.0')}" for i in d]
     bends = [f"    m[bends, {i}, {j}] = {jet.bends.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
     head = "def piece(v, x, q, natural, choices, c, slopes, m, bends):"
     piece = [head, *whole.lines, *slopes, *bends, f"    return {jet.value}"]
-    return ScalarJets("\n".join(level), "\n".join(piece), whole.kinks)
+    return ScalarJets("\n".join(level), "\n".join(piece), whole.kinks, tuple(map(float, numbers)))
 
 
 @dataclass(frozen=True)
@@ -68,10 +70,10 @@ class _Jet:
 
 
 class _Writer:
-    """Writes the lines of one function; of ``d`` = 0 forces no derivative is followed."""
+    """Writes the lines of one function; of ``d`` = 0 forces no derivative is followed.  ``numbers``: constants and their places."""
 
-    def __init__(self, d: int) -> None:
-        self.d, self.kinks = d, 0
+    def __init__(self, d: int, numbers: dict[str, int]) -> None:
+        self.d, self.kinks, self.numbers = d, 0, numbers
         self.lines: list[str] = []
 
     def let(self, text: str) -> str:
@@ -86,7 +88,10 @@ class _Writer:
                 return _Jet(f"v[x, {i}]", {i: "1.0"} if self.d else {})
             if node in others:
                 return _Jet(f"q[{list(others).index(node)}]")
-            return _Jet(_number(node))
+            text = _number(node)
+            if node.is_Integer or not node.is_Rational:
+                return _Jet(f"({text})")
+            return _Jet(f"q[{len(others) + self.numbers.setdefault(text, len(self.numbers))}]")
 
         return jet
 
@@ -311,7 +316,7 @@ def _number(node: Any) -> str:
         value = int(node.p) / int(node.q) if node.is_Rational else float(node)
     except (OverflowError, TypeError):
         raise InputError(f"{node} has no value in double precision", remedy="rescale the formula") from None
-    return f"({value!r})" if value < 0.0 else repr(value)
+    return repr(value)
 
 
 def _falling(e: Any) -> tuple[Any, Any, Any]:

@@ -45,7 +45,8 @@ def solved(increment: Increment) -> tuple[Solution, NDArray[np.intp]]:
     every = np.arange(n)
     found = Solution(np.empty((n, d)), np.zeros((n, d)), np.zeros(n), np.zeros(n, dtype=bool))
     try:
-        run = _kernel(increment.g, law.force_symbols(), symbol)
+        jets = scalar_jets(formula.expr, law.force_symbols(), tuple(formula.data))
+        run = _kernel(kernel_text(formula, jets, d))
     except InputError:  # a word without derivatives as text
         return found, every
     state = np.empty(n, dtype=np.int8)
@@ -58,7 +59,7 @@ def solved(increment: Increment) -> tuple[Solution, NDArray[np.intp]]:
         values = formula.values(increment.pressure[block], np.ones(len(trial)))
         data = np.stack([values[q] for q in formula.data], axis=1) if values else np.zeros((len(trial), 0))
         out = found.stress[block], found.slip[block], found.multiplier[block], state[block]
-        run(trial, np.ascontiguousarray(data), root, inverse, formula.degree, *out)
+        run(trial, np.ascontiguousarray(data), np.array(jets.constants), root, inverse, formula.degree, *out)
 
     fill(0)  # compiled here, once
     with ThreadPoolExecutor() as pool:  # a point's numbers do not depend on who computes them
@@ -69,15 +70,14 @@ def solved(increment: Increment) -> tuple[Solution, NDArray[np.intp]]:
     return found, every[state == LEFT]
 
 
-def kernel_text(formula: ScaledFormula, forces: tuple[sp.Symbol, ...]) -> str:
-    """The module that is compiled for one law.  InputError for a word that has no derivatives as text."""
-    jets = scalar_jets(formula.expr, forces, tuple(formula.data))
+def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int) -> str:
+    """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
     head = [
         "from math import frexp, isfinite, ldexp",
         "from typing import Any",
         "import numpy as np",
         f"from numpy import {', '.join(_FUNCTIONS)}",
-        f"D, KINKS, DATA = {len(forces)}, {jets.kinks}, {len(formula.data)}",
+        f"D, KINKS, DATA = {d}, {jets.kinks}, {len(formula.data)}",
     ]
     loop = [inspect.getsource(module).partition(_MARK)[2].partition("\n")[2] for module in (newton_step, newton_kernel)]
     return "\n\n\n".join(["\n".join(head), *_functions(formula, jets), *loop])
@@ -94,13 +94,12 @@ def _scaled(k: int, weight: sp.Expr) -> str:
 
 
 @lru_cache(maxsize=64)
-def _kernel(g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None) -> Callable[..., None]:
+def _kernel(text: str) -> Callable[..., None]:
     """The compiled loop; what is not yet on disk is compiled now (some seconds)."""
     try:
         import numba
     except ImportError:
         raise MissingExtraError("numba", "fast") from None
-    text = kernel_text(scaled(g, forces, pressure), forces)
     kept = _kept(text)
     module = ModuleType(f"duhem_{kept.stem}" if kept else "duhem_generated")
     sys.modules[module.__name__] = module  # where what was kept looks for it

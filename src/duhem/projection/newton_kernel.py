@@ -77,12 +77,17 @@ START = 1e-2  # how closely the way to the trial is cut, relative
 NEAR = 2.0**-40  # of the way: where the origin has no value, K is looked for this close to it
 
 
-def solve(trial: Any, data: Any, root: Any, inverse: Any, degree: float, stress: Any, slip: Any, multiplier: Any, state: Any) -> None:
+def solve(
+    trial: Any, data: Any, constants: Any, root: Any, inverse: Any, degree: float, stress: Any, slip: Any, multiplier: Any, state: Any
+) -> None:
     """Stress, slip and multiplier of each point, and whether it sticks, slips or is left; ``inverse`` is that of ``root``.
 
     The slip is that of a stiffness of mean 1.
     """
-    v, m, a, q = np.empty((ROWS, D)), np.empty((MATRICES, D, D)), np.empty((2 * D, 2 * D + 1)), np.empty(DATA)
+    v, m, a = np.empty((ROWS, D)), np.empty((MATRICES, D, D)), np.empty((2 * D, 2 * D + 1))
+    q = np.empty(DATA + len(constants))
+    for k in range(len(constants)):
+        q[DATA + k] = constants[k]
     held = np.empty((D + 1, KINKS), np.int8)
     for n in range(trial.shape[0]):
         multiplier[n] = 0.0
