@@ -40,6 +40,7 @@ _NEAR = 2e-13  # distances that count as rounding, relative to the numbers at ha
 _SETTLED = 1e-15  # the polyhedron is this close to K, relative likewise: nothing more can be learnt from outside
 _EDGE_STEPS = 60
 _PATIENCE = 8  # rounds without coming closer after which the same is concluded
+_LATE = 50  # rounds after which a corner of the polyhedron is taken for an apex: what is smooth is found before
 _NUDGE = 1e-8  # of the numbers at hand: how far beside a point without a normal one is looked for
 _STRAIGHT = 1e-5  # over shorter ways a bend could hide in rounding
 _BESIDE = 1e-10  # how far the normals at a settled, sharp edge may be taken from beside it
@@ -68,12 +69,12 @@ def applies(increment: Increment) -> str | None:
     return too_far_apart(increment.stiffness)
 
 
-def solve(increment: Increment, options: NewtonOptions = _DEFAULTS) -> Solution:
+def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
     """The projection of every trial stress, to rounding; ``failed`` where no point could be shown to be optimal.
 
     The law is taken as convex.  At corners the slip is a sum over the pieces that meet, and so is the multiplier.
     """
-    if not options.compiled:
+    if not (isinstance(options, NewtonOptions) and options.compiled):
         return _solve(increment)
     from duhem.projection.compiled_newton import solved
 
@@ -214,15 +215,16 @@ def _search(k: Body, trial: Array, centre: Array) -> _Found:
         tried = np.flatnonzero(found.failed[left] & now)
         _accept(found, k, refine(k, s[left[tried]], x[tried], left[tried]), left[tried], outer, cuts)
         _try_meets(found, k, s, left[found.failed[left] & now], outer, cuts)
-        lost = np.flatnonzero(found.failed[left])
+        lost = np.flatnonzero(found.failed[left] & (settled | (round_ >= _LATE)))
         _accept_vertex(found, k, left[lost], x[lost], gap[lost], outer, cuts)
-        lost = np.flatnonzero(found.failed[left] & settled)
-        _accept_polyhedron(found, k, left[lost], x[lost], gap[lost], settled[lost], outer, cuts, _AROUND)
+        sharp[left[lost]] = ~found.failed[left[lost]]
         touch = k.piece(x, left, second=False)
-        if (bare := np.flatnonzero(found.failed[left] & ~settled & ~np.isfinite(touch.normal).all(axis=1))).size:
-            x[bare] = _pulled(
-                k, y[bare] + _NUDGE * _reach(k, x[bare])[:, None] * _any_way(round_, s.shape[1]), centre[left[bare]], left[bare]
-            )
+        bare = ~np.isfinite(touch.normal).all(axis=1)
+        lost = np.flatnonzero(found.failed[left] & settled & bare)
+        _accept_polyhedron(found, k, left[lost], x[lost], gap[lost], settled[lost], outer, cuts, _AROUND)
+        if (aside := np.flatnonzero(found.failed[left] & ~settled & bare)).size:
+            nudge = _NUDGE * _reach(k, x[aside])[:, None] * _any_way(round_, s.shape[1])
+            x[aside] = _pulled(k, y[aside] + nudge, centre[left[aside]], left[aside])
             touch = k.piece(x, left, second=False)
         open_ = found.failed[left] & ~settled & np.all(np.isfinite(touch.normal), axis=1)
         left, x = left[open_], x[open_]
@@ -313,7 +315,7 @@ def _accept_vertex(found: _Found, k: Body, at: Index, x: Array, gap: Array, oute
     spread = np.linalg.svd(normals, compute_uv=False)[:, -1]
     with np.errstate(all="ignore"):
         off = np.linalg.norm(1.0 / multipliers, axis=1) * away * np.maximum(gap, _SETTLED * reach) / spread
-    good = off <= _BESIDE * reach
+    good = off * np.linalg.cond(k.root) <= _BESIDE * reach  # as a share of the least component of a stress
     at, x, off = at[good], x[good], off[good] + gap[good]
     tip = (np.linalg.norm(k.whitened(x), axis=1) <= off) & (k.level(np.zeros_like(x), at) <= 0)
     _take(found, at, np.where(tip[:, None], 0.0, x), outer, cuts)
