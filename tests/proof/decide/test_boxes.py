@@ -13,7 +13,7 @@ from duhem.expression import symbol
 from duhem.proof.decide import Answer, Budget, Question, Sense
 from duhem.proof.decide.enclosure import _bounds, _box, _halves, _holds, _middle, _values, _widths, by_enclosure
 
-x, y = symbol("x"), symbol("y")
+x, y, z = symbol("x"), symbol("y"), symbol("z")
 p, n, m = symbol("p", positive=True), symbol("n", nonnegative=True), symbol("m", negative=True)
 N, P = Sense.NONNEGATIVE, Sense.POSITIVE
 BOX = (sp.Ge(x, -1), sp.Le(x, 1))
@@ -135,6 +135,15 @@ def test_only_where_the_hypotheses_surely_hold_is_there_a_violation(relation: sp
     for given in ((relation,), (relation, sp.Gt(y, -3)), (sp.Gt(y, -3), relation)):
         assert asked(Question(sp.S.NegativeOne, N, given, (x, y))).holds is holds
         assert asked(Question(sp.S.One, N, given, (x, y))).holds is True
+
+
+def test_hypotheses_on_other_symbols_without_bounds_are_left_out() -> None:
+    """What holds without them holds with them; what is violated need not be."""
+    for given in ((sp.Gt(z, 0),), (sp.Gt(z, x), sp.Gt(z, 5)), (sp.Ge(z, 1), sp.Le(z, sp.exp(x)))):
+        assert asked(Question(sp.exp(x), P, (*BOX, *given))).holds is True
+        assert asked(Question(-sp.exp(x), P, given, (x, y))).holds is None
+        assert asked(Question(sp.exp(z), P, (*BOX, *given))).holds is None
+    assert asked(Question(-sp.exp(x), P, (), (x, y))).holds is False
 
 
 def test_no_margin_ends_the_search() -> None:

@@ -12,7 +12,7 @@ import z3
 from duhem.expression import Atan2, symbol
 from duhem.proof.decide import Answer, Budget, Question, Sense, decide, deciders, smt
 from duhem.proof.decide.budget import SpentError
-from duhem.proof.decide.deciders import _beyond_exponentials, _by_argument, _by_factors, _factoring, _factors, _meaningful, by_rules
+from duhem.proof.decide.deciders import _beyond_words, _by_argument, _by_factors, _factoring, _factors, _meaningful, by_rules
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.smt import by_smt
 
@@ -120,19 +120,39 @@ def test_what_is_no_monotone_word() -> None:
 
 def test_exponentials_on_their_side_of_one() -> None:
     def wider(expr: sp.Expr, sense: Sense = P) -> tuple[sp.Expr, list[str]] | None:
-        found = _beyond_exponentials(Question(expr, sense, (sp.Gt(y, 0),), (x, y)))
+        found = _beyond_words(Question(expr, sense, (sp.Gt(y, 0),), (x, y)), Budget(10**6))
         if found is None:
             return None
         assert found.sense is sense and found.circle == (x, y) and found.given[0] == sp.Gt(y, 0)
         assert all(s.is_positive for s in found.expr.free_symbols - {x, y, p, n, m, k})
         return found.expr.xreplace({s: sp.Symbol(s.name) for s in found.expr.free_symbols}), [r.rel_op for r in found.given[1:]]
 
-    big, own_x = sp.Symbol("E"), sp.Symbol("x")
+    big, own_x = sp.Symbol("exp"), sp.Symbol("x")
     assert wider(sp.exp(p) + x) == (big + own_x, [">"]) and wider(sp.exp(n) + x) == (big + own_x, [">="])
     assert wider(sp.exp(m) + x) == (big + own_x, ["<"]) and wider(sp.exp(k) + x, N) == (big + own_x, ["<="])
     assert wider(sp.exp(x)) is None and wider(x) is None
     mixed = wider(sp.exp(x) + sp.exp(-p))
     assert mixed is not None and mixed[0] == sp.exp(own_x) + big and mixed[1] == ["<"]
+
+
+@pytest.mark.parametrize(
+    ("expr", "given", "holds"),
+    [
+        (y + sp.tan(x), (sp.Ge(x, 0), sp.Le(x, sp.Rational(7, 5)), sp.Ge(y, 0)), True),
+        (y + sp.tan(x), (sp.Ge(x, 0), sp.Le(x, sp.Rational(8, 5)), sp.Ge(y, 0)), None),  # beyond a right angle
+        (y + sp.tan(x), (sp.Ge(x, sp.Rational(-1, 10)), sp.Le(x, 1), sp.Ge(y, 0)), None),
+        (y + sp.tan(x), (sp.Ge(x, 0), sp.Le(x, 1)), None),
+        (y - sp.tan(x), (sp.Le(x, 0), sp.Ge(x, -1), sp.Ge(y, 0)), True),
+        (y - sp.tan(x), (sp.Le(x, 0), sp.Ge(x, -2), sp.Ge(y, 0)), None),
+        (y, (sp.Ge(x, 0), sp.Le(x, 1), sp.Ge(y, sp.tan(x))), None),  # what is asked has none
+        (y + sp.tan(x), (sp.Ge(x, 0), sp.Le(x, 1), sp.Ge(y + 2 * sp.tan(x), 4 * sp.tan(x))), True),
+        (y + sp.tan(x), (sp.Ge(x, 0), sp.Le(x, 1), sp.Ge(y + 4 * sp.tan(x), 2 * sp.tan(x))), None),
+        (y + 1 - sp.exp(x), (sp.Le(x, 0), sp.Ge(y, 0)), True),
+        (y + 1 - sp.exp(x), (sp.Le(x, 1), sp.Ge(y, 0)), None),
+    ],
+)
+def test_words_are_numbers_on_their_side(expr: sp.Expr, given: tuple[sp.Basic, ...], holds: bool | None) -> None:
+    assert decide(Question(expr, N, given)).holds is holds
 
 
 def test_exponentials_in_a_question() -> None:
@@ -280,7 +300,7 @@ def test_thirty_two_branches_and_no_more(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_shares_of_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A quarter for the polynomials, half of the rest for those that end with an enclosure."""
+    """A quarter for the polynomials, an eighth for each sign of an argument, half of the rest for what ends with an enclosure."""
     import duhem.proof.decide.enclosure as enclosure
 
     seen: list[int] = []
@@ -298,7 +318,7 @@ def test_shares_of_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(deciders, "polynomial_system", system_of)
     answer = decide(Question(sp.exp(x) - x - 1, N), Budget(1000))
-    assert seen == [250, 500] and (answer.method, answer.reason[-4:]) == ("interval", "; no")
+    assert seen == [250, 15, 15, 482] and (answer.method, answer.reason[-4:]) == ("interval", "; no")
     seen.clear()
     decide(Question(1 - sp.exp(-n) * x, N), Budget(1000))
     assert seen[:2] == [250, 125]  # what says more than was asked has half

@@ -17,7 +17,7 @@ import pytest
 import sympy as sp
 
 from duhem.proof import decide
-from duhem.proof.decide import Answer, Question, Sense, deciders
+from duhem.proof.decide import Answer, Budget, Question, Sense, deciders
 from duhem.proof.decide.polynomials import System
 from duhem.proof.decide.reduction import parts
 from tests.proof.decide.questions import GOALS, Violated, as_system, is_polynomial, violated_ones
@@ -50,9 +50,21 @@ def _root(system: System, rho: sp.Symbol, at: Point) -> Fraction:
 
 @pytest.fixture
 def world(monkeypatch: pytest.MonkeyPatch) -> Callable[[Question, Point], bool | None]:
-    """``decide`` where every decider but the sign rules evaluates at the one point there is."""
+    """``decide`` where every decider but the sign rules evaluates at the one point there is, with the values that words have there."""
+    beyond = deciders._beyond_words
 
     def asked(question: Question, at: Point) -> bool | None:
+        at = dict(at)
+
+        def beyond_words(question: Question, budget: Budget) -> Question | None:
+            wider = beyond(question, budget)
+            if wider is not None:
+                replaced = sorted(sp.Tuple(question.expr, *question.given).atoms(sp.exp, sp.tan), key=sp.default_sort_key)
+                names = [r.lhs for r in wider.given[len(question.given) :]]
+                kept = sp.Tuple(wider.expr, *wider.given).atoms(sp.exp, sp.tan)
+                at.update(zip(names, (value(n, at) for n in replaced if n not in kept), strict=True))
+            return wider
+
         def of_system(system: System, _: object) -> Answer:
             return Answer(not system_violated(system, _with_roots(system, at)), "evaluation")
 
@@ -61,6 +73,7 @@ def world(monkeypatch: pytest.MonkeyPatch) -> Callable[[Question, Point], bool |
 
         monkeypatch.setattr(deciders, "POLYNOMIAL_DECIDERS", (of_system,))
         monkeypatch.setattr(deciders, "_enclosed", of_question)
+        monkeypatch.setattr(deciders, "_beyond_words", beyond_words)
         return deciders.decide(question).holds
 
     return asked

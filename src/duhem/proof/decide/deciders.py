@@ -23,6 +23,8 @@ __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_exact, by_smt)
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+_BEYOND = (sp.exp, sp.tan)
+_NEAR_RIGHT = sp.Rational(3, 2)  # an angle below pi/2
 _AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
 # What has the sign of a word of x.
 _SIGNS: dict[type, Callable[[sp.Expr], sp.Expr]] = {
@@ -57,7 +59,7 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
         system = polynomial_system(question, budget.part(budget.left // 4))
     except (NotAlgebraicError, SpentError) as fault:
         answer = _by_factors(question, budget)
-        if answer.holds is None and (wider := _beyond_exponentials(question)) is not None:
+        if answer.holds is None and (wider := _beyond_words(question, budget.part(budget.left // 2))) is not None:
             answer = decide(wider, budget.part(budget.left // 2))
             answer = answer if answer.holds else Answer(None, answer.method, reason=answer.reason)  # it says more than was asked
         if answer.holds is None:
@@ -123,22 +125,32 @@ def _by_argument(question: Question, budget: Budget) -> Answer:
     return Answer(True, method)
 
 
-def _beyond_exponentials(question: Question) -> Question | None:
-    """The question with any number on its side of 1 for each exponential whose exponent has a plain sign."""
+def _beyond_words(question: Question, budget: Budget) -> Question | None:
+    """The question with any number on its side of 1, or of 0, for each exponential or tangent whose argument has a known sign."""
     swap: dict[sp.Expr, sp.Expr] = {}
     sides: list[sp.Basic] = []
-    for node in question.expr.atoms(sp.exp):
-        size = sp.Dummy("E", positive=True)
-        if node.args[0].is_nonpositive:
-            sides.append((sp.StrictLessThan if node.args[0].is_negative else sp.LessThan)(size, 1))
-        elif node.args[0].is_nonnegative:
-            sides.append((sp.StrictGreaterThan if node.args[0].is_positive else sp.GreaterThan)(size, 1))
+    known = sp.Tuple(question.expr, *question.given) if question.expr.has(*_BEYOND) else sp.Tuple()
+    for node in sorted(known.atoms(*_BEYOND), key=sp.default_sort_key):
+        x, name = node.args[0], sp.Dummy(node.func.__name__, positive=node.func is sp.exp or None, real=True)
+        if node.func is sp.tan and not all(_shown(_NEAR_RIGHT + side, question, budget) for side in (x, -x)):
+            continue
+        if _shown(-x, question, budget):
+            relation = sp.StrictLessThan if x.is_nonzero else sp.LessThan
+        elif _shown(x, question, budget):
+            relation = sp.StrictGreaterThan if x.is_nonzero else sp.GreaterThan
         else:
             continue
-        swap[node] = size
+        swap[node] = name
+        sides.append(relation(name, 1 if node.func is sp.exp else 0))
     if not swap:
         return None
-    return Question(question.expr.xreplace(swap), question.sense, (*question.given, *sides), question.circle)
+    return Question(question.expr.xreplace(swap), question.sense, (*(r.xreplace(swap) for r in question.given), *sides), question.circle)
+
+
+def _shown(x: sp.Expr, question: Question, budget: Budget) -> bool:
+    """Whether an argument is >= 0, by the hypotheses without such words."""
+    given = tuple(r for r in question.given if not r.has(*_BEYOND))
+    return decide(Question(x, Sense.NONNEGATIVE, given), budget.part(budget.left // 8)).holds is True
 
 
 def _enclosed(question: Question, budget: Budget) -> Answer:

@@ -7,6 +7,7 @@ among the hypotheses.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -31,6 +32,7 @@ def by_enclosure(question: Question, budget: Budget) -> Answer:
     """Prove the question by subdividing the box of its variables; ``holds`` None when budget or bounds run out."""
     if question.sense is Sense.ZERO:
         return Answer(None, _METHOD, reason="an enclosure cannot prove an equality")
+    asked, question = question, _within_bounds(question)
     try:
         box, angle = _box(question)
     except InputError as fault:
@@ -49,7 +51,7 @@ def by_enclosure(question: Question, budget: Budget) -> Answer:
         goal = _holds(enclose(question.expr, values), _WANTED[question.sense])
         if goal is True:
             continue
-        if goal is False and all(v is True for v in verdicts):
+        if goal is False and all(v is True for v in verdicts) and question is asked:
             return Answer(False, _METHOD, point={x: rational(v) for x, v in _middle(current, question, angle).items()})
         if not current or max(_widths(current).values()) < _LEAST:
             return Answer(None, _METHOD, reason="the margin is below the working precision")
@@ -73,6 +75,13 @@ def _holds(value: Any, relation: type) -> bool | None:
     if relation is sp.Eq:
         return False if low > 0 or high < 0 else None
     return True if low > 0 or high < 0 else None
+
+
+def _within_bounds(question: Question) -> Question:
+    """Without the hypotheses on symbols that have no bounds and are not in the expression: what is asked is more."""
+    others = set().union(*(r.free_symbols for r in question.given)) - question.expr.free_symbols - set(question.circle or ())
+    loose = {x for x in others if None in _bounds(x, question.given)}
+    return replace(question, given=tuple(r for r in question.given if not r.free_symbols & loose)) if loose else question
 
 
 def _box(question: Question) -> tuple[Box, sp.Symbol | None]:
