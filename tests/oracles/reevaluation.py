@@ -325,9 +325,16 @@ def _box(law: Criterion, points: Points) -> dict[str, Span] | None:
 
 
 def _slip(law: Criterion, box: Mapping[str, Span]) -> tuple[Interval, ...]:
-    if law.flow is None:
-        return gradient(law, box)
-    return tuple(_evaluate(law, component, box, jets=False).value for component in law.flow)
+    """Of several surfaces that of the only one that may be 0 in the box; OpenError where there are more."""
+    g, flow = law.g, law.flow
+    if law.surfaces:
+        met = [s for s in law.surfaces if _evaluate(law, s.g, box, jets=False).value.b >= 0]
+        if len(met) != 1:
+            raise OpenError
+        g, flow = met[0].g, met[0].flow
+    if flow is None:
+        return _evaluate(law, g, box, jets=True).slopes
+    return tuple(_evaluate(law, component, box, jets=False).value for component in flow)
 
 
 def _none(slip: Sequence[Interval]) -> bool:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
+from dataclasses import replace
+from fractions import Fraction
 from random import Random
 from typing import Any
 
 import pytest
 import sympy as sp
 
-from duhem import verify
+from duhem import load, verify
 from duhem.expression.below import smooth_below
 from duhem.expression.parse import parse_expression
 from duhem.law.criterion_file import reads
@@ -22,7 +24,7 @@ from duhem.proof.kernel.term import NotWritten, parse
 from duhem.proof.law_text import law_as_text
 from duhem.proof.verification import Verification
 from tests.campaigns.polygons import drawn, said
-from tests.oracles import drawn_formulas
+from tests.oracles import drawn_formulas, reevaluation
 
 HEAD = '[criterion]\nname = "x"\nforces = ["s", "t"]\npressure = false\n'
 
@@ -82,6 +84,18 @@ def test_a_witness_is_on_the_surface_whose_flow_is_wrong() -> None:
     assert witness is not None
     s, t = (sp.Rational(witness.points["inside"][name]) for name in "st")
     assert abs(abs(t) + s / 2 - 1) < sp.Rational(1, 1000) and 2 * s + abs(t) < 0
+
+
+def test_a_second_opinion_on_the_slip_of_one_surface() -> None:
+    law = load("lourenco-rots")
+    witness = verify(law, claims=["normality"])["normality"].witness
+    assert witness is not None and reevaluation.confirmed(law, "normality", witness)
+    inside, tau = witness.points["inside"], witness.points["tau"]
+    behind = {name: str(2 * Fraction(inside[name]) - Fraction(x)) for name, x in tau.items()}
+    for other in (behind, dict(inside)):
+        assert not reevaluation.confirmed(law, "normality", replace(witness, points={**witness.points, "tau": other}))
+    associated = replace(law, surfaces=tuple(replace(s, flow=None, potential=None, written_flow=()) for s in law.surfaces))
+    assert not reevaluation.confirmed(associated, "normality", witness)
 
 
 @pytest.mark.parametrize(
