@@ -79,6 +79,8 @@ ROWS = {  # file: (the row it comes after, the row)
     f"{EXPRESSION}/jets.py": [
         ("sp.tanh:", "sp.asinh: lambda _, x: _chain(x, np.arcsinh(x.value), (r := 1 / np.hypot(1, x.value)), lambda: -x.value * r**3),")
     ],
+    f"{EXPRESSION}/pairs.py": [("EigMax:", 'sp.asinh: "no algebra, as it is a logarithm",')],
+    f"{EXPRESSION}/rounding.py": [("sp.tanh:", "sp.asinh: _flat(np.arcsinh),")],
     f"{EXPRESSION}/weights.py": [('Where: "chosen"', 'sp.asinh: "pure",')],
     f"{EXPRESSION}/smt.py": [('Norm: "a root', 'sp.asinh: "not algebraic",')],
     "tests/expression/by_hand.py": [("sp.tanh:", "sp.asinh: (sp.asinh(y), 2.0947125472611012),")],

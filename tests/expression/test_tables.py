@@ -21,7 +21,23 @@ import sympy as sp
 
 import duhem.expression
 from duhem.errors import InputError
-from duhem.expression import NODES, WORDS, Where, ball_series, balls, cvxpy_, floats, fold, jets, mpmath_, numpy_, smt, symbol
+from duhem.expression import (
+    NODES,
+    WORDS,
+    Where,
+    ball_series,
+    balls,
+    cvxpy_,
+    floats,
+    fold,
+    jets,
+    mpmath_,
+    numpy_,
+    pairs,
+    rounding,
+    smt,
+    symbol,
+)
 from duhem.expression.recording import bound, recorded
 from tests.expression.by_hand import AT, ROWS, x, y
 
@@ -54,7 +70,7 @@ def _missing(table: Mapping[type, Any], left_out: Mapping[type, str]) -> list[ty
 
 
 def test_the_tables_are_found() -> None:
-    assert set(TABLES) >= {"ball_series", "balls", "cvxpy_", "floats", "jets", "mpmath_", "numpy_", "smt", "weights"}
+    assert set(TABLES) >= {"ball_series", "balls", "cvxpy_", "floats", "jets", "mpmath_", "numpy_", "pairs", "rounding", "smt", "weights"}
 
 
 @pytest.mark.parametrize("name", sorted(MODULES))
@@ -95,7 +111,7 @@ def test_what_is_left_out_is_refused_by_name(kind: type) -> None:
 
 
 def test_nothing_else_leaves_words_out() -> None:
-    assert [name for name, reasons in LEFT_OUT.items() if reasons] == ["smt"]
+    assert [name for name, reasons in LEFT_OUT.items() if reasons] == ["pairs", "smt"]
 
 
 # -- values ------------------------------------------------------------------------------------------------------------
@@ -122,6 +138,18 @@ def _by_jets(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
     return float(jet.value[0])
 
 
+def _by_pairs(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
+    program = pairs.paired(formula, tuple(point))
+    assert program is not None
+    (high, _), _ = program([pairs.Pair(np.array([value]), np.array([0.0])) for value in point.values()], 1)
+    return float(high[0])
+
+
+def _by_bounds(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
+    (value,), _ = rounding.bounded(formula, tuple(point))([np.array([value]) for value in point.values()], [0.0] * len(point))
+    return float(value)
+
+
 def _by_solver(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
     import z3
 
@@ -141,10 +169,13 @@ VALUES: dict[str, Callable[[sp.Expr, Mapping[sp.Symbol, float]], Any]] = {
     "jets": _by_jets,
     "mpmath_": lambda formula, point: float(mpmath_.evaluate(formula, point)),
     "numpy_": numpy_.evaluate,
+    "pairs": _by_pairs,
+    "rounding": _by_bounds,
     "smt": _by_solver,
 }
 OWN: dict[tuple[str, type], tuple[sp.Expr, float]] = {
     ("ball_series", Where): (Where(x > -2, x, y), 4.0),  # on the border of a comparison a series stays open
+    ("pairs", sp.Pow): (y ** sp.Rational(-3, 2), 0.125),  # whole powers of it and its root
     ("smt", sp.Pow): (y**-2, 0.0625),  # roots are given as equations
 }
 

@@ -26,7 +26,7 @@ from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, bound, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["TABLE", "Program", "compiled", "evaluate"]
+__all__ = ["TABLE", "Program", "compiled", "constant", "evaluate"]
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, ArrayLike]) -> Array:
 def compiled(expr: sp.Basic, symbols: Iterable[sp.Symbol]) -> Program:
     """The formula as a function of ``symbols``, in their order; walk once, call often."""
     order = tuple(symbols)
-    return Program(order, recorded(recognised(expr), order, bound(TABLE), lambda node: partial(_same, _constant(node))))
+    return Program(order, recorded(recognised(expr), order, bound(TABLE), lambda node: partial(_same, constant(node))))
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,8 @@ def _same(value: float) -> float:
     return value
 
 
-def _constant(node: Any) -> float:
+def constant(node: Any) -> float:
+    """A number or a truth value of a formula, correctly rounded."""
     if node.is_Rational:
         return _quotient(node)
     if node is sp.pi:

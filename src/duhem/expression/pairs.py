@@ -1,0 +1,217 @@
+"""Formulas over unevaluated sums of two doubles, some 31 digits, on arrays of points.
+
+For signs and values next to a zero, where one double has none left.  Words that are no algebra are left out, and so are powers
+that are no whole ones or square roots: balls have them.  T. J. Dekker (1971), Numer. Math. 18, 224-242; Y. Hida, X. S. Li and
+D. H. Bailey (2001), Algorithms for quad-double precision floating point arithmetic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache, partial, reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.expression import UNDEFINED
+from duhem.expression.fold import Table
+from duhem.expression.recording import Recording, bound, recorded
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+
+__all__ = ["LEFT_OUT", "TABLE", "Pair", "PairProgram", "added", "paired", "product"]
+
+_SPLIT = 2.0**27 + 1.0
+_RANGE = 2.0**-450, 2.0**450  # sizes whose products keep all their digits
+
+
+class Pair(NamedTuple):
+    """high + low, the low one below half a unit in the last place of the high one; arrays (N,) or numbers."""
+
+    high: Any
+    low: Any
+
+
+@dataclass(frozen=True)
+class PairProgram:
+    """A formula over as many pairs as it has symbols."""
+
+    recording: Recording
+
+    def __call__(self, values: Sequence[Pair], n: int) -> tuple[Pair, NDArray[np.bool_]]:
+        """The formula at ``n`` points, and where no number on the way left the range in which products are exact."""
+        with np.errstate(all="ignore"):
+            registers = self.recording.run(values)
+            sound = np.ones(n, dtype=bool)
+            for high, _ in registers:
+                size = np.abs(high)
+                sound &= (size == 0.0) | ((size >= _RANGE[0]) & (size <= _RANGE[1]))
+        high, low = registers[self.recording.last]
+        return Pair(np.broadcast_to(high, (n,)), np.broadcast_to(low, (n,))), sound
+
+
+@lru_cache(maxsize=256)
+def paired(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> PairProgram | None:
+    """``expr`` over ``symbols``, walked once; None where it has a word that is left out."""
+    try:
+        return PairProgram(recorded(expr, symbols, {**bound(TABLE), sp.Pow: _power}, lambda node: partial(_same, _constant(node))))
+    except InputError:
+        return None
+
+
+def _same(value: Pair) -> Pair:
+    return value
+
+
+def _constant(node: Any) -> Pair:
+    if node.is_Rational:
+        high = int(node.p) / int(node.q)
+        return Pair(high, float(Fraction(int(node.p), int(node.q)) - Fraction(high)))
+    if node in (sp.pi, sp.E):
+        high = float(node)
+        return Pair(high, float((node - sp.Float(high, 60)).evalf(40)))
+    if node in (sp.true, sp.false):
+        return Pair(float(node is sp.true), 0.0)
+    if node in UNDEFINED:
+        return Pair(np.nan, 0.0)
+    raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
+
+
+def added(a: Pair, b: Pair) -> Pair:
+    """a + b."""
+    high, low = _sum(a.high, b.high)
+    deep, least = _sum(a.low, b.low)
+    high, low = _quick(high, low + deep)
+    return _quick(high, low + least)
+
+
+def product(a: Pair, b: Pair) -> Pair:
+    """a b."""
+    high, low = _times(a.high, b.high)
+    return _quick(high, low + (a.high * b.low + a.low * b.high))
+
+
+def _sum(a: Any, b: Any) -> Pair:
+    total = np.add(a, b)
+    part = total - a
+    return Pair(total, (a - (total - part)) + (b - part))
+
+
+def _quick(a: Any, b: Any) -> Pair:
+    """For |a| >= |b|."""
+    total = np.add(a, b)
+    return Pair(total, b - (total - a))
+
+
+def _times(a: Any, b: Any) -> Pair:
+    whole = np.multiply(a, b)
+    (x, u), (y, v) = _split(a), _split(b)
+    return Pair(whole, ((x * y - whole) + x * v + u * y) + u * v)
+
+
+def _split(a: Any) -> Pair:
+    big = np.multiply(_SPLIT, a)
+    high = big - (big - a)
+    return Pair(high, a - high)
+
+
+def _minus(a: Pair) -> Pair:
+    return Pair(np.negative(a.high), np.negative(a.low))
+
+
+def _quotient(a: Pair, b: Pair) -> Pair:
+    """By long division, three steps of one double each."""
+    first = a.high / b.high
+    rest = added(a, _minus(product(b, Pair(first, 0.0))))
+    second = rest.high / b.high
+    rest = added(rest, _minus(product(b, Pair(second, 0.0))))
+    high, low = _quick(first, second)
+    return added(Pair(high, low), Pair(rest.high / b.high, 0.0))
+
+
+def _root(a: Pair) -> Pair:
+    """Square root, by one step of Newton's method from that of the high part."""
+    high = np.sqrt(a.high)
+    rest = added(a, _minus(_times(high, high)))
+    low = np.where(high > 0.0, rest.high / np.where(high > 0.0, 2.0 * high, 1.0), 0.0)
+    return _quick(high, low)
+
+
+def _power(node: Any) -> Callable[[Pair, Pair], Pair]:
+    exponent = node.exp
+    if not (exponent.is_Rational and exponent.q in (1, 2) and abs(exponent.p) <= 64):
+        raise InputError(f"no meaning is given to {node} in pairs of doubles", remedy="use balls")
+
+    def row(base: Pair, _: Pair) -> Pair:
+        root = base if exponent.q == 1 else _root(base)
+        whole = reduce(product, [root] * abs(int(exponent.p)))
+        return whole if exponent.p > 0 else _quotient(Pair(1.0, 0.0), whole)
+
+    return row
+
+
+def _chosen(condition: Any, a: Pair, b: Pair) -> Pair:
+    return Pair(np.where(condition, a.high, b.high), np.where(condition, a.low, b.low))
+
+
+def _least(_: Any, *args: Pair) -> Pair:
+    return reduce(lambda a, b: _known(_chosen(_less(a, b), a, b), a, b), args)
+
+
+def _most(_: Any, *args: Pair) -> Pair:
+    return reduce(lambda a, b: _known(_chosen(_less(b, a), a, b), a, b), args)
+
+
+def _less(a: Pair, b: Pair) -> Any:
+    return (a.high < b.high) | ((a.high == b.high) & (a.low < b.low))
+
+
+def _known(value: Pair, *args: Pair) -> Pair:
+    """``value``, nan where one of the arguments is."""
+    unknown = reduce(np.logical_or, [np.isnan(a.high) for a in args])
+    return Pair(np.where(unknown, np.nan, value.high), np.where(unknown, 0.0, value.low))
+
+
+def _abs(_: Any, a: Pair) -> Pair:
+    return _chosen(np.less(a.high, 0.0), _minus(a), a)
+
+
+def _norm(_: Any, *args: Pair) -> Pair:
+    return _root(reduce(added, [product(a, a) for a in args]))
+
+
+def _comparison(holds: Callable[[Pair, Pair], Any]) -> Callable[..., Pair]:
+    return lambda _, a, b: _known(Pair(np.where(holds(a, b), 1.0, 0.0), 0.0), a, b)
+
+
+def _where(_: Any, condition: Pair, a: Pair, b: Pair) -> Pair:
+    return _known(_chosen(np.equal(condition.high, 1.0), a, b), condition)
+
+
+_NONE = Pair(0.0, 0.0)
+
+TABLE: Table[Any] = {
+    sp.Add: lambda _, *x: reduce(added, x),
+    sp.Mul: lambda _, *x: reduce(product, x),
+    sp.Pow: lambda node, base, exponent: _power(node)(base, exponent),
+    sp.Abs: _abs,
+    sp.Min: _least,
+    sp.Max: _most,
+    Pos: lambda node, x: _most(node, x, _NONE),
+    Neg: lambda node, x: _most(node, _minus(x), _NONE),
+    Norm: _norm,
+    Where: _where,
+    sp.StrictGreaterThan: _comparison(lambda a, b: _less(b, a)),
+    sp.GreaterThan: _comparison(lambda a, b: ~_less(a, b)),
+    sp.StrictLessThan: _comparison(_less),
+    sp.LessThan: _comparison(lambda a, b: ~_less(b, a)),
+}
+LEFT_OUT = {
+    **dict.fromkeys((sp.exp, sp.log, sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, Atan2), "no algebra: balls give its digits"),
+    **dict.fromkeys((sp.sinh, sp.cosh, sp.tanh), "no algebra either, being exponentials"),
+    EigMax: "no algebra written out: balls give its digits",
+}

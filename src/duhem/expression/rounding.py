@@ -1,0 +1,280 @@
+"""Formulas over NumPy arrays with a running bound of their rounding: |computed - exact| <= bound, node by node.
+
+Symbols carry a bound of their own, 0 where the double is what is meant.  Each row adds what its node does to the bounds of its
+arguments, to all orders, and the rounding of its own result (J. H. Wilkinson, 1963, Rounding Errors in Algebraic Processes;
+N. J. Higham, 2002, Accuracy and Stability of Numerical Algorithms, section 3.3).  The bounds are themselves computed in doubles
+and round by some parts in 1e15 of themselves.  Where nothing can be said the bound is inf or nan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial, reduce
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.expression import UNDEFINED, numpy_
+from duhem.expression.fold import Table
+from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.recording import Recording, bound, recorded
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
+
+__all__ = ["TABLE", "Bounded", "BoundedProgram", "bounded"]
+
+Array = NDArray[np.float64]
+
+_UNIT = 2.0**-53  # the rounding of one operation
+_WORD = 2.0**-50  # of a function of the C library or NumPy, a few units in the last place
+_LEAST = 2.0**-1074  # what may be lost where a result underflows
+
+
+class Bounded(NamedTuple):
+    """``value`` and a ``bound`` of what it is off by, arrays (N,) or numbers."""
+
+    value: Any
+    bound: Any
+
+
+@dataclass(frozen=True)
+class BoundedProgram:
+    """A formula over ``symbols`` as recorded steps."""
+
+    symbols: tuple[sp.Symbol, ...]
+    recording: Recording
+
+    def __call__(self, values: Sequence[Array], bounds: Sequence[Array | float]) -> tuple[Array, Array]:
+        """Value and bound (N,) at one array and its own bound for each symbol."""
+        with np.errstate(all="ignore"):
+            registers = self.recording.run([Bounded(v, b) for v, b in zip(values, bounds, strict=True)])
+        last = registers[self.recording.last]
+        shape = np.broadcast_shapes(*(v.shape for v in values))
+        return np.broadcast_to(last.value, shape), np.broadcast_to(last.bound, shape)
+
+
+@lru_cache(maxsize=256)
+def bounded(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> BoundedProgram:
+    """``expr`` over ``symbols``; walk once, call often.  Raises what :func:`duhem.expression.numpy_.compiled` raises."""
+    return BoundedProgram(symbols, recorded(recognised(expr), symbols, bound(TABLE), _constant))
+
+
+def _constant(node: Any) -> Callable[[], Bounded]:
+    if node in UNDEFINED:
+        return partial(Bounded, np.nan, np.nan)
+    value = numpy_.constant(node)
+    exact = not node.is_Number or (np.isfinite(value) and sp.Rational(value) == node)
+    off = 0.0 if exact and node not in (sp.pi, sp.E) else _UNIT * abs(value) + _LEAST
+    return partial(Bounded, value, off)
+
+
+def _add(_: Any, *terms: Bounded) -> Bounded:
+    def two(a: Bounded, b: Bounded) -> Bounded:
+        value = np.add(a.value, b.value)
+        return Bounded(value, a.bound + b.bound + _UNIT * np.abs(value))
+
+    return reduce(two, terms)
+
+
+def _product(a: Bounded, b: Bounded) -> Bounded:
+    value = np.multiply(a.value, b.value)
+    off = _UNIT * np.abs(value) + _LEAST
+    if not _exact(b):
+        off = off + np.abs(a.value) * b.bound
+    return Bounded(value, off if _exact(a) else off + a.bound * (np.abs(b.value) + b.bound))
+
+
+def _exact(x: Bounded) -> bool:
+    """Whether that is known of all points at once."""
+    return isinstance(x.bound, float) and x.bound == 0.0
+
+
+def _power(node: Any, base: Bounded, exponent: Bounded) -> Bounded:
+    b, e = base
+    match node.exp:
+        case sp.Integer(p=2):
+            value = np.square(b)
+            return Bounded(value, (2.0 * np.abs(b) + e) * e + (_UNIT * value + _LEAST))
+        case sp.Integer(p=-1):
+            value = np.true_divide(1.0, b)
+            return Bounded(value, _gap(e, np.abs(b) * (np.abs(b) - e), np.abs(b) > e) + (_UNIT * np.abs(value) + _LEAST))
+        case sp.Rational(p=1, q=2):
+            value = np.sqrt(b)
+            return Bounded(value, np.where(b > e, e / (value + np.sqrt(np.maximum(b - e, 0.0))), np.sqrt(b + e)) + _UNIT * value)
+    x = exponent.value
+    value, size = np.power(b, x), np.abs(b)
+    own = _WORD * np.abs(value) + _LEAST
+    if not node.exp.is_number:
+        own = own + np.abs(value) * np.expm1(_gap(np.abs(x) * e, b - e, b > e) + np.abs(np.log(b)) * exponent.bound)
+        return Bounded(value, np.where(e + exponent.bound > 0.0, own, _WORD * np.abs(value) + _LEAST))
+    if exponent.bound > 0.0:
+        own = own + np.where(size > 0.0, np.abs(value * np.log(size)) * exponent.bound, 0.0)
+    near = np.maximum(size - e, 0.0)
+    if x >= 1.0:
+        return Bounded(value, _times(x * np.power(size + e, x - 1.0), e) + own)
+    steep = _times(abs(x) * np.power(near, x - 1.0), e)
+    return Bounded(value, np.where(near > 0.0, steep, np.power(size + e, x) if x > 0.0 else np.where(e > 0.0, np.inf, 0.0)) + own)
+
+
+def _gap(part: Any, whole: Any, sound: Any) -> Any:
+    """part/whole, 0 where the part is 0, inf where the whole may be 0."""
+    return np.where(part == 0.0, 0.0, np.where(sound, part / np.where(sound, whole, 1.0), np.inf))
+
+
+def _times(slope: Any, off: Any) -> Any:
+    """A slope times what an argument is off by: 0 where it is not off, whatever the slope."""
+    return np.where(off == 0.0, 0.0, slope * off)
+
+
+def _norm(_: Any, *args: Bounded) -> Bounded:
+    value = numpy_.TABLE[Norm](_, *(a.value for a in args))
+    off = reduce(np.add, [a.bound for a in args])
+    return Bounded(value, off + (2 * len(args) * _UNIT) * value)
+
+
+def _pnorm(_: Any, p: Bounded, *args: Bounded) -> Bounded:
+    value = numpy_.TABLE[PNorm](_, p.value, *(a.value for a in args))
+    off = reduce(np.add, [a.bound for a in args])
+    if p.value < 1.0:  # no norm: nothing bounds the slopes
+        off = np.where(off > 0.0, np.inf, 0.0)
+    return Bounded(value, off + (1.0 + 1.0 / p.value) * (8 + len(args)) * _WORD * value)
+
+
+def _exp(_: Any, x: Bounded) -> Bounded:
+    value = np.exp(x.value)
+    return Bounded(value, value * (np.expm1(x.bound) + _WORD) + _LEAST)
+
+
+def _log(_: Any, x: Bounded) -> Bounded:
+    value = np.log(x.value)
+    off = np.where(x.value > x.bound, -np.log1p(-x.bound / x.value), np.inf)
+    return Bounded(value, off + _WORD * np.abs(value))
+
+
+def _wave(f: Callable[[Any], Any]) -> Callable[..., Bounded]:
+    def row(_: Any, x: Bounded) -> Bounded:
+        value = f(x.value)
+        return Bounded(value, np.minimum(x.bound, 2.0) + _WORD * np.abs(value))
+
+    return row
+
+
+def _tan(_: Any, x: Bounded) -> Bounded:
+    value = np.tan(x.value)
+    turn = np.tan(np.minimum(x.bound, 1.5))
+    left = 1.0 - np.abs(value) * turn
+    off = np.where((x.bound < 1.5) & (left > 0.0), turn * (1.0 + value * value) / left, np.inf)
+    return Bounded(value, off + _WORD * np.abs(value))
+
+
+def _arc(f: Callable[[Any], Any]) -> Callable[..., Bounded]:
+    def row(_: Any, x: Bounded) -> Bounded:
+        value, end = f(x.value), np.abs(x.value) + x.bound
+        slope = _times(1.0 / np.sqrt(np.maximum((1.0 - end) * (1.0 + end), 0.0)), x.bound)
+        return Bounded(value, np.where(end < 1.0, slope, 2.3 * np.sqrt(x.bound)) + _WORD * np.abs(value))
+
+    return row
+
+
+def _flat(f: Callable[[Any], Any]) -> Callable[..., Bounded]:
+    """A function whose slope is at most 1."""
+
+    def row(_: Any, x: Bounded) -> Bounded:
+        value = f(x.value)
+        return Bounded(value, x.bound + _WORD * np.abs(value))
+
+    return row
+
+
+def _hyperbolic(f: Callable[[Any], Any], slope: Callable[[Any], Any]) -> Callable[..., Bounded]:
+    def row(_: Any, x: Bounded) -> Bounded:
+        value = f(x.value)
+        return Bounded(value, _times(slope(np.abs(x.value) + x.bound), x.bound) + _WORD * np.abs(value))
+
+    return row
+
+
+def _atan2(_: Any, y: Bounded, x: Bounded) -> Bounded:
+    value = numpy_.TABLE[Atan2](_, y.value, x.value)
+    share = (y.bound + x.bound) / np.hypot(y.value, x.value)
+    cut = (x.value < 0.0) & (np.abs(y.value) <= y.bound) & (y.bound > 0.0)  # it jumps there
+    return Bounded(value, np.where((share < 1.0) & ~cut, 1.6 * share, np.inf) + _WORD * np.abs(value))
+
+
+def _eigmax(_: Any, *entries: Bounded) -> Bounded:
+    value = numpy_.TABLE[EigMax](_, *(a.value for a in entries))
+    off = reduce(np.add, [a.bound for a in entries[:3]]) + 2.0 * reduce(np.add, [a.bound for a in entries[3:]])
+    return Bounded(value, off + 8.0 * _WORD * reduce(np.maximum, [np.abs(a.value) for a in entries]))
+
+
+def _extreme(most: Callable[[Any, Any], Any]) -> Callable[..., Bounded]:
+    """Of the values, of all at their upper ends and of all at their lower ends."""
+
+    def row(_: Any, *args: Bounded) -> Bounded:
+        value = reduce(most, [a.value for a in args])
+        if all(map(_exact, args)):
+            return Bounded(value, 0.0)
+        up, down = reduce(most, [a.value + a.bound for a in args]), reduce(most, [a.value - a.bound for a in args])
+        some = reduce(np.maximum, [a.bound for a in args]) > 0.0
+        return Bounded(value, np.where(some, np.maximum(up - value, value - down) + 2 * _UNIT * np.abs(value), 0.0))
+
+    return row
+
+
+def _ramp(node: Any, x: Bounded) -> Bounded:
+    value = np.maximum(x.value if isinstance(node, Pos) else np.negative(x.value), 0.0)
+    if _exact(x):
+        return Bounded(value, 0.0)
+    return Bounded(value, np.where((value > 0.0) | (np.abs(x.value) <= x.bound), x.bound, 0.0))
+
+
+def _comparison(kind: type) -> Callable[..., Bounded]:
+    """1 or 0, and a bound of 1 where it might be the other."""
+
+    def row(_: Any, a: Bounded, b: Bounded) -> Bounded:
+        if _exact(a) and _exact(b):
+            return Bounded(numpy_.TABLE[kind](_, a.value, b.value), 0.0)
+        off = a.bound + b.bound
+        open_ = (np.abs(np.subtract(a.value, b.value)) <= off) & (off > 0.0)
+        return Bounded(numpy_.TABLE[kind](_, a.value, b.value), np.where(open_, 1.0, 0.0))
+
+    return row
+
+
+def _where(_: Any, condition: Bounded, a: Bounded, b: Bounded) -> Bounded:
+    value = numpy_.TABLE[Where](_, condition.value, a.value, b.value)
+    if _exact(condition):
+        return Bounded(value, np.where(condition.value == 1.0, a.bound, b.bound))
+    either = np.abs(np.subtract(a.value, b.value)) + np.maximum(a.bound, b.bound)
+    return Bounded(value, np.where(condition.bound > 0.0, either, np.where(condition.value == 1.0, a.bound, b.bound)))
+
+
+TABLE: Table[Bounded] = {
+    sp.Add: _add,
+    sp.Mul: lambda _, *x: reduce(_product, x),
+    sp.Pow: _power,
+    sp.Abs: lambda _, x: Bounded(np.abs(x.value), x.bound),
+    EigMax: _eigmax,
+    sp.exp: _exp,
+    sp.log: _log,
+    sp.sin: _wave(np.sin),
+    sp.cos: _wave(np.cos),
+    sp.tan: _tan,
+    sp.asin: _arc(np.arcsin),
+    sp.acos: _arc(np.arccos),
+    sp.atan: _flat(np.arctan),
+    Atan2: _atan2,
+    sp.sinh: _hyperbolic(np.sinh, np.cosh),
+    sp.cosh: _hyperbolic(np.cosh, np.sinh),
+    sp.tanh: _flat(np.tanh),
+    sp.Min: _extreme(np.minimum),
+    sp.Max: _extreme(np.maximum),
+    Pos: _ramp,
+    Neg: _ramp,
+    Norm: _norm,
+    PNorm: _pnorm,
+    Where: _where,
+    **{kind: _comparison(kind) for kind in (sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan)},
+}
