@@ -24,10 +24,10 @@ from duhem.projection.increment import Increment
 from duhem.projection.inner_points import inner_points
 from duhem.projection.method import Method, Options
 from duhem.projection.result import Array, Solution
-from duhem.projection.scaled_formula import scaled
+from duhem.projection.scaled_formula import grown, power_of_two, scaled
 from duhem.projection.stationarity import Stationary, refine
 from duhem.projection.stiffness_factors import too_far_apart
-from duhem.projection.whitened_body import Body, Index, body, power_of_two, whitening
+from duhem.projection.whitened_body import Body, Index, body, whitening
 from duhem.projection.without_interior import shrunk
 
 __all__ = ["NEWTON", "NewtonOptions", "applies", "solve", "tangent"]
@@ -114,7 +114,7 @@ def _solve(increment: Increment) -> Solution:
     with np.errstate(over="ignore", invalid="ignore"):
         stress[who] = found.x * size[:, None]
         slip[who] = (found.normal @ np.linalg.inv(root)) * (size / stiffness)[:, None]
-        multiplier[who] = found.weight * (size / stiffness) * size ** (1.0 - formula.degree)
+        multiplier[who] = grown(found.weight / stiffness, size, 2.0 - formula.degree)
     failed[who] |= found.failed
     return Solution(stress, slip, multiplier, failed)
 

@@ -16,12 +16,14 @@ import numpy as np
 import sympy as sp
 
 from duhem.expression import Table, fold
-from duhem.expression.jets import program
 from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.rounding import bounded
 from duhem.expression.weights import weighing
 from duhem.projection.result import Array
 
-__all__ = ["Datum", "ScaledFormula", "scaled"]
+__all__ = ["Datum", "ScaledFormula", "grown", "power_of_two", "scaled"]
+
+_DIGITS = 40  # of a root of a number
 
 
 @dataclass(frozen=True)
@@ -43,12 +45,31 @@ class ScaledFormula:
 
     def values(self, pressure: Array, scale: Array) -> dict[sp.Symbol, Array]:
         """The data at each point, in units of ``scale`` = R > 0 (N,); ``pressure`` sigma_n (N,) in Pa.  Overflow shows as inf."""
-        known = {} if self.pressure is None else {self.pressure: pressure}
+        return {q: value for q, (value, _) in self.bounded(pressure, scale).items()}
+
+    def bounded(self, pressure: Array, scale: Array) -> dict[sp.Symbol, tuple[Array, Array]]:
+        """The same, each with a bound of its rounding."""
+        known = () if self.pressure is None else (self.pressure,)
+        found = {}
         with np.errstate(all="ignore"):
-            return {
-                q: np.broadcast_to(program(d.expr, tuple(known))(*known.values()) / scale ** float(d.weight), scale.shape)
-                for q, d in self.data.items()
-            }
+            for q, d in self.data.items():
+                unit = scale if d.weight == 1 else 1.0 if d.weight == 0 else scale ** float(d.weight)
+                value, off = bounded(d.expr, known)([pressure][: len(known)], [0.0][: len(known)])
+                found[q] = np.broadcast_to(value / unit, scale.shape), np.broadcast_to(off / unit, scale.shape)
+        return found
+
+
+def power_of_two(size: Array) -> Array:
+    """The power of two below: scaling by it is exact."""
+    sound = np.isfinite(size) & (size > 0)
+    return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)
+
+
+def grown(number: Array, size: Array, power: float) -> Array:
+    """number size^power for powers of two ``size``, right where that is a double and size^power is none."""
+    exponent = power * (np.frexp(size)[1] - 1)
+    whole = np.floor(exponent).astype(np.int32)
+    return np.asarray(np.ldexp(number * np.exp2(exponent - whole), whole))
 
 
 def scaled(g: sp.Expr, forces: Iterable[sp.Symbol], pressure: sp.Symbol | None) -> ScaledFormula:
@@ -172,6 +193,10 @@ class _Weigher:
         """The symbol that stands for ``expr``, of the same sign; zero stays zero."""
         if expr.is_zero or (expr.is_number and weight == 0):
             return expr
+        if weight not in (0, 1) and expr.is_Add:
+            return sp.Add(*(self.datum(term, weight) for term in expr.args))
+        if weight > 0 and weight != 1 and (sense := _sense(expr)):
+            return sense * self.datum(_root(sense * expr, weight), sp.S.One) ** weight
         for known, datum in self.data.items():
             if datum == Datum(expr, weight):
                 return known
@@ -179,3 +204,18 @@ class _Weigher:
         new = sp.Dummy("q", real=True, **signs)
         self.data[new] = Datum(expr, weight)
         return new
+
+
+def _sense(expr: sp.Expr) -> int:
+    """1 or -1 for what is never on the other side of zero, else 0."""
+    return 1 if expr.is_nonnegative else -1 if expr.is_nonpositive else 0
+
+
+def _root(expr: sp.Expr, weight: sp.Expr) -> sp.Expr:
+    """The ``weight``-th root of what is not negative, taken factor by factor: a load is in the range of doubles, its powers are not."""
+    if expr.is_Mul:
+        return sp.Mul(*(_root(sp.Abs(factor), weight) for factor in expr.args))
+    base, exponent = expr.as_base_exp()
+    if expr.is_Rational:
+        return sp.Rational(str(sp.N(expr ** (1 / weight), _DIGITS)))
+    return sp.Abs(base) ** (exponent / weight) if exponent.is_number else expr ** (1 / weight)

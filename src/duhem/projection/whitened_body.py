@@ -19,7 +19,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import ScaledFormula
 
-__all__ = ["Body", "Index", "Piece", "body", "power_of_two", "whitening"]
+__all__ = ["Body", "Index", "Piece", "body", "whitening"]
 
 Index = NDArray[np.intp]
 
@@ -97,9 +97,3 @@ def whitening(increment: Increment) -> tuple[float, Array]:
         mean = float(np.trace(k) / len(k))
     mean = mean if np.isfinite(mean) else float(np.max(np.diagonal(k)))  # any size near theirs does, where only the sum overflows
     return mean, np.diag(np.sqrt(np.diag(k) / mean)) if increment.diagonal else np.asarray(np.linalg.cholesky(k / mean))
-
-
-def power_of_two(size: Array) -> Array:
-    """The power of two below: scaling by it is exact."""
-    sound = np.isfinite(size) & (size > 0)
-    return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array, Solution
-from duhem.projection.scaled_formula import scaled
-from duhem.projection.whitened_body import Body, Index, body, power_of_two, whitening
+from duhem.projection.scaled_formula import grown, power_of_two, scaled
+from duhem.projection.whitened_body import Body, Index, body, whitening
 
 __all__ = ["shrunk"]
 
@@ -49,7 +49,7 @@ def shrunk(increment: Increment, at: Index, solve: Callable[[Increment], Solutio
     scale = np.max(np.abs(slip), axis=1, initial=0.0)
     length = scale * np.linalg.norm(slip / np.where(scale > 0.0, scale, 1.0)[:, None], axis=1)
     with np.errstate(over="ignore", invalid="ignore"):
-        weight = found.weight * (k.size / whitening(asked)[0]) * k.size ** (1.0 - formula.degree)
+        weight = grown(found.weight / whitening(asked)[0], k.size, 2.0 - formula.degree)
     multiplier = np.where(found.flat, length, weight)
     tips = np.flatnonzero(~found.flat & (asked.pressure == 0.0) & ~stress.any(axis=1)) if asked.law.pressure else at[:0]
     if tips.size:
