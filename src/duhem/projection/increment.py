@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from duhem.expression.inert_number import inert_exponent
 from duhem.expression.verbatim import Verbatim
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 
-__all__ = ["Increment"]
+__all__ = ["Increment", "at_doubles"]
 
 
 @dataclass(frozen=True)
@@ -31,3 +32,11 @@ class Increment(Verbatim):
     stiffness: Array
     diagonal: bool
     parameters: Mapping[str, float]
+
+
+def at_doubles(law: Criterion, parameters: Mapping[str, float]) -> sp.Expr:
+    """The criterion with these numbers, taken exactly: as the methods read it, and not as it was written in decimals."""
+    symbols = law.symbols()
+    exponents = {x for power in law.g.atoms(sp.Pow) for x in power.exp.free_symbols}
+    values = {symbols[name]: sp.Rational(value) for name, value in parameters.items()}
+    return law.g.xreplace({x: inert_exponent(value) if x in exponents else value for x, value in values.items()})

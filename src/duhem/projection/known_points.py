@@ -17,10 +17,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.expression.jets import JetProgram
-from duhem.expression.numpy_ import Program
 from duhem.expression.rays import Rays
+from duhem.projection.level import Level
 from duhem.projection.result import Array
+from duhem.projection.row_by_row import widest
+from duhem.projection.scaled_formula import power_of_two
 
 __all__ = ["beyond_tangents", "raised", "tips"]
 
@@ -40,7 +41,7 @@ _DOUBLINGS = 20
 
 
 @lru_cache(maxsize=256)
-def tips(g: Program, d: int, pressure: float | None) -> Array:
+def tips(g: Level, d: int, pressure: float | None) -> Array:
     """Points of K at one pressure (2 d + 1, d), or close guesses: the origin, and how far K goes along the axes both ways.
 
     From within, by a bisection of the judge's own that shares nothing with the methods, and whose geometric means see parts of
@@ -60,19 +61,19 @@ def tips(g: Program, d: int, pressure: float | None) -> Array:
     return np.vstack([np.zeros(d), low[:, None] * ways])
 
 
-def beyond_tangents(g: Program, slopes: JetProgram, d: int, pressures: Array | None) -> Array:
+def beyond_tangents(g: Level, d: int, pressures: Array | None) -> Array:
     """Points of K (n, d) at the first of the ``pressures``, or of K at another and scaled to it, if K is seen not to be convex.
 
     None, (0, d), where no point that is found on the boundary lies beyond the tangent plane of another.
     """
     if pressures is None:
-        return _not_convex(g, slopes, d, None)
+        return _not_convex(g, d, None)
     first, looks = float(pressures[0]), {_alike(g, d, float(pressure)) for pressure in pressures}
     scales = {look: 1.0 if look == first else first / look for look in sorted(looks) if look < 0.0 or look == first}
-    return np.vstack([np.zeros((0, d)), *(_not_convex(g, slopes, d, look) * scale for look, scale in scales.items())])
+    return np.vstack([np.zeros((0, d)), *(_not_convex(g, d, look) * scale for look, scale in scales.items())])
 
 
-def _alike(g: Program, d: int, pressure: float) -> float:
+def _alike(g: Level, d: int, pressure: float) -> float:
     """-1 where K there is K at the pressure -1, scaled, so that one look is enough for a law; else the pressure itself."""
     inner, outer = _boundary(g, d, -1.0)[:2]
     if pressure < 0.0 and len(inner):
@@ -84,14 +85,15 @@ def _alike(g: Program, d: int, pressure: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def _not_convex(g: Program, slopes: JetProgram, d: int, pressure: float | None) -> Array:
+def _not_convex(g: Level, d: int, pressure: float | None) -> Array:
     """The points of :func:`_boundary` and beyond at one pressure, if one lies beyond the tangent plane of another; else none."""
     inner, _, endless, scale = _boundary(g, d, pressure)
     known = np.vstack([inner, endless])
     if not len(inner):
         return inner
     with np.errstate(all="ignore"):
-        jet, _ = slopes(inner, () if pressure is None else (np.full(len(inner), pressure),), None, second=False)
+        size = power_of_two(widest(inner))
+        jet, _ = g.slopes(inner, np.full(len(inner), 0.0 if pressure is None else pressure), size)
         assert jet.gradient is not None
         at, to, normal = inner / scale, known / scale, jet.gradient * scale
         normal /= np.linalg.norm(normal, axis=1)[:, None]
@@ -101,7 +103,7 @@ def _not_convex(g: Program, slopes: JetProgram, d: int, pressure: float | None) 
 
 
 @lru_cache(maxsize=256)
-def _boundary(g: Program, d: int, pressure: float | None) -> tuple[Array, Array, Array, Array]:
+def _boundary(g: Level, d: int, pressure: float | None) -> tuple[Array, Array, Array, Array]:
     """Where rays from the origin enter and leave K: points just inside and just outside (n, d); far points of rays that do
     not end in K (m, d); and the extents of K along the axes (d,)."""
 

@@ -17,6 +17,7 @@ from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import Increment
 from duhem.projection.method import Method
 from duhem.projection.methods import METHODS
+from duhem.projection.recovered_slip import recovered
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
 from duhem.projection.validation import posed, setting
@@ -90,7 +91,7 @@ class Projector:
             remedy = "leave tangent out, or take a law with a closed form"
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
         solution = method.solve(question, method.options_of(options))
-        found = residuals(question, solution, method.convex)
+        solution, found = recovered(question, solution, residuals(question, solution, method.convex), method.convex)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
@@ -137,7 +138,7 @@ def _status(question: Increment, solution: Solution, found: Residuals) -> NDArra
         slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
         worst = _worst(found, block)
         finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)
-        finite &= np.isfinite(solution.multiplier[block])
+        finite &= np.isfinite(solution.multiplier[block]) | (found.stationarity[block] <= ACCURACY)  # beyond doubles, as it should be
         judged = np.where(slips, Status.SLIP, Status.STICK)
         if question.law.domain:
             judged = np.where(beyond(question.law, solution.stress[block], question.trial[block]), Status.OUTSIDE, judged)

@@ -43,9 +43,12 @@ class Solution:
 class Residuals:
     """Optimality of each point (N,), recomputed from the law after every solve, relative to the scale of the increment.
 
+    Where the rounding of g hides what is asked, g is computed in more digits, with the parameters at the doubles given.
+
     ``feasibility`` max(g, 0); ``multiplier_sign`` max(-lambda, 0); ``complementarity`` the lesser of
     slip and distance from the boundary, one of which is to vanish; ``stationarity``
-    distance of trial - k slip from the stress and of slip from lambda times the normal cone; ``variational`` the largest
+    distance of trial - k slip from the stress and of slip from lambda times the normal cone, and a tenth of what the slip is off
+    by as a share of itself; ``variational`` the largest
     (sigma_tr - sigma) . k^-1 (tau - sigma) over points tau of K that are known: the ends of K on the axes and, unless the
     method shows that K is convex, points beside the stress and, if they show that it is not, the boundary on some hundred rays.
     """
@@ -72,9 +75,9 @@ class Projection:
 
     ``slip`` = k^-1 (sigma_tr - sigma) = lambda dg/dsigma (in m for stiffness in Pa/m); ``multiplier`` lambda >= 0;
     ``dissipation`` sigma . slip >= 0; ``status`` one :class:`Status` a point; ``method`` the one that was taken, ``why`` the
-    reason; newton and cvxpy take the slip from sigma_tr - sigma, so that close to the boundary it has the digits of the
-    stress less the decades by which that difference is smaller; ``tangent`` d sigma/d u (N, d, d) and ``tangent_pressure``
-    d sigma/d sigma_n (N, d) where asked for.
+    reason; next to the boundary, where the difference sigma_tr - sigma keeps no digits, a slip is taken from lambda and the
+    normal, whatever the method, and vouched for to 1e-6 of its largest component; ``tangent`` d sigma/d u (N, d, d) and
+    ``tangent_pressure`` d sigma/d sigma_n (N, d) where asked for.  A multiplier beyond doubles is 0 or inf.
 
     On a K that is not convex a point that only satisfies the stationarity conditions is ``INACCURATE``, never ``SLIP``, as soon as
     one point tau that is tried has (sigma_tr - sigma) . k^-1 (tau - sigma) > 0.  Without such a tau in all of K the point is the

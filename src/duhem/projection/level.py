@@ -1,0 +1,74 @@
+"""A criterion at stresses of any size, in units of their own: the sign of g, its slope, and how sure they are.
+
+With sigma = R s, R a power of two, g(sigma, sigma_n) = R^degree h(s) (:mod:`duhem.projection.scaled_formula`): no power of a stress
+leaves the range of doubles.  Values are those of h, slopes dh/ds, so that their quotient is a length in units of R.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import sympy as sp
+
+from duhem.expression.jets import Choices, Jet, JetProgram, formula, program
+from duhem.expression.numpy_ import Program
+from duhem.expression.rounding import BoundedProgram, bounded
+from duhem.projection.result import Array
+from duhem.projection.row_by_row import widest
+from duhem.projection.scaled_formula import ScaledFormula, grown, power_of_two, scaled
+
+__all__ = ["Level", "level"]
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """One law with numbers for parameters; ``level`` makes one a formula, so that what is cached by it is found again."""
+
+    scaled: ScaledFormula
+    forces: int
+    value: Program
+    bounds: BoundedProgram
+    jets: JetProgram
+
+    def __call__(self, *values: Array) -> Array:
+        """h over arrays of the forces and the pressure, like a program of the formula, each point in units of its own."""
+        stress = np.stack(np.broadcast_arrays(*values), axis=-1)[..., : self.forces].reshape(-1, self.forces)
+        size = power_of_two(widest(stress))
+        pressure = np.broadcast_to(values[-1], values[0].shape).reshape(-1)
+        data = self.scaled.values(pressure, size)
+        return self.value(*(stress / size[:, None]).T, *data.values()).reshape(values[0].shape)
+
+    def bounded(self, stress: Array, pressure: Array, size: Array) -> tuple[Array, Array]:
+        """h at stresses (N, d) and a bound of its rounding; R = ``size`` (N,), powers of two."""
+        data = self.scaled.bounded(pressure, size).values()
+        s = (stress / size[:, None]).T
+        return self.bounds([*s, *(v for v, _ in data)], [*[0.0] * self.forces, *(b for _, b in data)])
+
+    def slopes(self, stress: Array, pressure: Array, size: Array, choices: Choices | None = None) -> tuple[Jet, Choices]:
+        """h and its gradient dh/ds (N, d) = R^(1 - degree) dg/dsigma."""
+        data = self.scaled.values(pressure, size)
+        return self.jets(stress / size[:, None], list(data.values()), choices, second=False)
+
+    def gradient(self, stress: Array, pressure: Array, size: Array) -> Array:
+        """dh/ds (N, d) alone."""
+        found = self.slopes(stress, pressure, size)[0].gradient
+        assert found is not None
+        return found
+
+    def multiplier(self, given: Array, size: Array) -> Array:
+        """Multipliers of g (N,) as those of h: the slip is that times dh/ds."""
+        return given if self.scaled.degree == 1.0 else grown(given, size, self.scaled.degree - 1.0)
+
+    def own(self, multiplier: Array, size: Array) -> Array:
+        """The other way."""
+        return multiplier if self.scaled.degree == 1.0 else grown(multiplier, size, 1.0 - self.scaled.degree)
+
+
+@lru_cache(maxsize=256)
+def level(g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None) -> Level:
+    """``g`` over ``forces`` and ``pressure``, with numbers for parameters."""
+    found = scaled(g, forces, pressure)
+    names = (*forces, *found.data)
+    return Level(found, len(forces), program(found.expr, names), bounded(found.expr, names), formula(found.expr, forces, tuple(found.data)))

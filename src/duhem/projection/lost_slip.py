@@ -1,0 +1,126 @@
+"""Next to the boundary a slip is a small difference of stresses: how much of it is left, against the law in many digits.
+
+A slip d is right where trial - k d lies on the boundary and d along a normal of K there; each is asked relative to the slip.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.expression.pairs import Pair, added
+from duhem.projection.close_look import close_look, pushed_back
+from duhem.projection.increment import Increment
+from duhem.projection.level import Level
+from duhem.projection.metric import ROUNDING, Metric
+from duhem.projection.normal_cones import Suspect, beside, off_cone, off_normals
+from duhem.projection.result import ACCURACY, Array
+from duhem.projection.row_by_row import length, share, unit, widest
+
+__all__ = ["Moves", "exact_angles", "lost"]
+
+_FAR = 1e-6  # of the stress: over shorter ways doubles do not tell one normal from the next
+_AROUND = 1e-8  # of a slip: normals are looked for this close to its end
+
+
+@dataclass(frozen=True)
+class Moves:
+    """Slipping points (M,) as the judge sees them, lengths in the metric of k and over ``size``.
+
+    ``aim``, ``point``, ``moved`` (M, d) are trial, stress and k slip; ``units`` the R of the level, ``multiplier`` and ``slope`` of
+    it, ``steep`` the length of that; ``hidden`` how much of the boundary its rounding hides, as a share of the stress, ``known``
+    where the slope is from many digits; ``depth`` the distance from the boundary, ``turned`` that of the slip from the multiplier
+    times the normal, ``rounding`` what of it is rounding.
+    """
+
+    trial: Array
+    stress: Array
+    slip: Array
+    pressure: Array
+    units: Array
+    size: Array
+    aim: Array
+    point: Array
+    moved: Array
+    multiplier: Array
+    slope: Array
+    steep: Array
+    hidden: Array
+    depth: Array
+    turned: Array
+    rounding: Array
+    known: NDArray[np.bool_]
+
+    def of(self, at: NDArray[np.intp]) -> Moves:
+        return Moves(*(getattr(self, f.name)[at] for f in fields(self)))
+
+    def suspect(self, at: NDArray[np.intp], unit: Array, grain: float | Array = 1.0) -> Suspect:
+        """Some of the points, slips in lengths of ``unit``."""
+        reach = length(self.point[at])
+        scale = np.where(reach > 0.0, reach, length(self.aim[at])) * self.size[at]
+        return Suspect(
+            self.stress[at],
+            self.pressure[at],
+            self.units[at],
+            self.moved[at] / unit[:, None],
+            self.multiplier[at] / (unit * self.size[at]),
+            scale,
+            self.rounding[at] / unit,
+            reach == 0.0,
+            np.broadcast_to(grain, reach.shape),
+        )
+
+
+def lost(increment: Increment, level: Level, metric: Metric, at: Moves, room: Array, distance: Array) -> Array:
+    """What each slip is off by (M,), as a share of it, as far as it is more than rounding.
+
+    ``room`` and ``distance`` are the lengths of stress and slip.  A stiffness far apart hides one force behind another in the
+    metric: what is off across the slip is asked of the components too, which are off by ``plain`` times as much at most.
+    """
+    rest = at.aim - at.moved - at.point
+    largest = widest(at.slip)
+    plain = np.maximum(share(distance * at.size, largest) * metric.steepest, 1.0)
+    good = ACCURACY * distance
+    missed = np.maximum(length(rest) + at.depth, share(widest(rest @ metric.to_slip) * at.size, largest) * distance)
+    blurred = plain * (metric.blur * (room + distance) + at.hidden * room)
+    close = np.flatnonzero(~(missed + blurred <= good))
+    missed, slope, turned = np.maximum(missed - blurred, 0.0), at.slope.copy(), at.turned.copy()
+    if close.size:
+        few = at.of(close)
+        ends = pushed_back(few.trial, few.slip, increment.stiffness, few.units)
+        g, bound = close_look(increment).level(ends, few.pressure, few.units)
+        missed[close] = share(np.abs(g) + bound, few.steep) * (few.units / few.size)
+        there = np.stack([end.high for end in ends], axis=1) * few.units[:, None]
+        slope[close] = np.where(few.known[:, None], few.slope, level.gradient(there, few.pressure, few.units))
+        turned[close] = length(few.moved - (few.multiplier / few.size)[:, None] * (slope[close] @ metric.of_slip))
+    across = share(widest(at.slip - at.multiplier[:, None] * slope), largest) * distance
+    turned = np.where(across <= ROUNDING * distance, 0.0, np.maximum(turned, across))
+    if (bent := np.flatnonzero(~(turned <= good) & (missed <= distance))).size:
+        grain = room[bent] / distance[bent]
+        far = grain * _FAR <= 1.0
+        some = bent[far]
+        found = off_cone(level, metric, at.suspect(some, distance[some], grain[far])) * distance[some] * plain[some]
+        turned[some] = np.fmin(turned[some], found)
+        left = bent[~(turned[bent] <= good[bent])]
+        ends = pushed_back(at.trial[left], at.slip[left], increment.stiffness, at.units[left])
+        angles = exact_angles(increment, metric, at.of(left), ends, _AROUND * distance[left] / plain[left])
+        turned[left] = np.fmin(turned[left], angles * distance[left] * plain[left])
+    return share(np.maximum(missed, turned), distance)
+
+
+def exact_angles(increment: Increment, metric: Metric, at: Moves, points: list[Pair], around: Array) -> Array:
+    """The angle (M,) of each slip with the cone of the normals ``around`` its point, from slopes in many digits."""
+    found = np.full(len(around), np.inf)
+    ways = beside(at.trial.shape[1]) @ metric.to_stress
+    look = close_look(increment)
+    for i in range(len(around)):
+        here, many = np.array([i]), len(ways)
+        steps = ways * (around[i] * at.size[i] / at.units[i])
+        ends = (Pair(p.high[here].repeat(many), p.low[here].repeat(many)) for p in points)
+        there = [added(end, Pair(step, np.zeros(many))) for end, step in zip(ends, steps.T, strict=True)]
+        slopes = look.slopes(there, at.pressure[here].repeat(many), at.units[here].repeat(many))
+        normals, _ = unit(slopes @ metric.of_slip)
+        found[i] = off_normals(unit(at.moved[here])[0][0], normals)
+    return found

@@ -1,0 +1,39 @@
+"""Lengths of slips and stresses by a stiffness: (x . k x)^1/2 and (x . k^-1 x)^1/2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from duhem.projection.result import ACCURACY, Array
+from duhem.projection.stiffness_factors import factors
+
+__all__ = ["ROUNDING", "Metric"]
+
+ROUNDING = 4e-15  # of each number that enters
+
+
+@dataclass(frozen=True, eq=False)
+class Metric:
+    """Matrices (d, d): rows times ``of_slip`` or ``of_stress`` have these lengths, ``to_stress`` and ``to_slip`` are the ways back.
+
+    ``blur``: what a difference of stresses may be off by as a share of their lengths; ``steepest``: the most that the components
+    of a slip are longer than in the metric; ``good``: what a slip may be off by in it for all its components to be good.
+    """
+
+    of_slip: Array
+    of_stress: Array
+    to_stress: Array
+    to_slip: Array
+    blur: float
+    steepest: float
+    good: float
+
+    @classmethod
+    def of(cls, stiffness: Array) -> Metric:
+        """That of k, symmetric and positive definite."""
+        lower, inverse = factors(stiffness)
+        blur = 2.0 * ROUNDING * float(np.linalg.norm(np.abs(lower.T) @ np.abs(inverse.T), 2))  # of components, which the metric weighs
+        steepest = float(np.linalg.norm(inverse, 2))
+        return cls(lower, inverse.T, lower.T, inverse, blur, steepest, ACCURACY / max(1.0, steepest * float(np.linalg.norm(lower, 2))))

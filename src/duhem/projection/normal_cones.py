@@ -1,0 +1,154 @@
+"""How far a slip is from the normals of K around a stress: corners count, and bends too sharp for the digits of a stress."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from functools import reduce
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.level import Level
+from duhem.projection.metric import ROUNDING, Metric
+from duhem.projection.result import Array
+from duhem.projection.row_by_row import dot, length, unit
+
+__all__ = ["Suspect", "beside", "off_cone", "off_normals"]
+
+_Sides = tuple[Array, Array, Array]  # unit normals, lengths of the gradient, heights over the stress in lengths of it
+
+_BLOCK = 16_384
+_BESIDE = (1e-15, 1e-13, 1e-11, 1e-9, 1e-8, 5e-8, 1e-6, 1e-4)  # of the length of a stress: normals are looked for this close to it
+_CLOSE = 2.0  # times as far from the boundary as from the stress is not beside it
+_THIN = 1e-13  # of the length of a stress: what is less than this across is rounding
+_OPPOSED = -0.9  # cosine of two normals so close to each other that K is thin, or a point
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """Points (M,) whose slip is not along the gradient at their stress; ``slip``, its ``rounding`` and ``multiplier`` over ``scale``.
+
+    ``scale`` is the length of the stress, of the trial at the ``tip`` of a cone, where the stress is zero; ``size`` the unit R of
+    the level, and ``multiplier`` that of its gradient.  ``grain`` is what a length of boundary counts, 1 as a share of the stress.
+    ``slip`` and lengths are those of the metric of k.
+    """
+
+    stress: Array
+    pressure: Array
+    size: Array
+    slip: Array
+    multiplier: Array
+    scale: Array
+    rounding: Array
+    tip: NDArray[np.bool_]
+    grain: Array
+
+    def of(self, at: NDArray[np.intp]) -> Suspect:
+        return Suspect(*(getattr(self, f.name)[at] for f in fields(self)))
+
+
+def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
+    """The least length of boundary around a stress in which K has its slip for a normal, as a share of the stress.
+
+    The closest point is then as near as that: so corners count, and bends too sharp for the digits of a stress
+    (|x|^p, p near 1), and on a flat side a slip that is off by an angle does not.
+    """
+    best = np.full(len(suspect.slip), np.inf)
+    left = np.arange(len(best))
+    for share in _BESIDE:
+        if not left.size:
+            break
+        near = share * suspect.grain[left]
+        found = np.maximum(_off_normals(level, metric, suspect.of(left), share), near)
+        best[left] = np.fmin(best[left], found)
+        left = left[~(best[left] <= 10.0 * near)]
+    return best
+
+
+def _off_normals(level: Level, metric: Metric, at: Suspect, share: float) -> Array:
+    """Distance of the slips from the cone of the normals this close to the stress, or of the multiplier from theirs if that is more."""
+    d, every = at.stress.shape[1], np.arange(len(at.slip))
+    off, on = _sides(level, metric, at, share * beside(d))
+    facing = reduce(np.fmin, [dot(a, b) for a, b in combinations(off[0], 2)])
+    thin = facing < _OPPOSED  # a point, or next to: no one multiplier, and no boundary to tell its sides apart
+    bare = (thin & (share <= _THIN)) | at.tip
+    normals, steep, heights = (np.where(bare[:, None] if x.ndim > 2 else bare, x, y) for x, y in zip(off, on, strict=True))
+    best = np.full(len(every), np.inf)
+    for chosen in _choices(len(normals), d, most=max(1, _BLOCK // len(every))):
+        sets, count = chosen.shape
+        cones = _Cones(*(np.moveaxis(x[chosen], 1, -1).reshape(-1, *x.shape[2:], count) for x in (normals, steep, heights)))
+        again = np.tile(every, sets)
+        best = np.fmin(best, np.fmin.reduce(cones.off(at.of(again), thin[again], bare[again]).reshape(sets, -1), axis=0))
+    return best
+
+
+def _sides(level: Level, metric: Metric, at: Suspect, ways: Array) -> tuple[_Sides, _Sides]:
+    """The sides of K these ``ways`` (W, d) (in lengths of the stress) from it, and at the boundary from there, (W, M) of them."""
+    many, d = ways.shape
+    at, way = at.of(np.tile(np.arange(len(at.slip)), many)), np.repeat(ways, len(at.slip), axis=0)
+    there = at.stress + at.scale[:, None] * (way @ metric.to_stress)
+    jet, _ = level.slopes(there, at.pressure, at.size)
+    assert jet.gradient is not None
+    normal, steep = unit(jet.gradient @ metric.of_slip)
+    fall = (jet.value / steep * (at.size / at.scale))[:, None] * normal
+    on = level.gradient(there - at.scale[:, None] * (fall @ metric.to_stress), at.pressure, at.size)
+    beyond, rate = unit(on @ metric.of_slip)
+    close = length(fall) <= _CLOSE * length(way)
+
+    def sides(normal: Array, steep: Array) -> _Sides:
+        return normal.reshape(many, -1, d), steep.reshape(many, -1), dot(normal, way - fall).reshape(many, -1)
+
+    return sides(normal, steep), sides(np.where(close[:, None], beyond, np.nan), rate)
+
+
+@dataclass(frozen=True)
+class _Cones:
+    """Cones of ``normals`` (M, d, count); ``steep`` and ``heights`` (M, count) of their sides."""
+
+    normals: Array
+    steep: Array
+    heights: Array
+
+    def off(self, at: Suspect, thin: NDArray[np.bool_], bare: NDArray[np.bool_]) -> Array:
+        """Distance of each slip from its cone, or of the multiplier from that of the cone, or of where its sides meet; inf of none."""
+        usable, inverse, weights, rest = _spanned(self.normals, at.slip)
+        meet = length(np.einsum("ncd,nc->nd", inverse, self.heights))
+        sides = np.moveaxis(self.normals, 2, 0)
+        sharp = reduce(np.fmin, [dot(a, b) for a, b in combinations(sides, 2)], np.ones(len(usable))) < 0.0
+        meet = np.where(sharp & ~bare, meet, 0.0) * at.grain  # where the sides meet, which may be far off at a sharp corner
+        total = (weights / self.steep).sum(axis=1)
+        amount = np.where(thin, 0.0, np.abs(total / at.multiplier - 1.0))
+        rest = np.where(rest <= at.rounding, 0.0, rest)
+        return np.where(usable, np.maximum(np.maximum(rest, amount), meet), np.inf)
+
+
+def off_normals(slip: Array, normals: Array) -> float:
+    """Distance of one vector (d,) from the cone of ``normals`` (W, d); inf of none."""
+    best = np.inf
+    for chosen in _choices(len(normals), len(slip), most=_BLOCK):
+        usable, _, _, rest = _spanned(np.moveaxis(normals[chosen], 1, 2), np.broadcast_to(slip, (len(chosen), len(slip))))
+        best = min(best, float(np.min(np.where(usable, rest, np.inf))))
+    return best
+
+
+def _spanned(normals: Array, slip: Array) -> tuple[NDArray[np.bool_], Array, Array, Array]:
+    """Of cones (M, d, count): which are known, their inverses, the weights of the slips (M, d) in them and what is left of these."""
+    usable: NDArray[np.bool_] = np.asarray(np.isfinite(normals).all(axis=(1, 2)))
+    inverse = np.linalg.pinv(np.where(usable[:, None, None], normals, 0.0), rcond=ROUNDING)
+    weights = np.maximum(inverse @ slip[:, :, None], 0.0)
+    return usable, inverse, weights[:, :, 0], length(slip - (normals @ weights)[:, :, 0])
+
+
+def _choices(many: int, d: int, most: int) -> Iterator[NDArray[np.intp]]:
+    """All sets of at most ``d`` of ``many`` sides (sets, count), of one count at a time and at most so many together."""
+    for count in range(1, d + 1):
+        sets = np.array(list(combinations(range(many), count)))
+        yield from (sets[start : start + most] for start in range(0, len(sets), most))
+
+
+def beside(d: int) -> Array:
+    """Ways off a point: the axes both ways, and in few dimensions what lies between them."""
+    grid = np.stack(np.meshgrid(*([[-1.0, 0.0, 1.0]] * min(d, 3)), indexing="ij"), axis=-1).reshape(-1, min(d, 3))
+    return grid[(grid != 0.0).any(axis=1)] if d <= 2 else np.vstack([np.eye(d), -np.eye(d)])

@@ -1,0 +1,75 @@
+"""Slips next to the boundary from multiplier and normal, where the difference of stresses that a method took has lost them.
+
+The multiplier brings trial - lambda k n onto the boundary, found by Newton's method on g in many digits; the normal n is that of g
+at the stress, which has all of its own.  What is found is judged like any other answer, and taken only if it passes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.close_look import close_look, pushed_back
+from duhem.projection.increment import Increment
+from duhem.projection.level import level
+from duhem.projection.residuals import residuals
+from duhem.projection.result import ACCURACY, Residuals, Solution
+from duhem.projection.row_by_row import dot, widest
+from duhem.projection.scaled_formula import power_of_two
+
+__all__ = ["recovered"]
+
+Rows = TypeVar("Rows", Solution, Residuals)
+
+_NEXT = 1e-3  # of a stress: slips of more keep their digits in a difference
+_STEPS = 5
+
+
+def recovered(question: Increment, solution: Solution, found: Residuals, convex: bool) -> tuple[Solution, Residuals]:
+    """The solution and its residuals, with slips that were lost put right where that can be done."""
+    at = _lost(question, solution, found)
+    if not at.size:
+        return solution, found
+    asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
+    new = _from_normals(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
+    judged = residuals(asked, new, convex)
+    right = judged.worst() <= ACCURACY
+    return _put(solution, at[right], new, right), _put(found, at[right], judged, right)
+
+
+def _lost(question: Increment, solution: Solution, found: Residuals) -> NDArray[np.intp]:
+    """The points next to the boundary that nothing but the slip speaks against."""
+    suspect = np.flatnonzero((found.stationarity > ACCURACY) & (found.feasibility <= ACCURACY) & ~solution.failed)
+    stress = solution.stress[suspect]
+    return suspect[widest(question.trial[suspect] - stress) <= _NEXT * widest(stress)]
+
+
+def _from_normals(asked: Increment, got: Solution) -> Solution:
+    law, k, trial, pressure = asked.law, asked.stiffness, asked.trial, asked.pressure
+    g = level(asked.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+    look, stress, size = close_look(asked), got.stress, power_of_two(widest(got.stress))
+    slip, multiplier = np.zeros_like(stress), np.zeros(len(stress))
+    with np.errstate(all="ignore"):
+        for _ in range(_STEPS):
+            normal = g.gradient(stress, pressure, size)
+            beyond, _bound = look.level(pushed_back(trial, multiplier[:, None] * normal, k, size), pressure, size)
+            multiplier = np.maximum(multiplier + beyond * size / dot(normal, normal @ k), 0.0)
+            slip = multiplier[:, None] * normal
+            stress = trial - slip @ k
+    sticks = multiplier == 0.0
+    stress = np.where(sticks[:, None], trial, stress)
+    slip = np.where(sticks[:, None], 0.0, slip)
+    return Solution(stress, slip, g.own(multiplier, size), np.zeros(len(sticks), dtype=np.bool_))
+
+
+def _put(whole: Rows, at: NDArray[np.intp], part: Rows, rows: NDArray[np.bool_]) -> Rows:
+    """``whole`` with some ``rows`` of a part in place."""
+    if not at.size:
+        return whole
+    changed = {f.name: getattr(whole, f.name).copy() for f in fields(whole)}
+    for name, array in changed.items():
+        array[at] = getattr(part, name)[rows]
+    return type(whole)(**changed)
