@@ -14,6 +14,8 @@ from fractions import Fraction
 from itertools import pairwise
 from math import gcd, lcm
 
+import flint
+
 __all__ = ["convex", "samples"]
 
 Poly = list[int]  # the coefficients of 1, y, y^2, ...
@@ -48,10 +50,11 @@ def _times(k: int, p: Poly) -> Poly:
 
 
 def _at(p: Poly, y: Fraction) -> Fraction:
-    value = Fraction(0)
+    above, below = y.numerator, y.denominator
+    value, scale = 0, 1
     for c in reversed(p):
-        value = value * y + c
-    return value
+        value, scale = value * above + c * scale, scale * below
+    return Fraction(value, max(1, scale // below))
 
 
 def _primitive(p: Poly) -> Poly:
@@ -61,15 +64,8 @@ def _primitive(p: Poly) -> Poly:
 
 def _remainder(a: Poly, b: Poly) -> Poly:
     """Of a by b, times a positive number."""
-    r, lead = list(a), abs(b[-1])
-    while len(r) >= len(b):
-        turn = r[-1] if b[-1] > 0 else -r[-1]
-        shift = len(r) - len(b)
-        r = [lead * c for c in r]
-        for i, c in enumerate(b):
-            r[i + shift] -= turn * c
-        r = _trim(r[:-1])
-    return _primitive(r)
+    rest = (flint.fmpq_poly(a) % flint.fmpq_poly(b)).numer()
+    return [int(c) for c in (rest // rest.content()).coeffs()] if rest else []
 
 
 def _slope(p: Poly) -> Poly:
