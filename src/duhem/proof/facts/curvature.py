@@ -139,11 +139,18 @@ class _CurvatureRules:
         """The facts, plus the sign SymPy sees; a node without forces is a constant whatever its parts."""
         if not node.free_symbols & self.forces:
             return self.constant(node)
-        if not facts.nonnegative and node.is_extended_nonnegative:
+        if not (facts.nonnegative or self._multiplied_out(node)) and node.is_extended_nonnegative:
             facts = replace(facts, nonnegative=True)
         if self.loads:
             facts = self._within(node, facts)
         return facts
+
+    def _multiplied_out(self, node: sp.Expr) -> bool:
+        """Whether it is a sum of monomials in the forces: of their signs SymPy sees no more than the rules, and takes long to see it."""
+        factors = (f for part in sp.Add.make_args(node) for f in sp.Mul.make_args(part))
+        return all(
+            f.is_Rational or f in self.forces or (f.is_Pow and f.base in self.forces and f.exp.is_Integer and f.exp > 0) for f in factors
+        )
 
     def _within(self, node: sp.Expr, facts: Curvature) -> Curvature:
         """Signs of loads, and of concave functions of one load, where loads are >= 0."""
