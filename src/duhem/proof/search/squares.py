@@ -24,7 +24,7 @@ _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
 _PROJECTED, _INSIDE = 400, 0.2  # times a solution is moved onto the equations and so far into the cone, in its own units
-_MOST_INSIDE = 20_000  # products of numbers a step
+_CHEAP_INSIDE, _MOST_INSIDE = 20_000, 7_000_000  # products of numbers a step: what costs less than another search, and what seconds
 _SETTLED = 3  # times it is moved onto the equations in the end
 _FLAT = (1e-4, 1e-5, 1e-6)  # an eigenvalue that small, relative to the greatest, is taken for 0
 
@@ -63,10 +63,15 @@ def balanced(
         margin, values = solution
         if margin < -1e-4:
             return None
-        if (exact := system.exact(values)) is not None or (exact := system.exact_inside(values)) is not None:
-            return system.found(exact)
-        found = None if touched else vanishing(start, blocks, spheres)
-        if not touched and found is None and (exact := system.exact_by_stretching(spheres)) is not None:
+        exact, price = system.exact(values), system.price_inside()
+        if exact is None and price <= _CHEAP_INSIDE:
+            exact = system.exact_inside(values)
+        found = None if touched or exact is not None else vanishing(start, blocks, spheres)
+        if exact is None and found is None and not touched:
+            exact = system.exact_by_stretching(spheres)
+            if exact is None and _CHEAP_INSIDE < price <= _MOST_INSIDE:
+                exact = system.exact_inside(values)
+        if exact is not None:
             return system.found(exact)
         touched = True
         if found is None and flat is not None:
@@ -156,11 +161,8 @@ class _System:
 
     def exact_inside(self, values: Any) -> list[Fraction] | None:
         """The same by more digits than ``values`` have, where but few numbers are left free by the equations."""
-        width, free = sum(len(b.squares) ** 2 for b in self.blocks), len(self.columns) - len(self.rows)
-        if self.multiples or free <= 0 or free * free * width > _MOST_INSIDE:
-            return None
         rank, equations = self._independent()
-        if equations is None or (len(self.columns) - rank) ** 2 * width > _MOST_INSIDE:
+        if equations is None:
             return None
         n, table = len(self.columns), [[Fraction(int(x.p), int(x.q)) for x in row] for row in equations.tolist()[:rank]]
         pivots = [next(j for j in range(n) if row[j]) for row in table]
@@ -180,6 +182,11 @@ class _System:
             if all(_positive_semidefinite(gram) for gram in self._grams(exact)):
                 return exact
         return None
+
+    def price_inside(self) -> float:
+        """Products of numbers in a step of that search, all equations being independent; infinite where it is none to be made."""
+        free = len(self.columns) - len(self.rows)
+        return float("inf") if self.multiples or free <= 0 else free**2 * sum(len(b.squares) ** 2 for b in self.blocks)
 
     def exact_by_stretching(self, spheres: Sequence[Sequence[int]]) -> list[Fraction] | None:
         """The same from a solution in other units, where a margin is so thin that in these it drowns; for columns in one row each."""
