@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import islice
 
 import flint
 import pytest
@@ -11,6 +12,7 @@ from duhem import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import convex_sums
 from duhem.proof.search.inner_point import Blocks, inner_point
+from tests.campaigns.polynomials import forms
 
 F = Fraction
 
@@ -74,3 +76,11 @@ NEAR = (  # a share of 1e-9 of the way out of the convex ones is left; the depth
 def test_a_law_in_whose_margin_a_solver_drowns() -> None:
     law = Criterion(name="near", g=NEAR, forces=("sx", "sy", "t"), pressure=None)
     assert convex_sums.convexity(FormulaSubject(law)) is not None
+
+
+@pytest.mark.slow
+def test_the_same_in_four_forces() -> None:
+    """In skew coordinates, where no change of units helps."""
+    trial = next(islice(forms(20, 1), 19, None))
+    assert (trial.family, trial.margin) == ("degree 4, 4 forces", "below 1e-9")
+    assert convex_sums.convexity(FormulaSubject(trial.law)) is not None
