@@ -74,6 +74,16 @@ def test_a_scene_imports_no_code(run: Run, folder: Path, monkeypatch: pytest.Mon
     assert "acts" not in sys.modules and not (folder / "ran").exists()
 
 
+@pytest.mark.parametrize("named", ["x" * 5000, "x" * 5000 + ".toml", "\\u0000", "\\u0000.toml"])
+def test_a_name_that_no_file_can_have(run: Run, folder: Path, named: str) -> None:
+    (folder / "s.toml").write_text(SCENE.replace('"coulomb"', f'"{named}"'))
+    assert run("simulate", "s.toml")[0] == 2
+    (folder / "s.toml").write_text(TABLE.replace("t.csv", named))
+    assert run("simulate", "s.toml")[0] == 2
+    (folder / "s.toml").write_text(f'{SCENE}[output]\ntable = "{named}.csv"\n')
+    assert run("simulate", "s.toml")[0] == 2
+
+
 def test_a_criterion_file_with_a_colon_in_its_name_is_a_file(run: Run, folder: Path) -> None:
     (folder / "a:b.toml").write_text(LAW)
     (folder / "s.toml").write_text(SCENE.replace('"coulomb"', '"a:b.toml"'))

@@ -90,3 +90,11 @@ def test_what_is_written_is_whole_with_its_line_ends_and_the_rights_of_a_new_fil
     finally:
         os.umask(before)
     assert (folder / "new.csv").read_bytes() == "a\nb\r\nµ\n".encode() and (folder / "new.csv").stat().st_mode & 0o777 == 0o640
+
+
+def test_a_name_that_no_file_can_have_is_refused_and_a_long_one_is_not(folder):
+    for name in ("x" * 5000, "a\0b"):
+        with pytest.raises(InputError, match="no result can go there"):
+            check_place(name)
+    write("µ" * 120 + ".csv", "whole")  # 244 of the 255 bytes that a name may have
+    assert (folder / ("µ" * 120 + ".csv")).read_text() == "whole"

@@ -167,7 +167,7 @@ class _SceneReader:
             return None
         beside = self.folder / given
         try:
-            return load_formula(self.input(beside) if given.endswith(".toml") or beside.is_file() else load_named(given))
+            return load_formula(self.input(beside) if given.endswith(".toml") or os.path.isfile(beside) else load_named(given))
         except InputError as fault:
             place = fault.where if fault.where.startswith(str(beside)) else self.place("", "law")
             self.faults.append(InputError(fault.what, where=place, remedy=fault.remedy))
@@ -248,7 +248,7 @@ class _SceneReader:
 
     def input(self, file: File) -> File:
         """A file that the scene names, noted as one that is read; InputError for what is no file, such as a pipe that nobody fills."""
-        if file.exists() and not file.is_file() and not file.is_dir():
+        if os.path.exists(file) and not os.path.isfile(file) and not os.path.isdir(file):
             raise InputError("this is a device or a pipe, not a file", where=f"{file}", remedy="name a file")
         self.inputs.append(f"{file}")
         return file

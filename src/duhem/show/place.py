@@ -20,6 +20,13 @@ def check_place(file: AnyPath, inputs: Iterable[AnyPath] = ()) -> None:
     ``inputs`` (names of laws among them are of no file), however spelled: nothing that is read is written over.
     """
     folder = os.path.dirname(os.path.abspath(file))
+    try:
+        os.lstat(file)
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except (OSError, ValueError) as fault:  # too long, or with a letter that ends it
+        reason = getattr(fault, "strerror", None) or str(fault)
+        raise InputError(f"no result can go there: {reason}", where=f"{file}"[:200], remedy="name another file") from None
     if not os.path.isdir(folder):
         raise InputError("there is no such directory", where=f"{file}", remedy="make it first")
     if os.path.isdir(file):
@@ -60,7 +67,8 @@ def written(file: AnyPath) -> Iterator[str]:
     Its name cannot be foreseen, so that nobody has put a link in its place.  InputError where it cannot be written.
     """
     check_place(file)
-    beside = f"{os.fspath(file)}.{os.urandom(4).hex()}.writing"
+    folder, name = os.path.split(os.fspath(file))
+    beside = os.path.join(folder, f"{name[:40]}.{os.urandom(4).hex()}.writing")  # cut, as a name has an end
     try:
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield beside
