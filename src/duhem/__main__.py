@@ -18,6 +18,7 @@ from duhem.errors import DuhemError
 
 __all__ = ["main"]
 
+_MOST = 4_000  # characters of a message
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
@@ -62,8 +63,8 @@ def _drop(stream: TextIO) -> None:
 
 
 def _complain(text: str, code: int) -> int:
-    """One printable line on standard error, whatever the text holds."""
-    line = " ".join(text.split())
+    """One printable line on standard error, whatever the text holds, and however long it quotes."""
+    line = " ".join((text if len(text) <= _MOST else f"{text[: _MOST // 2]} ... {text[-_MOST // 2 :]}").split())
     with suppress(OSError):
         print("duhem: " + "".join(c if c.isprintable() else repr(c)[1:-1] for c in line), file=sys.stderr)
     _drop(sys.stderr)

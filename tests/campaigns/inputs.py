@@ -55,6 +55,13 @@ _PATH = "time,u_a,u_b,sigma_n\n" + "".join(f"{i},{i * 1e-3!r},{(-1) ** i * 5e-4!
 _POINTS = "sigma_a,sigma_b,sigma_n,weight\n" + "".join(f"{x},{y},-1,1\n" for x, y in ((0.3, 0), (0.2, 0.2), (0, 0.31), (-0.3, 0.02)))
 _SETTINGS = ("mu=0.3", "mu=3/20", "mu=1e-6", "mu = 0.5")
 _NUMBERS = ("0", "1", "2", "-1", "0.25", "3", "7", "1e3", "1e-9", "1e9", "-0.5", "40", "1e200", "1/3", "0.0", "12345.678")
+_VALUES = (
+    "0", "-1", "1e9", "1e300", "4000000", "19000000", "99999999999", "nan", "inf", "-inf", "1e400", "0x" + "f" * 4000, "9" * 5000,
+    "true", "false", "[]", "{}", "[[]]", '""', '"a"', "1979-05-27", "[1, [2]]", "[[1, 2], [3]]", "[0, 1]", "[1, 2, 3]", "[true]",
+    "{ a = 1 }", '"acts:law"', '"acts"', '"/dev/zero"', '"pipe"', '"link"', '"."', '"../x"', '"law.toml"', '"scene.toml"', '"t.csv"',
+    '"link.csv"', '"h.csv"', "[[0, 0], [1e200, 1]]", "1e-320", "1.7e308", "[1e308, 1e308]", "[" + "1," * 9000 + "]",
+    "[" + '"a",' * 9000 + "]", '"µ"', '"sigma_a/0"',
+)  # fmt: skip
 _ODD = (
     "", " ", "0", "-1", "nan", "inf", "-inf", "1e400", "1e-400", "1e308", "0x" + "f" * 4000, "9" * 5000, "1_0", "1/0", "true", "false",
     "[]", "{}", "[[]]", '""', '"a"', "1979-05-27", "[1, [2]]", "[1, 2, 3]", "{ a = 1 }", "99999999999", "acts:law", '"acts:law"', '"acts"',
@@ -101,8 +108,9 @@ def _file(rng: Random) -> Case:
 
 
 def _scene(rng: Random) -> Case:
-    files = {"scene.toml": changed(rng.choice(_SCENES), rng), "t.csv": _PATH.encode(), "law.toml": _LAW_OF_SCENE.encode()}
-    wrong = ("scene.toml", "t.csv", "link.csv", "no/out.csv", "pipe.csv")
+    scene = changed(rng.choice(_SCENES), rng)
+    files = {"scene.toml": scene, "t.csv": _PATH.encode(), "law.toml": _LAW_OF_SCENE.encode()}
+    wrong = ("scene.toml", "t.csv" if b'"t.csv"' in scene else "link.csv", "link.csv", "no/out.csv", "pipe.csv")
     out = rng.choice(("--out out.csv", "--out out.csv", "", f"--out {rng.choice(wrong)}")).split()
     return Case("scene", ("simulate", "scene.toml", *out), files, "out.csv")
 
@@ -119,12 +127,17 @@ def _table(rng: Random) -> Case:
 
 
 def _setting(rng: Random) -> Case:
-    text = changed(rng.choice(_SETTINGS), rng).replace(b"\0", b"").decode(errors="ignore")
+    text = changed(rng.choice(_SETTINGS), rng).replace(b"\0", b"")[:100_000].decode(errors="ignore")  # as long as an argument may be
     return Case("setting", ("verify", "coulomb", "--effort", "quick", "--set", text), {})
 
 
 def changed(text: str, rng: Random) -> bytes:
     """``text`` with one to four things changed: numbers, characters, words, lines, its end, its encoding."""
+    if rng.random() < 0.5 and (assigned := list(re.finditer(r"(?m)^\w+ *= *(.*)$", text))):
+        given = rng.choice(assigned)
+        text = text[: given.start(1)] + rng.choice(_VALUES) + text[given.end(1) :]
+        if rng.random() < 0.7:
+            return text.encode()
     for _ in range(rng.choice((1, 1, 1, 2, 2, 3, 4))):
         at = rng.randrange(len(text) + 1)
         line = text.rfind("\n", 0, at) + 1
@@ -222,7 +235,7 @@ def _child(case: Case, folder: Path, through: bool, writer: int, command: Callab
     resource.setrlimit(resource.RLIMIT_CPU, (120, 130) if through else (20, 22))
     resource.setrlimit(resource.RLIMIT_AS, (8 << 30, 8 << 30))
     signal.alarm(600)
-    sys.argv, sys.path[:] = ["duhem", *case.arguments], [entry for entry in sys.path if entry not in ("", os.getcwd())]
+    sys.argv, sys.path[:] = ["duhem", *case.arguments], [*(entry for entry in sys.path if entry), str(folder)]
     deeds = _watched(folder)
     if not through:
         _stop_at_the_work()

@@ -116,3 +116,9 @@ def test_a_result_goes_into_no_device(run: Run, folder: Path) -> None:
     code, _, message = run("verify", "coulomb", "--claims", "origin", "--certificate", "/dev/null")
     assert code == 2 and "a device or a pipe" in message
     assert not os.path.isfile("/dev/null")
+
+
+def test_a_message_is_no_longer_than_one_can_read(run: Run) -> None:
+    code, _, message = run("verify", "coulomb", "--set", "mu=" + "x" * 90_000)
+    assert code == 2 and len(message) < 5_000 and message.startswith("duhem: --set mu=xxx")
+    assert message.endswith("write a finite number such as 0.15, 1e-6 or 1/2\n")
