@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from duhem import Path, simulate
+from duhem import Criterion, Path, simulate
 from duhem.path.arc_step import on_disk
 from duhem.path.straight_step import on_ellipse
 from tests.long import mostly_long
@@ -244,3 +244,20 @@ def test_powers_of_every_kind_go_along_and_across_the_axes(p, way):
     assert np.all(shape <= 1 + 1e-12) and np.abs(exact.balance).max() < 1e-12 * np.abs(exact.work).max()
     small = simulate("superellipse", path, method="extrapolated", substeps=10, **given)
     assert np.allclose(exact.stress, small.stress[::10], rtol=0, atol=0.005 * 2e5)
+
+
+def test_a_cap_on_the_load_has_a_slope() -> None:
+    """Orowan's tau = min(mu |sigma_n|, k): straight slip under growing pressure, stopped where the cap is reached."""
+    path = Path.linear([[0, 0], [3, 4], [6, 8]], pressure=[-0.5, -0.5, -2.0])
+    done = simulate("orowan", path, stiffness=1.0, parameters={"mu": 1, "k": 1}, method="exact", substeps=6)
+    limit = np.minimum(np.abs(done.pressure), 1.0)[1:]
+    np.testing.assert_allclose(done.stress[1:], limit[:, None] * [0.6, 0.8], rtol=1e-9)
+    assert np.abs(done.balance).max() < 1e-9
+
+
+@pytest.mark.parametrize(("waist", "convex"), [("20", True), ("1/5", False)])
+def test_a_set_that_is_not_convex_is_said_to_be_none(waist: str, convex: bool) -> None:
+    """Cassini's ovals round the foci +-1: they are convex from (1 + c)^2 = 4 on."""
+    law = Criterion("oval", f"(a**2 + b**2)**2 - 2*(a**2 - b**2) - {waist}", forces=("a", "b"), pressure=None)
+    done = simulate(law, Path.linear([[0, 0], [0.5, 3.0], [4.0, 1.0]]), stiffness=1.0, method="exact")
+    assert ("K is not convex" in done.why) is not convex

@@ -22,9 +22,9 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     """Drive a law along the loading path of SCENE, a TOML file.
 
     A step whose closest point of K cannot be vouched for ends the run: on a K that is not convex, where one of the points of K
-    that are tried speaks against it.  The exact integrator follows the slip along the boundary and asks for no closest point.
-    A pressure outside the range that the law declares is refused; a stress that leaves one ends the run, and what came before
-    is kept as after an interruption.
+    that are tried speaks against it.  The exact integrator follows the slip along the boundary and asks for no closest point;
+    --explain says where K is not convex.  A pressure outside the range that the law declares is refused; a stress that leaves one
+    ends the run, and what came before is kept as after an interruption.
 
     A run that is interrupted keeps what is done in FILE.partial, and --resume goes on from there.
     """

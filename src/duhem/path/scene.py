@@ -106,7 +106,7 @@ def _integration(scene: Scene, plan: Plan) -> Needed | LeftOut:
     from duhem.path.exact import elementary, why
 
     reason = elementary(plan)
-    return LeftOut(name, why(plan)) if reason is None else Needed(name, reason)
+    return LeftOut(name, why(plan)) if reason is None else Needed(name, why(plan).partition(": ")[2])
 
 
 def _solver(scene: Scene, plan: Plan) -> Needed | LeftOut:

@@ -75,7 +75,8 @@ def simulate(
 
     ``stiffness`` k in Pa/m: a number, (d,) or symmetric positive definite (d, d); ``parameters`` a number for each the law
     leaves open.  ``method``: ``implicit`` (first order in the step), ``extrapolated`` (second order) or ``exact`` (each
-    step of the path as one, to rounding).  ``projection`` is the closest point's method, as in :func:`duhem.project`.
+    step of the path as one, to rounding; it follows the boundary of a K that is not convex too, and says so in ``why``).
+    ``projection`` is the closest point's method, as in :func:`duhem.project`.
     ``substeps`` cuts each step of the path, for the accuracy of the first two and for more rows of all.  ``stress`` (d,) at
     the first knot, inside K; left out, it is zero, or the first knot of a stress path.
     A stress path must stay inside K: there no slip is determined on the boundary, and none is made.

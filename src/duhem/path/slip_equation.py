@@ -98,8 +98,11 @@ def boundary(increment: Increment) -> Boundary:
 
 
 def _derivative(g: sp.Expr, x: sp.Symbol) -> sp.Expr:
-    """dg/dx with the sign of each argument of |.| in words of the vocabulary: 0 at 0, where a quotient x/|x| would be no number."""
-    slope = sp.diff(g, x)
+    """dg/dx with the sign of each argument of |.| in words of the vocabulary: 0 at 0, where a quotient x/|x| would be no number.
+
+    A maximum of loads alone, a cap on the pressure say, has the slope of the first where it is the larger.
+    """
+    slope = sp.diff(g, x).replace(lambda e: isinstance(e, sp.Heaviside), lambda e: Where(e.args[0] > 0, 1, 0))
     return slope.replace(lambda e: isinstance(e, sp.sign), lambda e: Where(e.args[0] > 0, 1, Where(e.args[0] < 0, -1, 0)))
 
 

@@ -27,6 +27,8 @@ __all__ = ["tangent"]
 _SMOOTH = 1e-8  # a slip this close to the normal of one piece is normal to it
 _BESIDE = 1e-6  # relative; pieces that hold this close to a corner may meet in it
 _MEETS = 1e-9
+_INDEPENDENT = 1e-6  # a unit normal this close to the span of others lies in it
+_LITTLE = 1e-3  # of the push: sums of normals that are closer than this to the edge of their cone are on it
 
 
 def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | None]:
@@ -129,4 +131,30 @@ def _meeting(pieces: _Pieces, point: Array, push: Array, index: int) -> tuple[Ar
     if np.linalg.norm(cone.point) > _BESIDE:  # a tip with more normals than pieces
         return at[:0], None, np.zeros((0, 1))
     multipliers = cone.multipliers[0, pressing] * np.linalg.norm(push)
-    return at, candidates[[placed[i] for i in pressing]][None], multipliers[None]
+    holds = [placed[i] for i in pressing]
+    more = _holding_too(normal, holds, push / np.linalg.norm(push))
+    return at, candidates[[*holds, *more]][None], np.append(multipliers, np.zeros(len(more)))[None]
+
+
+def _holding_too(normals: Array, pressing: list[int], push: Array) -> list[int]:
+    """Pieces that hold the stress as well, independent of the ``pressing``, where the push is more than one sum of normals.
+
+    A push along the axis of a pyramid is the sum of two opposite normals, and the tip stays under all four of them: those are
+    meant without which, a little of it taken off, the push is still a sum.
+    """
+    held, more = list(pressing), list[int]()
+    for j in range(len(normals)):
+        basis = np.linalg.qr(normals[held].T)[0]
+        rest = normals[j] - basis @ (basis.T @ normals[j])
+        if j not in held and np.linalg.norm(rest) > _INDEPENDENT and _is_sum(push - _LITTLE * normals[j], normals):
+            held.append(j)
+            more.append(j)
+    return more
+
+
+def _is_sum(push: Array, normals: Array) -> bool:
+    """Whether the push is a sum of normals, none of them with a negative share."""
+    cone, one = HalfSpaces.around(push[None]), np.zeros(1, dtype=np.intp)
+    for normal in normals:
+        cone.add(one, cone.free_slot(one), normal[None], np.zeros(1))
+    return bool(np.linalg.norm(cone.point) <= _SMOOTH)
