@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from duhem import Criterion, Path, simulate
+from duhem import Criterion, DuhemError, Path, simulate
 from duhem.path.arc_step import on_disk
 from duhem.path.straight_step import on_ellipse
 from tests.long import mostly_long
@@ -261,3 +261,8 @@ def test_a_set_that_is_not_convex_is_said_to_be_none(waist: str, convex: bool) -
     law = Criterion("oval", f"(a**2 + b**2)**2 - 2*(a**2 - b**2) - {waist}", forces=("a", "b"), pressure=None)
     done = simulate(law, Path.linear([[0, 0], [0.5, 3.0], [4.0, 1.0]]), stiffness=1.0, method="exact")
     assert ("K is not convex" in done.why) is not convex
+
+
+def test_slip_that_begins_at_a_tip_has_no_direction() -> None:
+    with pytest.raises(DuhemError, match="K has no normal at the stress"):
+        simulate("sap", Path.linear([[0, 0, 0], [1, 0, 0]]), stiffness=1.0, parameters={"mu": 1}, method="exact")

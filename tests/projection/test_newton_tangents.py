@@ -51,3 +51,16 @@ def test_tangent_at_corners_and_inside():
     of_u, of_pressure = tangent(question, newton.solve(question))
     np.testing.assert_allclose(of_u, [np.zeros((2, 2)), np.diag([0.0, 3.0]), np.diag([2.0, 3.0])], atol=1e-15)
     np.testing.assert_allclose(of_pressure, [[-0.5, -0.25], [-0.5, 0.0], [0.0, 0.0]], atol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["mujoco-pyramidal", "rankine"])
+def test_a_tip_under_more_normals_than_the_push_needs_stays(name: str) -> None:
+    """|a| + |b| + |c| <= 1 pushed along an axis: two of the four normals at the tip make the push, and none lets it go."""
+    law = duhem.load(name)
+    values = {p: 1 for p, domain in law.parameters.items() if domain.value is None}
+    trial = {"mujoco-pyramidal": [0.0, 2.0, 0.0], "rankine": [1.5, 1.5, 1.5]}[name]
+    done = duhem.project(law, trial, -1.0 if law.pressure else None, parameters=values, tangent=True)
+    assert done.tangent is not None
+    np.testing.assert_allclose(done.tangent[0], 0.0, atol=1e-12)
+    shifted = duhem.project(law, np.array(trial) + 1e-3 * np.eye(3), -1.0 if law.pressure else None, parameters=values)
+    np.testing.assert_allclose(shifted.stress, np.tile(done.stress, (3, 1)), atol=1e-12)

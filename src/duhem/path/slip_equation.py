@@ -170,6 +170,9 @@ def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, flo
             if tau >= 1.0:
                 break
         n = on.normal(state[:d], load(tau))
+        if not (np.isfinite(n).all() and n.any()):
+            at = ", ".join(f"{x:g}" for x in state[:d])
+            raise DuhemError(f"K has no normal at the stress ({at}), where slip begins", remedy='use method="implicit"')
         state[:d] -= on.value(state[:d], load(tau)) * n / float(n @ n)
         ahead = state[:d] + _GLANCE * (1.0 - tau) * slipping(tau, state)[:d]  # on a seam, it is watched from where the stress goes
         signs = [float(np.sign(float(p(*ahead, load(tau))))) for p in on.seams]
