@@ -110,3 +110,12 @@ def test_a_ray_from_a_boundary_origin_that_misses_the_set(name: str, values: dic
             )
             nearest = min(nearest, best.fun, *(np.linalg.norm(curve(p, sign) - at) for p in (*ends, rough)))
         assert np.linalg.norm(stress - at) == pytest.approx(nearest, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["ottosen", "abaqus-linear", "bigoni-piccolroaz"])
+def test_a_stress_inside_that_has_no_angle_is_vouched_for(name: str) -> None:
+    law = duhem.load(name)
+    done = duhem.project(law, np.array([-0.09, 0.0, 0.05])[:, None] * HYDROSTATIC)
+    assert (done.status == duhem.Status.STICK).all()
+    path = duhem.Path.linear([[0, 0, 0], [-0.05, -0.05, -0.05], [0.01, 0, 0]])
+    assert np.isfinite(duhem.simulate(law, path, stiffness=1.0).stress).all()  # from no stress at all

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.fold import Table
+from duhem.expression.limits import filled
 from duhem.expression.matrices import rows
-from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.numpy_ import Program
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
@@ -89,8 +90,8 @@ def formula(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symb
 
 @lru_cache(maxsize=256)
 def program(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> Program:
-    """The value alone, over ``symbols``; compiled once, like :func:`formula`."""
-    return compiled(expr, symbols)
+    """The value alone, over ``symbols``, with limits where it is 0/0; compiled once, like :func:`formula`."""
+    return filled(expr, symbols)
 
 
 @lru_cache(maxsize=256)

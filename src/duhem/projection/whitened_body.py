@@ -13,7 +13,6 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices, JetProgram, formula, program
-from duhem.expression.limits import Filled, filled
 from duhem.expression.numpy_ import Program
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
@@ -44,7 +43,7 @@ class Body:
     """K = {h <= 0} of N points; ``root`` is L; ``data`` what h holds besides the forces, (N,) each; ``size`` R (N,)."""
 
     scaled: ScaledFormula
-    value: Program | Filled
+    value: Program
     jets: JetProgram
     data: tuple[Array, ...]
     size: Array
@@ -85,8 +84,7 @@ class Body:
 def body(scaled: ScaledFormula, forces: tuple[sp.Symbol, ...], pressure: Array, size: Array, root: Array) -> Body:
     """The bodies of one law, measured by ``size`` (N,)."""
     data = tuple(scaled.data)
-    value = filled(program(scaled.expr, (*forces, *data)), scaled.expr, forces)
-    empty = Body(scaled, value, formula(scaled.expr, forces, data), (), size, root)
+    empty = Body(scaled, program(scaled.expr, (*forces, *data)), formula(scaled.expr, forces, data), (), size, root)
     return empty.resized(pressure, size)
 
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from duhem.expression import balls, mpmath_
 from duhem.expression.balls import precision
 from duhem.expression.jets import Choices, JetProgram, formula
-from duhem.expression.limits import Filled, filled
-from duhem.expression.numpy_ import Program, compiled
+from duhem.expression.limits import filled
+from duhem.expression.numpy_ import Program
 from duhem.expression.rays import Rays
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
@@ -87,10 +87,10 @@ class Region:
 
 
 @lru_cache(maxsize=64)
-def _programs(law: Criterion) -> tuple[Program | Filled, JetProgram]:
+def _programs(law: Criterion) -> tuple[Program, JetProgram]:
     names = tuple(law.symbols().values())
     forces = law.force_symbols()
-    return filled(compiled(law.g, names), law.g, forces), formula(law.g, forces, names[len(forces) :])
+    return filled(law.g, names), formula(law.g, forces, names[len(forces) :])
 
 
 @lru_cache(maxsize=64)
