@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from duhem.errors import InputError
-from duhem.expression.jets import formula, program
 from duhem.law.shapes import Disk, Interval
 from duhem.path.ledger import Ledger
 from duhem.path.plan import Plan
 from duhem.path.prepared_projection import Numbers, numbers
 from duhem.path.straight_step import Move, on_ellipse, on_interval
 from duhem.projection.known_points import beyond_tangents
+from duhem.projection.level import level
 from duhem.projection.result import Array
 
 __all__ = ["Piece", "advance", "elementary", "piece", "why"]
@@ -67,12 +67,10 @@ def why(plan: Plan) -> str:
 
 def _not_convex(plan: Plan) -> str:
     """What is said where points of K lie beyond a tangent of it: the slip is normal all along, and no closest point stands for it."""
-    increment = plan.increment
-    d, loads = len(increment.law.forces), np.unique(increment.pressure) if increment.law.pressure else None
-    forces = increment.law.force_symbols()
-    others = (increment.law.symbols()[increment.law.pressure],) if increment.law.pressure else ()
-    g, slopes = program(increment.g, (*forces, *others)), formula(increment.g, forces, others)
-    seen = beyond_tangents(g, slopes, d, None if loads is None else loads[[0, -1]])
+    increment, law = plan.increment, plan.increment.law
+    loads = np.unique(increment.pressure)[[0, -1]] if law.pressure else None
+    found = level(increment.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+    seen = beyond_tangents(found, len(law.forces), loads)
     return "; K is not convex" if len(seen) else ""
 
 

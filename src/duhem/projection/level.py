@@ -40,6 +40,10 @@ class Level:
         data = self.scaled.values(pressure, size)
         return self.value(*(stress / size[:, None]).T, *data.values()).reshape(values[0].shape)
 
+    def limit(self, stress: Array, pressure: Array, size: Array) -> Array:
+        """h at stresses (N, d), or its limit where it is 0/0; R = ``size`` (N,)."""
+        return self.value(*(stress / size[:, None]).T, *self.scaled.values(pressure, size).values())
+
     def bounded(self, stress: Array, pressure: Array, size: Array) -> tuple[Array, Array]:
         """h at stresses (N, d) and a bound of its rounding; R = ``size`` (N,), powers of two."""
         data = self.scaled.bounded(pressure, size).values()

@@ -91,6 +91,9 @@ class _Judge:
         if (close := np.flatnonzero(~(np.abs(g) > hidden))).size:
             g = g.copy()
             g[close] = self._looked_up(stress[close], pressure[close], size[close])
+        if (bare := np.flatnonzero(np.isnan(g))).size:
+            g = g.copy()
+            g[bare] = self.level.limit(stress[bare], pressure[bare], size[bare])
         out.feasibility[at] = np.where(np.isnan(g), np.nan, 0.0)
         if (over := np.flatnonzero(g > 0.0)).size:  # a stick on the boundary, to rounding: a slip is lost
             slope = self.level.gradient(stress[over], pressure[over], size[over])
