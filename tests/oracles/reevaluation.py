@@ -117,7 +117,7 @@ def _choose(a: _Jet, b: _Jet, first: bool | None) -> _Jet:
     return a.hull(b) if first is None else a if first else b
 
 
-def _compare(relation: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> bool | None:
+def _compare(relation: Any, values: Mapping[sp.Basic, _Jet], jets: bool) -> bool | None:
     gap = (_jet(relation.gts, values, jets) + _jet(-relation.lts, values, jets)).value
     strict = isinstance(relation, sp.StrictGreaterThan | sp.StrictLessThan)
     if gap.a > 0 or (not strict and gap.a >= 0):
@@ -148,11 +148,11 @@ def _greatest_eigenvalue(parts: Sequence[_Jet], jets: bool) -> _Jet:
     return _Jet(value, moving.slopes)
 
 
-def _jet(node: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> _Jet:
+def _jet(node: Any, values: Mapping[sp.Basic, _Jet], jets: bool) -> _Jet:
     some = next(iter(values.values()))
     if isinstance(node, InertNumber):
         node = node.value
-    if node.is_Symbol:
+    if node in values:
         return values[node]
     if node.is_Rational:
         return some.through(_rational(Fraction(int(node.p), int(node.q))), _IV.mpf(0))
@@ -215,10 +215,15 @@ def _jet(node: Any, values: Mapping[sp.Symbol, _Jet], jets: bool) -> _Jet:
 
 def _evaluate(law: Criterion, expr: sp.Expr, at: Mapping[str, Span], jets: bool) -> _Jet:
     table = law.symbols()
-    values = {}
+    values: dict[sp.Basic, _Jet] = {}
     for name, span in at.items():
         seed = [_IV.mpf(int(name == force)) for force in law.forces]
         values[table[name]] = _Jet(_span(*span), seed)
+    if not jets and all(low == high for low, high in at.values()):  # what is 0 is seen to be, whatever the numbers
+        exact = {table[name]: low for name, (low, _) in at.items()}
+        for node in sp.preorder_traversal(expr):
+            if isinstance(node, sp.Expr) and (known := _exactly(node, exact)) is not None:
+                values[node] = _Jet(_rational(known), [_IV.mpf(0)] * len(law.forces))
     return _jet(expr, values, jets)
 
 
@@ -286,8 +291,7 @@ Points = Mapping[str, Mapping[str, Fraction]]
 
 
 def _inside(law: Criterion, at: Mapping[str, Fraction]) -> bool:
-    exact = _exactly(law.g, {x: at[name] for name, x in law.symbols().items()})
-    return exact <= 0 if exact is not None else bool(value(law, at).b <= 0)
+    return bool(value(law, at).b <= 0)
 
 
 def _outside(law: Criterion, at: Mapping[str, Fraction]) -> bool:

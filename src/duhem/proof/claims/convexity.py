@@ -12,7 +12,8 @@ CLAIM = Claim(
 The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex and its set is.  Methods, in order:
 composition (g is quasiconvex by the rules of disciplined convex programming); sums of squares (v . Hess g v of a
 polynomial g, unless a polar form is at hand); a chord across the deepest dent of a polynomial law; a chord from where a
-ball lies farthest along a load; a quick look for a chord that leaves K, then for one between exact points of its faces, edges and whiskers;
+ball lies farthest along a load; a quick look for a chord that leaves K, then for one between
+exact points of its faces, edges and whiskers, or from an edge to a place beside it;
 polyhedra (K is the intersection of the half-spaces of its faces); polar form (for the gauge gamma of a star-shaped K in
 two forces, gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams included); chords across a dent or a kink so
 found; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch;
@@ -28,6 +29,7 @@ boundary points that the curve does not wind around.""",
         ProofMethod(FormulaSubject, chords.convexity_at_far_points),
         ProofMethod(FormulaSubject, chords.convexity_by_scouting),
         ProofMethod(FormulaSubject, chords.convexity_between_exact_rays),
+        ProofMethod(FormulaSubject, chords.convexity_beside_edges),
         ProofMethod(FormulaSubject, polyhedral.convexity),
         ProofMethod(FormulaSubject, polar.convexity),
         ProofMethod(FormulaSubject, chords.convexity_at_dents),

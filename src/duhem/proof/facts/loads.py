@@ -8,7 +8,7 @@ import sympy as sp
 
 from duhem.expression import Where
 
-__all__ = ["above_within", "affine", "alone", "concave_above_within", "loads_and_others", "loads_of"]
+__all__ = ["above_within", "affine", "alone", "concave_above_within", "largest_loads", "loads_and_others", "loads_of"]
 
 
 def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
@@ -35,6 +35,13 @@ def affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
     """Whether an expression is a load: of degree 1 in the forces."""
     moving = sorted(expr.free_symbols & set(forces), key=str)
     return bool(moving) and expr.is_polynomial(*moving) and sp.Poly(expr, *moving).total_degree() == 1
+
+
+def largest_loads(expr: sp.Expr, forces: Collection[sp.Symbol]) -> list[sp.Expr]:
+    """The parts of a formula that are loads and no part of a greater one."""
+    if affine(expr, forces):
+        return [expr]
+    return [load for a in expr.args if a.free_symbols & set(forces) for load in largest_loads(a, forces)]
 
 
 def above_within(expr: sp.Expr, loads: Collection[sp.Expr], forces: Collection[sp.Symbol], above: Callable[[sp.Expr], bool]) -> bool:

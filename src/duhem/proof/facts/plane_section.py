@@ -22,10 +22,10 @@ from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 
-__all__ = ["LocalPiece", "PlaneSection", "local_pieces"]
+__all__ = ["KINKS", "LocalPiece", "PlaneSection", "kinks_decided", "local_pieces"]
 
 _MOST_PIECES, _MOST_OPERATIONS = 16, 100
-_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 Box = Mapping[sp.Symbol, Any]
 
 
@@ -85,8 +85,8 @@ def local_pieces(
     beside = almost_everywhere(formula, place)
     if beside.has(Where) and not almost_everywhere(formula).has(Where):
         return ()  # the plane lies where a formula holds that holds nowhere beside it
-    near, found = _decided(_diagonal(beside, place), around), dict[Any, LocalPiece]()
-    if near.has(*_KINKS) and near.count_ops() > _MOST_OPERATIONS:
+    near, found = kinks_decided(_diagonal(beside, place), around), dict[Any, LocalPiece]()
+    if near.has(*KINKS) and near.count_ops() > _MOST_OPERATIONS:
         return ()  # its arms would be compared for minutes
     try:
         for whole in plain_switches(thick(branches(near, _MOST_PIECES))):
@@ -97,7 +97,7 @@ def local_pieces(
                 signs = [(_plain(e), sign) for e, sign in (*zip(switches, whole.signs.values(), strict=True), *piece.signs.items())]
                 if (left := _open(signs, box)) is None:
                     continue
-                if sp.Tuple(expr, *gradient, *needs).has(*UNDEFINED, *_KINKS) or any(s.is_zero for s, _ in signs):
+                if sp.Tuple(expr, *gradient, *needs).has(*UNDEFINED, *KINKS) or any(s.is_zero for s, _ in signs):
                     return ()  # it is not seen which piece holds where
                 needed = tuple((e, sense) for e, (_, sense) in zip(needs, asked, strict=True))
                 found.setdefault((frozenset(left.items()), expr), LocalPiece(left, expr, tuple(gradient), needed))
@@ -115,11 +115,11 @@ def _diagonal(g: sp.Expr, place: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr:
     return g.xreplace(flat)
 
 
-def _decided(expr: sp.Basic, box: Box) -> sp.Basic:
+def kinks_decided(expr: sp.Basic, box: Box) -> sp.Basic:
     """The same over the box, with every kink left out that the box decides."""
-    if not expr.has(*_KINKS):
+    if not expr.has(*KINKS):
         return expr
-    args = [_decided(a, box) for a in expr.args]
+    args = [kinks_decided(a, box) for a in expr.args]
     if isinstance(expr, sp.Max | sp.Min):
         sense = 1 if isinstance(expr, sp.Max) else -1
         values = [enclose(sense * a, box) for a in args]

@@ -21,6 +21,7 @@ __all__ = [
     "convexity_at_far_points",
     "convexity_at_narrow_dents",
     "convexity_at_seams",
+    "convexity_beside_edges",
     "convexity_between_exact_rays",
     "convexity_by_scouting",
     "convexity_by_thorough_scouting",
@@ -70,6 +71,13 @@ def convexity_at_narrow_dents(subject: FormulaSubject) -> Evidence | None:
     from duhem.proof.search.exact_rays import dents_on_exact_rays
 
     return _refuted(subject, dents_on_exact_rays(subject))
+
+
+def convexity_beside_edges(subject: FormulaSubject) -> Evidence | None:
+    """Where g rises beside an edge a little less than in proportion, as powers a little below 1 do."""
+    from duhem.proof.search.edge_chords import chords_beside_edges
+
+    return _refuted(subject, chords_beside_edges(subject))
 
 
 def convexity_at_clear_dents(subject: FormulaSubject) -> Evidence | None:

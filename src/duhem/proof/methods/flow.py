@@ -77,6 +77,7 @@ def normality_refuted_by_chord(subject: FormulaSubject, chord: Witness) -> Evide
     )
     # n . (midpoint - sigma) > 0 where a segment to the midpoint leaves K, whatever it comes from; so for p or q as well
     starts = [p, q, [Fraction(0)] * len(p), *([c * s for c in end] for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
+    starts += [[s * Fraction(c) for c in _beside(len(p))] for s in (Fraction(1, 2**6), Fraction(1, 2**30), Fraction(1, 2**60))]
     ways = ((start, target) for start in itertools.chain(starts, _centre(subject, parameters)) for target in (q, p))
     for start, target in ways:
         if start is target:
@@ -92,6 +93,11 @@ def normality_refuted_by_chord(subject: FormulaSubject, chord: Witness) -> Evide
         if witness is not None:
             return Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
     return None
+
+
+def _beside(n: int) -> list[int]:
+    """Whole numbers of many sizes: beside 0 along them few kinks are met, along all of which both ends of a chord may lie."""
+    return [(-1) ** (i // 2) * (1 + i * i % 7 + 10 * i) for i in range(n)]
 
 
 def _centre(subject: FormulaSubject, parameters: Values) -> Iterator[list[Fraction]]:

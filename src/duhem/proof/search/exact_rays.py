@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import combinations, islice, product
-from math import gcd, lcm
 from typing import Any
 
 import numpy as np
@@ -22,13 +21,14 @@ from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.loads import loads_of
 from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.search.edges import edges_of
 from duhem.proof.search.precise_chords import dent_chords
 from duhem.proof.search.suggestion import Chord, Point
 
 __all__ = ["chords_between_exact_rays", "dents_on_exact_rays"]
 
 _POWERS = range(-20, 21)  # points lie at powers of 2
-_NODE, _POINTS, _EDGES = 200, 240, 12  # steps of each node of the formula; most points of K, most edges
+_NODE, _POINTS = 200, 240  # steps of each node of the formula; most points of K
 _NOTHING = 1e-12  # a height below this part of the greatest around is taken for 0
 _TRIED = 6  # chords for an exact look
 _RADII = 10.0 ** np.linspace(-5, 5, 61)
@@ -100,13 +100,7 @@ def _rays(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[int, ...]]:
     """Directions in whole numbers."""
     n, seen = len(forces), set[tuple[int, ...]]()
     rows = [[load.diff(x) for x in forces] for load in loads_of(g, forces)]
-    rows = [row for row in rows if all(c.is_Rational for c in row)]
-    edges = list[tuple[int, ...]]()
-    for some in islice(combinations(rows, n - 1), _EDGES):
-        if len(flat := sp.Matrix(some).nullspace()) == 1:
-            scale = lcm(*(int(c.q) for c in flat[0]))
-            edge = [int(c * scale) for c in flat[0]]
-            edges += [tuple(s * c // gcd(*edge) for c in edge) for s in (1, -1)]
+    edges = list(edges_of(rows, n))
     axes = product((-1, 0, 1), repeat=n) if n < 4 else ()
     few = (
         tuple(s * (k == i) + t * (k == j) for k in range(n)) for i, j in combinations(range(n), 2) for s, t in product((-1, 0, 1), repeat=2)

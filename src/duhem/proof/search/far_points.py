@@ -17,7 +17,7 @@ import sympy as sp
 from duhem.expression import Norm
 from duhem.expression.number import fraction, rational
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.loads import affine
+from duhem.proof.facts.loads import affine, largest_loads
 from duhem.proof.search.suggestion import Chord
 
 __all__ = ["chords_from_far_points"]
@@ -95,18 +95,11 @@ def _square(part: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Poly | None:
 def _rows(part: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[sp.Rational, ...]]:
     """The coefficients of the loads in a part; of a quadratic polynomial, of its slopes."""
     slopes = [sp.diff(part, x) for x in forces] if part.is_polynomial(*forces) else []
-    for load in (*_loads(part, forces), *(slope for slope in slopes if affine(slope, forces))):
+    for load in (*largest_loads(part, forces), *(slope for slope in slopes if affine(slope, forces))):
         row = [sp.diff(load, x) for x in forces]
         if all(c.is_Rational for c in row):
             first = next(c for c in row if c)
             yield tuple(c / first for c in row)
-
-
-def _loads(part: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
-    """The largest affine parts of a formula."""
-    if affine(part, forces):
-        return [part]
-    return [load for a in part.args if a.has(*forces) for load in _loads(a, forces)]
 
 
 def _across(square: sp.Poly, rows: Sequence[tuple[sp.Rational, ...]], forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
@@ -141,7 +134,7 @@ def _mirrored(g: sp.Expr, forces: Sequence[sp.Symbol], diameter: _Diameter) -> I
 
     places = longest * np.linspace(-1, 1, _PLACES)
     middles = [Fraction(float(places[int(np.argmax(value(places)))])).limit_denominator(10**6)]
-    middles += [t for load in dict.fromkeys(_loads(g, forces)) if (t := _zero(load, forces, diameter)) is not None]
+    middles += [t for load in dict.fromkeys(largest_loads(g, forces)) if (t := _zero(load, forces, diameter)) is not None]
     heights = value(np.array([float(t) for t in middles]))
     for middle, height in zip(middles, heights, strict=True):
         for t in diameter.ends() if height > 0 and middle**2 < diameter.square else ():

@@ -13,9 +13,11 @@ from typing import Any
 
 import sympy as sp
 
+from duhem.expression import EigMax
 from duhem.expression.balls import ball, certain_sign, enclose, precision
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.plane_section import KINKS, kinks_decided
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.rational_points import decimal_pair, describe, sign_at
 
@@ -65,7 +67,15 @@ def over_box(expr: sp.Expr, subject: FormulaSubject, point: EnclosedPoint, bits:
 
 
 def enclosed_normal(subject: FormulaSubject, point: EnclosedPoint) -> tuple[sp.Expr, ...] | None:
-    """Gradient of the one smooth branch of the simple problem that holds on the whole box; None on a seam."""
+    """Gradient of the one smooth branch of the simple problem that holds on the whole box; None on a seam.
+
+    Where there are too many branches to list, what the box leaves of the formula is that one.
+    """
+    if subject.pieces is None:
+        a, b = subject.values_at(point.parameters, point.inside), subject.values_at(point.parameters, point.outside)
+        with precision(256):
+            here = kinks_decided(subject.simple.g, {x: ball(min(a[x], b[x]), max(a[x], b[x])) for x in a})
+        return None if here.has(*KINKS, EigMax) else tuple(sp.diff(here, x) for x in subject.simple.forces)
     for piece in subject.pieces or ():
         if all(certain_sign(over_box(sign * switch, subject, point)) == 1 for switch, sign in piece.signs.items()):
             return tuple(sp.diff(piece.expr, x) for x in subject.simple.forces)

@@ -2,8 +2,8 @@
 
 Were the boundary C^1 there with the outward normal n, K would lie on one side of it, for a ray of points with g < 0 comes to the
 place.  All rays near w and near -w leave K, so n . v >= 0 for every v near w and near -w: then n = 0.
-What g is along x + t v is shown with a power of t taken out, over all of 0 <= t <= 1/N and all v of a box; where g is no
-polynomial in t, by its derivatives in t.  A maximum is > 0 where one part is, and < 0 where all are.
+What g is along x + t v is shown with the least power of t taken out, over all of 0 < t <= 1/N and all v of a box; where g has
+no such power, by its derivatives in t.  A maximum is > 0 where one part is, and < 0 where all are.  A size |t w| is t |w|.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import sympy as sp
 
 from duhem.expression import Neg, Norm, Pos, Where
 from duhem.expression.balls import ball, certain_sign, enclose, precision
+from duhem.expression.inert_number import plain_exponent
 from duhem.expression.number import rational
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
@@ -37,10 +38,10 @@ def sharp_point(
     """Such a point with w = ``away`` and the ray ``into`` K; None if that is not certain.  g must be defined and not jump."""
     if subject.doubtful or not subject.joined(subject.simple.g):
         return None
-    g = subject.formula_at(parameters)
+    g = _without_root(subject.formula_at(parameters))
     with precision(_BITS):
         for width, reach in _CONES:
-            ends = ((away, width, 1), ([-c for c in away], width, 1), (into, Fraction(0), -1))
+            ends = ((into, Fraction(0), -1), (away, width, 1), ([-c for c in away], width, 1))
             if all(_Cone(subject.simple.forces, place, way, wide, reach).sign(g) == sign for way, wide, sign in ends):
                 return _shown(subject, parameters, place, away, into, width, reach)
     return None
@@ -98,6 +99,13 @@ class _Cone:
             powers = sp.Poly(expr, _T)
             (least,) = min(powers.monoms())
             return certain_sign(enclose(sp.Add(*(c * _T ** (k - least) for (k,), c in powers.terms())), self._box))
+        terms = [_power_taken_out(term) for term in sp.Add.make_args(sp.expand_mul(expr))]
+        lowest = min(power for _, power in terms)
+        if lowest:
+            rest = sp.Add(*(c * _T ** (power - lowest) for c, power in terms))
+            sign = certain_sign(enclose(rest, self._box))
+            if lowest < 0 or sign is not None:  # what is infinite at 0 has no derivative there
+                return sign
         start = expr.subs(_T, 0)
         if derivatives == _MOST_DERIVATIVES or not (start.is_zero or sp.expand(start).is_zero):
             return None
@@ -116,10 +124,16 @@ class _Cone:
         if isinstance(expr, sp.Abs | Pos | Neg) and (sign := self._sign(args[0])) is not None:
             slope = getattr(expr, "slope", sign)
             return slope * args[0] if sign == slope else sp.S.Zero
+        if isinstance(expr, sp.Abs) and (rest := _over_t(args[0])) is not None:
+            size = sp.Symbol(f"size {len(self._box)}", nonnegative=True)
+            self._box[size] = abs(enclose(rest, self._box))
+            return _T * size
         if isinstance(expr, Norm):
             return sp.sqrt(sp.factor_terms(sp.expand(sp.Add(*(a**2 for a in args)))))
         if expr.is_Pow and not expr.exp.is_Integer:
             args[0] = sp.factor_terms(sp.expand(args[0]))
+            if (rest := _over_t(args[0])) is not None and plain_exponent(args[1]).is_Rational:
+                return _T ** plain_exponent(args[1]) * rest ** args[1]
         return sp.expand(expr.func(*args)) if expr.is_Add or expr.is_Mul else expr.func(*args)
 
     def _greatest(self, kind: Any, args: Sequence[sp.Expr]) -> sp.Expr:
@@ -128,3 +142,30 @@ class _Cone:
             if all(b == a or self._sign(sp.expand(a - b)) == better for b in args):
                 return a
         return kind(*args)
+
+
+def _without_root(g: sp.Expr) -> sp.Expr:
+    """x - 1 for x**p - 1, p > 0, which has its sign; g is defined, so that x >= 0."""
+    root = g + 1
+    if root.is_Pow and not root.exp.is_Integer and plain_exponent(root.exp).is_Rational and root.exp.is_positive:
+        return root.base - 1
+    return g
+
+
+def _over_t(expr: sp.Expr) -> sp.Expr | None:
+    """The rest of what is t times something in which t is not."""
+    if not expr.is_polynomial(_T) or (form := sp.Poly(expr, _T)).monoms() != [(1,)]:
+        return None
+    return form.LC()
+
+
+def _power_taken_out(term: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """(c, k) of c t^k, k a fraction; other parts of c may have t in them."""
+    power, rest = sp.S.Zero, list[sp.Expr]()
+    for factor in sp.Mul.make_args(term):
+        base, exponent = factor.as_base_exp()
+        if base == _T and plain_exponent(exponent).is_Rational:
+            power += plain_exponent(exponent)
+        else:
+            rest.append(factor)
+    return sp.Mul(*rest), power
