@@ -14,6 +14,7 @@ from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.search.descent import lowest
 from duhem.proof.search.suggestion import Exit, Point
 
 __all__ = ["BoundaryScout", "scouts"]
@@ -56,11 +57,8 @@ class BoundaryScout:
         return len(np.unique(np.round(self.boundary, 12), axis=0))
 
     def _lowest(self, rng: np.random.Generator, d: int) -> Any:
-        """The point of K with the least g among random ones of many sizes."""
-        points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-2, 2, (4000, 1))
-        heights = self.value(points)
-        best = points[int(np.argmin(np.where(np.isfinite(heights), heights, np.inf)))]
-        return np.round(best, 9) if self.value(np.round(best, 9)) <= 0 else None
+        found = lowest(self.value, d, rng, (-2, 2))
+        return None if found is None or self.value(np.round(found, 9)) > 0 else np.round(found, 9)
 
     def _ends(self, directions: Any) -> tuple[Any, Any, Any]:
         """The rays that begin inside and end in the law's ranges, where they last are inside and where they first are not."""

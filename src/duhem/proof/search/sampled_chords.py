@@ -17,6 +17,7 @@ from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays, first_exit
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.search.descent import lowest
 from duhem.proof.search.suggestion import Chord
 
 __all__ = ["looked_between", "sampled_chords"]
@@ -66,15 +67,11 @@ def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int]) -> 
 
 
 def _centre(value: Any, d: int) -> Array | None:
-    """A point of K: the origin, or the lowest of random points of many sizes."""
+    """A point of K: the origin, or the lowest that is found."""
     origin = np.zeros(d)
     if value(origin) <= 0:
         return origin
-    rng = np.random.default_rng(3)
-    points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-3, 3, (4000, 1))
-    heights = np.where(np.isfinite(value(points)), value(points), np.inf)
-    best = points[int(np.argmin(heights))]
-    return best if value(best) <= 0 else None
+    return lowest(value, d, np.random.default_rng(3), (-3, 3))
 
 
 def _suspects(value: Any, centre: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
