@@ -37,9 +37,9 @@ def affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
     return bool(moving) and expr.is_polynomial(*moving) and sp.Poly(expr, *moving).total_degree() == 1
 
 
-def largest_loads(expr: sp.Expr, forces: Collection[sp.Symbol]) -> list[sp.Expr]:
+def largest_loads(expr: sp.Basic, forces: Collection[sp.Symbol]) -> list[sp.Expr]:
     """The parts of a formula that are loads and no part of a greater one."""
-    if affine(expr, forces):
+    if isinstance(expr, sp.Expr) and affine(expr, forces):
         return [expr]
     return [load for a in expr.args if a.free_symbols & set(forces) for load in largest_loads(a, forces)]
 
