@@ -251,6 +251,8 @@ def _exactly(node: Any, values: Mapping[sp.Symbol, Fraction]) -> Fraction | None
         square = sum((x * x for x in known), Fraction(0))
         root = Fraction(math.isqrt(square.numerator), math.isqrt(square.denominator))
         return root if root * root == square else None
+    if isinstance(node, EigMax):
+        return None if any(known[3:]) else max(known[:3])
     kinds = ((sp.Add, sum), (sp.Mul, math.prod), (sp.Max, max), (sp.Min, min), (sp.Abs, lambda some: abs(some[0])))
     return next((Fraction(of(known)) for kind, of in kinds if isinstance(node, kind)), None)
 

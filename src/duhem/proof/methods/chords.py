@@ -28,10 +28,10 @@ __all__ = [
 ]
 
 
-def _refuted(subject: FormulaSubject, suggested: Iterable[Chord]) -> Evidence | None:
+def _refuted(subject: FormulaSubject, suggested: Iterable[Chord], touching: bool = False) -> Evidence | None:
     """By the first chord that passes the exact check."""
     for one in suggested:
-        if (witness := chord(subject, one.parameters, one.p, one.q)) is not None:
+        if (witness := chord(subject, one.parameters, one.p, one.q, touching)) is not None:
             return Evidence(Verdict.REFUTED, "witness-chord", "a chord between two points of K leaves K", witness)
     return None
 
@@ -56,7 +56,7 @@ def convexity_at_far_points(subject: FormulaSubject) -> Evidence | None:
     """From where a ball in a maximum lies farthest along a load."""
     from duhem.proof.search.far_points import chords_from_far_points
 
-    return _refuted(subject, chords_from_far_points(subject))
+    return _refuted(subject, chords_from_far_points(subject), touching=True)
 
 
 def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:

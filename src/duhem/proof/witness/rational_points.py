@@ -24,23 +24,31 @@ __all__ = ["chord", "decimal_pair", "describe", "origin_outside", "sign_at"]
 _PRECISIONS = (64, 128, 256, 512, 1024, 2048)
 
 
-def sign_at(expr: sp.Expr, values: Values) -> tuple[int | None, Any]:
-    """Certain sign of ``expr`` at exact values (None if no precision settles it) and the enclosure that shows it."""
+def sign_at(expr: sp.Expr, values: Values, exact: bool = False) -> tuple[int | None, Any]:
+    """Certain sign of ``expr`` at exact values (None if no precision settles it) and the enclosure that shows it.
+
+    If ``exact``, also of what is 0 as a fraction, which balls cannot tell.
+    """
     enclosure = None
     for bits in _PRECISIONS:
         with precision(bits):
             enclosure = enclose(expr, {x: ball(v) for x, v in values.items()})
             if (sign := certain_sign(enclosure)) is not None:
                 return sign, enclosure
-    if (
-        enclosure is not None and enclosure.is_finite() and (exact := expr.xreplace(rationals(values))).is_Rational
-    ):  # 0, or closer to it than is looked at
-        return int(sp.sign(exact)), ball(fraction(exact))
+    if exact and enclosure is not None and enclosure.is_finite():
+        number = expr.xreplace(rationals(values))
+        if number.is_Rational:
+            return int(sp.sign(number)), ball(fraction(number))
     return None, enclosure
 
 
-def chord(subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction]) -> Witness | None:
-    """Non-convexity: g(p) <= 0, g(q) <= 0 and g > 0 at the midpoint, or None if that is not certain."""
+def chord(
+    subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction], touching: bool = False
+) -> Witness | None:
+    """Non-convexity: g(p) <= 0, g(q) <= 0 and g > 0 at the midpoint, or None if that is not certain.
+
+    If ``touching``, points on the boundary count too where their coordinates show it in fractions.
+    """
     middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
     points = {
         "p": subject.values_at(parameters, p),
@@ -51,7 +59,7 @@ def chord(subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q:
         return None
     shown = {}
     for role, values in points.items():
-        sign, enclosure = sign_at(subject.problem.stated, values)
+        sign, enclosure = sign_at(subject.problem.stated, values, touching)
         if sign is None or (sign > 0) != (role == "midpoint"):
             return None
         shown[f"g({role})"] = decimal_pair(enclosure)
