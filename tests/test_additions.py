@@ -80,6 +80,9 @@ ROWS = {  # file: (the row it comes after, the row)
         ("sp.tanh:", "sp.asinh: lambda _, x: _chain(x, np.arcsinh(x.value), (r := 1 / np.hypot(1, x.value)), lambda: -x.value * r**3),")
     ],
     f"{EXPRESSION}/pairs.py": [("EigMax:", 'sp.asinh: "no algebra, as it is a logarithm",')],
+    f"{EXPRESSION}/scalar_jets.py": [
+        ("sp.tanh:", 'sp.asinh: _smooth("log({x} + hypot(1.0, {x}))", "1.0 / hypot(1.0, {x})", "-{x} * {s} * {s} * {s}"),')
+    ],
     f"{EXPRESSION}/rounding.py": [("sp.tanh:", "sp.asinh: _flat(np.arcsinh),")],
     f"{EXPRESSION}/weights.py": [('Where: "chosen"', 'sp.asinh: "pure",')],
     f"{EXPRESSION}/smt.py": [('Norm: "a root', 'sp.asinh: "not algebraic",')],

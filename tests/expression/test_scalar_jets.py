@@ -12,7 +12,7 @@ from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.jets import formula
 from duhem.expression.parse import parse_expression
-from duhem.expression.scalar_jets import scalar_jets
+from duhem.expression.scalar_jets import FUNCTIONS, scalar_jets
 
 FORCES = tuple(map(symbol, "abc"))
 LOAD = symbol("p")
@@ -30,8 +30,7 @@ TEXTS = [
 
 def _functions(g: sp.Expr) -> tuple[Any, Any, int, tuple[float, ...]]:
     found = scalar_jets(g, FORCES, (LOAD,))
-    names = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "arctan", "arcsin", "arccos", "arctan2", "hypot", "nan")
-    space = {name: getattr(np, name) for name in names}
+    space = {name: getattr(np, name) for name in FUNCTIONS}
     exec(f"{found.level}\n\n{found.piece}", space)  # what a compiler would be given
     return space["level"], space["piece"], found.kinks, found.constants
 

@@ -35,11 +35,13 @@ from duhem.expression import (
     numpy_,
     pairs,
     rounding,
+    scalar_jets,
     smt,
     symbol,
 )
 from duhem.expression.recording import bound, recorded
 from tests.expression.by_hand import AT, ROWS, x, y
+from tests.expression.text_as_functions import as_functions
 
 MODULES = {
     info.name: importlib.import_module(f"duhem.expression.{info.name}")
@@ -70,7 +72,8 @@ def _missing(table: Mapping[type, Any], left_out: Mapping[type, str]) -> list[ty
 
 
 def test_the_tables_are_found() -> None:
-    assert set(TABLES) >= {"ball_series", "balls", "cvxpy_", "floats", "jets", "mpmath_", "numpy_", "pairs", "rounding", "smt", "weights"}
+    known = {"ball_series", "balls", "cvxpy_", "floats", "jets", "mpmath_", "numpy_", "pairs", "rounding", "scalar_jets", "smt", "weights"}
+    assert set(TABLES) >= known
 
 
 @pytest.mark.parametrize("name", sorted(MODULES))
@@ -111,7 +114,7 @@ def test_what_is_left_out_is_refused_by_name(kind: type) -> None:
 
 
 def test_nothing_else_leaves_words_out() -> None:
-    assert [name for name, reasons in LEFT_OUT.items() if reasons] == ["pairs", "smt"]
+    assert [name for name, reasons in LEFT_OUT.items() if reasons] == ["pairs", "scalar_jets", "smt"]
 
 
 # -- values ------------------------------------------------------------------------------------------------------------
@@ -150,6 +153,10 @@ def _by_bounds(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
     return float(value)
 
 
+def _by_text(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
+    return as_functions(formula, list(point))[0](np.array([list(point.values())]))[0]
+
+
 def _by_solver(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
     import z3
 
@@ -171,6 +178,7 @@ VALUES: dict[str, Callable[[sp.Expr, Mapping[sp.Symbol, float]], Any]] = {
     "numpy_": numpy_.evaluate,
     "pairs": _by_pairs,
     "rounding": _by_bounds,
+    "scalar_jets": _by_text,
     "smt": _by_solver,
 }
 OWN: dict[tuple[str, type], tuple[sp.Expr, float]] = {
@@ -214,6 +222,9 @@ def test_derivatives_agree_with_differences_in_many_digits(kind: type) -> None:
     assert jet.gradient is not None and jet.hessian is not None
     found = [jet.value[0], jet.gradient[0] @ WAY, WAY @ jet.hessian[0] @ WAY]
     assert found == pytest.approx(expected, rel=1e-13, abs=1e-13)
+    if kind not in scalar_jets.LEFT_OUT:
+        value, gradient, hessian = as_functions(formula, [x, y])[1](np.array([BASE]))
+        assert [value, gradient @ WAY, WAY @ hessian @ WAY] == pytest.approx(expected, rel=1e-13, abs=1e-13)
 
 
 # -- recordings --------------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import partial, reduce
 from itertools import combinations
 from typing import Any
 
@@ -17,9 +17,12 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression.fold import Table, fold
 from duhem.expression.pnorm import PNorm, recognised
-from duhem.expression.vocabulary import Atan2, Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["ScalarJets", "scalar_jets"]
+__all__ = ["FUNCTIONS", "LEFT_OUT", "TABLE", "ScalarJets", "scalar_jets"]
+
+FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "arctan", "arcsin", "arccos", "arctan2", "hypot", "nan")
+"""What the text calls by NumPy's names."""
 
 _TINY = "1e-120"  # as for arrays: below this share of a norm an argument counts as this share
 _MOST_SQUARINGS = 64  # a whole exponent up to this is multiplied out
@@ -96,24 +99,7 @@ class _Writer:
         return jet
 
     def table(self) -> Table[_Jet]:
-        rows: dict[type, Callable[..., _Jet]] = {
-            sp.Add: lambda _, *terms: reduce(self.sum, terms),
-            sp.Mul: lambda _, *factors: reduce(self.product, factors),
-            sp.Pow: self.power,
-            sp.exp: lambda _, x: self.exponential(x),
-            sp.log: lambda _, x: self.logarithm(x),
-            Atan2: self.angle,
-            Norm: lambda _, *parts: self.norm(sp.Integer(2), *parts),
-            PNorm: lambda node, _, *parts: self.norm(node.args[0], *parts),
-            sp.Abs: self.absolute,
-            Pos: self.ramp,
-            Neg: self.ramp,
-            sp.Max: self.extreme,
-            sp.Min: self.extreme,
-            Where: self.choice,
-        }
-        rows |= {kind: self.smooth(*texts) for kind, texts in _SMOOTH.items()}
-        return rows | {kind: self.comparison(sign) for kind, sign in _SIGNS.items()}
+        return {kind: partial(row, self) for kind, row in TABLE.items()}
 
     # -- smooth ------------------------------------------------------------------------------------------------
 
@@ -130,14 +116,6 @@ class _Writer:
 
     def named(self, value: str, slopes: Slopes, bends: Bends) -> _Jet:
         return _Jet(value, {i: self.let(a) for i, a in slopes.items()}, {ij: self.let(a) for ij, a in bends.items()})
-
-    def smooth(self, value: str, slope: str, bend: str) -> Callable[[Any, _Jet], _Jet]:
-        def row(_: Any, x: _Jet) -> _Jet:
-            v = self.let(value.format(x=x.value))
-            s = self.let(slope.format(x=x.value, v=v)) if x.slopes else ""
-            return self.chain(x, v, s, bend.format(x=x.value, v=v, s=s))
-
-        return row
 
     def sum(self, a: _Jet, b: _Jet) -> _Jet:
         slopes = {i: _plus(a.slopes.get(i), b.slopes.get(i)) for i in {**a.slopes, **b.slopes}}
@@ -293,22 +271,52 @@ class _Writer:
         bends = {ij: pick([a.bends.get(ij, "0.0") for a in parts]) for ij in sorted({ij for a in parts for ij in a.bends})}
         return self.named(self.let(pick([a.value for a in parts])), slopes, bends)
 
-    def comparison(self, sign: str) -> Callable[[Any, _Jet, _Jet], _Jet]:
-        return lambda _, a, b: _Jet(self.let(f"1.0 if {a.value} {sign} {b.value} else 0.0"))
+
+def _smooth(value: str, slope: str, bend: str) -> Callable[[_Writer, Any, _Jet], _Jet]:
+    """A function by its value, slope and bend at x; a later text may use the value v and the slope s."""
+
+    def row(to: _Writer, _: Any, x: _Jet) -> _Jet:
+        v = to.let(value.format(x=x.value))
+        s = to.let(slope.format(x=x.value, v=v)) if x.slopes else ""
+        return to.chain(x, v, s, bend.format(x=x.value, v=v, s=s))
+
+    return row
 
 
-_SMOOTH = {  # value, slope and bend of x, with what was found before: the value v, the slope s
-    sp.sin: ("sin({x})", "cos({x})", "-{v}"),
-    sp.cos: ("cos({x})", "-sin({x})", "-{v}"),
-    sp.tan: ("tan({x})", "1.0 + {v} * {v}", "2.0 * {v} * {s}"),
-    sp.tanh: ("tanh({x})", "1.0 - {v} * {v}", "-2.0 * {v} * {s}"),
-    sp.sinh: ("sinh({x})", "cosh({x})", "{v}"),
-    sp.cosh: ("cosh({x})", "sinh({x})", "{v}"),
-    sp.atan: ("arctan({x})", "1.0 / (1.0 + {x} * {x})", "-2.0 * {x} * {s} * {s}"),
-    sp.asin: ("arcsin({x})", "1.0 / sqrt((1.0 - {x}) * (1.0 + {x}))", "{x} * {s} * {s} * {s}"),
-    sp.acos: ("arccos({x})", "-1.0 / sqrt((1.0 - {x}) * (1.0 + {x}))", "{x} * {s} * {s} * {s}"),
+def _comparison(sign: str) -> Callable[[_Writer, Any, _Jet, _Jet], _Jet]:
+    return lambda to, _, a, b: _Jet(to.let(f"1.0 if {a.value} {sign} {b.value} else 0.0"))
+
+
+TABLE: Mapping[type, Callable[..., _Jet]] = {
+    sp.Add: lambda to, _, *terms: reduce(to.sum, terms),
+    sp.Mul: lambda to, _, *factors: reduce(to.product, factors),
+    sp.Pow: _Writer.power,
+    sp.exp: lambda to, _, x: to.exponential(x),
+    sp.log: lambda to, _, x: to.logarithm(x),
+    sp.sin: _smooth("sin({x})", "cos({x})", "-{v}"),
+    sp.cos: _smooth("cos({x})", "-sin({x})", "-{v}"),
+    sp.tan: _smooth("tan({x})", "1.0 + {v} * {v}", "2.0 * {v} * {s}"),
+    sp.asin: _smooth("arcsin({x})", "1.0 / sqrt((1.0 - {x}) * (1.0 + {x}))", "{x} * {s} * {s} * {s}"),
+    sp.acos: _smooth("arccos({x})", "-1.0 / sqrt((1.0 - {x}) * (1.0 + {x}))", "{x} * {s} * {s} * {s}"),
+    sp.atan: _smooth("arctan({x})", "1.0 / (1.0 + {x} * {x})", "-2.0 * {x} * {s} * {s}"),
+    sp.sinh: _smooth("sinh({x})", "cosh({x})", "{v}"),
+    sp.cosh: _smooth("cosh({x})", "sinh({x})", "{v}"),
+    sp.tanh: _smooth("tanh({x})", "1.0 - {v} * {v}", "-2.0 * {v} * {s}"),
+    Atan2: _Writer.angle,
+    Norm: lambda to, _, *parts: to.norm(sp.Integer(2), *parts),
+    PNorm: lambda to, node, _, *parts: to.norm(node.args[0], *parts),
+    sp.Abs: _Writer.absolute,
+    Pos: _Writer.ramp,
+    Neg: _Writer.ramp,
+    sp.Max: _Writer.extreme,
+    sp.Min: _Writer.extreme,
+    Where: _Writer.choice,
+    sp.StrictGreaterThan: _comparison(">"),
+    sp.GreaterThan: _comparison(">="),
+    sp.StrictLessThan: _comparison("<"),
+    sp.LessThan: _comparison("<="),
 }
-_SIGNS = {sp.StrictGreaterThan: ">", sp.GreaterThan: ">=", sp.StrictLessThan: "<", sp.LessThan: "<="}
+LEFT_OUT = {EigMax: "an eigenvector takes more than a line"}
 
 
 def _number(node: Any) -> str:

@@ -21,7 +21,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import InputError, MissingExtraError
-from duhem.expression.scalar_jets import ScalarJets, scalar_jets
+from duhem.expression.scalar_jets import FUNCTIONS, ScalarJets, scalar_jets
 from duhem.projection import newton_kernel, newton_step
 from duhem.projection.increment import Increment
 from duhem.projection.newton_kernel import LEFT
@@ -32,7 +32,6 @@ from duhem.projection.whitened_body import whitening
 __all__ = ["kernel_text", "solved"]
 
 _BLOCK = 16_384
-_FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "arctan", "arcsin", "arccos", "arctan2", "hypot", "nan")
 _MARK = "# -- compiled from here"
 
 
@@ -73,10 +72,10 @@ def solved(increment: Increment) -> tuple[Solution, NDArray[np.intp]]:
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int) -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
     head = [
-        "from math import frexp, isfinite, ldexp",
+        "from math import floor, frexp, isfinite, ldexp",
         "from typing import Any",
         "import numpy as np",
-        f"from numpy import {', '.join(_FUNCTIONS)}",
+        f"from numpy import {', '.join(FUNCTIONS)}",
         f"D, KINKS, DATA = {d}, {jets.kinks}, {len(formula.data)}",
     ]
     loop = [inspect.getsource(module).partition(_MARK)[2].partition("\n")[2] for module in (newton_step, newton_kernel)]

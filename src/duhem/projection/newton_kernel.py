@@ -39,6 +39,7 @@ from duhem.projection.newton_step import (
     below,
     bent,
     directed,
+    grown,
     length,
     shared,
     times,
@@ -110,7 +111,7 @@ def solve(
                     for i in range(D):
                         for k in range(D):
                             slip[n, i] += c * m[NORMALS, j, k] * inverse[k, i] * size
-            multiplier[n] = weight * size if degree == 1.0 else weight * size * size ** (1.0 - degree)
+            multiplier[n] = weight * size if degree == 1.0 else grown(weight, size, 2.0 - degree)
 
 
 def begun(trial: Any, data: Any, n: int, v: Any, q: Any) -> float:

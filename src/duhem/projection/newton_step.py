@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from math import frexp, isfinite, ldexp
+from math import floor, frexp, isfinite, ldexp
 from typing import Any
 
 from numpy import sqrt
@@ -32,7 +32,7 @@ __all__ = [
     "X",
     "below",
     "bent",
-    "directed",
+    "directed", "grown",
     "length",
     "shared",
     "times",
@@ -216,3 +216,10 @@ def length(v: Any, row: int) -> float:
 def below(size: float) -> float:
     """The power of two below."""
     return ldexp(1.0, frexp(size)[1] - 1)
+
+
+def grown(number: float, size: float, power: float) -> float:
+    """number size^power for a power of two, right where that is a double and size^power is none."""
+    exponent = power * (frexp(size)[1] - 1)
+    whole = floor(exponent)
+    return ldexp(number * 2.0 ** (exponent - whole), int(whole))
