@@ -26,7 +26,7 @@ from duhem.proof.facts.profile import convex_by_its_profile
 from duhem.proof.facts.quadratic_form import semidefinite
 from duhem.proof.facts.section import Meaning, Section
 from duhem.proof.facts.sector import Ordered, sectors
-from duhem.proof.facts.shape import Curvature, used
+from duhem.proof.facts.shape import Curvature, total, used
 from duhem.proof.facts.spectrum import spectrum
 from duhem.proof.facts.word_curvature import WORDS, greatest
 
@@ -64,14 +64,6 @@ def convex_in_its_region(subject: FormulaSubject, anywhere: Curvature | None = N
     shapes = [rules.in_the_region(part, [other for other in parts if other is not part]) for part in parts]
     quasi = all(shape.quasiconvex for shape in shapes)
     return Curvature(quasiconvex=quasi, rules=used(*shapes, rule="K lies where the loads in g allow it"))
-
-
-def _sum(parts: list[Curvature]) -> Curvature:
-    """Of a sum of such parts."""
-    one = [shape for shape in parts if not shape.constant]
-    convex = all(shape.convex for shape in parts)
-    quasi = convex or (len(one) == 1 and one[0].quasiconvex)
-    return Curvature(convex=convex, quasiconvex=quasi, nonnegative=all(shape.nonnegative for shape in parts), rules=used(*parts))
 
 
 class _CurvatureRules:
@@ -216,7 +208,7 @@ class _CurvatureRules:
             for degree, p in groups.items():
                 quasi, above = Ordered(degree, p).shape(self.subject.asked, self._opened)
                 moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
-            found = _sum(moving)
+            found = total(moving)
             if groups and found.quasiconvex:
                 return found
         return None
@@ -275,7 +267,7 @@ class _CurvatureRules:
             section = Section(degree, f)
             quasi, above = section.convex(self.subject.asked), section.nonnegative(self.subject.asked)
             moving.append(Curvature(convex=quasi and not (degree - 1).is_negative, quasiconvex=quasi, nonnegative=above, rules=(rule,)))
-        return _sum(moving)
+        return total(moving)
 
     def _bent(self, node: Any, facts: Curvature) -> Curvature:
         """With kinks of one x taken together."""

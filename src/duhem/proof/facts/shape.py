@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-__all__ = ["Curvature", "used"]
+__all__ = ["Curvature", "total", "used"]
 
 
 @dataclass(frozen=True)
@@ -40,3 +41,11 @@ class Curvature:
 def used(*shapes: Curvature, rule: str = "") -> tuple[str, ...]:
     """The theorems on which several parts rest, each once, and one more."""
     return tuple(dict.fromkeys([r for s in shapes for r in s.rules] + ([rule] if rule else [])))
+
+
+def total(parts: Sequence[Curvature]) -> Curvature:
+    """Facts of a sum of such parts."""
+    one = [shape for shape in parts if not shape.constant]
+    convex = all(shape.convex for shape in parts)
+    quasi = convex or (len(one) == 1 and one[0].quasiconvex)
+    return Curvature(convex=convex, quasiconvex=quasi, nonnegative=all(shape.nonnegative for shape in parts), rules=used(*parts))
