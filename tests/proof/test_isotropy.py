@@ -152,7 +152,9 @@ def test_what_is_decided_in_principal_stresses_holds_of_all_six(g: str, convex: 
         ("2*max(a, b) - 3*(max(a, b) - norm(a, b)) - 1", False),
         ("m*max(a, b) + a - n*max(a, b) - 1", True),
         ("n*max(a, b) + a - m*max(a, b) - 1", False),
-        ("2*norm(a, b) + log(a + b) - (norm(a, b) + log(a + b)) - 1", False),  # not defined everywhere
+        ("2*norm(a, b) + log(a*b) - (norm(a, b) + log(a*b)) - 1", False),  # not defined everywhere
+        ("2*norm(a, b) + sqrt(a + b) - (norm(a, b) + sqrt(a + b)) - 1", False),
+        ("2*norm(a, b) + log(a + b) - (norm(a, b) + log(a + b)) - 1", True),  # K, half a disk, lies where the logarithm is defined
     ],
 )
 def test_the_kernel_takes_like_parts_of_a_sum_together(g: str, convex: bool) -> None:
