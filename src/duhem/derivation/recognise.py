@@ -16,6 +16,7 @@ import sympy as sp
 from duhem.derivation.blocks import Facets, Form, Leaf, Node, Tree, UnreadError, assemble, independent, scaled
 from duhem.derivation.gauge import Gauge, Side
 from duhem.expression.branches import TooManyBranchesError, branches
+from duhem.expression.factoring import factored
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
 __all__ = ["Ball", "read_ball"]
@@ -51,8 +52,8 @@ def read_ball(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Ball | None:
 
 def _core(expr: sp.Expr) -> sp.Expr:
     """A shorter expression that is positive exactly where ``expr`` is: positive factors and odd or broken powers dropped."""
-    factored = sp.factor(expr) if expr.is_Add else sp.factor_terms(expr)
-    expr = sp.Mul(*[x for x in sp.Mul.make_args(factored) if not x.is_positive])
+    product = factored(expr) if expr.is_Add else sp.factor_terms(expr)
+    expr = sp.Mul(*[x for x in sp.Mul.make_args(product) if not x.is_positive])
     while isinstance(expr, sp.Pow) and expr.exp.is_Rational and expr.exp.p % 2 != 0:
         expr = expr.base
     return expr
@@ -341,7 +342,7 @@ class _BallReader:
         return expr
 
     def _root(self, expr: sp.Expr, p: sp.Expr) -> sp.Expr:
-        return expr if p == 1 else _raise(sp.factor(expr) if expr.is_Add else expr, 1 / p)
+        return expr if p == 1 else _raise(factored(expr) if expr.is_Add else expr, 1 / p)
 
 
 def _raise(expr: sp.Expr, power: sp.Expr) -> sp.Expr:

@@ -9,9 +9,9 @@ import sympy as sp
 
 from duhem.expression import Atan2, Neg, Pos, Where
 from duhem.expression.branches import TooManyBranchesError, branches
+from duhem.expression.factoring import factor_list
 from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.exact import by_exact
-from duhem.proof.decide.factoring import factor_list
 from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
 from duhem.proof.decide.question import Answer, Question, Sense, asked_of
 from duhem.proof.decide.rays import between_rays
