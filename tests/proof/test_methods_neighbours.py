@@ -318,7 +318,7 @@ def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_the_first_chord_that_holds_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = [SimpleNamespace(parameters={}, p=k, q=-k) for k in range(4)]
-    monkeypatch.setattr(chords, "chord", lambda subject, parameters, p, q: None if p < 2 else (p, q))
+    monkeypatch.setattr(chords, "chord", lambda subject, parameters, p, q, touching: None if p < 2 else (p, q))
     found = chords._refuted(subject("a**2 + b**2 - 1"), tried)  # type: ignore[arg-type]
     assert found is not None and found.witness == (2, -2)
 

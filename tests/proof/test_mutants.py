@@ -264,6 +264,8 @@ def _faults() -> Iterator[str]:
             yield f"{row.law.name}: {row.claim} {result.verdict} by {result.method}"
     if implicit.convexity(FormulaSubject(_law(APART))) is not None:  # the scouts never let such a claim reach this method
         yield "two disks apart: convexity proved"
+    if decide(Question((sp.Symbol("t", real=True) - 1) * (sp.Symbol("t", real=True) - 2), Sense.NONNEGATIVE)).holds is True:
+        yield "a parabola is nowhere negative"  # likewise
 
 
 @pytest.mark.slow
@@ -311,7 +313,7 @@ def _chord(skipped: tuple[str, ...]) -> Patch:
     def patch(monkeypatch: pytest.MonkeyPatch) -> None:
         look = witness_module.sign_at
 
-        def chord(subject: FormulaSubject, parameters: Any, p: Any, q: Any) -> Witness | None:
+        def chord(subject: FormulaSubject, parameters: Any, p: Any, q: Any, touching: bool = False) -> Witness | None:
             middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
             points = {"p": p, "q": q, "midpoint": middle}
             at = {role: subject.values_at(parameters, x) for role, x in points.items()}

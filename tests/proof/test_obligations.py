@@ -150,7 +150,7 @@ def test_a_parameter_may_have_any_name(name: str) -> None:
 
 def test_names_that_python_spells_alike_are_one_name() -> None:
     twins = {"\N{MICRO SIGN}": POSITIVE, "\N{GREEK SMALL LETTER MU}": UNIT}
-    with pytest.raises(InputError, match="declared twice"):
+    with pytest.raises(InputError, match="given twice, in two spellings"):
         Criterion(name="law", g="norm(a, b) - 1", forces=("a", "b"), parameters=twins)
 
 

@@ -69,7 +69,11 @@ def asking(change: Callable[..., Answer]) -> Patch:
     def ask(subject: FormulaSubject, expr: Any, sense: Sense, *given: Any, circle: Any = None) -> Answer:
         return change(subject, expr, sense, given, circle)
 
-    return put(FormulaSubject, "ask", ask)
+    def patch(monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(FormulaSubject, "ask", ask)
+        monkeypatch.setattr(FormulaSubject, "nonnegative", lambda subject, x: ask(subject, x, Sense.NONNEGATIVE).holds is True)
+
+    return patch
 
 
 def honest(subject: FormulaSubject, expr: Any, sense: Sense, given: Sequence[Any], circle: Any) -> Answer:

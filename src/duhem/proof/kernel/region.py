@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.one_side import left_on_one_side
+from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.product_bound import convex_below_a_product
 from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.shape import Shown
@@ -28,7 +29,8 @@ def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw
     inside = over(law)
     inside.sides |= dict.fromkeys(map(minus, loads), False)
     for part in others:
-        inside.sides |= dict.fromkeys((x for x in _under_logarithms(part) if not domain.constant(x) and shown(x, domain).affine), True)
+        left = written(domain.polynomial(part))  # of a logarithm that cancels K is not closed: nothing is said of it
+        inside.sides |= dict.fromkeys((x for x in _under_logarithms(left) if not domain.constant(x) and shown(x, domain).affine), True)
     found = [(part, shown(part, inside)) for part in others]
     return all(
         (known.defined and known.quasiconvex)
