@@ -80,6 +80,26 @@ def test_a_changed_byte_is_an_error(folder: Path, tmp_path: Path) -> None:
     assert isinstance(found, InputError) and "hash" in str(found)
 
 
+@pytest.mark.parametrize("claims", [[], {}, ""], ids=repr)
+def test_a_certificate_of_nothing_is_none(folder: Path, tmp_path: Path, claims: object) -> None:
+    from duhem.proof.kernel.certificate import digest
+
+    document = json.loads((folder / "disc.json").read_text("utf-8")) | {"claims": claims}
+    (tmp_path / "empty.json").write_text(json.dumps(document | {"sha256": digest(document)}), "utf-8")
+    found = run("recheck", tmp_path / "empty.json").exception
+    assert isinstance(found, InputError) and "no list of claims" in str(found)
+
+
+@pytest.mark.parametrize("key", ["g", "claims", "positive"])
+def test_a_key_that_is_there_twice_is_an_error(folder: Path, tmp_path: Path, key: str) -> None:
+    """A reader may see the first of two values, the check the last."""
+    text = (folder / "disc.json").read_text("utf-8")
+    assert f'"{key}":' in text
+    (tmp_path / "twice.json").write_text(text.replace(f'"{key}":', f'"{key}": "another", "{key}":', 1), "utf-8")
+    found = run("recheck", tmp_path / "twice.json").exception
+    assert isinstance(found, InputError) and f"'{key}' is there twice" in str(found)
+
+
 @pytest.mark.parametrize("law", ["coulomb", "wedge"])
 def test_a_place_that_does_not_exist_is_told_before_the_work(law: str, tmp_path: Path, monkeypatch: Any) -> None:
     from duhem.proof import verification

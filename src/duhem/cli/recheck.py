@@ -50,11 +50,26 @@ def _read(file: str) -> dict[str, object]:
     try:
         with open(file, "rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
-        found = json.loads(data)
+        found = json.loads(data, object_pairs_hook=_with_each_key_once)
     except OSError as fault:
         raise InputError(f"the file cannot be read: {fault.strerror}", where=file, remedy="check the path") from None
+    except _RepeatedError as fault:
+        raise InputError(f"the key {fault} is there twice: of two values readers may see either", where=file, remedy=_REMEDY) from None
     except (ValueError, RecursionError):
         raise InputError("this is no JSON", where=file, remedy=_REMEDY) from None
     if len(data) > _MOST_BYTES or not isinstance(found, dict):
         raise InputError("this is no certificate", where=file, remedy=_REMEDY)
+    return found
+
+
+class _RepeatedError(ValueError):
+    """A key of an object that is there twice."""
+
+
+def _with_each_key_once(pairs: list[tuple[str, object]]) -> dict[str, object]:
+    found: dict[str, object] = {}
+    for key, value in pairs:
+        if key in found:
+            raise _RepeatedError(repr(key[:40]))
+        found[key] = value
     return found

@@ -57,6 +57,8 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
             raise NotWritten("a claim, verdict or rule is no text")
     except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as fault:
         raise NotWritten(f"it is no certificate ({type(fault).__name__})") from None
+    if not said or not isinstance(document["claims"], list | tuple):
+        raise NotWritten("it has no list of claims")
     if len({claim for claim, *_ in said}) < len(said) or not {claim for claim, *_ in said} <= set(CLAIMS):
         raise NotWritten("a claim is stated twice or is none")
     settled, rows = set[str](), list[Rechecked]()
