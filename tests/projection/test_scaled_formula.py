@@ -58,3 +58,55 @@ def test_a_formula_without_degree_keeps_its_unit_as_a_datum() -> None:
     h = evaluate(formula.expr, {a: np.array([0.25]), b: np.array([-0.5])} | formula.values(np.array([-2.0]), np.array([4.0])))
     np.testing.assert_allclose(h, math.exp(1 / 0.3) + 2.0 - 2.0, rtol=1e-14)
     assert formula.degree == 0
+
+
+POWERS = [
+    "abs(sigma_a)**3 + abs(sigma_b)**3 - abs(sigma_n)**3",
+    "abs(sigma_a)**5 + abs(sigma_b)**5 - 7*abs(sigma_n)**5",
+    "abs(sigma_a)**3 + abs(sigma_b)**3 + sigma_n**3",
+    "pos(sigma_a)**3 + pos(sigma_b)**3 + 2*sigma_n**3",
+    "sigma_a**2*abs(sigma_a) + sigma_b**2*abs(sigma_b) + sigma_n**5/sigma_n**2",
+    "norm(sigma_a, sigma_b)**3 + sigma_n**3",
+    "norm(sigma_a, sigma_b)**5 + pi*sigma_n**5/3",
+    "norm(sigma_a, sigma_b)**4 - 2*sigma_n**4",
+    "norm(sigma_a, sigma_b)**(5/2) - 2*abs(sigma_n)**(5/2)",
+    "(abs(sigma_a)**3 + abs(sigma_b)**3)**(1/3) + sigma_n",
+    "(abs(sigma_a)**3 + abs(sigma_b)**3)**(2/3) - sigma_n**2",
+    "abs(sigma_a)**3 + abs(sigma_b)**3 + sigma_n**3 - (2 - 3*sigma_n)**3",
+    "abs(sigma_a)**3 + abs(sigma_b)**3 + sigma_n*(2 - 3*sigma_n)**2",
+    "abs(sigma_a)**3 + abs(sigma_b)**3 + sigma_n**3/(1 - sigma_n)",
+    "abs(sigma_a)**3 - abs(sigma_n)*sigma_a**2 + abs(sigma_b)**3 + 2*sigma_n**3",
+    "abs(sigma_a)**3 + abs(sigma_b)**3 + sigma_n**3*exp(sigma_n)",
+]
+
+
+@pytest.mark.parametrize("g", POWERS)
+def test_odd_powers_of_the_load_keep_their_sign(g: str) -> None:
+    law = Criterion("powers", g)
+    n, (a, b) = law.symbols()["sigma_n"], law.force_symbols()
+    formula = scaled(law.g, (a, b), n)
+    random = np.random.default_rng(3)
+    load, size = -random.uniform(0.1, 2, 8), 2.0 ** random.integers(-9, 9, 8)
+    s = {a: random.normal(size=8), b: random.normal(size=8)}
+    raw = evaluate(law.g, {f: v * size for f, v in s.items()} | {n: load})
+    h = evaluate(formula.expr, s | formula.values(load, size))
+    reach = 1.0 + sum((np.abs(v) ** formula.degree for v in (*s.values(), *formula.values(load, size).values())), np.zeros(8))
+    np.testing.assert_allclose(raw / size**formula.degree, h, rtol=1e-12, atol=1e-12 * np.max(reach))
+    assert formula.degree >= 1
+
+
+@pytest.mark.parametrize("load", [1e-150, 1.0, 1e150])
+@pytest.mark.parametrize(
+    "g, stress",
+    [
+        ("abs(sigma_a)**3 + abs(sigma_b)**3 - abs(sigma_n)**3", 0.5 ** (1 / 3)),
+        ("pos(sigma_a)**3 + pos(sigma_b)**3 + sigma_n**3", 0.5 ** (1 / 3)),
+        ("abs(sigma_a)**5 + abs(sigma_b)**5 + sigma_n**5", 0.5 ** (1 / 5)),
+        ("norm(sigma_a, sigma_b)**3 + sigma_n**3", 0.5**0.5),
+        ("(abs(sigma_a)**3 + abs(sigma_b)**3)**(1/3) + sigma_n", 0.5 ** (1 / 3)),
+    ],
+)
+def test_a_load_in_odd_powers_is_projected_onto(g: str, stress: float, load: float) -> None:
+    found = duhem.project(Criterion("powers", g), [3.0 * load, 3.0 * load], -load)
+    assert found.status[0] == duhem.Status.SLIP
+    np.testing.assert_allclose(found.stress[0] / load, [stress, stress], rtol=1e-9)

@@ -196,7 +196,7 @@ class _Weigher:
         if weight not in (0, 1) and expr.is_Add:
             return sp.Add(*(self.datum(term, weight) for term in expr.args))
         if weight > 0 and weight != 1 and (sense := _sense(expr)):
-            return sense * self.datum(_root(sense * expr, weight), sp.S.One) ** weight
+            return sense * self.datum(_root(expr, weight), sp.S.One) ** weight
         for known, datum in self.data.items():
             if datum == Datum(expr, weight):
                 return known
@@ -212,10 +212,10 @@ def _sense(expr: sp.Expr) -> int:
 
 
 def _root(expr: sp.Expr, weight: sp.Expr) -> sp.Expr:
-    """The ``weight``-th root of what is not negative, taken factor by factor: a load is in the range of doubles, its powers are not."""
+    """|expr|^(1/weight), taken factor by factor: a load is in the range of doubles, its powers are not."""
     if expr.is_Mul:
-        return sp.Mul(*(_root(sp.Abs(factor), weight) for factor in expr.args))
-    base, exponent = expr.as_base_exp()
+        return sp.Mul(*(_root(factor, weight) for factor in expr.args))
     if expr.is_Rational:
-        return sp.Rational(str(sp.N(expr ** (1 / weight), _DIGITS)))
-    return sp.Abs(base) ** (exponent / weight) if exponent.is_number else expr ** (1 / weight)
+        return sp.Rational(str(sp.N(sp.Abs(expr) ** (1 / weight), _DIGITS)))
+    base, exponent = expr.as_base_exp()
+    return sp.Abs(base) ** (exponent / weight) if exponent.is_number else sp.Abs(expr) ** (1 / weight)
