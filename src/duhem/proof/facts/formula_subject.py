@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.derivation.potential import SupportFunction
 from duhem.derivation.support_function import support_function
-from duhem.expression import UNDEFINED, Where
+from duhem.expression import UNDEFINED, Where, defined_at
 from duhem.expression.below import smooth_below
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.number import fraction, rational
@@ -148,16 +148,14 @@ class FormulaSubject(Subject):
         """g at zero force, all forces at once; None where that is 0/0 or otherwise undefined."""
         if not all(met_at_zero(self, self.problem, o) for o in obligations(self.problem.stated)):
             return None
-        value = self.simple.g.xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
-        return None if value.has(*UNDEFINED) else value
+        return defined_at(self.simple.g, dict.fromkeys(self.simple.forces, sp.S.Zero))
 
     @cached_property
     def limit_at_origin(self) -> sp.Expr | None:
         """g at zero force, by continuity where it is undefined there: functions of J2 and J3 are 0."""
-        value = self.at_origin
-        if value is None and self.meaning is not None:
-            value = self.meaning.emptied(self.simple.g).xreplace(dict.fromkeys(self.simple.forces, sp.S.Zero))
-        return None if value is None or value.has(*UNDEFINED) else value
+        if self.at_origin is not None or self.meaning is None:
+            return self.at_origin
+        return defined_at(self.meaning.emptied(self.simple.g), dict.fromkeys(self.simple.forces, sp.S.Zero))
 
     def joined(self, *exprs: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> bool:
         """Whether the expressions never jump: built in without ``where``, else shown for every two branches where they meet."""

@@ -64,9 +64,9 @@ def _beside(
         return value(at(share)) - value(start)
 
     near = context.mpf(_NEAR)
-    if not 0 < rise(2 * near) < 2 * rise(near) * (1 - context.mpf(10) ** -30):
-        return
     fall = (value(start) - value(at(0, near))) / near
+    if not (fall > 0 and 0 < rise(2 * near) < 2 * rise(near) * (1 - context.mpf(10) ** -30)):  # fall is 0 or none where g jumps
+        return
     for k in _PLACES:
         share = context.mpf(2) ** -k
         back = rise(share) / fall

@@ -11,6 +11,7 @@ from typing import Any
 
 import sympy as sp
 
+from duhem.expression import defined_at
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.search.edges import edges
@@ -62,11 +63,8 @@ def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpP
 def _places(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:
     yield tuple(Fraction(0) for _ in forces)
     for i, x in enumerate(forces):
-        try:
-            along = g.xreplace({y: sp.S.Zero for y in forces if y != x})
-        except (ValueError, TypeError):  # SymPy compares something with nan
-            continue
-        if along.is_polynomial(x) and (form := sp.Poly(along, x)).domain in (sp.ZZ, sp.QQ) and not form.is_ground:
+        along = defined_at(g, {y: sp.S.Zero for y in forces if y != x})
+        if along is not None and along.is_polynomial(x) and (form := sp.Poly(along, x)).domain in (sp.ZZ, sp.QQ) and not form.is_ground:
             for root in sorted(form.ground_roots()):
                 if root:
                     yield tuple(Fraction(int(root.p), int(root.q)) if k == i else Fraction(0) for k in range(len(forces)))
@@ -81,11 +79,15 @@ def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[i
 
     r = sp.Symbol("r", positive=True)
     for edge in pointed:  # what is 0 on it must be seen to be
-        level = compiled(g.xreplace({x: c * r for x, c in zip(forces, edge, strict=True)}), (r,))
+        along = defined_at(g, {x: c * r for x, c in zip(forces, edge, strict=True)})
+        if along is None:
+            continue
+        level = compiled(along, (r,))
         last, first = Rays(partial(_first, level), np.zeros(1), np.ones((1, 1))).left(np.array(_RADII))
         far = Fraction(float(last[0])).limit_denominator(_LARGEST) if 0 < last[0] < first[0] else Fraction(0)
         place = tuple(far * c for c in edge)
-        if far and g.xreplace(rationals(dict(zip(forces, place, strict=True)))).is_zero:
+        value = defined_at(g, rationals(dict(zip(forces, place, strict=True)))) if far else None
+        if value is not None and value.is_zero:
             yield place
 
 
