@@ -30,7 +30,7 @@ ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the
     (implicit.dissipation, DISC, A_B, 0),
     (flow.normality, DISC, A_B, 0),
     (flow.normality, "a**2 + b**2 + c**2 - q", ("a", "b", "c"), 0),
-    (polar.convexity, "norm(a, b) + abs(a)/2 - q", None, 16),  # its arcs are asked by composition first
+    (polar.convexity, "norm(a, b) + abs(a)/2 - q", None, 6),  # its arcs are asked by composition first
     (polar.smoothness, "norm(a, b) + a*b/norm(a, b)/4 + abs(a)*a/norm(a, b)/8 - q", None, 0),
     (degrees.dissipation, "a**2 + b**2 - q", None, 1),
     (evaluation.origin, "a**2 + b**2 - q", None, 0),
