@@ -30,6 +30,16 @@ def test_edges_are_where_all_loads_but_one_vanish() -> None:
     assert set(edges(one.simple.g, one.simple.forces)) == {*ways, *(tuple(-c for c in way) for way in ways)}
 
 
+def test_every_load_is_left_out_by_some_edge_and_none_is_told_twice() -> None:
+    loads = ["a", "a + b", "b - c", "c + d", "d - e", "a - e", "b + e", "2*a"]
+    one = subject(law(" + ".join(f"abs({load})**{k + 2}" for k, load in enumerate(loads)) + " - 1"))
+    forces = one.simple.forces
+    found = edges(one.simple.g, forces)
+    assert len(found) == len(set(found))
+    for load in loads:
+        assert any(eval(load, dict(zip("abcde", edge, strict=True))) for edge in found)
+
+
 @pytest.mark.parametrize(
     ("g", "sharp"),
     [
@@ -67,6 +77,9 @@ def test_a_sharp_edge_at_a_fraction(g: str, sharp: bool) -> None:
         ("(abs(a + b)**(999999999/1000000000))**2 + (2*a - b)**2 - 1", False),
         ("3*abs(a + b) - abs(a + b)**2/10**9 + (2*a - b)**2 - 1", False),  # beside the edge the other square outweighs it
         ("3*abs(a + b) - abs(a + b)**2/10**9 + abs(2*a - b) - 1", True),
+        ("where(a > 1, 1, -1) + abs(b)**(99/100)", False),  # g does not rise towards the end of the edge: it jumps there
+        ("max(where(a > 1, 1, -1), where(b > 1, 1, -1)) + abs(a)**(99/100)/9", False),
+        ("max(abs(a)**(99/100) + abs(b) - 1, log(1/2 - abs(a - b)))", True),  # g has no value at the ends of other edges
     ],
 )
 def test_a_dent_beside_an_edge(g: str, dented: bool) -> None:

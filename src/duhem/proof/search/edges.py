@@ -23,10 +23,25 @@ def edges(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[int, ...]]:
 
 
 def edges_of(rows: Sequence[Sequence[sp.Expr]], n: int) -> Iterator[tuple[int, ...]]:
-    """Those of loads with these coefficients of n forces."""
+    """Those of loads with these coefficients of n forces: first one off each load, where there is one."""
     plain = [row for row in rows if all(c.is_Rational for c in row)]
-    for some in islice(combinations(plain, n - 1), _MOST):
-        if len(flat := sp.Matrix(some).nullspace()) == 1:
+    some = dict.fromkeys((*_off_each(plain, n), *islice(combinations(range(len(plain)), n - 1), _MOST)))
+    seen = set[tuple[int, ...]]()
+    for chosen in islice(some, _MOST):
+        if len(flat := sp.Matrix([plain[k] for k in chosen]).nullspace()) == 1:
             scale = lcm(*(int(c.q) for c in flat[0]))
-            edge = [int(c * scale) for c in flat[0]]
-            yield from (tuple(s * c // gcd(*edge) for c in edge) for s in (1, -1))
+            whole = [int(c * scale) for c in flat[0]]
+            edge = tuple(c // gcd(*whole) for c in whole)
+            if edge not in seen:
+                both = (edge, tuple(-c for c in edge))
+                seen.update(both)
+                yield from both
+
+
+def _off_each(rows: Sequence[Sequence[sp.Expr]], n: int) -> Iterator[tuple[int, ...]]:
+    """Of loads that are a basis, the first of which is left out: it is not 0 where the others are."""
+    for k in range(min(len(rows), _MOST)):
+        turned = [*range(k, len(rows)), *range(k)]
+        basis = sp.Matrix([rows[i] for i in turned]).T.rref()[1]
+        if len(basis) == n and basis[0] == 0:
+            yield tuple(sorted(turned[i] for i in basis[1:]))
