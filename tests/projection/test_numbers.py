@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -130,6 +132,70 @@ def test_at_a_corner_next_to_the_boundary_the_slip_is_between_the_normals() -> N
     slip = (trial[1:] - corner) / k
     wrong = Solution(corner[None], slip, np.array([3 * step]), np.zeros(1, dtype=bool))
     assert residuals(question, wrong).worst()[0] > ACCURACY
+
+
+@pytest.mark.parametrize(
+    "trial",
+    [
+        (-1.0007151752095278, -1.0007151752095278, -0.0007151752095277386),
+        (-8.702718699394922e-11, 0.0, 1.0000000000870273),
+        (-1e-11, -1e-28, 1.00000000001),
+        (-1e-11, 3e-24, 1.00000000001),
+    ],
+)
+def test_where_pieces_meet_next_to_the_boundary_the_slip_is_along_all_of_them(trial: tuple[float, ...]) -> None:
+    """The two least of three principal stresses tie, or do so at the end of the slip: of max - min <= 1 both pieces are violated."""
+    done = duhem.project("tresca", trial, None, 2.0, {"yield_stress": 1.0}, method="newton")
+    first, second, third = (Fraction(float(x)) for x in trial)
+    a, b = third - first - 1, third - second - 1  # of both pieces, whose normals have 2 and 1 for products: 2 x + y = a, x + 2 y = b
+    x, y = ((2 * a - b) / 3, (2 * b - a) / 3) if 2 * b > a else (a / 2, Fraction(0))
+    exact = np.array([float(-x / 2), float(-y / 2), float((x + y) / 2)])
+    assert done.status[0] == Status.SLIP
+    assert done.slip[0] == pytest.approx(exact, rel=1e-6, abs=1e-6 * exact[2])
+
+
+def test_a_slip_along_the_wrong_one_of_pieces_that_tie_in_doubles_is_inaccurate() -> None:
+    trial = np.array([[-4.424982088183314e-17, 1.0, -5.1618341209954984e-17]])
+    question = increment(duhem.load("tresca"), trial, None, [1.0, 6000.0, 10.0], {"yield_stress": 1.0})
+    for way, k, passes in (([0.0, 1.0, -1.0], 6010.0, True), ([-1.0, 1.0, 0.0], 6001.0, False)):
+        amount = -trial[:, 2] / k
+        slip = amount[:, None] * np.array(way)
+        answer = Solution(trial - slip * [1.0, 6000.0, 10.0], slip, amount, np.zeros(1, dtype=bool))
+        assert (residuals(question, answer).worst()[0] <= ACCURACY) == passes
+
+
+def test_a_slip_over_both_pieces_that_is_off_is_inaccurate() -> None:
+    trial = np.array([[-1e-11, -1e-11, 1.0 + 1e-11]])
+    question = increment(duhem.load("tresca"), trial, None, 1.0, {"yield_stress": 1.0})
+    done = duhem.project("tresca", trial, None, 1.0, {"yield_stress": 1.0}, method="newton")
+    slip = done.slip
+    for off in (slip * [1.0 + 1e-5, 1.0, 1.0], slip * [1.0, 1.0, 1.0 + 1e-5], slip * [2.0, 0.0, 1.0], slip * 0.999):
+        wrong = Solution(trial - off, off, done.multiplier, np.zeros(1, dtype=bool))
+        assert residuals(question, wrong).worst()[0] > ACCURACY
+
+
+@pytest.mark.parametrize("out", [1e-15, 1e-14, 1e-12, 1e-10])
+def test_slips_of_less_than_pairs_tell_are_right(out: float) -> None:
+    """At (cap, out cap) the boundary is out^2/2 off: 5e-31 of the stress where out is 1e-15."""
+    for method in ("closed-form", "newton"):
+        done = duhem.project("capped", [1.0, out], -10.0, 1.0, {"mu": 1.0, "tau_max": 1.0}, method=method)
+        assert done.status[0] <= Status.SLIP  # a stick where 1e-27 of the stress counts as nothing
+        assert done.slip[0] == pytest.approx(np.array([out**2 / 2, out**3 / 2]), rel=1e-6, abs=1e-27)
+
+
+def test_a_slip_that_is_a_thousandth_off_is_inaccurate_where_it_is_1e_20_of_the_stress() -> None:
+    question = increment(duhem.load("capped"), [[1.0, 2e-10]], -10.0, 1.0, {"mu": 1.0, "tau_max": 1.0})
+    right = np.array([[2e-20, 4e-30]])
+    for factor, passes in ((1.0, True), (1.001, False), (1.0 - 1e-5, False), (0.0, False)):
+        slip = factor * right
+        answer = Solution(question.trial - slip, slip, slip[:, 0], np.zeros(1, dtype=bool))
+        assert (residuals(question, answer).worst()[0] <= ACCURACY) == passes
+
+
+def test_a_stick_no_further_outside_than_the_least_double_is_one() -> None:
+    done = duhem.project("tresca", [-1.0, 8e-321, -0.003], None, [1.0, 6000.0, 10.0], {"yield_stress": 1.0}, method="newton")
+    assert done.status[0] == Status.STICK
+    assert not done.slip.any()
 
 
 def test_a_close_look_is_the_same_by_pairs_and_by_balls() -> None:

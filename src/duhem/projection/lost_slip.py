@@ -1,6 +1,7 @@
 """Next to the boundary a slip is a small difference of stresses: how much of it is left, against the law in many digits.
 
-A slip d is right where trial - k d lies on the boundary and d along a normal of K there; each is asked relative to the slip.
+A slip d is right where trial - k d lies on the boundary and d along a normal of K there; each is asked relative to the slip, or to
+1e-21 of the stress where the slip is less: pairs of doubles tell no more.
 """
 
 from __future__ import annotations
@@ -19,9 +20,11 @@ from duhem.projection.normal_cones import Suspect, beside, off_cone, off_normals
 from duhem.projection.result import ACCURACY, Array
 from duhem.projection.row_by_row import length, share, unit, widest
 
-__all__ = ["Moves", "exact_angles", "lost"]
+__all__ = ["LEAST", "Moves", "exact_angles", "lost"]
 
 _FAR = 1e-6  # of the stress: over shorter ways doubles do not tell one normal from the next
+LEAST = 1e-21  # of the stress: what a shorter slip counts, so that 1e-27 of a stress is nothing
+_BLIND = 1e-9  # of the stress: at the end of a shorter slip rounding of doubles may choose the wrong one of two pieces
 _AROUND = 1e-8  # of a slip: normals are looked for this close to its end
 
 
@@ -74,7 +77,7 @@ class Moves:
 
 
 def lost(increment: Increment, level: Level, metric: Metric, at: Moves, room: Array, distance: Array) -> Array:
-    """What each slip is off by (M,), as a share of it, as far as it is more than rounding.
+    """What each slip is off by (M,), as a share of it or of 1e-21 of the stress, the longer, as far as it is more than rounding.
 
     ``room`` and ``distance`` are the lengths of stress and slip.  A stiffness far apart hides one force behind another in the
     metric: what is off across the slip is asked of the components too, which are off by ``plain`` times as much at most.
@@ -82,7 +85,8 @@ def lost(increment: Increment, level: Level, metric: Metric, at: Moves, room: Ar
     rest = at.aim - at.moved - at.point
     largest = widest(at.slip)
     plain = np.maximum(share(distance * at.size, largest) * metric.steepest, 1.0)
-    good = ACCURACY * distance
+    counted = np.maximum(distance, LEAST * room)
+    good = ACCURACY * counted
     missed = np.maximum(length(rest) + at.depth, share(widest(rest @ metric.to_slip) * at.size, largest) * distance)
     blurred = plain * (metric.blur * (room + distance) + at.hidden * room)
     close = np.flatnonzero(~(missed + blurred <= good))
@@ -94,10 +98,13 @@ def lost(increment: Increment, level: Level, metric: Metric, at: Moves, room: Ar
         missed[close] = share(np.abs(g) + bound, few.steep) * (few.units / few.size)
         there = np.stack([end.high for end in ends], axis=1) * few.units[:, None]
         slope[close] = np.where(few.known[:, None], few.slope, level.gradient(there, few.pressure, few.units))
+        if level.jets.kinks and (blind := np.flatnonzero(distance[close] <= _BLIND * plain[close] * room[close])).size:
+            shown = [Pair(end.high[blind], end.low[blind]) for end in ends]
+            slope[close[blind]] = close_look(increment).slopes(shown, few.pressure[blind], few.units[blind])
         turned[close] = length(few.moved - (few.multiplier / few.size)[:, None] * (slope[close] @ metric.of_slip))
     across = share(widest(at.slip - at.multiplier[:, None] * slope), largest) * distance
     turned = np.where(across <= ROUNDING * distance, 0.0, np.maximum(turned, across))
-    if (bent := np.flatnonzero(~(turned <= good) & (missed <= distance))).size:
+    if (bent := np.flatnonzero(~(turned <= good) & (missed <= counted))).size:
         grain = room[bent] / distance[bent]
         far = grain * _FAR <= 1.0
         some = bent[far]
@@ -107,7 +114,7 @@ def lost(increment: Increment, level: Level, metric: Metric, at: Moves, room: Ar
         ends = pushed_back(at.trial[left], at.slip[left], increment.stiffness, at.units[left])
         angles = exact_angles(increment, metric, at.of(left), ends, _AROUND * distance[left] / plain[left])
         turned[left] = np.fmin(turned[left], angles * distance[left] * plain[left])
-    return share(np.maximum(missed, turned), distance)
+    return share(np.maximum(missed, turned), counted)
 
 
 def exact_angles(increment: Increment, metric: Metric, at: Moves, points: list[Pair], around: Array) -> Array:

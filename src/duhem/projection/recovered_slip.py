@@ -1,7 +1,8 @@
 """Slips next to the boundary from multiplier and normal, where the difference of stresses that a method took has lost them.
 
 The multiplier brings trial - lambda k n onto the boundary, found by Newton's method on g in many digits; the normal n is that of g
-at the stress, which has all of its own.  What is found is judged like any other answer, and taken only if it passes.
+at the stress, which has all of its own.  Where pieces of g meet, one normal is not enough: their half-spaces are cut off one after
+the other.  What is found is judged like any other answer, and taken only if it passes.
 """
 
 from __future__ import annotations
@@ -13,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.close_look import close_look, pushed_back
+from duhem.projection.cutting_planes import slip_over_pieces
 from duhem.projection.increment import Increment
-from duhem.projection.level import level
+from duhem.projection.level import Level, level
 from duhem.projection.residuals import residuals
-from duhem.projection.result import ACCURACY, Residuals, Solution
+from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, widest
 from duhem.projection.scaled_formula import power_of_two
 
@@ -33,11 +35,15 @@ def recovered(question: Increment, solution: Solution, found: Residuals, convex:
     at = _lost(question, solution, found)
     if not at.size:
         return solution, found
-    asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
-    new = _from_normals(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
-    judged = residuals(asked, new, convex)
-    right = judged.worst() <= ACCURACY
-    return _put(solution, at[right], new, right), _put(found, at[right], judged, right)
+    for way in (_from_normals, _over_pieces):
+        asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
+        new = way(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
+        judged = residuals(asked, new, convex)
+        right = judged.worst() <= ACCURACY
+        solution, found = _put(solution, at[right], new, right), _put(found, at[right], judged, right)
+        if not (at := at[~right]).size:
+            break
+    return solution, found
 
 
 def _lost(question: Increment, solution: Solution, found: Residuals) -> NDArray[np.intp]:
@@ -48,8 +54,8 @@ def _lost(question: Increment, solution: Solution, found: Residuals) -> NDArray[
 
 
 def _from_normals(asked: Increment, got: Solution) -> Solution:
-    law, k, trial, pressure = asked.law, asked.stiffness, asked.trial, asked.pressure
-    g = level(asked.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+    k, trial, pressure = asked.stiffness, asked.trial, asked.pressure
+    g = _level(asked)
     look, stress, size = close_look(asked), got.stress, power_of_two(widest(got.stress))
     slip, multiplier = np.zeros_like(stress), np.zeros(len(stress))
     with np.errstate(all="ignore"):
@@ -59,10 +65,30 @@ def _from_normals(asked: Increment, got: Solution) -> Solution:
             multiplier = np.maximum(multiplier + beyond * size / dot(normal, normal @ k), 0.0)
             slip = multiplier[:, None] * normal
             stress = trial - slip @ k
-    sticks = multiplier == 0.0
+    return _slipped(asked, slip, g.own(multiplier, size), multiplier == 0.0)
+
+
+def _over_pieces(asked: Increment, got: Solution) -> Solution:
+    g = _level(asked)
+    look, size = close_look(asked), power_of_two(widest(got.stress))
+    slip, multiplier = np.zeros_like(got.stress), np.zeros(len(size))
+    with np.errstate(all="ignore"):
+        for i, trial in enumerate(asked.trial):
+            slip[i], multiplier[i] = slip_over_pieces(look, trial, float(asked.pressure[i]), asked.stiffness, float(size[i]))
+    return _slipped(asked, slip, g.own(multiplier, size), multiplier == 0.0)
+
+
+def _level(asked: Increment) -> Level:
+    law = asked.law
+    return level(asked.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+
+
+def _slipped(asked: Increment, slip: Array, multiplier: Array, sticks: NDArray[np.bool_]) -> Solution:
+    trial = asked.trial
+    stress = trial - slip @ asked.stiffness
     stress = np.where(sticks[:, None], trial, stress)
     slip = np.where(sticks[:, None], 0.0, slip)
-    return Solution(stress, slip, g.own(multiplier, size), np.zeros(len(sticks), dtype=np.bool_))
+    return Solution(stress, slip, multiplier, np.zeros(len(sticks), dtype=np.bool_))
 
 
 def _put(whole: Rows, at: NDArray[np.intp], part: Rows, rows: NDArray[np.bool_]) -> Rows:

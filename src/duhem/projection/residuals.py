@@ -19,7 +19,7 @@ from duhem.projection.close_look import as_pairs, close_look
 from duhem.projection.increment import Increment
 from duhem.projection.known_points import beyond_tangents, raised, tips
 from duhem.projection.level import Level, level
-from duhem.projection.lost_slip import Moves, exact_angles, lost
+from duhem.projection.lost_slip import LEAST, Moves, exact_angles, lost
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import off_cone
 from duhem.projection.result import Array, Residuals, Solution
@@ -96,9 +96,10 @@ class _Judge:
             g[bare] = self.level.limit(stress[bare], pressure[bare], size[bare])
         out.feasibility[at] = np.where(np.isnan(g), np.nan, 0.0)
         if (over := np.flatnonzero(g > 0.0)).size:  # a stick on the boundary, to rounding: a slip is lost
-            slope = self.level.gradient(stress[over], pressure[over], size[over])
-            out.feasibility[at[over]] = share(g[over], dot(np.abs(slope), np.abs(stress[over]) / size[over, None]))
-            out.stationarity[at[over]] = _SLIP
+            slope, point = self.level.gradient(stress[over], pressure[over], size[over]), stress[over] / size[over, None]
+            out.feasibility[at[over]] = share(g[over], dot(np.abs(slope), np.abs(point)))
+            depth = share(share(g[over], length(slope @ self.metric.of_slip)), length(point @ self.metric.of_stress))
+            out.stationarity[at[over]] = _SLIP * np.minimum(depth / LEAST, 1.0)
 
     def _looked_up(self, stress: Array, pressure: Array, size: Array) -> Array:
         """g in units of the stress, as good as a double can tell, 0 where no digit of it shows."""

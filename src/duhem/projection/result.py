@@ -76,8 +76,9 @@ class Projection:
     ``slip`` = k^-1 (sigma_tr - sigma) = lambda dg/dsigma (in m for stiffness in Pa/m); ``multiplier`` lambda >= 0;
     ``dissipation`` sigma . slip >= 0; ``status`` one :class:`Status` a point; ``method`` the one that was taken, ``why`` the
     reason; next to the boundary, where the difference sigma_tr - sigma keeps no digits, a slip is taken from lambda and the
-    normal, whatever the method, and vouched for to 1e-6 of its largest component; ``tangent`` d sigma/d u (N, d, d) and
-    ``tangent_pressure`` d sigma/d sigma_n (N, d) where asked for.  A multiplier beyond doubles is 0 or inf.
+    normals, whatever the method, and vouched for to 1e-6 of its largest component, or so that k slip is right to 1e-27 of the
+    stress; ``tangent`` d sigma/d u (N, d, d) and ``tangent_pressure`` d sigma/d sigma_n (N, d) where asked for.  A multiplier
+    beyond doubles is 0 or inf.
 
     On a K that is not convex a point that only satisfies the stationarity conditions is ``INACCURATE``, never ``SLIP``, as soon as
     one point tau that is tried has (sigma_tr - sigma) . k^-1 (tau - sigma) > 0.  Without such a tau in all of K the point is the
