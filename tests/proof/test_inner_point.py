@@ -78,7 +78,7 @@ def test_a_law_in_whose_margin_a_solver_drowns() -> None:
     assert convex_sums.convexity(FormulaSubject(law)) is not None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_same_in_four_forces() -> None:
     """In skew coordinates, where no change of units helps."""
     trial = next(islice(forms(20, 1), 19, None))

@@ -84,7 +84,7 @@ def test_a_cap_that_ends_before_the_other_side_is_not_refuted() -> None:
         assert convexity_at_far_points(subject(law(g))) is None
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_drawn_gaps_against_the_distance_of_their_ends() -> None:
     """{|L s| <= 1, |y . L s + m| >= c}: of both sides something is left if and only if c <= |y| - |m|, all in fractions."""
     rng, seen = Random(4), set[bool]()
