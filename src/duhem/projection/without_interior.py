@@ -25,6 +25,7 @@ _ROUNDS = 200
 _REACHED = 1e-9  # distances from K, in lengths of the trial
 _ORIGIN = (1e-7, 1e-4)  # within this of the origin, the origin is meant if it is in K; where g is flat, the rounding of g hides more
 _FLAT = 1e-3  # of the slope at the trial: less is none at the point
+_BESIDE = 4.0  # times as far away as the point from the origin: what is off beyond the origin cannot cancel it
 _SMALL = (2.0**-30, 2.0**-40)  # pressures close to none, relative to the trial
 _SETTLED = 1e-5
 
@@ -40,11 +41,12 @@ def shrunk(increment: Increment, at: Index, solve: Callable[[Increment], Solutio
     formula = scaled(asked.g, forces, symbols[asked.law.pressure] if asked.law.pressure else None)
     k = body(formula, forces, asked.pressure, power_of_two(np.max(np.abs(trial), axis=1)), whitening(asked)[1])
     found = _nearest(k, trial / k.size[:, None])
-    away = trial / k.size[:, None] - found.x
-    near, far = np.linalg.norm(found.x, axis=1), np.linalg.norm(away, axis=1)
-    share = np.divide(near, far, out=np.ones_like(far), where=far > near)
-    nearer = _nearest(k, found.x + share[:, None] * away)  # the same, without the rounding of far trials
-    stress = np.where(found.failed | nearer.failed, found.x.T, nearer.x.T).T * k.size[:, None]
+    away = trial / k.size[:, None] - found.end
+    near, far = np.linalg.norm(k.whitened(found.end), axis=1), np.linalg.norm(k.whitened(away), axis=1)
+    share = np.divide(_BESIDE * near, far, out=np.ones_like(far), where=far > _BESIDE * near)
+    own = power_of_two(near)  # small beside a far trial is not yet small: the same again, from a trial as near as the point
+    nearer = _nearest(k.resized(asked.pressure, k.size * own), (found.end + share[:, None] * away) / own[:, None])
+    stress = np.where(found.failed | nearer.failed, found.x.T, nearer.x.T * own).T * k.size[:, None]
     slip = np.asarray(np.linalg.solve(asked.stiffness, (trial - stress).T).T)
     scale = np.max(np.abs(slip), axis=1, initial=0.0)
     length = scale * np.linalg.norm(slip / np.where(scale > 0.0, scale, 1.0)[:, None], axis=1)
@@ -67,9 +69,11 @@ def _limit(increment: Increment, otherwise: Array, solve: Callable[[Increment], 
 
 @dataclass(frozen=True)
 class _Nearest:
-    """``x`` (M, d); ``weight`` (M,) the sum of the multipliers of the gradients; ``flat`` where these vanish towards x."""
+    """``x`` (M, d), the origin where that is meant and ``end`` is as near as it is; ``weight`` (M,) the sum of the multipliers of
+    the gradients; ``flat`` where these vanish towards x."""
 
     x: Array
+    end: Array
     weight: Array
     flat: NDArray[np.bool_]
     failed: NDArray[np.bool_]
@@ -99,4 +103,4 @@ def _nearest(k: Body, trial: Array) -> _Nearest:
     with np.errstate(all="ignore"):
         weight = np.where(outer.active, outer.multipliers / slopes, 0.0).sum(axis=1)
     failed = ~(near | (distance <= _REACHED * np.linalg.norm(s, axis=1)))
-    return _Nearest(np.where(near[:, None], origin, x), weight, flat, failed)
+    return _Nearest(np.where(near[:, None], origin, x), x, weight, flat, failed)
