@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
+from duhem.projection.level import level
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
 from duhem.projection.whitened_body import Body, Index, body, whitening
@@ -26,6 +27,7 @@ _REACHED = 1e-9  # distances from K, in lengths of the trial
 _ORIGIN = (1e-7, 1e-4)  # within this of the origin, the origin is meant if it is in K; where g is flat, the rounding of g hides more
 _FLAT = 1e-3  # of the slope at the trial: less is none at the point
 _BESIDE = 4.0  # times as far away as the point from the origin: what is off beyond the origin cannot cancel it
+_SEEN = 1e6  # times its rounding, g shows where K is
 _SMALL = (2.0**-30, 2.0**-40)  # pressures close to none, relative to the trial
 _SETTLED = 1e-5
 
@@ -45,8 +47,12 @@ def shrunk(increment: Increment, at: Index, solve: Callable[[Increment], Solutio
     near, far = np.linalg.norm(k.whitened(found.end), axis=1), np.linalg.norm(k.whitened(away), axis=1)
     share = np.divide(_BESIDE * near, far, out=np.ones_like(far), where=far > _BESIDE * near)
     own = power_of_two(near)  # small beside a far trial is not yet small: the same again, from a trial as near as the point
-    nearer = _nearest(k.resized(asked.pressure, k.size * own), (found.end + share[:, None] * away) / own[:, None])
-    stress = np.where(found.failed | nearer.failed, found.x.T, nearer.x.T * own).T * k.size[:, None]
+    again = found.end + share[:, None] * away
+    nearer = _nearest(k.resized(asked.pressure, k.size * own), again / own[:, None])
+    with np.errstate(all="ignore"):
+        value, hidden = level(asked.g, forces, formula.pressure).bounded(again * k.size[:, None], asked.pressure, k.size * own)
+    blind = ~(value > _SEEN * hidden)  # g has lost its digits before: a point beside the origin says nothing
+    stress = np.where(found.failed | nearer.failed | blind, found.x.T, nearer.x.T * own).T * k.size[:, None]
     slip = np.asarray(np.linalg.solve(asked.stiffness, (trial - stress).T).T)
     scale = np.max(np.abs(slip), axis=1, initial=0.0)
     length = scale * np.linalg.norm(slip / np.where(scale > 0.0, scale, 1.0)[:, None], axis=1)
