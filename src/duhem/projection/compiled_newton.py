@@ -94,7 +94,7 @@ def _scaled(k: int, weight: sp.Expr) -> str:
 
 @lru_cache(maxsize=64)
 def _kernel(text: str) -> Callable[..., None]:
-    """The compiled loop; what is not yet on disk is compiled now (some seconds)."""
+    """The compiled loop; what is not yet on disk is compiled now (some ten seconds)."""
     try:
         import numba
     except ImportError:

@@ -53,9 +53,9 @@ _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting 
 
 @dataclass(frozen=True)
 class NewtonOptions(Options):
-    """``compiled`` makes a loop of the law's formula and compiles it through numba, some seconds once a law, then kept on disk.
+    """``compiled`` makes a loop of the law's formula and compiles it through numba: some ten seconds once a law, then kept on disk.
 
-    Worth it from some ten thousand points on; a missing numba raises MissingExtraError.
+    Without what is kept that is worth it from about a million points on; a missing numba raises MissingExtraError.
     """
 
     compiled: bool = False
