@@ -77,7 +77,7 @@ ROWS = {  # file: (the row it comes after, the row)
     f"{EXPRESSION}/balls.py": [("sp.atan:", "sp.asinh: lambda _, x: (x + (x * x + 1).sqrt()).log(),")],  # for series in balls too
     f"{EXPRESSION}/cvxpy_.py": [("**dict.fromkeys(NUMBERS_ONLY", "sp.asinh: _no_atom,")],
     f"{EXPRESSION}/jets.py": [
-        ("sp.tanh:", "sp.asinh: lambda _, x: _chain(x, np.arcsinh(x.value), (r := 1 / np.hypot(1, x.value)), lambda: -x.value * r**3),")
+        ("sp.tanh:", "sp.asinh: lambda _, x: chain(x, np.arcsinh(x.value), (r := 1 / np.hypot(1, x.value)), lambda: -x.value * r**3),")
     ],
     f"{EXPRESSION}/pairs.py": [("EigMax:", 'sp.asinh: "no algebra, as it is a logarithm",')],
     f"{EXPRESSION}/scalar_jets.py": [

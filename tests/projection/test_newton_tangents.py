@@ -64,3 +64,75 @@ def test_a_tip_under_more_normals_than_the_push_needs_stays(name: str) -> None:
     np.testing.assert_allclose(done.tangent[0], 0.0, atol=1e-12)
     shifted = duhem.project(law, np.array(trial) + 1e-3 * np.eye(3), -1.0 if law.pressure else None, parameters=values)
     np.testing.assert_allclose(shifted.stress, np.tile(done.stress, (3, 1)), atol=1e-12)
+
+
+def _differences(law, trial, h=1e-5):
+    """d sigma/d u for k = 1, from both sides."""
+    d, load = len(law.forces), -1.0 if law.pressure else None
+    moved = duhem.project(law, trial + h * np.vstack([np.eye(d), -np.eye(d)]), load, np.ones(d)).stress
+    return (moved[:d] - moved[d:]).T / (2 * h)
+
+
+@pytest.mark.parametrize("m", [2, 6, 8])
+@pytest.mark.parametrize("principal", [(3.0, 0.0, 0.0), (2.0, 2.0, -1.0), (5.0, 5.0, 2.5), (2.0, 2.0 + 1e-9, -1.0)])
+def test_equal_principal_stresses_are_no_kink_of_a_smooth_law(m, principal):
+    law = duhem.load("hosford-tensor").fix({"m": m, "s0": 1})
+    q, _ = np.linalg.qr(np.random.default_rng(4).standard_normal((3, 3)))
+    for turn in (np.eye(3), q):
+        s = (turn * np.array(principal)) @ turn.T
+        trial = np.array([s[0, 0], s[1, 1], s[2, 2], (s[1, 2] + s[2, 1]) / 2, (s[0, 2] + s[2, 0]) / 2, (s[0, 1] + s[1, 0]) / 2])
+        done = duhem.project(law, trial, None, np.ones(len(trial)), tangent=True)
+        assert done.tangent is not None and done.status[0] == duhem.Status.SLIP
+        np.testing.assert_allclose(done.tangent[0], _differences(law, trial), atol=2e-5)
+        if m == 2:
+            np.testing.assert_allclose(done.tangent, duhem.project(VON_MISES, trial, None, np.ones(6), tangent=True).tangent, atol=1e-8)
+
+
+VON_MISES = duhem.Criterion(
+    name="x", g="(s_xx - s_yy)**2 + (s_yy - s_zz)**2 + (s_zz - s_xx)**2 + 6*(s_yz**2 + s_xz**2 + s_xy**2) - 2",
+    stress={"name": "s", "kind": "3d"}, pressure=None,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "trial"),
+    [
+        ("yld89", {"M": 2}, [1.05, 1.05, 0.0]),
+        ("wiebols-cook", {"C": -1}, [-0.7, -0.7, -0.7]),
+        ("menetrey-willam", {"e": "13/25"}, [0.2, 0.2, 0.2]),
+        ("nova-montrasio", {}, [-0.6, 0.0, 0.0]),
+    ],
+)
+def test_at_a_zero_of_a_norm_the_tangent_is_that_of_the_answers(name, values, trial):
+    """The norm's square is smooth there; a tip stays where it is, whether it lies between normals or has the push along its axis."""
+    law = duhem.load(name)
+    law = law.fix({p: values.get(p, 1) for p in law.parameters})
+    done = duhem.project(law, trial, None, np.ones(len(trial)), tangent=True)
+    assert done.tangent is not None
+    np.testing.assert_allclose(done.tangent[0], _differences(law, np.array(trial)), atol=1e-4)
+
+
+@pytest.mark.parametrize("push", [(2.0, 0.0), (1.5, 0.3), (1.5, -0.3)])
+def test_a_tip_moves_with_the_pressure(push):
+    """A cone about the axis of a, whose tip is at a = -sigma_n."""
+    law = duhem.Criterion(name="x", g="norm(a + sigma_n, b, c) + 2*(a + sigma_n)", forces=("a", "b", "c"), pressure="sigma_n")
+    done = duhem.project(law, [1.0 + push[0], push[1], 0.0], -1.0, tangent=True)
+    assert done.tangent is not None and done.tangent_pressure is not None
+    np.testing.assert_allclose(done.stress[0], [1.0, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(done.tangent[0], 0.0, atol=1e-9)
+    np.testing.assert_allclose(done.tangent_pressure[0], [-1.0, 0.0, 0.0], atol=1e-6)
+
+
+def test_an_edge_of_equal_principal_stresses_has_no_tangent_that_is_known():
+    law = duhem.load("tresca-tensor").fix({"s0": 1})
+    done = duhem.project(law, [2.0, 1.9, 0.0, 0.0, 0.0, 0.0], tangent=True)  # on the edge s1 = s2
+    assert done.tangent is not None and np.isnan(done.tangent).all()
+
+
+@pytest.mark.slow
+def test_all_faces_of_a_vertex_in_six_forces_hold_it():
+    law = duhem.load("schmid-fcc").fix({"tc": 1})
+    trial = np.array([2.5719642299223375, 0.0, 0.0, 0.0, 0.0, 0.0])
+    done = duhem.project(law, trial, None, np.ones(len(trial)), tangent=True)
+    assert done.tangent is not None
+    np.testing.assert_allclose(done.tangent[0], _differences(law, trial), atol=1e-8)

@@ -5,6 +5,9 @@ spelt as powers included, are differentiated as norms, relative to their value, 
 vanishes on the way.  At a kink (abs, pos, neg, max, min, where) a jet follows one smooth piece: the one that holds at
 the point, or, when ``choices`` are given, the one they name.  So a piece can be followed beyond its own region, which
 is what Newton's method at a corner needs, and one-sided gradients at a seam are gradients of pieces.
+
+Second derivatives of a ``strict`` program are those of the formula itself at zeros of norms too, and nan where it has none there or
+where eigenvalues are equal; else, and then at less cost, a norm at its zero is followed as a constant.
 """
 
 from __future__ import annotations
@@ -22,37 +25,31 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.fold import Table
+from duhem.expression.jet import Array, Jet, added, chain, least_order, outer, times
 from duhem.expression.limits import filled
-from duhem.expression.matrices import rows
 from duhem.expression.numpy_ import Program
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, recorded
+from duhem.expression.shifted_jets import Shifted, finished
+from duhem.expression.shifted_jets import eigmax as shifted_eigmax
+from duhem.expression.shifted_jets import norm as shifted_norm
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
 __all__ = ["TABLE", "Choices", "Jet", "JetProgram", "formula", "program"]
 
-Array = NDArray[np.float64]
 Choices = NDArray[np.int8]
 
 _TINY = 1e-120  # below this share of a norm an argument counts as this share: keeps |x|^(p-2) finite for p < 2
 
 
-@dataclass(frozen=True)
-class Jet:
-    """``value`` (N,), ``gradient`` (N, d) and ``hessian`` (N, d, d); None stands for zero.  ``order`` 1: no hessian is followed."""
+class _Notes:
+    """What is noted during one evaluation: the pieces followed, those given or else those that hold, and the nodes with a shift."""
 
-    value: Array
-    gradient: Array | None = None
-    hessian: Array | None = None
-    order: int = 2
-
-
-class _Kinks:
-    """The pieces followed during one evaluation: those given, or else those that hold, noted as they are met."""
-
-    def __init__(self, given: Choices | None, size: int, count: int) -> None:
+    def __init__(self, given: Choices | None, size: int, kinks: int, shifts: int) -> None:
         self.given = given
-        self.taken = np.zeros((size, count), dtype=np.int8) if given is None else given
+        self.taken = np.zeros((size, kinks), dtype=np.int8) if given is None else given
+        self.shifts = shifts
+        self.shifted: dict[int, Shifted] = {}
 
     def choose(self, index: int, natural: NDArray[Any]) -> NDArray[Any]:
         if self.given is None:
@@ -62,30 +59,36 @@ class _Kinks:
 
 @dataclass(frozen=True)
 class JetProgram:
-    """A formula over the forces, then the other symbols, as recorded steps; ``kinks`` of them choose a piece."""
+    """A formula over the forces, then the other symbols, as recorded steps; ``kinks`` of them choose a piece, ``shifts`` have a shift."""
 
     kinks: int
+    shifts: int
+    strict: bool
     recording: Recording
 
     def __call__(self, forces: Array, others: Sequence[Array], choices: Choices | None = None, second: bool = True) -> tuple[Jet, Choices]:
         """Jet at ``forces`` (N, d) with the ``others`` (N,) fixed, and the piece followed at each kink (N, kinks)."""
         n, d = forces.shape
-        noted = _Kinks(choices, n, self.kinks)
-        unit = np.eye(d)
+        size = d + self.shifts if second else d
+        noted = _Notes(choices, n, self.kinks, self.shifts)
+        unit = np.eye(size)
         order = 2 if second else 1
-        given = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, d)), None, order) for i in range(d)]
+        given = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, size)), None, order) for i in range(d)]
         given += [Jet(v, order=order) for v in others]
         with np.errstate(all="ignore"):
             last = self.recording.run(given, noted)[self.recording.last]
-        value = np.broadcast_to(last.value, (n,))
-        gradient = np.zeros((n, d)) if last.gradient is None else last.gradient
-        hessian = (np.zeros((n, d, d)) if last.hessian is None else last.hessian) if second else None
-        return Jet(value, gradient, hessian), noted.taken
+            value = np.broadcast_to(last.value, (n,))
+            gradient = np.zeros((n, size)) if last.gradient is None else last.gradient
+            if not second:
+                return Jet(value, gradient, None), noted.taken
+            hessian = np.zeros((n, size, size)) if last.hessian is None else last.hessian
+            hessian = finished(noted.shifted, gradient, hessian, forces, self.strict)
+        return Jet(value, gradient[:, :d], hessian[:, :d, :d]), noted.taken
 
 
-def formula(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol]) -> JetProgram:
+def formula(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol], strict: bool = False) -> JetProgram:
     """``expr`` compiled once: differentiated in the ``forces``, the ``others`` held fixed."""
-    return _compiled(expr, (*forces, *others))
+    return _compiled(expr, (*forces, *others), strict)
 
 
 @lru_cache(maxsize=256)
@@ -95,8 +98,8 @@ def program(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> Program:
 
 
 @lru_cache(maxsize=256)
-def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...]) -> JetProgram:
-    met = count()
+def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetProgram:
+    met, shifts = count(), count()
 
     def smooth(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
         return lambda node: partial(_smooth, row, node)
@@ -104,16 +107,20 @@ def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...]) -> JetProgram:
     def kinked(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
         return lambda node: partial(row, node, next(met))
 
-    table = {kind: (kinked if kind in _KINKED else smooth)(row) for kind, row in TABLE.items()}
+    def shifted(row: Callable[..., Jet]) -> Callable[[Any], Callable[..., Jet]]:
+        return lambda node: partial(row, node, next(shifts))
+
+    rows = {**TABLE, **_AT_ZERO} if strict else TABLE
+    table = {kind: (kinked if kind in _KINKED else shifted if row in _SHIFTED else smooth)(row) for kind, row in rows.items()}
     recording = recorded(recognised(expr), order, table, lambda node: partial(_same, Jet(np.array(_number(node)))))
-    return JetProgram(next(met), recording)
+    return JetProgram(next(met), next(shifts), strict, recording)
 
 
-def _same(jet: Jet, _: _Kinks) -> Jet:
+def _same(jet: Jet, _: _Notes) -> Jet:
     return jet
 
 
-def _smooth(row: Callable[..., Jet], node: Any, _: _Kinks, *arguments: Jet) -> Jet:
+def _smooth(row: Callable[..., Jet], node: Any, _: _Notes, *arguments: Jet) -> Jet:
     return row(node, *arguments)
 
 
@@ -130,51 +137,19 @@ def _number(node: Any) -> float:
     raise InputError(f"{node} has no value", remedy="give a value for each symbol of the formula")
 
 
-def _times(factor: Any, array: Array | None) -> Array | None:
-    if array is None:
-        return None
-    f = np.asarray(factor)
-    return f.reshape(f.shape + (1,) * (array.ndim - f.ndim)) * array if f.ndim else f * array
-
-
-def _sum(first: Array | None, second: Array | None) -> Array | None:
-    if first is None or second is None:
-        return second if first is None else first
-    return first + second
-
-
-def _outer(first: Array, second: Array) -> Array:
-    return first[:, :, None] * second[:, None, :]
-
-
-def _chain(x: Jet, value: Any, slope: Any, curvature: Callable[[], Any]) -> Jet:
-    """f(x) from f, f', f''."""
-    if x.gradient is None:
-        return Jet(value)
-    gradient = _times(slope, x.gradient)
-    if x.order == 1:
-        return Jet(value, gradient, None, 1)
-    return Jet(value, gradient, _sum(_times(slope, x.hessian), _times(curvature(), _outer(x.gradient, x.gradient))))
-
-
-def _order(jets: Sequence[Jet]) -> int:
-    """Constants have all derivatives, whatever is followed of the rest."""
-    return min((j.order for j in jets if j.gradient is not None), default=2)
-
-
 def _add(_: Any, *terms: Jet) -> Jet:
     return reduce(
-        lambda a, b: Jet(a.value + b.value, _sum(a.gradient, b.gradient), _sum(a.hessian, b.hessian), _order((a, b))),
+        lambda a, b: Jet(a.value + b.value, added(a.gradient, b.gradient), added(a.hessian, b.hessian), least_order((a, b))),
         terms,
     )
 
 
 def _product(a: Jet, b: Jet) -> Jet:
-    gradient, order = _sum(_times(a.value, b.gradient), _times(b.value, a.gradient)), _order((a, b))
-    hessian = _sum(_times(a.value, b.hessian), _times(b.value, a.hessian))
+    gradient, order = added(times(a.value, b.gradient), times(b.value, a.gradient)), least_order((a, b))
+    hessian = added(times(a.value, b.hessian), times(b.value, a.hessian))
     if order == 2 and a.gradient is not None and b.gradient is not None:
-        cross = _outer(a.gradient, b.gradient)
-        hessian = _sum(hessian, cross + np.swapaxes(cross, 1, 2))
+        cross = outer(a.gradient, b.gradient)
+        hessian = added(hessian, cross + np.swapaxes(cross, 1, 2))
     return Jet(a.value * b.value, gradient, hessian, order)
 
 
@@ -183,43 +158,43 @@ def _power(node: Any, base: Jet, exponent: Jet) -> Jet:
         return _exp(node, _product(exponent, _log(node, base)))
     e, b = exponent.value, base.value
     if node.exp == 2:
-        return _chain(base, np.square(b), 2.0 * b, lambda: np.full_like(b, 2.0))
+        return chain(base, np.square(b), 2.0 * b, lambda: np.full_like(b, 2.0))
     if base.gradient is None:
         return Jet(np.power(b, e))
     slope = e * np.power(b, e - 1) if node.exp != 1 else np.ones_like(b)
-    return _chain(base, np.power(b, e), slope, lambda: e * (e - 1) * np.power(b, e - 2))
+    return chain(base, np.power(b, e), slope, lambda: e * (e - 1) * np.power(b, e - 2))
 
 
 def _exp(_: Any, x: Jet) -> Jet:
     value = np.exp(x.value)
-    return _chain(x, value, value, lambda: value)
+    return chain(x, value, value, lambda: value)
 
 
 def _log(_: Any, x: Jet) -> Jet:
-    return _chain(x, np.log(x.value), 1 / x.value, lambda: -1 / np.square(x.value))
+    return chain(x, np.log(x.value), 1 / x.value, lambda: -1 / np.square(x.value))
 
 
 def _sin(_: Any, x: Jet) -> Jet:
-    return _chain(x, np.sin(x.value), np.cos(x.value), lambda: -np.sin(x.value))
+    return chain(x, np.sin(x.value), np.cos(x.value), lambda: -np.sin(x.value))
 
 
 def _cos(_: Any, x: Jet) -> Jet:
-    return _chain(x, np.cos(x.value), -np.sin(x.value), lambda: -np.cos(x.value))
+    return chain(x, np.cos(x.value), -np.sin(x.value), lambda: -np.cos(x.value))
 
 
 def _tan(_: Any, x: Jet) -> Jet:
     t = np.tan(x.value)
-    return _chain(x, t, 1 + t * t, lambda: 2 * t * (1 + t * t))
+    return chain(x, t, 1 + t * t, lambda: 2 * t * (1 + t * t))
 
 
 def _tanh(_: Any, x: Jet) -> Jet:
     t = np.tanh(x.value)
-    return _chain(x, t, 1 - t * t, lambda: -2 * t * (1 - t * t))
+    return chain(x, t, 1 - t * t, lambda: -2 * t * (1 - t * t))
 
 
 def _atan(_: Any, x: Jet) -> Jet:
     s = 1 / (1 + np.square(x.value))
-    return _chain(x, np.arctan(x.value), s, lambda: -2 * x.value * s * s)
+    return chain(x, np.arctan(x.value), s, lambda: -2 * x.value * s * s)
 
 
 def _asin(_: Any, x: Jet) -> Jet:
@@ -232,66 +207,45 @@ def _acos(_: Any, x: Jet) -> Jet:
 
 def _arc(x: Jet, value: Array, sense: float) -> Jet:
     s = sense / np.sqrt((1 - x.value) * (1 + x.value))
-    return _chain(x, value, s, lambda: x.value * s / ((1 - x.value) * (1 + x.value)))
+    return chain(x, value, s, lambda: x.value * s / ((1 - x.value) * (1 + x.value)))
 
 
 def _sinh(_: Any, x: Jet) -> Jet:
     value = np.sinh(x.value)
-    return _chain(x, value, np.cosh(x.value), lambda: value)
+    return chain(x, value, np.cosh(x.value), lambda: value)
 
 
 def _cosh(_: Any, x: Jet) -> Jet:
     value = np.cosh(x.value)
-    return _chain(x, value, np.sinh(x.value), lambda: value)
+    return chain(x, value, np.sinh(x.value), lambda: value)
 
 
 def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
     size = np.hypot(x.value, y.value)
     c, s = x.value / size, y.value / size  # nan at (0, 0)
-    gradient = _sum(_times(c / size, y.gradient), _times(-s / size, x.gradient))
+    gradient = added(times(c / size, y.gradient), times(-s / size, x.gradient))
     value = numpy_.TABLE[Atan2](node, y.value, x.value)
-    if (order := _order((y, x))) == 1:
+    if (order := least_order((y, x))) == 1:
         return Jet(value, gradient, None, 1)
-    hessian = _sum(_times(c / size, y.hessian), _times(-s / size, x.hessian))
+    hessian = added(times(c / size, y.hessian), times(-s / size, x.hessian))
     if gradient is not None:  # the angle turns as the size grows
-        growth = _sum(_times(c / size, x.gradient), _times(s / size, y.gradient))
+        growth = added(times(c / size, x.gradient), times(s / size, y.gradient))
         assert growth is not None
-        cross = _outer(gradient, growth)
-        hessian = _sum(hessian, -(cross + np.swapaxes(cross, 1, 2)))
+        cross = outer(gradient, growth)
+        hessian = added(hessian, -(cross + np.swapaxes(cross, 1, 2)))
     return Jet(value, gradient, hessian, order)
 
 
-def _eigmax(_: Any, *entries: Jet) -> Jet:
-    """n . (dA) n with the unit eigenvector n, and what its turning adds: squares over the gaps to the other eigenvalues."""
-    size = np.broadcast_shapes(*(a.value.shape for a in entries))
-    matrices = np.stack([np.stack([np.broadcast_to(a.value, size) for a in row], axis=-1) for row in rows(*entries)], axis=-2)
-    known = np.isfinite(matrices).all(axis=(-2, -1))
-    values, vectors = np.linalg.eigh(np.where(known[..., None, None], matrices, 0.0))
-    value = np.where(known, values[..., -1], np.nan)
-    n, order = vectors[..., -1], _order(entries)
-
-    def along(m: Array) -> Array | None:
-        """n . (dA) m."""
-        terms = [_times(n[..., i] * m[..., i], a.gradient) for i, a in enumerate(entries[:3])]
-        pairs = ((1, 2), (0, 2), (0, 1))
-        terms += [_times(n[..., i] * m[..., j] + n[..., j] * m[..., i], a.gradient) for (i, j), a in zip(pairs, entries[3:], strict=True)]
-        return reduce(_sum, terms)
-
-    gradient = along(n)
-    if gradient is None or order == 1:
-        return Jet(value, gradient, None, order)
-    weights = [n[..., 0] ** 2, n[..., 1] ** 2, n[..., 2] ** 2]
-    weights += [2 * n[..., i] * n[..., j] for i, j in ((1, 2), (0, 2), (0, 1))]
-    hessian = reduce(_sum, (_times(w, a.hessian) for w, a in zip(weights, entries, strict=True)))
-    for k in (0, 1):
-        turn = along(vectors[..., k])
-        assert turn is not None
-        hessian = _sum(hessian, _times(2 / (values[..., -1] - values[..., k]), _outer(turn, turn)))
-    return Jet(value, gradient, hessian, order)
+def _eigmax(_: Any, index: int, noted: _Notes, *entries: Jet) -> Jet:
+    return shifted_eigmax(index, noted.shifted, noted.shifts, entries)
 
 
 def _norm(_: Any, *args: Jet) -> Jet:
-    return _p_norm(2.0, reduce(np.hypot, [a.value for a in args], np.zeros(())), args)
+    return _p_norm(2.0, _length(args), args)
+
+
+def _norm_at_zero(_: Any, index: int, noted: _Notes, *args: Jet) -> Jet:
+    return shifted_norm(index, noted.shifted, noted.shifts, _p_norm(2.0, _length(args), args, turning=False), args, round=True)
 
 
 def _pnorm(_: Any, p: Jet, *args: Jet) -> Jet:
@@ -303,7 +257,15 @@ def _pnorm(_: Any, p: Jet, *args: Jet) -> Jet:
     return _p_norm(exponent, value, args)
 
 
-def _p_norm(p: float, value: Any, args: tuple[Jet, ...]) -> Jet:
+def _pnorm_at_zero(node: Any, index: int, noted: _Notes, p: Jet, *args: Jet) -> Jet:
+    return shifted_norm(index, noted.shifted, noted.shifts, _pnorm(node, p, *args), args, round=False)
+
+
+def _length(args: Sequence[Jet]) -> Any:
+    return reduce(np.hypot, [a.value for a in args], np.zeros(()))
+
+
+def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -> Jet:
     """(sum |a_i|^p)^(1/p) of value P: slopes (|a_i|/P)^(p-1), second derivatives by pairs, so that they keep their sign."""
     unit = np.where(value > 0.0, value, 1.0)
     shares = [np.minimum(np.abs(a.value) / unit, 1.0) for a in args]
@@ -311,45 +273,45 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...]) -> Jet:
     gradient: Array | None = None
     hessian: Array | None = None
     for a, slope in zip(args, slopes, strict=True):
-        gradient = _sum(gradient, _times(slope, a.gradient))
-        hessian = _sum(hessian, _times(slope, a.hessian))
-    if (order := _order(args)) == 1:
+        gradient = added(gradient, times(slope, a.gradient))
+        hessian = added(hessian, times(slope, a.hessian))
+    if (order := least_order(args)) == 1:
         return Jet(value, gradient, None, 1)
     signs = [np.where(a.value < 0, -1.0, 1.0) for a in args]
-    for i, j in combinations(range(len(args)), 2):
-        turn = _sum(_times(shares[j] * signs[i], args[i].gradient), _times(-shares[i] * signs[j], args[j].gradient))
+    for i, j in combinations(range(len(args)), 2) if turning else ():
+        turn = added(times(shares[j] * signs[i], args[i].gradient), times(-shares[i] * signs[j], args[j].gradient))
         if turn is None:
             continue
         weight = (p - 1) * np.power(np.maximum(shares[i], _TINY), p - 2) * np.power(np.maximum(shares[j], _TINY), p - 2) / unit
-        hessian = _sum(hessian, _times(np.where(value > 0.0, weight, 0.0), _outer(turn, turn)))
+        hessian = added(hessian, times(np.where(value > 0.0, weight, 0.0), outer(turn, turn)))
     return Jet(value, gradient, hessian, order)
 
 
-def _abs(_: Any, index: int, kinks: _Kinks, x: Jet) -> Jet:
-    side = kinks.choose(index, np.where(x.value < 0, -1, 1))
+def _abs(_: Any, index: int, noted: _Notes, x: Jet) -> Jet:
+    side = noted.choose(index, np.where(x.value < 0, -1, 1))
     return _chain_linear(x, side.astype(np.float64))
 
 
-def _ramp(node: Any, index: int, kinks: _Kinks, x: Jet) -> Jet:
+def _ramp(node: Any, index: int, noted: _Notes, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
     rising = x.value >= 0 if node.slope > 0 else x.value < 0
-    side = kinks.choose(index, rising)
+    side = noted.choose(index, rising)
     return _chain_linear(x, node.slope * side.astype(np.float64))
 
 
 def _chain_linear(x: Jet, slope: Array) -> Jet:
-    return Jet(slope * x.value, _times(slope, x.gradient), _times(slope, x.hessian), x.order)
+    return Jet(slope * x.value, times(slope, x.gradient), times(slope, x.hessian), x.order)
 
 
-def _extreme(node: Any, index: int, kinks: _Kinks, *args: Jet) -> Jet:
+def _extreme(node: Any, index: int, noted: _Notes, *args: Jet) -> Jet:
     sense = 1 if isinstance(node, sp.Max) else -1
-    values = np.broadcast_arrays(*(sense * a.value for a in args), kinks.taken[:, index])[:-1]
-    return _select(kinks.choose(index, np.argmax(np.stack(values), axis=0)), args)
+    values = np.broadcast_arrays(*(sense * a.value for a in args), noted.taken[:, index])[:-1]
+    return _select(noted.choose(index, np.argmax(np.stack(values), axis=0)), args)
 
 
-def _where(_: Any, index: int, kinks: _Kinks, condition: Jet, then: Jet, otherwise: Jet) -> Jet:
-    holds = np.broadcast_to(condition.value == 1.0, kinks.taken[:, index].shape)
-    return _select(kinks.choose(index, np.where(holds, 0, 1)), (then, otherwise))
+def _where(_: Any, index: int, noted: _Notes, condition: Jet, then: Jet, otherwise: Jet) -> Jet:
+    holds = np.broadcast_to(condition.value == 1.0, noted.taken[:, index].shape)
+    return _select(noted.choose(index, np.where(holds, 0, 1)), (then, otherwise))
 
 
 def _select(which: NDArray[Any], args: tuple[Jet, ...]) -> Jet:
@@ -367,7 +329,7 @@ def _select(which: NDArray[Any], args: tuple[Jet, ...]) -> Jet:
                 picked = np.where(which.reshape(shape) == i, part, picked)
         return picked
 
-    return Jet(value, chosen([a.gradient for a in args]), chosen([a.hessian for a in args]), _order(args))
+    return Jet(value, chosen([a.gradient for a in args]), chosen([a.hessian for a in args]), least_order(args))
 
 
 def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Jet]:
@@ -399,4 +361,6 @@ _SMOOTH: Table[Jet] = {
     sp.LessThan: _comparison(np.less_equal),
 }
 _KINKED: Table[Jet] = {sp.Abs: _abs, Pos: _ramp, Neg: _ramp, sp.Max: _extreme, sp.Min: _extreme, Where: _where}
+_AT_ZERO: Table[Jet] = {Norm: _norm_at_zero, PNorm: _pnorm_at_zero}
+_SHIFTED = (_eigmax, *_AT_ZERO.values())
 TABLE: Table[Jet] = {**_SMOOTH, **_KINKED}

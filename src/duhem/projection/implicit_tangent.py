@@ -12,10 +12,15 @@ the normals leave free, so that d sigma/d u is symmetric with eigenvalues in [0,
 
 from __future__ import annotations
 
+from dataclasses import dataclass, fields
+from functools import cache
 from itertools import product
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from duhem.expression import Where
 from duhem.expression.jets import Choices, JetProgram, formula
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
@@ -25,9 +30,11 @@ from duhem.projection.whitened_body import whitening
 __all__ = ["tangent"]
 
 _SMOOTH = 1e-8  # a slip this close to the normal of one piece is normal to it
-_BESIDE = 1e-6  # relative; pieces that hold this close to a corner may meet in it
+_BESIDE = 1e-6  # relative; pieces that hold this close to a corner may meet in it, and normals this close to a tip are its own
 _MEETS = 1e-9
 _INDEPENDENT = 1e-6  # a unit normal this close to the span of others lies in it
+_OTHER_WAYS = 8  # a force
+_TILT = 0.05
 _LITTLE = 1e-3  # of the push: sums of normals that are closer than this to the edge of their cone are on it
 
 
@@ -35,29 +42,53 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     """d sigma/d u (N, d, d) in Pa/m, and d sigma/d sigma_n (N, d) or None for a law without pressure.
 
     Where the projection has no derivative (a seam in the curvature, the edge of a normal cone) it is that of the pieces
-    that hold at the stress; nan at the tip of a cone, which has more normals than pieces, and where the solution failed.
+    that hold at the stress; nan where more normals meet than there are pieces (a tip whose cone of normals has the push on its
+    edge, an edge of equal eigenvalues), where a curvature is infinite, and where the solution failed.
     """
     n, d = solution.stress.shape
     law = increment.law
     names = (*law.force_symbols(), *([law.symbols()[law.pressure]] if law.pressure else []))
     stiffness, root = whitening(increment)
-    pieces = _Pieces(formula(increment.g, names, ()), root, law.pressure is not None)
+    pieces = _Pieces(formula(increment.g, names, (), strict=True), root, law.pressure is not None)
     slips = np.flatnonzero((solution.slip != 0.0).any(axis=1) & ~solution.failed)
     of_u, of_pressure = np.tile(increment.stiffness, (n, 1, 1)), np.zeros((n, d))
     of_u[slips], of_pressure[slips] = np.nan, np.nan
     point = np.concatenate([solution.stress, increment.pressure[:, None]], axis=1)[:, : len(names)]
     push = stiffness * (solution.slip @ root)  # s - u = sum lambda n, whitened
-    smooth = _only_one(pieces, point[slips], push[slips])
-    for at, choices, multipliers in [
-        (slips[smooth], None, np.linalg.norm(push[slips[smooth]], axis=1)[:, None]),
-        *(_meeting(pieces, point[i], push[i], i) for i in slips[~smooth]),
-    ]:
-        if at.size:
-            inner, load = pieces.rates(point[at], multipliers, choices)
-            half = np.sqrt(stiffness) * root
-            of_u[at], of_pressure[at] = half @ inner @ half.T, load @ root.T
+    length = np.linalg.norm(push, axis=1)
+    there = pieces.at(point[slips])
+    along = np.linalg.norm(push[slips] / length[slips, None] - there.normal, axis=1) <= _SMOOTH
+    smooth = along & np.isfinite(there.bend).all(axis=(1, 2))
+    if increment.g.has(Where):
+        smooth[smooth] = _holds_beside(pieces, point[slips[smooth]])
+    alone = there.only(smooth)
+    half = np.sqrt(stiffness) * root
+    rates = _rates(alone.normal[:, None], alone.rise[:, None], *alone.weighted(length[slips[smooth]]))
+    for at, found in [(slips[smooth], rates), *((i, _at_corner(pieces, point[i], push[i])) for i in slips[~smooth])]:
+        if found is not None:
+            of_u[at], of_pressure[at] = half @ found[0] @ half.T, found[1] @ root.T
     of_u[solution.failed], of_pressure[solution.failed] = np.nan, np.nan
     return (of_u + np.swapaxes(of_u, 1, 2)) / 2, of_pressure if law.pressure else None
+
+
+@dataclass(frozen=True)
+class _Normals:
+    """Of M pieces, over their slopes and whitened: level (M,), normal (M, d), Hessian, rates of level and normal with pressure."""
+
+    level: Array
+    normal: Array
+    bend: Array
+    rise: Array
+    turn: Array
+    choices: Choices
+
+    def only(self, which: Any) -> _Normals:
+        """Some of them."""
+        return _Normals(*(getattr(self, part.name)[which] for part in fields(self)))
+
+    def weighted(self, multipliers: Array) -> tuple[Array, Array]:
+        """lambda H (M, d, d) and lambda dn/d(sigma_n) (M, d)."""
+        return multipliers[:, None, None] * self.bend, multipliers[:, None] * self.turn
 
 
 class _Pieces:
@@ -66,8 +97,8 @@ class _Pieces:
     def __init__(self, g: JetProgram, root: Array, pressure: bool) -> None:
         self.g, self.root, self.pressure = g, root, pressure
 
-    def at(self, point: Array, choices: Choices | None = None) -> tuple[Array, Array, Array, Array, Array, Choices]:
-        """Level, unit normal, Hessian, and rates of level and normal with pressure, over the slope; and the piece."""
+    def at(self, point: Array, choices: Choices | None = None) -> _Normals:
+        """Those that hold at the points, or those that ``choices`` name."""
         jet, taken = self.g(point, (), choices)
         assert jet.gradient is not None and jet.hessian is not None
         d = len(self.root)
@@ -77,22 +108,22 @@ class _Pieces:
             bend = self.root.T @ jet.hessian[:, :d, :d] @ self.root / slope[:, None, None]
             turn = jet.hessian[:, :d, d] @ self.root if self.pressure else np.zeros_like(normal)
             rise = jet.gradient[:, d] if self.pressure else np.zeros_like(slope)
-            return jet.value / slope, normal / slope[:, None], bend, rise / slope, turn / slope[:, None], taken
+            return _Normals(jet.value / slope, normal / slope[:, None], bend, rise / slope, turn / slope[:, None], taken)
 
-    def rates(self, point: Array, multipliers: Array, choices: Choices | None) -> tuple[Array, Array]:
-        """d u/d s (M, d, d) and d u/d sigma_n (M, d), whitened, where J pieces press with ``multipliers`` (M, J)."""
-        count, d = multipliers.shape[1], len(self.root)
-        found = [self.at(point, None if choices is None else choices[:, j]) for j in range(count)]
-        normal = np.stack([f[1] for f in found], axis=1)
-        rise = np.stack([f[3] for f in found], axis=1)
-        bend = np.eye(d) + np.einsum("nj,njab->nab", multipliers, np.stack([f[2] for f in found], axis=1))
-        turn = np.einsum("nj,nja->na", multipliers, np.stack([f[4] for f in found], axis=1))
-        free = np.linalg.svd(normal, full_matrices=True)[2][:, count:]  # (M, d - J, d)
-        along = np.swapaxes(free, 1, 2)
-        inner = along @ _inverse(free @ bend @ along) @ free
-        across = -np.einsum("ndj,nj->nd", np.linalg.pinv(normal), rise)
-        load = across - np.einsum("nab,nb->na", inner, turn + np.einsum("nab,nb->na", bend, across))
-        return inner, load
+
+def _rates(normal: Array, rise: Array, bend: Array, turn: Array) -> tuple[Array, Array]:
+    """d u/d s (M, d, d) and d u/d sigma_n (M, d), whitened, where J pieces press with normals (M, J, d), rates of level ``rise`` (M, J).
+
+    ``bend`` (M, d, d) and ``turn`` (M, d) are the sums of their Hessians and of their normals' rates, times their multipliers.
+    """
+    count, d = normal.shape[1:]
+    bend = np.eye(d) + bend
+    free = np.linalg.svd(normal, full_matrices=True)[2][:, count:]  # (M, d - J, d)
+    along = np.swapaxes(free, 1, 2)
+    inner = along @ _inverse(free @ bend @ along) @ free
+    across = -np.einsum("ndj,nj->nd", np.linalg.pinv(normal), rise)
+    load = across - np.einsum("nab,nb->na", inner, turn + np.einsum("nab,nb->na", bend, across))
+    return inner, load
 
 
 def _inverse(bend: Array) -> Array:
@@ -103,37 +134,67 @@ def _inverse(bend: Array) -> Array:
     return np.where(sound, inverse, np.nan)
 
 
-def _only_one(pieces: _Pieces, point: Array, push: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Where the slip is normal to the piece that holds."""
-    normal = pieces.at(point)[1]
-    return np.asarray(np.linalg.norm(push / np.linalg.norm(push, axis=1)[:, None] - normal, axis=1) <= _SMOOTH)
-
-
-def _meeting(pieces: _Pieces, point: Array, push: Array, index: int) -> tuple[Array, Choices | None, Array]:
-    """The pieces that press at a corner, found around it, with their multipliers; the piece that holds if none fits."""
+def _holds_beside(pieces: _Pieces, point: Array) -> NDArray[np.bool_]:
+    """Whether the piece that holds at the point holds anywhere beside it (M,): a choice may give the value at a tip by itself."""
     d = len(pieces.root)
-    ways = np.array([w for w in product((-1.0, 0.0, 1.0), repeat=d) if any(w)]) if d <= 3 else np.vstack([np.eye(d), -np.eye(d)])
-    size = float(np.abs(point[:d]).max() or np.linalg.norm(push))
+    here, found = pieces.at(point).choices, np.zeros(len(point), dtype=np.bool_)
+    size = np.abs(point[:, :d]).max(axis=1, initial=0.0, keepdims=True)
+    for way in _ways(d):
+        beside = point.copy()
+        beside[:, :d] += _BESIDE * size * way
+        found |= (pieces.at(beside).choices == here).all(axis=1)
+    return found
+
+
+def _at_corner(pieces: _Pieces, point: Array, push: Array) -> tuple[Array, Array] | None:
+    """d u/d s (d, d) and d u/d sigma_n (d,) where several normals meet, looked for around the point; None if they do not tell.
+
+    Either smooth pieces meet, or all normals beside it are those of a tip, which stays where it is.
+    """
+    d, length = len(pieces.root), float(np.linalg.norm(push))
+    size = float(np.abs(point[:d]).max() or length)
+    ways = _ways(d)
     beside = np.tile(point, (len(ways), 1))
     beside[:, :d] += _BESIDE * size * ways
-    candidates = np.unique(pieces.at(beside)[5], axis=0)
-    level, normal, *_ = pieces.at(np.tile(point, (len(candidates), 1)), candidates)
-    candidates, normal = candidates[np.abs(level) <= _MEETS * size], normal[np.abs(level) <= _MEETS * size]
-    cone = HalfSpaces.around(push[None] / np.linalg.norm(push))
+    around = pieces.at(beside)
+    choices = np.unique(around.choices, axis=0)
+    there = pieces.at(np.tile(point, (len(choices), 1)), choices)
+    meeting = there.only((np.abs(there.level) <= _MEETS * size) & np.isfinite(there.bend).all(axis=(1, 2)))
+    tip = around.only(np.isfinite(around.normal).all(axis=1))
+    for normals, few in ((meeting, True), (tip, False)):
+        found = _pressing(normals.normal, push / length)
+        if found is not None and (few or len(found[0]) == d):
+            press = normals.only(found[0])
+            bend, turn = press.weighted(found[1] * length) if few else (np.zeros((1, d, d)), np.zeros((1, d)))
+            inner, load = _rates(press.normal[None], press.rise[None], bend.sum(axis=0)[None], turn.sum(axis=0)[None])
+            return inner[0], load[0]
+    return None
+
+
+@cache
+def _ways(d: int) -> Array:
+    """Directions (M, d) beside the axes and, for few forces, the diagonals, and others: none lies on a plane of symmetry."""
+    regular = np.array([w for w in product((-1.0, 0.0, 1.0), repeat=d) if any(w)]) if d <= 3 else np.vstack([np.eye(d), -np.eye(d)])
+    other = np.random.default_rng(0).standard_normal((len(regular) + _OTHER_WAYS * d, d))
+    other[: len(regular)] = regular + _TILT * other[: len(regular)]
+    return np.asarray(other / np.linalg.norm(other, axis=1)[:, None])
+
+
+def _pressing(normals: Array, push: Array) -> tuple[NDArray[np.intp], Array] | None:
+    """Which normals the push is a sum of, with their shares; and those with share 0 that hold too; None if it is no sum."""
+    cone = HalfSpaces.around(push[None])
     one = np.zeros(1, dtype=np.intp)
     placed: dict[int, int] = {}
-    for j in range(len(candidates)):
+    for j in range(len(normals)):
         slot = cone.free_slot(one)
         placed[int(slot[0])] = j
-        cone.add(one, slot, normal[j : j + 1], np.zeros(1))
-    pressing = [i for i in placed if cone.active[0, i] and cone.multipliers[0, i] > 0.0]
-    at = np.array([index])
-    if np.linalg.norm(cone.point) > _BESIDE:  # a tip with more normals than pieces
-        return at[:0], None, np.zeros((0, 1))
-    multipliers = cone.multipliers[0, pressing] * np.linalg.norm(push)
-    holds = [placed[i] for i in pressing]
-    more = _holding_too(normal, holds, push / np.linalg.norm(push))
-    return at, candidates[[*holds, *more]][None], np.append(multipliers, np.zeros(len(more)))[None]
+        cone.add(one, slot, normals[j : j + 1], np.zeros(1))
+    if np.linalg.norm(cone.point) > _BESIDE:
+        return None
+    slots = [i for i in placed if cone.active[0, i] and cone.multipliers[0, i] > 0.0]
+    holds = [placed[i] for i in slots]
+    more = _holding_too(normals, holds, push)
+    return np.array([*holds, *more], dtype=np.intp), np.append(cone.multipliers[0, slots], np.zeros(len(more)))
 
 
 def _holding_too(normals: Array, pressing: list[int], push: Array) -> list[int]:
