@@ -42,7 +42,7 @@ Choices = NDArray[np.int8]
 _TINY = 1e-120  # below this share of a norm an argument counts as this share: keeps |x|^(p-2) finite for p < 2
 
 
-class _Notes:
+class _Met:
     """What is noted during one evaluation: the pieces followed, those given or else those that hold, and the nodes with a shift."""
 
     def __init__(self, given: Choices | None, size: int, kinks: int, shifts: int) -> None:
@@ -70,7 +70,7 @@ class JetProgram:
         """Jet at ``forces`` (N, d) with the ``others`` (N,) fixed, and the piece followed at each kink (N, kinks)."""
         n, d = forces.shape
         size = d + self.shifts if second else d
-        noted = _Notes(choices, n, self.kinks, self.shifts)
+        noted = _Met(choices, n, self.kinks, self.shifts)
         unit = np.eye(size)
         order = 2 if second else 1
         given = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, size)), None, order) for i in range(d)]
@@ -116,11 +116,11 @@ def _compiled(expr: sp.Expr, order: tuple[sp.Symbol, ...], strict: bool) -> JetP
     return JetProgram(next(met), next(shifts), strict, recording)
 
 
-def _same(jet: Jet, _: _Notes) -> Jet:
+def _same(jet: Jet, _: _Met) -> Jet:
     return jet
 
 
-def _smooth(row: Callable[..., Jet], node: Any, _: _Notes, *arguments: Jet) -> Jet:
+def _smooth(row: Callable[..., Jet], node: Any, _: _Met, *arguments: Jet) -> Jet:
     return row(node, *arguments)
 
 
@@ -236,7 +236,7 @@ def _atan2(node: Any, y: Jet, x: Jet) -> Jet:
     return Jet(value, gradient, hessian, order)
 
 
-def _eigmax(_: Any, index: int, noted: _Notes, *entries: Jet) -> Jet:
+def _eigmax(_: Any, index: int, noted: _Met, *entries: Jet) -> Jet:
     return shifted_eigmax(index, noted.shifted, noted.shifts, entries)
 
 
@@ -244,7 +244,7 @@ def _norm(_: Any, *args: Jet) -> Jet:
     return _p_norm(2.0, _length(args), args)
 
 
-def _norm_at_zero(_: Any, index: int, noted: _Notes, *args: Jet) -> Jet:
+def _norm_at_zero(_: Any, index: int, noted: _Met, *args: Jet) -> Jet:
     return shifted_norm(index, noted.shifted, noted.shifts, _p_norm(2.0, _length(args), args, turning=False), args, round=True)
 
 
@@ -257,7 +257,7 @@ def _pnorm(_: Any, p: Jet, *args: Jet) -> Jet:
     return _p_norm(exponent, value, args)
 
 
-def _pnorm_at_zero(node: Any, index: int, noted: _Notes, p: Jet, *args: Jet) -> Jet:
+def _pnorm_at_zero(node: Any, index: int, noted: _Met, p: Jet, *args: Jet) -> Jet:
     return shifted_norm(index, noted.shifted, noted.shifts, _pnorm(node, p, *args), args, round=False)
 
 
@@ -287,12 +287,12 @@ def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -
     return Jet(value, gradient, hessian, order)
 
 
-def _abs(_: Any, index: int, noted: _Notes, x: Jet) -> Jet:
+def _abs(_: Any, index: int, noted: _Met, x: Jet) -> Jet:
     side = noted.choose(index, np.where(x.value < 0, -1, 1))
     return _chain_linear(x, side.astype(np.float64))
 
 
-def _ramp(node: Any, index: int, noted: _Notes, x: Jet) -> Jet:
+def _ramp(node: Any, index: int, noted: _Met, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
     rising = x.value >= 0 if node.slope > 0 else x.value < 0
     side = noted.choose(index, rising)
@@ -303,13 +303,13 @@ def _chain_linear(x: Jet, slope: Array) -> Jet:
     return Jet(slope * x.value, times(slope, x.gradient), times(slope, x.hessian), x.order)
 
 
-def _extreme(node: Any, index: int, noted: _Notes, *args: Jet) -> Jet:
+def _extreme(node: Any, index: int, noted: _Met, *args: Jet) -> Jet:
     sense = 1 if isinstance(node, sp.Max) else -1
     values = np.broadcast_arrays(*(sense * a.value for a in args), noted.taken[:, index])[:-1]
     return _select(noted.choose(index, np.argmax(np.stack(values), axis=0)), args)
 
 
-def _where(_: Any, index: int, noted: _Notes, condition: Jet, then: Jet, otherwise: Jet) -> Jet:
+def _where(_: Any, index: int, noted: _Met, condition: Jet, then: Jet, otherwise: Jet) -> Jet:
     holds = np.broadcast_to(condition.value == 1.0, noted.taken[:, index].shape)
     return _select(noted.choose(index, np.where(holds, 0, 1)), (then, otherwise))
 
