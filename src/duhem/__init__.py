@@ -17,12 +17,14 @@ __all__ = [
     "Derivation",
     "Domain",
     "DuhemError",
+    "Histories",
     "History",
     "Identification",
     "InputError",
     "MissingExtraError",
     "ParametricCriterion",
     "Path",
+    "Paths",
     "Projection",
     "Status",
     "Verdict",
@@ -48,7 +50,7 @@ if TYPE_CHECKING:
     from duhem.law.domain import POSITIVE, REAL, Domain
     from duhem.law.formula_law import Criterion, criterion
     from duhem.law.yield_surface import YieldSurface
-    from duhem.path import History, Path, simulate
+    from duhem.path import Histories, History, Path, Paths, simulate
     from duhem.projection.projector import project
     from duhem.projection.result import Projection, Status
     from duhem.proof.verdict import Verdict, Witness
@@ -63,7 +65,7 @@ _HOMES = {
     "law.domain": ("POSITIVE", "REAL", "Domain"),
     "law.formula_law": ("Criterion", "criterion"),
     "law.yield_surface": ("YieldSurface",),
-    "path": ("History", "Path", "simulate"),
+    "path": ("Histories", "History", "Path", "Paths", "simulate"),
     "projection.projector": ("project",),
     "projection.result": ("Projection", "Status"),
     "proof.verdict": ("Verdict", "Witness"),

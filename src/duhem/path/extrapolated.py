@@ -14,8 +14,9 @@ from duhem.path.implicit import energies, single
 from duhem.path.ledger import Ledger
 from duhem.path.plan import Plan, times
 from duhem.path.prepared_projection import closest
+from duhem.projection.result import Array
 
-__all__ = ["advance", "why"]
+__all__ = ["advance", "sums_of", "why"]
 
 _MOST_AHEAD = 4096
 
@@ -51,17 +52,22 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
             before = ledger.stress[ledger.done - 1]
             d1, d2 = u[row - 1] - u[row - 2], u[row] - u[row - 1]
             du = u[row] - u[row - 2]
-            whole, slip0, lambda0 = single(at, before + k @ du, row)
-            middle, slip1, lambda1 = single(at, before + k @ d1, row - 1)
-            halves, slip2, lambda2 = single(at, middle + k @ d2, row)
+            whole, slip0, lambda0 = single(at, before + times(du, k), row)
+            middle, slip1, lambda1 = single(at, before + times(d1, k), row - 1)
+            halves, slip2, lambda2 = single(at, middle + times(d2, k), row)
             stress, _, _ = single(at, 2.0 * halves - whole, row)
             one = np.array([lambda0, *energies(k, whole, slip0, du)])
             two = np.array([lambda1 + lambda2, 0.0, 0.0, 0.0])
             two[1:] = np.add(energies(k, middle, slip1, d1), energies(k, halves, slip2, d2))
-            sums = np.where(2.0 * two >= one, 2.0 * two - one, two)
-            sums[2] = 2.0 * two[2] - one[2]  # work has either sign
-            gains = (float(sums[0]), float(sums[1]), float(sums[2]), float(sums[3]))
-            ledger.step(plan, stress, du - times(stress - before, c), gains)
+            gains = sums_of(one, two).tolist()
+            ledger.step(plan, stress, du - times(stress - before, c), (gains[0], gains[1], gains[2], gains[3]))
             anchor = ledger.done - 1
         ahead = 1 if slips.size else min(2 * ahead, _MOST_AHEAD)
         yield ledger.done
+
+
+def sums_of(one: Array, two: Array) -> Array:
+    """Multiplier, dissipation, work and loss (4, ...) extrapolated from one step and two; no less than zero but for the work."""
+    sums = np.where(2.0 * two >= one, 2.0 * two - one, two)
+    sums[2] = 2.0 * two[2] - one[2]  # work has either sign
+    return sums

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from duhem.path.ledger import Ledger
-from duhem.path.plan import Plan, times
+from duhem.path.plan import Plan, energy, inner, times
 from duhem.path.prepared_projection import Closest, closest
 from duhem.projection.result import Array
 
@@ -46,17 +46,16 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
         if slips.size:
             i = first + free
             du = values[i] - values[i - 1]
-            gains = (float(multiplier[free]), *energies(k, stress[free], slip[free], du))
-            ledger.step(plan, stress[free], slip[free], gains)
+            lost, work, numerical = map(float, energies(k, stress[free], slip[free], du))
+            ledger.step(plan, stress[free], slip[free], (float(multiplier[free]), lost, work, numerical))
             anchor = i
         ahead = 1 if slips.size else min(2 * ahead, _MOST_AHEAD)
         yield ledger.done
 
 
-def energies(k: Array, stress: Array, slip: Array, du: Array) -> tuple[float, float, float]:
-    """Dissipation sigma . du_in, work sigma . du and du_e . k du_e / 2 of one implicit step, in Pa m."""
-    elastic = du - slip
-    return float(stress @ slip), float(stress @ du), float(0.5 * elastic @ k @ elastic)
+def energies(k: Array, stress: Array, slip: Array, du: Array) -> tuple[Array, Array, Array]:
+    """Dissipation sigma . du_in, work sigma . du and du_e . k du_e / 2 of implicit steps, a row each, in Pa m."""
+    return inner(stress, slip), inner(stress, du), energy(du - slip, k)
 
 
 def single(at: Closest, trial: Array, row: int) -> tuple[Array, Array, float]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from duhem.path.history import History
-from duhem.path.plan import Plan, times
+from duhem.path.plan import Plan, inner, times
 from duhem.projection.result import Array
 
 __all__ = ["Ledger"]
@@ -50,7 +50,7 @@ class Ledger:
         block, i = slice(first, last), first - 1
         before = np.vstack([self.stress[i], stress[:-1]])
         self.stress[block], self.slip[block], self.psi[block] = stress, self.slip[i], plan.psi(stress)
-        gained = (0.5 * (before + stress) * times(stress - before, plan.compliance)).sum(axis=1)
+        gained = inner(0.5 * (before + stress), times(stress - before, plan.compliance))
         self.work[block] = np.cumsum(np.concatenate([self.work[i : i + 1], gained]))[1:]
         self.balance[block] = gained - np.diff(self.psi[i:last])
         for sums in (self.multiplier, self.dissipation, self.numerical):

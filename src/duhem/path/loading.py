@@ -16,7 +16,7 @@ from duhem.expression.spelling import spelled
 from duhem.path.table_file import MOST_NUMBERS, read_table
 from duhem.projection.result import Array
 
-__all__ = ["CONTROLS", "Arc", "Control", "Path"]
+__all__ = ["CONTROLS", "Arc", "Control", "Path", "between", "checked_count", "given_numbers"]
 
 Control = Literal["displacement", "stress"]
 CONTROLS: tuple[Control, ...] = ("displacement", "stress")
@@ -63,13 +63,13 @@ class Path:
         """Straight from point to point: ``points`` (m, d), or (m,) for one force; ``pressure`` one number or (m,)."""
         if control not in CONTROLS:
             raise InputError(f"unknown control {control!r}", where="path", remedy=f"choose {' or '.join(CONTROLS)}")
-        values = _numbers(unlabelled(points, "points", "give its columns as an array, in the order of the forces"), "points")
+        values = given_numbers(unlabelled(points, "points", "give its columns as an array, in the order of the forces"), "points")
         values = values[:, None] if values.ndim == 1 else values
         if values.ndim != 2 or len(values) < 2 or not values.shape[1]:
             raise InputError(f"points has the shape {np.shape(points)}", where="path", remedy="give (m, d) with at least two rows")
         m = len(values)
         _check_size(m, values.shape[1], "points")
-        times = np.arange(m, dtype=np.float64) if time is None else _numbers(time, "time")
+        times = np.arange(m, dtype=np.float64) if time is None else given_numbers(time, "time")
         if times.shape != (m,):
             raise InputError(f"time has the shape {times.shape} for {m} points", where="path", remedy="give one time a point")
         if (back := np.flatnonzero(np.diff(times) <= 0.0)).size:
@@ -88,12 +88,12 @@ class Path:
         control: Control = "displacement",
     ) -> Path:
         """0, then ``cycles`` times from mean + amplitude to mean - amplitude and back: ``amplitude`` (d,) or a number."""
-        swing = np.atleast_1d(_numbers(amplitude, "amplitude"))
-        middle = _numbers(mean, "mean")
+        swing = np.atleast_1d(given_numbers(amplitude, "amplitude"))
+        middle = given_numbers(mean, "mean")
         if swing.ndim != 1 or middle.shape not in ((), swing.shape):
             what = f"amplitude has the shape {swing.shape}, mean {middle.shape}"
             raise InputError(what, where="path", remedy="give one number a force in each")
-        _count(cycles, "cycles", 1)
+        checked_count(cycles, "cycles", 1)
         _check_size(2 * cycles + 2, swing.size, "cycles")
         with np.errstate(all="ignore"):  # what is not finite is found
             corners = [np.zeros_like(swing), middle + swing, *[middle - swing, middle + swing] * cycles]
@@ -115,7 +115,7 @@ class Path:
 
         ``chords`` makes it the polygon of its knots instead.
         """
-        _count(points, "points", 1)
+        checked_count(points, "points", 1)
         size, rounds, first = _number(radius, "radius"), _number(turns, "turns"), _number(start, "start")
         if not (size > 0.0 and rounds != 0.0):
             raise InputError("radius, turns and start make no circle", where="path", remedy="give a radius > 0 and turns other than 0")
@@ -123,7 +123,7 @@ class Path:
             raise InputError(f"chords = {str(chords)[:40]!r}", where="path", remedy="give true or false")
         _check_size(abs(rounds) * points + 1.0, 2, "turns")
         steps = max(1, round(abs(rounds) * points))
-        middle = _numbers(centre, "centre")
+        middle = given_numbers(centre, "centre")
         if middle.shape != (2,):
             raise InputError(f"centre has the shape {middle.shape}", where="path", remedy="give two numbers")
         with np.errstate(all="ignore"):  # what is not finite is found
@@ -138,11 +138,11 @@ class Path:
 
         ``pressure`` as in :meth:`linear`, or a pair (least, greatest) to draw each knot's from.
         """
-        _count(points, "points", 1)
-        _count(dimension, "dimension", 1)
-        _count(seed, "seed", 0, 2**63 - 1)
+        checked_count(points, "points", 1)
+        checked_count(dimension, "dimension", 1)
+        checked_count(seed, "seed", 0, 2**63 - 1)
         _check_size(points + 1, dimension, "points")
-        size, load = _numbers(scale, "scale"), None if pressure is None else _numbers(pressure, "pressure")
+        size, load = given_numbers(scale, "scale"), None if pressure is None else given_numbers(pressure, "pressure")
         if size.shape not in ((), (dimension,)):
             raise InputError(f"scale has the shape {size.shape}", where="path", remedy=f"give one number or {dimension}")
         draw = np.random.default_rng(seed)
@@ -184,16 +184,16 @@ class Path:
 
     def refined(self, substeps: int) -> Path:
         """The same path with every step cut into ``substeps`` equal ones."""
-        _count(substeps, "substeps", 1)
+        checked_count(substeps, "substeps", 1)
         if substeps == 1:
             return self
         _check_size((len(self.time) - 1) * substeps + 1, self.values.shape[1], "substeps")
-        time, values = _between(self.time, substeps), _between(self.values, substeps)
-        arc = None if self.arc is None else replace(self.arc, angle=_between(self.arc.angle, substeps))
+        time, values = between(self.time, substeps), between(self.values, substeps)
+        arc = None if self.arc is None else replace(self.arc, angle=between(self.arc.angle, substeps))
         if arc is not None:
             values = arc.at(arc.angle)
             values[::substeps] = self.values
-        pressure = None if self.pressure is None else _between(self.pressure, substeps)
+        pressure = None if self.pressure is None else between(self.pressure, substeps)
         return replace(self, time=time, values=values, pressure=pressure, arc=arc)
 
     def between(self, step: int, part: float) -> tuple[float, Array, float]:
@@ -211,14 +211,15 @@ class Path:
         return self.pressure is None or bool((self.pressure == self.pressure[0]).all())
 
 
-def _between(knots: Array, n: int) -> Array:
+def between(knots: Array, n: int) -> Array:
     """Each interval cut into n; the knots themselves stay as they are to the last bit."""
     part = (np.arange(n) / n).reshape((1, n) + (1,) * (knots.ndim - 1))
     inner = knots[:-1, None] + part * (knots[1:] - knots[:-1])[:, None]
     return np.concatenate([inner.reshape(-1, *knots.shape[1:]), knots[-1:]])
 
 
-def _numbers(given: Any, what: str) -> Array:
+def given_numbers(given: Any, what: str) -> Array:
+    """Finite doubles; InputError names the first entry that is none."""
     try:
         raw = np.asarray(unmasked(given, what))
         if raw.dtype.kind not in "iuf":
@@ -235,7 +236,7 @@ def _numbers(given: Any, what: str) -> Array:
 
 
 def _number(given: Any, what: str) -> float:
-    array = _numbers(given, what)
+    array = given_numbers(given, what)
     if array.ndim:
         raise InputError(f"{what} has the shape {array.shape}", where="path", remedy="give one number")
     return float(array)
@@ -244,7 +245,7 @@ def _number(given: Any, what: str) -> float:
 def _pressure(given: ArrayLike | None, m: int) -> Array | None:
     if given is None:
         return None
-    array = _numbers(given, "pressure")
+    array = given_numbers(given, "pressure")
     if array.shape not in ((), (m,)):
         raise InputError(f"pressure has the shape {array.shape} for {m} points", where="path", remedy="give one number, or one a point")
     if (bad := np.flatnonzero(np.atleast_1d(array) > 0.0)).size:
@@ -255,7 +256,8 @@ def _pressure(given: ArrayLike | None, m: int) -> Array | None:
     return np.array(np.broadcast_to(array, (m,)))
 
 
-def _count(given: Any, what: str, least: int, most: int = MOST_NUMBERS) -> None:
+def checked_count(given: Any, what: str, least: int, most: int = MOST_NUMBERS) -> None:
+    """InputError for what is no whole number from ``least`` to ``most``."""
     whole = isinstance(given, (int, np.integer)) and not isinstance(given, bool)
     if not whole or not least <= given <= most:
         shown = repr(given)[:60] if not whole or abs(given) < 10**60 else "a number of more than 60 digits"

@@ -18,7 +18,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import increment as checked
 
-__all__ = ["Plan", "times"]
+__all__ = ["Plan", "energy", "inner", "times"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,17 @@ class Plan:
 
     def psi(self, stress: Array) -> Array:
         """sigma . k^-1 sigma / 2 of each row, in Pa m."""
-        return np.asarray(0.5 * (stress * times(stress, self.compliance)).sum(axis=-1))
+        return energy(stress, self.compliance)
+
+
+def energy(rows: Array, matrix: Array) -> Array:
+    """rows . matrix rows / 2 of each row."""
+    return 0.5 * inner(rows, times(rows, matrix))
+
+
+def inner(rows: Array, others: Array) -> Array:
+    """The inner product of each row with its other, added from the first entry on, however many rows there are."""
+    return np.asarray(sum(rows[..., j] * others[..., j] for j in range(rows.shape[-1])))
 
 
 def times(rows: Array, matrix: Array) -> Array:

@@ -16,9 +16,9 @@ from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, Array, Status
 
-__all__ = ["Closest", "Numbers", "closest", "numbers"]
+__all__ = ["LOST", "Closest", "Numbers", "closest", "numbers"]
 
-_LOST = (Status.INACCURATE, Status.FAILED)
+LOST = (Status.INACCURATE, Status.FAILED)
 
 Rows = NDArray[np.intp]
 Answer = tuple[Array, Array, Array]  # stress (n, d), slip (n, d), multiplier (n,)
@@ -106,7 +106,7 @@ def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
         found = prepared.at(replace(prepared.setting, trial=trial, pressure=increment.pressure[rows]))
         slips = np.flatnonzero((found.slip != 0.0).any(axis=1) | (found.multiplier > 0.0))
         read = slips[0] + 1 if slips.size else len(rows)  # a run takes a block no further than its first slip
-        if (lost := np.flatnonzero(np.isin(found.status[:read], _LOST))).size:
+        if (lost := np.flatnonzero(np.isin(found.status[:read], LOST))).size:
             row, status = int(rows[lost[0]]), Status(int(found.status[lost[0]])).name.lower()
             what, remedy = f"the closest point under method {found.method} is {status}", "take another projection, or smaller steps"
             if found.residuals.stationary_only()[lost[0]]:

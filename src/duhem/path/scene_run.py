@@ -44,6 +44,7 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
     try:
         history = scene.run(start, on_step)
     except Interrupted as stop:
+        assert isinstance(stop.history, History)  # of one path
         steps = (len(scene.path.time) - 1) * scene.substeps
         done = f"interrupted after {len(stop.history) - 1} of {steps} steps"
         if table is None:

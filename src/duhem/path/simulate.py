@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,10 +12,14 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.expression.given_array import in_order
 from duhem.law.formula_law import Criterion
+from duhem.path.batch import Batch
+from duhem.path.batch_run import TOLERANCE, histories
+from duhem.path.histories import Histories
 from duhem.path.history import History
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
-from duhem.path.loading import Path
+from duhem.path.loading import Path, checked_count
+from duhem.path.paths import Paths
 from duhem.path.plan import Plan
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.projector import project
@@ -23,15 +27,19 @@ from duhem.projection.result import Array
 
 __all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "simulate"]
 
-_TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
+_MOST_THREADS = 256
 
 
 class Interrupted(KeyboardInterrupt):
-    """A run that was stopped; ``history`` is what was done, from which :func:`simulate` goes on."""
+    """A run that was stopped; ``history`` is what was done, from which :func:`simulate` goes on.
 
-    def __init__(self, history: History) -> None:
+    Of many points it is the :class:`Histories` of those that are done, none of which may be there yet.
+    """
+
+    def __init__(self, history: History | Histories | None) -> None:
         self.history = history
-        super().__init__(f"interrupted after {len(history) - 1} steps")
+        done = f"{len(history) - 1} steps" if isinstance(history, History) else f"{0 if history is None else len(history)} points"
+        super().__init__(f"interrupted after {done}")
 
 
 class LeftPrecision(InputError):
@@ -58,9 +66,21 @@ class LeftDomain(InputError):
         )
 
 
+@overload
+def simulate(
+    law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
+    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
+    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ...,
+) -> History: ...  # fmt: skip
+@overload
+def simulate(
+    law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
+    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
+    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ...,
+) -> Histories: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
-    path: Path,
+    path: Path | Paths,
     *,
     stiffness: ArrayLike,
     parameters: Mapping[str, Any] | None = None,
@@ -70,7 +90,9 @@ def simulate(
     stress: ArrayLike | None = None,
     start: History | None = None,
     on_step: Callable[[int, int], None] | None = None,
-) -> History:
+    keep: int | str = 1,
+    threads: int = 1,
+) -> History | Histories:
     """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
 
     ``stiffness`` k in Pa/m: a number, (d,) or symmetric positive definite (d, d); ``parameters`` a number for each the law
@@ -85,6 +107,12 @@ def simulate(
     cannot be used, for a pressure outside the range that the law declares too; :class:`LeftPrecision` and :class:`LeftDomain`,
     both InputErrors, where numbers grow beyond double precision and where the stress at the end of a step lies outside a declared
     range; and :class:`Interrupted`, a KeyboardInterrupt, all three with the part that is done.
+
+    Many points: ``path`` is :class:`Paths`, each of ``parameters`` a number or one a point (N,), ``stress`` (d,) or (N, d), and
+    what comes back :class:`Histories`.  The numbers of a point are those of its path by itself, and a point that cannot go on has a
+    status that says so, where one path by itself raises.  ``keep`` is every how many knots are kept of each path, or ``"last"``:
+    N points with r kept knots take 8 N r (3 d + 7) bytes, 2 GiB at most, and the work some 100 MiB a thread besides.
+    ``threads`` share the work and change no number; ``on_step`` hears of points.  ``exact`` takes one point after the other.
     """
     if not isinstance(method, str) or method not in INTEGRATORS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
@@ -92,6 +120,15 @@ def simulate(
         raise InputError(f"{type(start).__name__} is no history", where="start", remedy="give what an interrupted run left")
     if on_step is not None and not callable(on_step):
         raise InputError(f"{type(on_step).__name__} cannot be called", where="on_step", remedy="give a function of (done, all)")
+    checked_count(threads, "threads", 1, _MOST_THREADS)
+    if isinstance(path, Paths):
+        if start is not None:
+            raise InputError("a run of many points has no start to go on from", where="start", remedy="run the points that are left")
+        given: dict[str, Any] = {"stiffness": stiffness, "parameters": parameters, "projection": projection}
+        batch = Batch.of(law, path, **given, substeps=substeps, stress=stress, keep=keep)
+        return _many(batch, method, threads, on_step)
+    if keep != 1:
+        raise InputError("keep is for many points", where="keep", remedy="leave it out, or give Paths")
     plan = Plan.of(law, path, stiffness=stiffness, parameters=parameters, projection=projection, substeps=substeps)
     if plan.path.control == "stress":
         with np.errstate(all="ignore"):  # what is not finite is found
@@ -113,6 +150,17 @@ def simulate(
     except ArithmeticError:
         raise LeftPrecision(ledger.finite().history(plan, method, why), float(plan.path.time[ledger.done])) from None
     return _whole(ledger, plan, method, why)
+
+
+def _many(batch: Batch, method: str, threads: int, on_step: Callable[[int, int], None] | None) -> Histories:
+    done: Histories | None = None
+    try:
+        for part in histories(batch, method, threads, on_step):
+            done = part
+    except KeyboardInterrupt:
+        raise Interrupted(done) from None
+    assert done is not None  # there is at least one block
+    return done
 
 
 def _next(rows: Iterator[int]) -> int | None:
@@ -137,7 +185,7 @@ def _inside(plan: Plan, stress: Array, rows: slice) -> int | None:
     pressure = None if question.law.pressure is None else question.pressure[rows]
     found = project(question.law, stress, pressure, plan.stiffness, question.parameters, method=plan.projection)
     size = np.maximum(np.abs(stress).max(axis=1), np.abs(found.stress).max(axis=1))
-    outside = np.flatnonzero(~(np.abs(found.stress - stress).max(axis=1) <= _TOLERANCE * size))
+    outside = np.flatnonzero(~(np.abs(found.stress - stress).max(axis=1) <= TOLERANCE * size))
     return int(outside[0]) if outside.size else None
 
 

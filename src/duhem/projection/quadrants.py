@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import lru_cache
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from duhem.projection.quarter_ellipse import formulas
 from duhem.projection.result import Array
 
-__all__ = ["BLOCK", "CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project"]
+__all__ = ["BLOCK", "CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project", "stacked"]
 
 BLOCK = 16_384
 _FORMULAS = formulas()
@@ -102,14 +102,32 @@ def _parts(x: Fraction) -> tuple[float, int]:
     return float(x / Fraction(2) ** power), power
 
 
-def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
+def stacked(each: Sequence[Quarters]) -> Quarters:
+    """Several quarters under each other, for points that have different ones: see ``own`` of :func:`project`."""
+    first, *others = each
+    if not others:
+        return first
+    rows = {field.name: np.concatenate([getattr(q, field.name) for q in each]) for field in fields(Quarters) if field.name != "stiffness"}
+    return Quarters(**rows, stiffness=first.stiffness)
+
+
+def project(
+    trial: Array,
+    load: Array,
+    quarters: Quarters,
+    stress: Array,
+    slip: Array,
+    multiplier: Array,
+    own: NDArray[np.intp] | None = None,
+) -> None:
     """Fill ``stress`` (n, 2), ``slip`` (n, 2) and ``multiplier`` (n,) of the gauge for one block of trial stresses.
 
     ``load`` (n,) >= 0, in the unit of the stresses.  Points inside keep their trial stress, slip and multiplier zero.
+    ``own`` (n,) says which of several :func:`stacked` quarters is that of each point.
     The multiplier is nan where a number of the slip or the stress has left the range of a float.
     """
     with np.errstate(all="ignore"):
-        _project(trial, load, quarters, stress, slip, multiplier)
+        _project(trial, load, quarters, stress, slip, multiplier, own)
 
 
 def _exponents(trial: Array, load: Array) -> NDArray[np.intc] | None:
@@ -119,10 +137,14 @@ def _exponents(trial: Array, load: Array) -> NDArray[np.intc] | None:
     return None
 
 
-def _project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array) -> None:
+def _project(
+    trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array, own: NDArray[np.intp] | None
+) -> None:
     stress[:], slip[:], multiplier[:] = trial, 0.0, 0.0
     negative = trial < 0.0
     quadrant = negative[:, 0] + 2 * negative[:, 1]
+    if own is not None:
+        quadrant += 4 * own
     scale = _exponents(trial, load)
     scaled, e = (trial, load) if scale is None else (np.ldexp(trial, -scale[:, None]), np.ldexp(load, -scale))
     p = scaled * (1.0 / quarters.mu).take(quadrant, axis=0)

@@ -1,0 +1,169 @@
+"""The checked question of a run of many points, and the blocks in which it is answered."""
+
+from __future__ import annotations
+
+import pathlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.errors import InputError
+from duhem.expression.given_array import in_order
+from duhem.law.catalogue import load_formula
+from duhem.law.domain import by_name
+from duhem.law.formula_law import Criterion
+from duhem.path.loading import checked_count, given_numbers
+from duhem.path.paths import Paths
+from duhem.projection.increment import Increment
+from duhem.projection.result import Array
+from duhem.projection.validation import posed, setting
+
+__all__ = ["Batch", "Share"]
+
+_POINTS = 4032  # of a block: their states stay in the second cache, and a whole number of the compiled kernel's chunks
+_NUMBERS = 1 << 25  # that a block holds of its own paths and results: 256 MiB
+
+
+@dataclass(frozen=True, eq=False)
+class Share:
+    """Some points of a batch, in memory: their paths with all substeps, the parameter sets they have, and which each has."""
+
+    paths: Paths
+    members: tuple[Increment, ...]
+    own: NDArray[np.intp]
+    stress: Array
+    compliance: Array
+
+    def __len__(self) -> int:
+        return len(self.own)
+
+    def pressure(self, knot: int) -> Array:
+        """The pressure of each point at a knot (n,), zeros for a law without."""
+        load = self.paths.pressure
+        if load is None:
+            return np.zeros(len(self))
+        return np.broadcast_to(load[:, knot if load.shape[1] > 1 else 0], (len(self),))
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """A law with numbers in place for each of N points, and their paths.
+
+    ``members`` are the distinct sets of parameters as checked questions, ``own`` (N,) which one each point has; ``stress``
+    (N, d) or (1, d) at the first knot in Pa; ``knots`` (r,) those that are kept.
+    """
+
+    paths: Paths
+    substeps: int
+    members: tuple[Increment, ...]
+    own: NDArray[np.intp]
+    stress: Array
+    knots: NDArray[np.intp]
+    projection: str
+    compliance: Array
+
+    @classmethod
+    def of(
+        cls,
+        law: Criterion | str | pathlib.Path,
+        paths: Paths,
+        *,
+        stiffness: ArrayLike,
+        parameters: Mapping[str, Any] | None,
+        projection: str,
+        substeps: int,
+        stress: ArrayLike | None,
+        keep: int | str,
+    ) -> Batch:
+        """What :func:`duhem.simulate` is given with :class:`Paths`, checked; InputError for what does not fit."""
+        known, n = load_formula(law), len(paths)
+        d = len(known.forces)
+        if paths.values.shape[2] != d:
+            what = f"the paths have {paths.values.shape[2]} columns and {known.name} the {d} forces {', '.join(known.forces)}"
+            raise InputError(what, where="paths", remedy="give one column for each force")
+        members, own = _members(known, stiffness, parameters, n)
+        load = paths.pressure
+        ends = None if load is None else np.array([load.min(), load.max()])
+        posed(members[0], np.zeros((1, d)), ends)
+        checked_count(substeps, "substeps", 1)
+        batch = cls(
+            paths=paths,
+            substeps=substeps,
+            members=members,
+            own=own,
+            stress=_start(known, stress, n),
+            knots=_kept(keep, (len(paths.time) - 1) * substeps),
+            projection=projection,
+            compliance=np.asarray(np.linalg.inv(members[0].stiffness)),
+        )
+        return batch
+
+    @property
+    def law(self) -> Criterion:
+        return self.members[0].law
+
+    @property
+    def steps(self) -> int:
+        """Of each point."""
+        return (len(self.paths.time) - 1) * self.substeps
+
+    @property
+    def numbers(self) -> int:
+        """How many are kept of each point."""
+        return len(self.knots) * (3 * len(self.law.forces) + 7)
+
+    def blocks(self) -> list[tuple[int, int]]:
+        """First and last point of each block: by the size of the question alone, so that no number depends on who computes it."""
+        held = self.numbers + (0 if self.paths.alike else (self.steps + 1) * (len(self.law.forces) + 4))
+        each = max(1, min(_POINTS, _NUMBERS // held))
+        return [(first, min(first + each, len(self.own))) for first in range(0, len(self.own), each)]
+
+    def block(self, first: int, last: int, halves: int = 1) -> Share:
+        """The points from ``first`` to before ``last``; each step of their paths in ``halves`` parts."""
+        used, own = np.unique(self.own[first:last], return_inverse=True)
+        return Share(
+            paths=self.paths.part(first, last).refined(self.substeps).refined(halves),
+            members=tuple(self.members[i] for i in used),
+            own=own,
+            stress=np.broadcast_to(self.stress if len(self.stress) == 1 else self.stress[first:last], (last - first, self.stress.shape[1])),
+            compliance=self.compliance,
+        )
+
+
+def _members(
+    law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None, n: int
+) -> tuple[tuple[Increment, ...], NDArray[np.intp]]:
+    """The checked question of each distinct set of parameters, and which set each of the ``n`` points has."""
+    given = dict(by_name(parameters))
+    each = {name: given_numbers(value, name) for name, value in given.items() if np.ndim(value)}
+    if wrong := next((name for name, array in each.items() if array.shape != (n,)), None):
+        what = f"{wrong} has the shape {each[wrong].shape} for {n} points"
+        raise InputError(what, where=f"parameter {wrong}", remedy=f"give one number, or ({n},)")
+    if not each:
+        return (setting(law, stiffness, given),), np.zeros(n, dtype=np.intp)
+    sets, own = np.unique(np.stack(list(each.values()), axis=1), axis=0, return_inverse=True)
+    first = setting(law, stiffness, given | dict(zip(each, sets[0].tolist(), strict=True)))
+    others = (setting(law, first.stiffness, given | dict(zip(each, row, strict=True))) for row in sets[1:].tolist())
+    return (first, *others), own.reshape(n)
+
+
+def _start(law: Criterion, given: ArrayLike | None, n: int) -> Array:
+    d = len(law.forces)
+    if given is None:
+        return np.zeros((1, d))
+    stress = given_numbers(in_order(given, law.forces, "stress"), "stress")
+    if stress.shape not in ((d,), (n, d)):
+        raise InputError(f"stress has the shape {stress.shape}", where="stress", remedy=f"give ({d},) or ({n}, {d})")
+    return stress.reshape(-1, d)
+
+
+def _kept(keep: int | str, steps: int) -> NDArray[np.intp]:
+    if keep == "last":
+        return np.array([0, steps])
+    if isinstance(keep, str):
+        raise InputError(f"keep = {keep[:40]!r}", where="keep", remedy='give every how many knots are kept, or "last"')
+    checked_count(keep, "keep", 1)
+    return np.unique(np.append(np.arange(0, steps + 1, keep), steps))

@@ -1,0 +1,127 @@
+"""The closest points of many points at a knot of their paths, each with the numbers of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.law.shapes import Disk, Interval
+from duhem.path.batch import Share
+from duhem.path.prepared_projection import LOST, numbers
+from duhem.projection import quadrants
+from duhem.projection.projector import Projector
+from duhem.projection.result import Array, Status
+
+__all__ = ["BatchClosest", "ShapeNumbers", "closest_points", "shape_numbers"]
+
+Which = NDArray[np.intp]
+Found = tuple[Array, Array, Array, NDArray[np.int8]]  # stress (n, d), slip (n, d), multiplier (n,), status where it is lost, else 0
+BatchClosest = Callable[[Array, int, Which], Found]
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeNumbers:
+    """The declared shape of each point's K along its path.
+
+    ``coefficients`` (members, 2 or 4); ``load``, ``share`` (n, m) and ``centre`` (n, m, d), with one row or one column where
+    all are alike, as in :class:`duhem.path.prepared_projection.Numbers`.
+    """
+
+    coefficients: Array
+    load: Array
+    share: Array
+    centre: Array
+
+
+def shape_numbers(block: Share) -> ShapeNumbers | None:
+    """The numbers of a block; None where the law declares no shape that fits."""
+    pressure = block.paths.pressure
+    load = np.zeros((1, 1)) if pressure is None else pressure
+    if len(block.members) > 1:
+        load = np.broadcast_to(load, (len(block), load.shape[1]))
+    parts, coefficients = [], []
+    for i, member in enumerate(block.members):
+        own = load[block.own == i] if len(block.members) > 1 else load
+        found = numbers(replace(member, pressure=np.ascontiguousarray(own).ravel()))
+        if found is None:
+            return None
+        coefficients.append(found.coefficients)
+        parts.append((found.load.reshape(own.shape), found.share.reshape(own.shape), found.centre.reshape(*own.shape, -1)))
+    if len(parts) == 1:
+        return ShapeNumbers(np.array(coefficients), *parts[0])
+    whole = tuple(np.empty((len(block), *part.shape[1:])) for part in parts[0])
+    for i, part in enumerate(parts):
+        for array, own in zip(whole, part, strict=True):
+            array[block.own == i] = own
+    return ShapeNumbers(np.array(coefficients), *whole)
+
+
+def closest_points(block: Share, method: str) -> tuple[BatchClosest, str]:
+    """(trial stresses, knot, numbers of the points in the block) -> their closest points, and the name of the method."""
+    shape = shape_numbers(block) if method in ("auto", "closed-form") else None
+    if shape is None:
+        return _by_projection(block, method)
+    kind = block.members[0].law.closed_form
+    if isinstance(kind, Interval):
+        return _on_intervals(block, shape), "closed form on an interval"
+    return _on_quarters(block, shape), f"closed form on {'a disk' if isinstance(kind, Disk) else 'four quarter ellipses'}"
+
+
+def _at(array: Array, knot: int, which: Which) -> Array:
+    column = array[:, knot if array.shape[1] > 1 else 0]
+    return column[which] if len(column) > 1 else np.broadcast_to(column, (len(which), *column.shape[1:]))
+
+
+def _on_quarters(block: Share, shape: ShapeNumbers) -> BatchClosest:
+    quarters = quadrants.stacked([quadrants.Quarters.of(mu, block.members[0].stiffness) for mu in shape.coefficients.tolist()])
+    moved = bool(shape.centre.any())
+
+    def at(trial: Array, knot: int, which: Which) -> Found:
+        stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
+        centre = _at(shape.centre, knot, which)
+        own = block.own[which] if len(block.members) > 1 else None
+        about = trial - centre if moved else trial
+        quadrants.project(about, _at(shape.load, knot, which), quarters, stress, slip, multiplier, own)
+        if moved:
+            stress = np.where((multiplier > 0.0)[:, None], stress + centre, trial)
+        return stress, slip, *_judged(multiplier * _at(shape.share, knot, which))
+
+    return at
+
+
+def _on_intervals(block: Share, shape: ShapeNumbers) -> BatchClosest:
+    plus, minus = shape.coefficients.T
+    k = float(block.members[0].stiffness[0, 0])
+
+    def at(trial: Array, knot: int, which: Which) -> Found:
+        own = block.own[which]
+        mu = np.where(trial[:, 0] < 0.0, minus[own], plus[own])
+        stress, slip, multiplier = quadrants.clamped(trial[:, 0], mu, _at(shape.load, knot, which), k)
+        return stress[:, None], slip[:, None], *_judged(multiplier * _at(shape.share, knot, which))
+
+    return at
+
+
+def _judged(multiplier: Array) -> tuple[Array, NDArray[np.int8]]:
+    return multiplier, np.where(np.isfinite(multiplier), 0, Status.FAILED).astype(np.int8)
+
+
+def _by_projection(block: Share, method: str) -> tuple[BatchClosest, str]:
+    prepared = [Projector.of(member.law, member.stiffness, member.parameters, method) for member in block.members]
+
+    def at(trial: Array, knot: int, which: Which) -> Found:
+        stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
+        lost, pressure = np.zeros(len(trial), dtype=np.int8), block.pressure(knot)[which]
+        for i, projector in enumerate(prepared):
+            mine = np.flatnonzero(block.own[which] == i)
+            if not mine.size:
+                continue
+            found = projector.at(replace(projector.setting, trial=np.ascontiguousarray(trial[mine]), pressure=pressure[mine]))
+            stress[mine], slip[mine], multiplier[mine] = found.stress, found.slip, found.multiplier
+            lost[mine] = np.where(np.isin(found.status, LOST), found.status, 0)
+        return stress, slip, multiplier, lost
+
+    return at, f"projection by {prepared[0].method.name}"

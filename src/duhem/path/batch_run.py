@@ -1,0 +1,188 @@
+"""Runs of many points: block by block, so that memory is bounded, blocks can be written as they are done, and threads share the work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+
+from duhem.errors import DuhemError, InputError
+from duhem.path.batch import Batch, Share
+from duhem.path.batch_projection import closest_points
+from duhem.path.batch_steps import extrapolated, implicit, run
+from duhem.path.histories import Histories
+from duhem.path.integrators import INTEGRATORS
+from duhem.path.ledger import Ledger
+from duhem.path.loading import between
+from duhem.path.plan import Plan
+from duhem.projection.declared_ranges import beyond
+from duhem.projection.projector import project
+from duhem.projection.result import Status
+from duhem.projection.validation import posed
+
+__all__ = ["MOST_KEPT", "TOLERANCE", "check", "histories", "parts"]
+
+MOST_KEPT = 1 << 28  # numbers in memory: 2 GiB
+TOLERANCE = 1e-12  # how far outside K a given stress may lie, relative to its size: what rounding explains
+
+
+def histories(batch: Batch, method: str, threads: int, on_step: Callable[[int, int], None] | None) -> Iterator[Histories]:
+    """What is done after each block: the points up to there, at last all of them.  InputError where they do not fit into memory."""
+    n = len(batch.own)
+    if n * batch.numbers > MOST_KEPT:
+        raise InputError(
+            f"{n} points with {len(batch.knots)} knots each are {8 * n * batch.numbers / 2**30:.3g} GiB, and 2 GiB are kept in memory",
+            where="keep",
+            remedy='keep fewer knots (keep="last" or every how many), or run a scene, whose table is written as it grows',
+        )
+    whole = _room(batch, 0, n, method)
+    for part in parts(batch, method, threads, whole):
+        done = int(part.points[-1]) + 1
+        yield replace(_view(whole, 0, done), why=part.why)
+        if on_step is not None:
+            on_step(done, n)
+
+
+def parts(batch: Batch, method: str, threads: int = 1, into: Histories | None = None, first: int = 0) -> Iterator[Histories]:
+    """The histories of the points, block after block, from the block on that begins with ``first``.
+
+    No more blocks than ``threads`` are in memory at once; the numbers are the same for every number of threads.
+    """
+    check(batch)
+    run_block = _abreast(method)
+    blocks = iter([block for block in batch.blocks() if block[0] >= first])
+
+    def work(block: tuple[int, int]) -> Histories:
+        out = _room(batch, *block, method) if into is None else _view(into, *block)
+        with np.errstate(all="ignore"):  # what is not finite is found
+            return replace(out, why=run_block(batch, *block, out))
+
+    if threads == 1:
+        yield from map(work, blocks)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        under_way: list[Future[Histories]] = [pool.submit(work, block) for block in islice(blocks, threads)]
+        try:
+            while under_way:
+                done = under_way.pop(0).result()
+                under_way += [pool.submit(work, block) for block in islice(blocks, 1)]
+                yield done
+        finally:
+            for future in under_way:
+                future.cancel()
+
+
+def check(batch: Batch) -> None:
+    """InputError for a point whose stress at the first knot lies outside K or a declared range."""
+    law = batch.law
+    for first, last in batch.blocks():
+        block = batch.block(first, last)
+        pressure = None if law.pressure is None else block.pressure(0)
+        for i, member in enumerate(block.members):
+            mine = np.flatnonzero(block.own == i)
+            given = block.stress[mine]
+            load = None if pressure is None else pressure[mine]
+            found = project(law, given, load, member.stiffness, member.parameters, method=batch.projection).stress
+            size = np.maximum(np.abs(given).max(axis=1), np.abs(found).max(axis=1))
+            bad = ~(np.abs(found - given).max(axis=1) <= TOLERANCE * size) | beyond(law, given)
+            if bad.any():
+                at = int(np.argmax(bad))
+                what = f"the stress at the start {given[at].tolist()} of point {first + mine[at]} lies outside K or a declared range"
+                raise InputError(what, where="stress", remedy="give stress= inside")
+
+
+def _abreast(method: str) -> Callable[[Batch, int, int, Histories], str]:
+    """What fills the histories of one block; it says how."""
+
+    def one(batch: Batch, first: int, last: int, out: Histories) -> str:
+        block = batch.block(first, last)
+        at, why = closest_points(block, batch.projection)
+        run(block, out, 1, implicit(block, at))
+        return why
+
+    def two(batch: Batch, first: int, last: int, out: Histories) -> str:
+        block = batch.block(first, last, halves=2)
+        at, why = closest_points(block, batch.projection)
+        run(block, out, 2, extrapolated(block, at))
+        return f"{why}, extrapolated from whole and half steps"
+
+    def each(batch: Batch, first: int, last: int, out: Histories) -> str:
+        block = batch.block(first, last)
+        return [_alone(block, i, batch.projection, method, out) for i in range(len(block))][-1]
+
+    return {"implicit": one, "extrapolated": two}.get(method, each)
+
+
+def _alone(block: Share, i: int, projection: str, method: str, out: Histories) -> str:
+    """One point by its own path, where an integrator takes one at a time."""
+    member, path = block.members[block.own[i]], block.paths.path(i)
+    increment = posed(member, path.values, path.pressure)
+    plan = Plan(increment, path, projection, block.compliance)
+    integrator = INTEGRATORS[method]
+    ledger, status = Ledger.begun(plan, block.stress[i]), None
+    rows = integrator.advance(plan, ledger)
+    try:
+        while next(rows, None) is not None and np.isfinite(ledger.balance[ledger.done - 1]):
+            pass
+    except InputError:
+        raise
+    except (DuhemError, ArithmeticError):
+        status = Status.FAILED
+    if ledger.finite().done < len(path.time):
+        status = Status.FAILED
+    if (gone := np.flatnonzero(beyond(increment.law, ledger.stress[: ledger.done]))).size:
+        ledger.done, status = int(gone[0]), Status.OUTSIDE
+    _write(ledger, plan, out, i, status)
+    return integrator.why(plan)
+
+
+def _write(ledger: Ledger, plan: Plan, out: Histories, i: int, status: Status | None) -> None:
+    """The kept knots of one point's ledger."""
+    done, kept = ledger.done, out.knots[out.knots < ledger.done]
+    n = len(kept)
+    for name in ("slip", "stress", "multiplier", "psi", "dissipation", "work", "numerical"):
+        array = getattr(out, name)
+        array[i, :n], array[i, n:] = getattr(ledger, name)[kept], np.nan
+    sums = np.add.reduceat(ledger.balance[:done], np.append(0, kept[:-1] + 1)) if n > 1 else np.zeros(1)
+    out.balance[i, :n], out.balance[i, n:] = sums[:n], np.nan
+    out.displacement[i], out.pressure[i] = plan.path.values[out.knots], plan.increment.pressure[out.knots]
+    out.displacement[i, n:] = np.nan
+    slipped = bool(done > 1 and ledger.multiplier[done - 1] > ledger.multiplier[done - 2])
+    out.status[i] = (Status.SLIP if slipped else Status.STICK) if status is None else status
+    out.reached[i] = done - 1
+
+
+def _room(batch: Batch, first: int, last: int, method: str) -> Histories:
+    law, n, r = batch.law, last - first, len(batch.knots)
+    d = len(law.forces)
+    return Histories(
+        law=law.name,
+        forces=law.forces,
+        pressure_name=law.pressure,
+        points=np.arange(first, last),
+        knots=batch.knots,
+        time=between(batch.paths.time, batch.substeps)[batch.knots],
+        displacement=np.empty((n, r, d)),
+        slip=np.empty((n, r, d)),
+        stress=np.empty((n, r, d)),
+        **{name: np.empty((n, r)) for name in ("pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance")},
+        status=np.empty(n, dtype=np.int8),
+        reached=np.empty(n, dtype=np.intp),
+        method=method,
+        why="",
+    )
+
+
+def _view(whole: Histories, first: int, last: int) -> Histories:
+    """Some points of ``whole``, in its memory."""
+    each = {name: value[first:last] for name, value in vars(whole).items() if name in _BY_POINT}
+    return replace(whole, **each)
+
+
+_BY_POINT: frozenset[str] = frozenset(
+    {"points", "displacement", "slip", "stress", "pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance"}
+    | {"status", "reached"}
+)

@@ -1,0 +1,93 @@
+"""What the loading paths of many points leave behind: arrays over points and kept knots."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.path.history import History
+from duhem.projection.result import Array
+from duhem.show.place import AnyPath, written
+
+__all__ = ["Histories"]
+
+_ROWS = 65_536  # of a table, written together
+
+
+@dataclass(frozen=True, eq=False)
+class Histories:
+    """The states of a law at N points and the r kept knots of their paths, the first and the last among them.
+
+    ``points`` (N,) and ``knots`` (r,) are the numbers of points and knots, ``time`` (r,).  ``displacement``, ``slip``, ``stress``
+    (N, r, d), the other states (N, r), in the units and with the meaning of :class:`duhem.History`; ``balance`` is summed over
+    the steps since the kept knot before.  ``status`` (N,) is a :class:`duhem.Status` of the last knot that was ``reached`` (N,):
+    ``inaccurate`` or ``failed`` where the next step could not be vouched for or left double precision, ``outside`` where it left
+    a range that the law declares.  States at knots that were not reached are nan.
+    """
+
+    law: str
+    forces: tuple[str, ...]
+    pressure_name: str | None
+    points: NDArray[np.intp]
+    knots: NDArray[np.intp]
+    time: Array
+    displacement: Array
+    slip: Array
+    stress: Array
+    pressure: Array
+    multiplier: Array
+    psi: Array
+    dissipation: Array
+    work: Array
+    numerical: Array
+    balance: Array
+    status: NDArray[np.int8]
+    reached: NDArray[np.intp]
+    method: str
+    why: str
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def history(self, point: int) -> History:
+        """One point by itself, by its place among ``points``: the kept knots that it reached."""
+        done = self.knots <= self.reached[point]
+        states = {name: getattr(self, name)[point][done] for name in _STATES}
+        return History(self.law, self.forces, self.pressure_name, self.time[done], **states, method=self.method, why=self.why)
+
+    def columns(self) -> tuple[str, ...]:
+        """The names of the table's columns, in order."""
+        return ("point", *self.history(0).columns())
+
+    def to_array(self, points: slice = slice(None)) -> Array:
+        """The table as one array (N r, columns), point by point and knot by knot; nan at knots that were not reached."""
+        n, r = self.multiplier[points].shape
+        load = [self.pressure] if self.pressure_name else []
+        wide = [self.displacement, self.slip, self.stress]
+        single = [*load, self.multiplier, self.psi, self.dissipation, self.work, self.numerical, self.balance]
+        labels = [np.repeat(self.points[points], r).astype(np.float64), np.tile(self.time, n)]
+        return np.column_stack([*labels, *(a[points].reshape(n * r, -1) for a in wide), *(a[points].reshape(n * r) for a in single)])
+
+    def rows(self) -> Iterator[str]:
+        """The lines of the table below its header, some at a time; knots that were not reached have none."""
+        each = max(1, _ROWS // len(self.knots))
+        for start in range(0, len(self), each):
+            block = self.to_array(slice(start, start + each))
+            block = block[~np.isnan(block[:, -1])]
+            lines = io.StringIO()
+            for number, *row in block.tolist():
+                lines.write(f"{int(number)},{','.join(map(repr, row))}\n")
+            yield lines.getvalue()
+
+    def to_csv(self, file: AnyPath) -> None:
+        """Write the table as comma-separated text, every number to the last bit.  InputError if the file cannot be written."""
+        with written(file) as beside, open(beside, "w", encoding="utf-8", newline="") as stream:
+            stream.write(",".join(self.columns()) + "\n")
+            stream.writelines(self.rows())
+
+
+_STATES = ("displacement", "slip", "stress", "pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance")

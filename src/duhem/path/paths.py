@@ -1,0 +1,142 @@
+"""Loading paths of many points over the same times: what is alike for all of them is held once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from duhem.errors import InputError
+from duhem.path.loading import Path, between, given_numbers
+from duhem.projection.result import Array
+
+__all__ = ["Paths"]
+
+_CHUNK = 1 << 20  # numbers looked at together, so that an array on disk is never in memory as a whole
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """The displacements of N points at the same m >= 2 knots, u_n(t_i) = factor_n values_n(t_i), and straight in between.
+
+    ``values`` (N, m, d) or (1, m, d) in m, ``factor`` (N, d) or (1, d); ``pressure`` (N, m), (N, 1), (1, m) or (1, 1), the
+    normal stress sigma_n <= 0 in compression in Pa, None for a law without; ``time`` (m,) in s, increasing.  Contact is
+    open where sigma_n = 0.
+    """
+
+    values: Array
+    factor: Array
+    pressure: Array | None
+    time: Array
+
+    def __post_init__(self) -> None:
+        given = (self.values, self.factor, self.time, *([] if self.pressure is None else [self.pressure]))
+        whole = (
+            all(isinstance(array, np.ndarray) for array in given) and self.values.ndim == 3 and self.time.shape == self.values.shape[1:2]
+        )
+        if not whole or any(len(array) not in (1, len(self)) for array in (self.values, self.factor, *given[3:])):
+            raise InputError("these are no paths", where="paths", remedy="make them with Paths.linear(points, pressure=...)")
+
+    @classmethod
+    def linear(cls, points: ArrayLike, *, pressure: ArrayLike | None = None, time: ArrayLike | None = None) -> Paths:
+        """Straight from point to point: ``points`` (N, m, d), or (N, m) for one force.
+
+        ``pressure`` as NumPy spreads it over (N, m): one number, (m,) a knot, (N, 1) a point, or (N, m).  Arrays of doubles
+        are not copied: they may lie in a file (numpy.memmap).
+        """
+        values = _doubles(points, "points")
+        values = values[..., None] if values.ndim == 2 else values
+        if values.ndim != 3 or values.shape[1] < 2 or not values.shape[0] or not values.shape[2]:
+            what = f"points has the shape {np.shape(points)}"
+            raise InputError(what, where="paths", remedy="give (N, m, d) with at least two knots, or (N, m) for one force")
+        n, m, d = values.shape
+        line = Path.linear(np.zeros((m, 1)), time=time)
+        return cls(values, np.ones((1, d)), _pressures(pressure, n, m), line.time)
+
+    @classmethod
+    def scaled(cls, path: Path, by: ArrayLike, *, pressure: ArrayLike | None = None) -> Paths:
+        """Each point a multiple of one ``path``: ``by`` (N,), or (N, d) for each force by itself.
+
+        ``pressure`` as in :meth:`linear`; left out, that of the path.  Knots alone are kept of an arc.
+        """
+        if not isinstance(path, Path) or path.control != "displacement":
+            raise InputError(
+                "this is no path of displacements", where="paths", remedy="give one made with Path.linear(points, pressure=...)"
+            )
+        factor = given_numbers(by, "by")
+        m, d = path.values.shape
+        factor = factor[:, None] if factor.ndim == 1 else factor
+        if factor.ndim != 2 or not len(factor) or factor.shape[1] not in (1, d):
+            raise InputError(f"by has the shape {np.shape(by)}", where="paths", remedy=f"give (N,) or (N, {d})")
+        load = path.pressure if pressure is None else pressure
+        spread = np.array(np.broadcast_to(factor, (len(factor), d)))
+        return cls(path.values[None], spread, _pressures(load, len(factor), m), path.time)
+
+    def __len__(self) -> int:
+        return max(len(self.values), len(self.factor), 1 if self.pressure is None else len(self.pressure))
+
+    @property
+    def alike(self) -> bool:
+        """Whether displacements are multiples of one path, and pressures do not differ both by point and by knot."""
+        return len(self.values) == 1 and (self.pressure is None or 1 in self.pressure.shape)
+
+    def part(self, first: int, last: int) -> Paths:
+        """The paths of the points from ``first`` to before ``last``, in memory."""
+
+        def own(array: Array) -> Array:
+            return np.ascontiguousarray(array if len(array) == 1 else array[first:last])
+
+        return Paths(own(self.values), own(self.factor), None if self.pressure is None else own(self.pressure), self.time)
+
+    def refined(self, substeps: int) -> Paths:
+        """The same paths with every step cut into ``substeps`` equal ones."""
+        if substeps == 1:
+            return self
+        pressure = self.pressure
+        if pressure is not None and pressure.shape[1] > 1:
+            pressure = np.ascontiguousarray(between(pressure.T, substeps).T)
+        values = np.swapaxes(between(np.swapaxes(self.values, 0, 1), substeps), 0, 1)
+        return Paths(np.ascontiguousarray(values), self.factor, pressure, between(self.time, substeps))
+
+    def at(self, knot: int) -> Array:
+        """The displacements of all points at a knot, (N, d)."""
+        return np.asarray(self.values[:, knot] * self.factor)
+
+    def path(self, point: int) -> Path:
+        """The path of one point by itself."""
+        values = self.values[point if len(self.values) > 1 else 0] * self.factor[point if len(self.factor) > 1 else 0]
+        pressure = None
+        if self.pressure is not None:
+            pressure = np.array(np.broadcast_to(self.pressure[point if len(self.pressure) > 1 else 0], self.time.shape))
+        return Path(values, pressure, self.time)
+
+
+def _doubles(given: Any, what: str) -> Array:
+    """An array of doubles as it is, anything else as one; every number finite."""
+    if not (isinstance(given, np.ndarray) and given.dtype == np.float64 and not isinstance(given, np.ma.MaskedArray)):
+        return given_numbers(given, what)
+    rows = max(1, _CHUNK // max(1, given[:1].size))
+    for start in range(0, len(given), rows):
+        if not np.isfinite(given[start : start + rows]).all():
+            bad = np.argwhere(~np.isfinite(given[start : start + rows]))[0]
+            at = [int(bad[0]) + start, *map(int, bad[1:])]
+            raise InputError(f"{what}{at} is {given[tuple(at)]}", where="paths", remedy="give finite numbers")
+    return given
+
+
+def _pressures(given: ArrayLike | None, n: int, m: int) -> Array | None:
+    if given is None:
+        return None
+    load = _doubles(given, "pressure")
+    load = load.reshape((1,) * (2 - load.ndim) + load.shape) if load.ndim < 2 else load
+    if load.ndim != 2 or load.shape[0] not in (1, n) or load.shape[1] not in (1, m):
+        what = f"pressure has the shape {np.shape(given)} for {n} points and {m} knots"
+        raise InputError(what, where="paths", remedy=f"give one number, ({m},), ({n}, 1) or ({n}, {m})")
+    if load.size and load.max() > 0.0:
+        i, j = np.argwhere(load > 0.0)[0].tolist()
+        raise InputError(
+            f"pressure[{i}, {j}] is {load[i, j]} > 0", where="paths", remedy="sigma_n <= 0 in compression, 0 where contact is open"
+        )
+    return load
