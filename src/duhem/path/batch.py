@@ -63,6 +63,7 @@ class Batch:
     stress: Array
     knots: NDArray[np.intp]
     projection: str
+    compiled: bool
     compliance: Array
 
     @classmethod
@@ -77,6 +78,7 @@ class Batch:
         substeps: int,
         stress: ArrayLike | None,
         keep: int | str,
+        compiled: bool = False,
     ) -> Batch:
         """What :func:`duhem.simulate` is given with :class:`Paths`, checked; InputError for what does not fit."""
         known, n = load_formula(law), len(paths)
@@ -97,6 +99,7 @@ class Batch:
             stress=_start(known, stress, n),
             knots=_kept(keep, (len(paths.time) - 1) * substeps),
             projection=projection,
+            compiled=compiled,
             compliance=np.asarray(np.linalg.inv(members[0].stiffness)),
         )
         return batch

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from duhem.law.shapes import Disk, Interval
 from duhem.path.batch import Share
 from duhem.path.prepared_projection import LOST, numbers
-from duhem.projection import quadrants
+from duhem.projection import compiled, quadrants
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 
@@ -59,15 +59,24 @@ def shape_numbers(block: Share) -> ShapeNumbers | None:
     return ShapeNumbers(np.array(coefficients), *whole)
 
 
-def closest_points(block: Share, method: str) -> tuple[BatchClosest, str]:
+def closest_points(block: Share, method: str, compiled: bool = False) -> tuple[BatchClosest, str]:
     """(trial stresses, knot, numbers of the points in the block) -> their closest points, and the name of the method."""
     shape = shape_numbers(block) if method in ("auto", "closed-form") else None
     if shape is None:
-        return _by_projection(block, method)
-    kind = block.members[0].law.closed_form
-    if isinstance(kind, Interval):
-        return _on_intervals(block, shape), "closed form on an interval"
-    return _on_quarters(block, shape), f"closed form on {'a disk' if isinstance(kind, Disk) else 'four quarter ellipses'}"
+        return _by_projection(block, method, compiled)
+    if isinstance(block.members[0].law.closed_form, Interval):
+        return _on_intervals(block, shape), name_of(block)
+    return _on_quarters(block, shape, compiled), name_of(block)
+
+
+def name_of(block: Share) -> str:
+    """How the closest point of a declared shape is found."""
+    match block.members[0].law.closed_form:
+        case Interval():
+            return "closed form on an interval"
+        case Disk():
+            return "closed form on a disk"
+    return "closed form on four quarter ellipses"
 
 
 def _at(array: Array, knot: int, which: Which) -> Array:
@@ -75,7 +84,7 @@ def _at(array: Array, knot: int, which: Which) -> Array:
     return column[which] if len(column) > 1 else np.broadcast_to(column, (len(which), *column.shape[1:]))
 
 
-def _on_quarters(block: Share, shape: ShapeNumbers) -> BatchClosest:
+def _on_quarters(block: Share, shape: ShapeNumbers, fast: bool) -> BatchClosest:
     quarters = quadrants.stacked([quadrants.Quarters.of(mu, block.members[0].stiffness) for mu in shape.coefficients.tolist()])
     moved = bool(shape.centre.any())
 
@@ -84,7 +93,11 @@ def _on_quarters(block: Share, shape: ShapeNumbers) -> BatchClosest:
         centre = _at(shape.centre, knot, which)
         own = block.own[which] if len(block.members) > 1 else None
         about = trial - centre if moved else trial
-        quadrants.project(about, _at(shape.load, knot, which), quarters, stress, slip, multiplier, own)
+        load = _at(shape.load, knot, which)
+        if fast and own is None:
+            compiled.project(about, load, quarters, stress, slip, multiplier)
+        else:
+            quadrants.project(about, load, quarters, stress, slip, multiplier, own)
         if moved:
             stress = np.where((multiplier > 0.0)[:, None], stress + centre, trial)
         return stress, slip, *_judged(multiplier * _at(shape.share, knot, which))
@@ -109,8 +122,10 @@ def _judged(multiplier: Array) -> tuple[Array, NDArray[np.int8]]:
     return multiplier, np.where(np.isfinite(multiplier), 0, Status.FAILED).astype(np.int8)
 
 
-def _by_projection(block: Share, method: str) -> tuple[BatchClosest, str]:
+def _by_projection(block: Share, method: str, fast: bool) -> tuple[BatchClosest, str]:
     prepared = [Projector.of(member.law, member.stiffness, member.parameters, method) for member in block.members]
+
+    options = {"compiled": True} if fast and prepared[0].method.name in ("closed-form", "newton") else {}
 
     def at(trial: Array, knot: int, which: Which) -> Found:
         stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
@@ -119,7 +134,8 @@ def _by_projection(block: Share, method: str) -> tuple[BatchClosest, str]:
             mine = np.flatnonzero(block.own[which] == i)
             if not mine.size:
                 continue
-            found = projector.at(replace(projector.setting, trial=np.ascontiguousarray(trial[mine]), pressure=pressure[mine]))
+            question = replace(projector.setting, trial=np.ascontiguousarray(trial[mine]), pressure=pressure[mine])
+            found = projector.at(question, **options)
             stress[mine], slip[mine], multiplier[mine] = found.stress, found.slip, found.multiplier
             lost[mine] = np.where(np.isin(found.status, LOST), found.status, 0)
         return stress, slip, multiplier, lost

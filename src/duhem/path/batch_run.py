@@ -11,7 +11,7 @@ import numpy as np
 
 from duhem.errors import DuhemError, InputError
 from duhem.path.batch import Batch, Share
-from duhem.path.batch_projection import closest_points
+from duhem.path.batch_projection import closest_points, name_of, shape_numbers
 from duhem.path.batch_steps import extrapolated, implicit, run
 from duhem.path.histories import Histories
 from duhem.path.integrators import INTEGRATORS
@@ -99,13 +99,20 @@ def _abreast(method: str) -> Callable[[Batch, int, int, Histories], str]:
 
     def one(batch: Batch, first: int, last: int, out: Histories) -> str:
         block = batch.block(first, last)
-        at, why = closest_points(block, batch.projection)
+        if batch.compiled and batch.projection in ("auto", "closed-form"):
+            from duhem.path import compiled_run
+
+            shape = shape_numbers(block)
+            if shape is not None and compiled_run.reason(block, shape) is None:
+                compiled_run.fill(block, shape, out)
+                return f"{name_of(block)}, compiled"
+        at, why = closest_points(block, batch.projection, batch.compiled)
         run(block, out, 1, implicit(block, at))
         return why
 
     def two(batch: Batch, first: int, last: int, out: Histories) -> str:
         block = batch.block(first, last, halves=2)
-        at, why = closest_points(block, batch.projection)
+        at, why = closest_points(block, batch.projection, batch.compiled)
         run(block, out, 2, extrapolated(block, at))
         return f"{why}, extrapolated from whole and half steps"
 

@@ -70,13 +70,13 @@ class LeftDomain(InputError):
 def simulate(
     law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
-    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ...,
+    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
 ) -> History: ...  # fmt: skip
 @overload
 def simulate(
     law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
-    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ...,
+    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
 ) -> Histories: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
@@ -92,6 +92,7 @@ def simulate(
     on_step: Callable[[int, int], None] | None = None,
     keep: int | str = 1,
     threads: int = 1,
+    compiled: bool = False,
 ) -> History | Histories:
     """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
 
@@ -113,6 +114,9 @@ def simulate(
     status that says so, where one path by itself raises.  ``keep`` is every how many knots are kept of each path, or ``"last"``:
     N points with r kept knots take 8 N r (3 d + 7) bytes, 2 GiB at most, and the work some 100 MiB a thread besides.
     ``threads`` share the work and change no number; ``on_step`` hears of points.  ``exact`` takes one point after the other.
+
+    ``compiled`` runs implicit steps on declared shapes through numba (extra ``fast``; some twenty seconds at its first use), whole
+    stretches at once, and the closest points of other steps where there are many points; the last digits may differ.
     """
     if not isinstance(method, str) or method not in INTEGRATORS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
@@ -125,7 +129,7 @@ def simulate(
         if start is not None:
             raise InputError("a run of many points has no start to go on from", where="start", remedy="run the points that are left")
         given: dict[str, Any] = {"stiffness": stiffness, "parameters": parameters, "projection": projection}
-        batch = Batch.of(law, path, **given, substeps=substeps, stress=stress, keep=keep)
+        batch = Batch.of(law, path, **given, substeps=substeps, stress=stress, keep=keep, compiled=compiled)
         return _many(batch, method, threads, on_step)
     if keep != 1:
         raise InputError("keep is for many points", where="keep", remedy="leave it out, or give Paths")
@@ -135,13 +139,16 @@ def simulate(
             return _prescribed(plan)
     integrator = INTEGRATORS[method]
     why = integrator.why(plan)
+    advance = integrator.advance
+    if compiled:
+        advance, why = _compiled(method, projection), f"{why}, compiled"
     with np.errstate(all="ignore"):
         ledger = Ledger.begun(plan, _first(plan, stress))
     if start is not None:
         _go_on(ledger, plan, start)
     steps = len(plan.path.time) - 1
     try:
-        rows = integrator.advance(plan, ledger)
+        rows = advance(plan, ledger)
         while (done := _next(rows)) is not None and np.isfinite(ledger.balance[done - 1]):
             if on_step is not None:
                 on_step(done - 1, steps)
@@ -150,6 +157,15 @@ def simulate(
     except ArithmeticError:
         raise LeftPrecision(ledger.finite().history(plan, method, why), float(plan.path.time[ledger.done])) from None
     return _whole(ledger, plan, method, why)
+
+
+def _compiled(method: str, projection: str) -> Callable[[Plan, Ledger], Iterator[int]]:
+    if method != "implicit" or projection not in ("auto", "closed-form"):
+        what = f"one {method} path by projection {projection} is not compiled"
+        raise InputError(what, where="compiled", remedy='leave it out, or take method="implicit" and projection="auto"')
+    from duhem.path.compiled_run import advance
+
+    return advance
 
 
 def _many(batch: Batch, method: str, threads: int, on_step: Callable[[int, int], None] | None) -> Histories:

@@ -15,7 +15,7 @@ from duhem.projection.quadrants import CLOSE, SAFE, SEAM, SURE, Quarters
 from duhem.projection.quarter_ellipse import formulas
 from duhem.projection.result import Array
 
-__all__ = ["kernel", "project"]
+__all__ = ["kernel", "kernels", "project"]
 
 _CHUNK = 504  # points looked at together: their numbers stay in the nearest cache, and rows of them apart in it
 
@@ -31,9 +31,14 @@ def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: 
     run(trial, load, q.mu, *axes, q.ratio, q.compliance, q.power, q.first, stress, slip, multiplier)
 
 
-@cache
 def kernel() -> Callable[..., None]:
-    """The compiled function, for quarters of which none is flat; MissingExtraError without numba.
+    """The compiled function, for quarters of which none is flat; MissingExtraError without numba."""
+    return kernels()[0]
+
+
+@cache
+def kernels() -> tuple[Callable[..., None], Callable[..., None]]:
+    """The compiled function, and the one of a single point that other compiled loops may call.
 
     Loops that run on vectors have no branch in them, know their arrays apart from a few addresses, and are short enough
     for several turns of them to be under way at once: hence three of them, with what they pass on in ``seen``.
@@ -236,7 +241,7 @@ def kernel() -> Callable[..., None]:
                 if not straight or np.isnan(multiplier[n]):
                     single(n, trial, load, mu, axes, low, ratio, compliance, power, first, stress, slip, multiplier)
 
-    return run
+    return run, single
 
 
 def _fused(numba: Any) -> Callable[..., Any]:
