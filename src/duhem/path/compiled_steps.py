@@ -53,7 +53,12 @@ def loops() -> Loops:
     jit: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True)
     free: Callable[[Any], Any] = numba.njit(error_model="numpy", nogil=True)
     run, single = kernels()
-    product = formulas(jit, jit(lambda c, a, b: a if c else b)).product
+
+    @jit
+    def where(condition: bool, a: float, b: float) -> float:
+        return a if condition else b
+
+    product = formulas(jit, where).product
 
     @jit
     def pick(array: Any, point: int, knot: int) -> Any:
@@ -102,65 +107,72 @@ def loops() -> Loops:
             column = knot if load.shape[1] > 1 else 0
             for j in range(size):
                 e[j] = load[begin + j, column]
-        for j in range(size):
-            middle = pick(centre, begin + j, knot)
-            trial[2 * j] -= middle[0]
-            trial[2 * j + 1] -= middle[1]
+        if centre.shape[0] > 1:
+            column = knot if centre.shape[1] > 1 else 0
+            for j in range(size):
+                trial[2 * j] -= centre[begin + j, column, 0]
+                trial[2 * j + 1] -= centre[begin + j, column, 1]
+        else:
+            column = knot if centre.shape[1] > 1 else 0
+            x1, x2 = centre[0, column, 0], centre[0, column, 1]
+            if x1 != 0.0 or x2 != 0.0:
+                for j in range(size):
+                    trial[2 * j] -= x1
+                    trial[2 * j + 1] -= x2
 
     @jit
     def booked(s: Any, share: Any, centre: Any, k: Any, c: Any, begin: int, size: int, knot: int, stress: Any, slip: Any, lam: Any) -> None:
         """What the step adds.  Rows of ``s``: 0 stress, 2 slip, 4 and 6 anchor, 8 the six sums, 14 on its way, 15 slips."""
         k00, k01, k10, k11 = k[0, 0], k[0, 1], k[1, 0], k[1, 1]
         c00, c01, c10, c11 = c[0, 0], c[0, 1], c[1, 0], c[1, 1]
-        if share.shape[0] == 1:
-            share0 = pick(share, 0, knot)
-            for j in range(size):
-                lam[j] *= share0
-        else:
+        if share.shape[0] > 1:
             for j in range(size):
                 lam[j] *= pick(share, begin + j, knot)
-        for j in range(size):
-            middle = pick(centre, begin + j, knot)
-            stress[2 * j] += middle[0]
-            stress[2 * j + 1] += middle[1]
+        else:
+            alike = pick(share, 0, knot)
+            for j in range(size):
+                lam[j] *= alike
+        if centre.shape[0] > 1:
+            column = knot if centre.shape[1] > 1 else 0
+            for j in range(size):
+                stress[2 * j] += centre[begin + j, column, 0]
+                stress[2 * j + 1] += centre[begin + j, column, 1]
+        else:
+            column = knot if centre.shape[1] > 1 else 0
+            x1, x2 = centre[0, column, 0], centre[0, column, 1]
+            if x1 != 0.0 or x2 != 0.0:
+                for j in range(size):
+                    stress[2 * j] += x1
+                    stress[2 * j + 1] += x2
         for j in range(size):
             p1, p2, multiplier = slip[2 * j], slip[2 * j + 1], lam[j]
             slips = (p1 != 0.0) | (p2 != 0.0) | (multiplier > 0.0)
-            b1, b2 = s[0, j], s[1, j]
-            t1 = stress[2 * j] if slips else s[18, j]
-            t2 = stress[2 * j + 1] if slips else s[19, j]
-            u1, u2 = s[16, j], s[17, j]
+            b1, b2, u1, u2, before = s[0, j], s[1, j], s[16, j], s[17, j], s[9, j]
+            t1, t2 = where(slips, stress[2 * j], s[18, j]), where(slips, stress[2 * j + 1], s[19, j])
             d1, d2 = u1 - s[20, j], u2 - s[21, j]
-            e1, e2 = d1 - p1, d2 - p2
-            lost = t1 * p1 + t2 * p2
-            pushed = t1 * d1 + t2 * d2
-            numerical = 0.5 * (e1 * (e1 * k00 + e2 * k10) + e2 * (e1 * k01 + e2 * k11))
-            g1, g2 = t1 - b1, t2 - b2
-            gained = (0.5 * (b1 + t1)) * (g1 * c00 + g2 * c10) + (0.5 * (b2 + t2)) * (g1 * c01 + g2 * c11)
+            e1, e2, g1, g2 = d1 - p1, d2 - p2, t1 - b1, t2 - b2
             psi = 0.5 * (t1 * (t1 * c00 + t2 * c10) + t2 * (t1 * c01 + t2 * c11))
-            lost = lost if slips else 0.0
-            work = pushed if slips else gained
-            numerical = numerical if slips else 0.0
-            balance = work - (psi - s[9, j]) - lost - numerical
-            q1, q2 = s[2, j] + p1, s[3, j] + p2
-            multiplier, lost, work = s[8, j] + multiplier, s[10, j] + lost, s[11, j] + work
-            numerical, balance = s[12, j] + numerical, s[13, j] + balance
-            whole = (((t1 * 0.0 + t2 * 0.0) + (q1 * 0.0 + q2 * 0.0)) + ((multiplier * 0.0 + psi * 0.0) + (lost * 0.0 + work * 0.0))) + (
-                numerical * 0.0 + balance * 0.0
-            )
-            on = s[14, j] if whole == 0.0 else 0.0
-            go = on > 0.0
+            gained = (0.5 * (b1 + t1)) * (g1 * c00 + g2 * c10) + (0.5 * (b2 + t2)) * (g1 * c01 + g2 * c11)
+            lost = where(slips, t1 * p1 + t2 * p2, 0.0)
+            work = where(slips, t1 * d1 + t2 * d2, gained)
+            numerical = where(slips, 0.5 * (e1 * (e1 * k00 + e2 * k10) + e2 * (e1 * k01 + e2 * k11)), 0.0)
+            balance = s[13, j] + (work - (psi - before) - lost - numerical)
+            q1, q2, multiplier = s[2, j] + p1, s[3, j] + p2, s[8, j] + multiplier
+            lost, work, numerical = s[10, j] + lost, s[11, j] + work, s[12, j] + numerical
+            states = (t1 * 0.0 + t2 * 0.0) + (q1 * 0.0 + q2 * 0.0)
+            whole = (states + (multiplier * 0.0 + psi * 0.0)) + ((lost * 0.0 + work * 0.0) + (numerical * 0.0 + balance * 0.0))
+            go = (s[14, j] > 0.0) & (whole == 0.0)
             moved = go & slips
-            s[0, j], s[1, j] = t1 if go else b1, t2 if go else b2
-            s[2, j], s[3, j] = q1 if go else s[2, j], q2 if go else s[3, j]
-            s[4, j], s[5, j] = t1 if moved else s[4, j], t2 if moved else s[5, j]
-            s[6, j], s[7, j] = u1 if moved else s[6, j], u2 if moved else s[7, j]
-            s[8, j], s[9, j] = multiplier if go else s[8, j], psi if go else s[9, j]
-            s[10, j], s[11, j] = lost if go else s[10, j], work if go else s[11, j]
-            s[12, j], s[13, j] = numerical if go else s[12, j], balance if go else s[13, j]
-            s[14, j], s[15, j] = on, 1.0 if slips else 0.0
+            s[4, j], s[5, j] = where(moved, t1, s[4, j]), where(moved, t2, s[5, j])
+            s[6, j], s[7, j] = where(moved, u1, s[6, j]), where(moved, u2, s[7, j])
+            s[0, j], s[1, j] = where(go, t1, b1), where(go, t2, b2)
+            s[2, j], s[3, j] = where(go, q1, s[2, j]), where(go, q2, s[3, j])
+            s[8, j], s[9, j] = where(go, multiplier, s[8, j]), where(go, psi, before)
+            s[10, j], s[11, j] = where(go, lost, s[10, j]), where(go, work, s[11, j])
+            s[12, j], s[13, j] = where(go, numerical, s[12, j]), where(go, balance, s[13, j])
+            on = where(go, 1.0, 0.0)
+            s[14, j], s[15, j], s[22, j] = on, where(slips, 1.0, 0.0), s[22, j] + on
             s[20, j], s[21, j] = u1, u2
-            s[22, j] += on
 
     @free
     def abreast(
