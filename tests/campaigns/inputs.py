@@ -28,6 +28,7 @@ from duhem.__main__ import main as command_line
 from duhem.law import catalogue
 
 MOST_SECONDS, MOST_MEGABYTES = 5.0, 500.0
+_LONGEST = 3_000_000  # characters: a line that is repeated 300 times, three times over, would be beyond any machine
 _CODES = {0, 1, 2}
 _ACTS = "open('ran', 'w').close()\n"
 _LAWS = (
@@ -166,10 +167,17 @@ def changed(text: str, rng: Random) -> bytes:
                 text = text[: number.start()] + rng.choice(_NUMBERS) + text[number.end() :]
             case 11 if rng.random() < 0.3:
                 text = text.replace(*rng.choice(((",", ";"), (",", "\t"), (".", ","), ("\n", "\r\n"), (" ", ""), ('"', "'"))))
+        text = text[:_LONGEST]
     data = text.encode()
     if rng.random() < 0.05:
         at = rng.randrange(len(data) + 1)
-        data = rng.choice((text.encode("utf-16"), data[:at] + bytes(rng.randrange(256) for _ in range(9)) + data[at:], data * 2000))
+        data = rng.choice(
+            (
+                text.encode("utf-16"),
+                data[:at] + bytes(rng.randrange(256) for _ in range(9)) + data[at:],
+                data * min(2000, 1 + 2 * _LONGEST // (len(data) + 1)),
+            )
+        )
     return data
 
 

@@ -1,4 +1,4 @@
-"""Who is measured, on which law: the methods that apply, and why the others are left out."""
+"""Who is measured, on which law: the methods that apply, other programs if asked for, and why the others are left out."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
+from duhem.benchmark.peers import PEERS, PeerOptions
 from duhem.benchmark.specimen import Specimen
 from duhem.left_out import LeftOut
 from duhem.projection import conic_solvers
@@ -48,9 +49,17 @@ class Contender:
         k = specimen.stiffness if stiffness is None else stiffness
         return project(specimen.law, trial, pressure, k, method=self.method, **vars(self.options))
 
+    @property
+    def peer(self) -> bool:
+        """Whether it is another program."""
+        return any(self.method.name == peer.name for peer in PEERS)
 
-def applicable(question: Increment, tolerances: Tolerances = (None,)) -> tuple[list[Contender], list[LeftOut]]:
-    """Every method that applies to the law, the conic solvers once for each tolerance (None: the tightest that is met)."""
+
+def applicable(question: Increment, tolerances: Tolerances = (None,), peers: bool = False) -> tuple[list[Contender], list[LeftOut]]:
+    """Every method that applies to the law, the conic solvers once for each tolerance (None: the tightest that is met).
+
+    ``peers``: other programs too, as they come.
+    """
     found, left_out = list[Contender](), list[LeftOut]()
     for name, imported in METHODS.items():
         if (reason := imported().applies(question)) is not None:
@@ -61,6 +70,11 @@ def applicable(question: Increment, tolerances: Tolerances = (None,)) -> tuple[l
                 found.append(entry)
             else:
                 left_out.append(entry)
+    for peer in PEERS if peers else ():
+        if (reason := peer.missing or peer.load().applies(question)) is not None:
+            left_out.append(LeftOut(peer.name, reason))
+        else:
+            found.append(Contender(peer.name, peer.load(), PeerOptions()))
     return found, left_out
 
 

@@ -9,7 +9,10 @@ from typing import Any
 
 __all__ = ["machine"]
 
-_PACKAGES = ("numpy", "scipy", "sympy", "mpmath", "cvxpy", "clarabel", "numba", "cvxopt", "ecos", "osqp", "qoco", "scs")
+_PACKAGES = (
+    "numpy", "scipy", "sympy", "mpmath", "cvxpy", "clarabel", "numba", "cvxopt", "ecos", "moreau", "osqp", "qoco", "scs", "jax", "jaxmat",
+    "qpax", "proxsuite",
+)  # fmt: skip
 
 
 def machine() -> dict[str, Any]:

@@ -9,7 +9,7 @@ import click
 
 from duhem.cli.arguments import settings_option
 from duhem.cli.output import Progress
-from duhem.cli.study import carry_out, flagship_argument, json_option, read_subject, stiffness_option
+from duhem.cli.study import carry_out, flagship_argument, json_option, peers_option, read_subject, stiffness_option
 
 if TYPE_CHECKING:
     from duhem.benchmark.work_precision import WorkPrecision
@@ -30,10 +30,19 @@ __all__ = ["bench"]
 @stiffness_option
 @click.option("--repeats", type=click.IntRange(1), default=5, show_default=True, help="Runs of each measurement; slow ones take fewer.")
 @click.option("--points", type=click.IntRange(1), default=1_000_000, show_default=True, help="Increments of the throughput scene.")
+@peers_option
 @json_option
 @click.option("--plot", metavar="FILE", help="Draw time over error, both logarithmic (.png, .pdf, .svg, ...).")
 def bench(
-    law: str, settings: Sequence[str], scene: str, stiffness: str | None, repeats: int, points: int, json_file: str | None, plot: str | None
+    law: str,
+    settings: Sequence[str],
+    scene: str,
+    stiffness: str | None,
+    repeats: int,
+    points: int,
+    peers: bool,
+    json_file: str | None,
+    plot: str | None,
 ) -> int:
     """Measure error against run time of every method that applies to LAW (left out: antoni2007).
 
@@ -54,6 +63,7 @@ def bench(
             fixed,
             scenes=work_precision.SCENES if scene == "all" else (scene,),
             stiffness=diagonal,
+            peers=peers,
             repeats=repeats,
             points=points,
             on_row=lambda row: progress.show(f"{row.scene}: {row.method} {row.setting}"),

@@ -9,7 +9,7 @@ import click
 
 from duhem.cli.arguments import check_names, settings_option
 from duhem.cli.output import Progress
-from duhem.cli.study import carry_out, flagship_argument, json_option, read_subject, stiffness_option
+from duhem.cli.study import carry_out, flagship_argument, json_option, peers_option, read_subject, stiffness_option
 
 if TYPE_CHECKING:
     from duhem.benchmark.extreme_cases import ExtremeCases
@@ -22,9 +22,12 @@ __all__ = ["stress"]
 @settings_option
 @click.option("--axis", "axes", metavar="NAME", multiple=True, help="Only this axis of difficulty, for example load. Repeatable.")
 @stiffness_option
+@peers_option
 @json_option
 @click.option("--plot", metavar="FILE", help="Draw accurate digits over decades for each axis and method (.png, .pdf, .svg, ...).")
-def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: str | None, json_file: str | None, plot: str | None) -> int:
+def stress(
+    law: str, settings: Sequence[str], axes: Sequence[str], stiffness: str | None, peers: bool, json_file: str | None, plot: str | None
+) -> int:
     """Try every method that applies to LAW (left out: antoni2007) on stiff and extreme increments, decade by decade.
 
     Each answer is judged against a reference in fifty digits: finite, in K, how many digits are accurate, and whether the
@@ -45,6 +48,7 @@ def stress(law: str, settings: Sequence[str], axes: Sequence[str], stiffness: st
             fixed,
             axes=tuple(axes) or tuple(extreme_cases.AXES),
             stiffness=diagonal,
+            peers=peers,
             on_row=lambda row: progress.show(f"{row.axis} {row.label}: {row.method}"),
         )
 

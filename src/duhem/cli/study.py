@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from duhem.law.formula_law import Criterion
     from duhem.show.page import Page
 
-__all__ = ["carry_out", "flagship_argument", "json_option", "read_subject", "stiffness_option"]
+__all__ = ["carry_out", "flagship_argument", "json_option", "peers_option", "read_subject", "stiffness_option"]
 
 FLAGSHIP = "antoni2007"
 FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b_minus": "0.15"}  # Antoni et al. 2007
@@ -27,6 +27,9 @@ FIGURE_5 = {"mu_a_plus": "0.2", "mu_a_minus": "0.08", "mu_b_plus": "0.12", "mu_b
 flagship_argument = click.argument("law", default=FLAGSHIP)
 stiffness_option = click.option("--stiffness", metavar="K ...", help="Diagonal stiffness, one number a force, in quotes; left out 1 2 ...")
 json_option = click.option("--json", "json_file", metavar="FILE", help="Write everything as one JSON object.")
+peers_option = click.option(
+    "--peers", is_flag=True, help="Measure other programs too (SciPy, jaxmat, qpax, ProxQP), those that are installed."
+)
 
 AnyStudy = TypeVar("AnyStudy", bound="Study")
 

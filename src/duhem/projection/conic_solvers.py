@@ -30,7 +30,7 @@ _PLAIN: Settings = MappingProxyType({})
 
 @dataclass(frozen=True)
 class _Dialect:
-    """How one solver spells its tolerances, which to ask for where the caller names none, and in which ways."""
+    """How one solver spells its tolerances, ``inside`` what, which to ask for where the caller names none, and in which ways."""
 
     gap: tuple[str, ...]
     infeasibility: tuple[str, ...] = ()
@@ -38,6 +38,7 @@ class _Dialect:
     almost_infeasibility: tuple[str, ...] = ()
     ladder: tuple[float, ...] = (1e-12, 1e-10, 1e-8)
     ways: tuple[Settings, ...] = (_PLAIN,)
+    inside: str | None = None
 
     def rung(self, tolerance: float) -> tuple[Settings, ...]:
         infeasibility = max(tolerance, LEAST_INFEASIBILITY)
@@ -47,7 +48,7 @@ class _Dialect:
             **dict.fromkeys(self.almost_gap, tolerance * ALMOST),
             **dict.fromkeys(self.almost_infeasibility, infeasibility * ALMOST),
         }
-        return tuple({**stop, **way} for way in self.ways)
+        return tuple({**(stop if self.inside is None else {self.inside: stop}), **way} for way in self.ways)
 
 
 _CLARABEL = _Dialect(
@@ -62,6 +63,13 @@ _DIALECTS = {
     "CLARABEL": _CLARABEL,
     "CVXOPT": _Dialect(("abstol", "reltol"), ("feastol",)),
     "ECOS": _Dialect(("abstol", "reltol"), ("feastol",)),
+    "MOREAU": _Dialect(
+        ("tol_gap_abs", "tol_gap_rel"),
+        ("tol_feas",),
+        ("reduced_tol_gap_abs", "reduced_tol_gap_rel"),
+        ("reduced_tol_feas",),
+        inside="ipm_settings",
+    ),
     "OSQP": _Dialect(("eps_abs", "eps_rel"), ways=({"max_iter": 100_000},)),
     "QOCO": _Dialect(("abstol", "reltol")),
     "SCS": _Dialect(("eps_abs", "eps_rel"), ways=({"max_iters": 100_000},)),

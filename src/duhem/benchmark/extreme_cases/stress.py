@@ -89,24 +89,29 @@ def stress(
     axes: Sequence[str] = tuple(AXES),
     stiffness: Sequence[float] | None = None,
     contenders: Sequence[Contender] | None = None,
+    peers: bool = False,
+    every: int = 1,
     on_row: Callable[[Tally], None] | None = None,
 ) -> ExtremeCases:
     """Every method that applies to ``law``, all parameters fixed, on the cases of ``axes``.
 
-    ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; ``contenders`` in place of all of them.  KeyboardInterrupt ends it
+    ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; ``contenders`` in place of all of them; ``peers``: other programs
+    too, those that are installed; of the cases each ``every``-th.  KeyboardInterrupt ends it
     with what is done.  Raises InputError for a parameter without value, a law with a flow of its own, an unknown axis.
     """
     if strange := [axis for axis in axes if axis not in AXES]:
         raise InputError(f"unknown axis {strange[0]!r}", where="axes", remedy=f"choose {', '.join(AXES)}")
     specimen = Specimen.of(law, stiffness)
-    found, left_out = applicable(specimen.question(np.zeros((1, len(law.forces))), specimen.pressure))
+    found, left_out = applicable(specimen.question(np.zeros((1, len(law.forces))), specimen.pressure), peers=peers)
     chosen = list(found if contenders is None else contenders)
     rows: list[Tally] = []
     refused: list[Refusal] = []
     worst, interrupted, seen = 0.0, False, set[str]()
     try:
-        for case in cases(specimen, tuple(axes)):
+        for number, case in enumerate(cases(specimen, tuple(axes))):
             seen.add(case.axis)
+            if number % every:
+                continue
             try:
                 closest = case.specimen.reference()
                 answers = [closest(x.tolist(), case.pressure) for x in case.trial]

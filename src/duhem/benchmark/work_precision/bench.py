@@ -14,6 +14,7 @@ from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
 from duhem.benchmark.work_precision import throughput
 from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
+from duhem.benchmark.work_precision.targets import beside_peers, targets
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.left_out import LeftOut
@@ -32,6 +33,7 @@ def bench(
     points: int = 1_000_000,
     steps: Sequence[int] = path.STEPS,
     contenders: Sequence[Contender] | None = None,
+    peers: bool = False,
     on_row: Callable[[Measurement], None] | None = None,
 ) -> WorkPrecision:
     """Error against run time of every method that applies to ``law``, all parameters fixed.
@@ -39,7 +41,8 @@ def bench(
     ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; the pressure is -1.  ``scenes``: ``increment`` (each method and
     conic solver over its tolerances), ``path`` (each integrator over ``steps`` a segment), ``throughput`` (``points``
     increments at once).  Each measurement runs ``repeats`` times, fewer where it is slow, and says so.  ``contenders`` in
-    place of all methods.  One that raises is a row with its failure.  KeyboardInterrupt ends it with what is done.
+    place of all methods; ``peers``: other programs beside duhem's, those that are installed.  One that raises is a row with its
+    failure.  KeyboardInterrupt ends it with what is done.
     Raises InputError for a parameter without value, a law with a flow of its own, or an unknown scene.
     """
     if strange := [scene for scene in scenes if scene not in SCENES]:
@@ -49,7 +52,7 @@ def bench(
             raise InputError(f"{name} is {count}", where=name, remedy="give a whole number >= 1")
     specimen = Specimen.of(law, stiffness)
     question = specimen.question(np.zeros((1, len(law.forces))), specimen.pressure)
-    found, left_out = applicable(question, increment.TOLERANCES)
+    found, left_out = applicable(question, increment.TOLERANCES, peers)
     chosen = list(found if contenders is None else contenders)
     rows: list[Measurement] = []
     reference: dict[str, float | str] = {}
@@ -65,7 +68,7 @@ def bench(
         yield from path.rows(work, repeats, left_out, tuple(steps))
 
     def loads() -> Iterator[Measurement]:
-        load = throughput.Load.of(specimen, points)
+        load = throughput.Load.of(specimen, points, left_out)
         yield from throughput.rows(load, chosen, repeats)
 
     runs = {increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
@@ -88,8 +91,12 @@ def bench(
         machine=machine(),
         repeats=repeats,
         rows=tuple(rows),
-        targets=throughput.targets(rows, left_out),
+        targets=(*targets(rows, left_out), *beside_peers(rows, _names(chosen, False), _names(chosen, True))),
         reference=reference,
         left_out=tuple(left_out),
         interrupted=interrupted,
     )
+
+
+def _names(contenders: Sequence[Contender], peer: bool) -> tuple[str, ...]:
+    return tuple(contender.name for contender in contenders if contender.peer == peer)

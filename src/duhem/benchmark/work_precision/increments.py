@@ -60,7 +60,9 @@ def rows(work: Exercise, contenders: Sequence[Contender], repeats: int) -> Itera
     """
     for contender in contenders:
         yield _row(work, contender, repeats)
-    first = contenders[0]
+    first = next((contender for contender in contenders if not contender.peer), None)
+    if first is None:
+        return
 
     def all_of_it() -> None:
         for x in work.trial:

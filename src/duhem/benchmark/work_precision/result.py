@@ -35,7 +35,8 @@ class Measurement:
 
     ``error`` by quantity, relative, the largest; ``seconds`` an increment, a path (by the wall clock) or a point (by
     the processor's), as the scene has it;
-    ``flagged`` how many answers the method itself calls inaccurate or failed; ``failure`` why there is no answer.
+    ``flagged`` how many answers the method itself calls inaccurate or failed; ``failure`` why there is no answer;
+    ``first`` the seconds of the first call of all, what it compiles included, where it was taken.
     """
 
     scene: str
@@ -46,6 +47,7 @@ class Measurement:
     flagged: int = 0
     failure: str | None = None
     note: str = ""
+    first: float | None = None
 
 
 @dataclass(frozen=True)

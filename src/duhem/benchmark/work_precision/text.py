@@ -16,7 +16,8 @@ __all__ = ["duration", "text"]
 _TITLES = {
     increment.SCENE: "One increment: four trial stresses, each solved alone; largest relative error, time an increment",
     path.SCENE: "A loading path of four straight steps: largest error of the stress at the corners, time of the whole path",
-    throughput.SCENE: "Many increments at once: processor time a point",
+    throughput.SCENE: "Many increments at once: processor time a point; errors of some points, flags of the first 100, first call by the "
+    "clock on the wall, what it compiles included",
 }
 
 
@@ -43,22 +44,24 @@ def _own_error(result: WorkPrecision, scene: str, page: Page) -> list[str]:
 
 
 def _table(rows: Sequence[Measurement], scene: str, page: Page) -> list[str]:
-    names = {increment.SCENE: ("stress", "slip"), path.SCENE: ("stress",), throughput.SCENE: ()}[scene]
-    judged = ["flagged"] if scene == increment.SCENE else []
-    head = ("method", "setting", *(f"error in {n}" for n in names), *judged, "time", "least", "most", "runs")
+    names = {increment.SCENE: ("stress", "slip"), path.SCENE: ("stress",), throughput.SCENE: ("stress", "slip")}[scene]
+    judged = ["flagged"] if scene != path.SCENE else []
+    called = ["first call"] if scene == throughput.SCENE else []
+    head = ("method", "setting", *(f"error in {n}" for n in names), *judged, *called, "time", "least", "most", "runs")
     body: list[tuple[str, ...]] = [head]
     for row in rows:
         if row.failure is not None:
             body.append((row.method, row.setting, f"failed: {row.failure}"))
             continue
         if "megabytes" in row.error:
-            body.append((row.method, row.setting, f"{row.error['megabytes']:.1f} MB", "", "", ""))
+            body.append((row.method, row.setting, f"{row.error['megabytes']:.1f} MB"))
             continue
         errors = [f"{row.error[n]:.1e}" if n in row.error else "" for n in names]
         time = _time(row.seconds) if row.seconds else ("",) * 4
-        body.append((row.method, row.setting, *errors, *([str(row.flagged)] if judged else []), *time))
+        first = [duration(row.first) if row.first is not None else "" for _ in called]
+        body.append((row.method, row.setting, *errors, *([str(row.flagged) if row.error else ""] if judged else []), *first, *time))
     noted = [row for row in rows if row.note and row.failure is None and scene != path.SCENE]
-    notes = [line for row in noted for line in page.item(f"note: {row.method}: {row.note}")]
+    notes = [line for row in noted for line in page.item(f"note: {' '.join(filter(None, (row.method, row.setting)))}: {row.note}")]
     return [*page.table(body, "llr"), *notes]
 
 

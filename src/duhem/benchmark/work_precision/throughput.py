@@ -5,59 +5,80 @@ as plain NumPy copies and fills, one thread: nothing that returns these can be f
 exist and into new ones, whose memory the system has to find and to clear first; what writes into arrays that exist is
 compared with the first, what returns new ones with the second.
 Times are the processor's, all threads together: what else the machine does in between would distort a ratio of a short
-run to a long one.
+run to a long one.  Each method is measured at growing numbers of points, as far as it takes seconds; errors are those of a few
+of the first points against many digits, flags those of duhem's own residuals.
 """
 
 from __future__ import annotations
 
 import tracemalloc
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from time import process_time
+from time import perf_counter, process_time
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.benchmark.contenders import Contender
+from duhem.benchmark.reference import NoReference, ReferenceIncrement, distance
 from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.work_precision.result import Measurement, Spread, Target
+from duhem.benchmark.work_precision.result import Measurement, Spread
 from duhem.benchmark.work_precision.timing import timed
 from duhem.left_out import LeftOut
 from duhem.projection.increment import Increment
-from duhem.projection.result import Array
+from duhem.projection.projector import ACCURACY
+from duhem.projection.residuals import residuals
+from duhem.projection.result import Array, Projection, Solution, Status
 
-__all__ = ["SCENE", "rows", "targets"]
+__all__ = ["ANEW", "BOUND", "BOUND_NEW", "ONCE", "REUSED", "SCENE", "WHOLE", "Load", "rows"]
 
 SCENE = "throughput"
 BOUND, BOUND_NEW, WHOLE = "memory bandwidth", "memory bandwidth, new arrays", "duhem.project"
 REUSED = ", arrays reused"
 ONCE, ANEW = "cvxpy, compiled once", "cvxpy, a new problem a point"
-_FEW, _FEWER = 2_000, 20  # points for the methods whose cost a point does not depend on N, and for cvxpy
+_SIZES = (100, 10_000)  # points, before the number asked for
+_FEWER = 20  # points for cvxpy
 _LIMIT = 6.0
+_LOOKED_AT = 100  # of the first points: those that are judged
+_KNOWN = 6  # of them: those that have an answer in many digits
 
 
 @dataclass(frozen=True)
 class Load:
-    """N random increments, somewhat more than half of them slipping."""
+    """N random increments, somewhat more than half of them slipping; ``answers`` in many digits to some of the first, by index."""
 
     specimen: Specimen
     question: Increment
+    answers: dict[int, ReferenceIncrement]
 
     @classmethod
-    def of(cls, specimen: Specimen, points: int) -> Load:
+    def of(cls, specimen: Specimen, points: int, left_out: list[LeftOut] | None = None) -> Load:
+        """``left_out`` takes the reason where there are no answers."""
         d = len(specimen.law.forces)
         draw = np.random.default_rng(1)
         reach = [specimen.radius(s * axis, specimen.pressure) for axis in np.eye(d) for s in (1.0, -1.0)]
         size = float(np.median([r for r in reach if 0.0 < r < 1e300] or [1.0]))
         trial = draw.normal(size=(points, d)) * (0.9 * size)
         pressure = None if specimen.pressure is None else -draw.uniform(0.5, 1.5, points)
-        return cls(specimen, specimen.question(trial, pressure))
+        answers: dict[int, ReferenceIncrement] = {}
+        try:
+            closest = specimen.reference()
+            for i in range(min(points, _LOOKED_AT)):
+                found = closest(trial[i].tolist(), None if pressure is None else float(pressure[i]))
+                if found.slips:
+                    answers[i] = found
+                if len(answers) == _KNOWN:
+                    break
+        except NoReference as fault:
+            answers = {}
+            if left_out is not None:
+                left_out.append(LeftOut(f"errors of scene {SCENE}", f"no reference: {fault}"))
+        return cls(specimen, specimen.question(trial, pressure), answers)
 
     def first(self, n: int) -> Increment:
         """The question of the first n points."""
-        pressure = None if self.specimen.pressure is None else self.question.pressure[:n]
-        return self.specimen.question(self.question.trial[:n], pressure)
+        return replace(self.question, trial=self.question.trial[:n], pressure=self.question.pressure[:n])
 
 
 def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
@@ -66,28 +87,81 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
     yield Measurement(SCENE, BOUND, f"N = {n}", seconds=_bound(load, repeats, new=False), note="copies and fills, one thread")
     yield Measurement(SCENE, BOUND_NEW, f"N = {n}", seconds=_bound(load, repeats, new=True), note="copies and fills, one thread")
     for contender in contenders:
-        method = contender.method.name
-        if method == "cvxpy":
+        if contender.method.name == "cvxpy":
             continue
-        few = n if method == "closed-form" else _FEW
-        part, count = (load.question, n) if few >= n else (load.first(few), few)
-        note = "" if count == n else f"{count} points: its cost a point does not fall with N"
-        yield _measured(contender.name, count, partial(contender.solve, part), repeats, note)
-        if method == "closed-form":
-            yield _reused(contender, part, repeats)
-        if method == "closed-form" and contender.options == contender.method.options():
-            yield _memory(contender.name, partial(contender.solve, load.question))
+        yield from _grown(load, contender.name, contender.solve, repeats)
+        if contender.method.name == "closed-form":
+            yield _reused(contender, load.question, repeats)
+            if contender.options == contender.method.options():
+                yield _memory(contender.name, partial(contender.solve, load.question))
     if any(contender.method.name == "cvxpy" for contender in contenders):
         yield from _cvxpy(load, min(n, _FEWER), repeats)
-    first = contenders[0]
-    if first.method.name == "closed-form":
-        pressure = None if load.specimen.pressure is None else load.question.pressure
+    first = next((contender for contender in contenders if not contender.peer), None)
+    if first is not None and first.method.name != "cvxpy":
 
-        def whole() -> object:
-            return first.project(load.specimen, load.question.trial, pressure)
+        def whole(part: Increment) -> Projection:
+            return first.project(load.specimen, part.trial, None if load.specimen.pressure is None else part.pressure)
 
-        yield _measured(WHOLE, n, whole, min(repeats, 3), "checks, residuals and statuses included")
-        yield _memory(WHOLE, whole)
+        yield from _grown(load, WHOLE, whole, min(repeats, 3), "checks, residuals and statuses included")
+        if first.method.name == "closed-form":
+            yield _memory(WHOLE, partial(whole, load.question))
+
+
+def _grown(
+    load: Load, name: str, solve: Callable[[Increment], Solution | Projection], repeats: int, note: str = ""
+) -> Iterator[Measurement]:
+    """The method at more and more points; the last row says what a point costs there beside the first, or what more would take."""
+    points = len(load.question.trial)
+    sizes = [*(n for n in _SIZES if n < points), points]
+    least = 0.0
+    for n, more in zip(sizes, [*sizes[1:], None], strict=True):
+        row = _judged(load, name, n, solve, repeats)
+        if row.seconds is None:
+            yield row
+            return
+        median = row.seconds.median
+        least = least or median
+        ends = more is None or median * more > _LIMIT
+        said = [
+            note,
+            f"a point takes {median / least:.2g} times what it takes at N = {sizes[0]}" if ends and n > sizes[0] and least > 0.0 else "",
+            f"{more} points would take some {median * more:.0f} s" if ends and more is not None else "",
+        ]
+        yield replace(row, note="; ".join(filter(None, [row.note, *said])) if ends else row.note)
+        if ends:
+            return
+
+
+def _judged(load: Load, name: str, n: int, solve: Callable[[Increment], Solution | Projection], repeats: int) -> Measurement:
+    """One method at the first n points: its first call by the clock on the wall, what that gave, and the time of further calls."""
+    part = load.question if n == len(load.question.trial) else load.first(n)
+    try:
+        began = perf_counter()
+        found = solve(part)
+        first = perf_counter() - began
+        failed = found.failed if isinstance(found, Solution) else found.status == Status.FAILED
+        missing = int(np.count_nonzero(failed))
+        k = slice(_LOOKED_AT)
+        head = Solution(found.stress[k], found.slip[k], found.multiplier[k], failed[k])
+        del found, failed  # a million answers that are kept would make the next million dearer
+        worst = residuals(load.first(min(n, _LOOKED_AT)), head).worst()
+        note = f"{missing} of {n} points without an answer" if missing else ""
+        seconds = timed(partial(solve, part), repeats, 1.0 / n, _LIMIT, process_time)
+        flagged = int(np.count_nonzero(head.failed | ~(worst <= ACCURACY)))
+        return Measurement(SCENE, name, f"N = {n}", _errors(load, head), seconds, flagged, None, note, first)
+    except Exception as fault:  # whatever a method raises is its result
+        return Measurement(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
+
+
+def _errors(load: Load, found: Solution) -> dict[str, float]:
+    """The largest, relative, of the points that have an answer here and in many digits."""
+    known = [(i, answer) for i, answer in load.answers.items() if i < len(found.failed) and not found.failed[i]]
+    if not known:
+        return {}
+    return {
+        "stress": max(distance(found.stress[i].tolist(), answer.stress) for i, answer in known),
+        "slip": max(distance(found.slip[i].tolist(), answer.slip) for i, answer in known),
+    }
 
 
 def _cvxpy(load: Load, count: int, repeats: int) -> Iterator[Measurement]:
@@ -157,34 +231,3 @@ def _bound(load: Load, repeats: int, new: bool) -> Spread:
 
     run()
     return timed(run, max(3 * repeats, 9), 1.0 / n, clock=process_time)
-
-
-def targets(rows: Sequence[Measurement], left_out: Sequence[LeftOut]) -> tuple[Target, ...]:
-    """The ratios of medians that duhem sets itself, within one run; where one was not measured, why."""
-    absent = {part.part: part.reason for part in left_out} | {r.method: f"failed: {r.failure}" for r in rows if r.failure is not None}
-    seconds = {row.method: row.seconds.median for row in rows if row.scene == SCENE and row.seconds is not None}
-    memory = {row.method: row.error["megabytes"] for row in rows if row.scene == SCENE and "megabytes" in row.error}
-    if BOUND not in seconds or BOUND_NEW not in seconds:
-        return ()
-    absent |= {name + REUSED: reason for name, reason in absent.items()}
-
-    def ratio(what: str, over: str, under: str, relation: str, bound: float) -> Target:
-        missing = [name for name in (over, under) if name not in seconds]
-        value = None if missing or seconds[under] == 0.0 else seconds[over] / seconds[under]
-        reason = "; ".join(absent.get(name, f"{name} was not measured") for name in missing)
-        return Target(what, value, relation, bound, reason or ("" if value is not None else "too short for this clock"))
-
-    def megabytes(name: str) -> Target:
-        return Target(f"extra memory of {name}, MB", memory.get(name), "<=", 16.0, "" if name in memory else f"{name} was not measured")
-
-    return (
-        ratio("closed form (NumPy) / memory bandwidth", "closed-form" + REUSED, BOUND, "<=", 40.0),
-        ratio("closed form (numba) / memory bandwidth", "closed-form, numba" + REUSED, BOUND, "<=", 5.0),
-        ratio("closed form (NumPy) / memory bandwidth, new arrays", "closed-form", BOUND_NEW, "<=", 40.0),
-        ratio("closed form (numba) / memory bandwidth, new arrays", "closed-form, numba", BOUND_NEW, "<=", 5.0),
-        ratio("duhem.project, residuals included / memory bandwidth, new arrays", WHOLE, BOUND_NEW, "<=", 40.0),
-        ratio("CVXPY, a new problem a point / closed form (NumPy)", ANEW, "closed-form", ">=", 1e4),
-        ratio("CVXPY, compiled once / closed form (NumPy)", ONCE, "closed-form", ">=", 1e4),
-        megabytes("closed-form"),
-        megabytes(WHOLE),
-    )
