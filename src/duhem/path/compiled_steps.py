@@ -22,7 +22,7 @@ from duhem.projection.result import Status
 
 __all__ = ["Loops", "loops"]
 
-_WIDTH = 504  # points abreast: as many as the kernel looks at together
+_ROW = 504  # points abreast: as many as the kernel looks at together
 _STICK, _SLIP, _FAILED = int(Status.STICK), int(Status.SLIP), int(Status.FAILED)
 
 
@@ -182,10 +182,10 @@ def loops() -> Loops:
         mu, axes, low, ratio, compliance, power, place = quarters
         multiplier, psi, dissipation, work, numerical, balance = sums
         n = state.shape[0]
-        s = np.empty((23, _WIDTH))
-        trial, e, near, moved, lam = np.empty((_WIDTH, 2)), np.empty(_WIDTH), np.empty((_WIDTH, 2)), np.empty((_WIDTH, 2)), np.empty(_WIDTH)
-        for begin in range(0, n, _WIDTH):
-            size = min(_WIDTH, n - begin)
+        s = np.empty((23, _ROW))
+        trial, e, near, moved, lam = np.empty((_ROW, 2)), np.empty(_ROW), np.empty((_ROW, 2)), np.empty((_ROW, 2)), np.empty(_ROW)
+        for begin in range(0, n, _ROW):
+            size = min(_ROW, n - begin)
             for j in range(size):
                 for i in range(14):
                     s[i, j] = state[begin + j, i]
