@@ -26,7 +26,7 @@ LAWS: dict[str, dict[str, float]] = {
     "superellipse": {"mu_a": 0.3, "mu_b": 0.2, "p": 4}, "limacon": {"mu": 0.3, "e": 0.4}, "hosford": {"yield_stress": 0.3, "m": 8},
     "drucker1949": {"k": 0.3, "c": 2}, "von-mises": {"yield_stress": 0.3}, "box": {"mu_a": 0.3, "mu_b": 0.2}, 
     "tresca": {"yield_stress": 0.3}, "antoni2007": {"mu_a_plus": 0.3, "mu_a_minus": 0.2, "mu_b_plus": 0.1, "mu_b_minus": 0.4},
-    "regularised": {"mu": 0.3, "c": 0.1},
+    "regularised": {"mu": 0.3, "c": 0.1}, "polygon": {"mu": 0.3},
     "capped": {"mu": 0.3, "tau_max": 0.2}, "matchstick": {"mu_a": 0.3, "mu_b": 0.25}, "antoni2007-1d": {"mu_plus": 0.3, "mu_minus": 0.1},
 }  # fmt: skip
 
@@ -95,6 +95,21 @@ def test_at_a_corner_as_many_pieces_press_as_meet() -> None:
     assert found.stress == pytest.approx(np.clip(trial, [-2, -1, -3], [2, 1, 3]), abs=1e-14)
     assert found.slip == pytest.approx(trial - np.clip(trial, [-2, -1, -3], [2, 1, 3]), abs=1e-13)
     assert state.tolist() == [SLIP, SLIP, SLIP, 0]
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_far_from_a_body_of_many_sides_pieces_are_exchanged(d: int) -> None:
+    """Along the way there are more sides than can meet: one leaves for each that comes."""
+    rng = np.random.default_rng(d)
+    names = tuple("abc"[:d])
+    sides = ", ".join(" + ".join(f"({int(c)}/10)*{x}" for c, x in zip(row, names, strict=True)) for row in rng.integers(-9, 10, (14, d)))
+    law = Criterion(name="stone", g=f"max({sides}, {', '.join(f'abs({x})/2' for x in names)}) - 1", forces=names, pressure=None)
+    question = posed(setting(law, np.geomspace(1.0, 5.0, d), {}), rng.normal(size=(40, d)) * 30.0, None)
+    found, state = _as_text(question)
+    known = newton.solve(question)
+    assert state.tolist() == [SLIP] * 40
+    assert found.stress == pytest.approx(known.stress, rel=1e-12, abs=1e-13)
+    assert found.slip == pytest.approx(known.slip, rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize("trial", [[np.nan, 1.0], [np.inf, 0.0], [1e300, 1e300]])

@@ -32,7 +32,7 @@ from duhem.projection.whitened_body import whitening
 __all__ = ["kernel_text", "solved"]
 
 _BLOCK = 16_384
-_MARK = "# -- compiled from here"
+MARK = "# -- compiled from here"
 
 
 def solved(increment: Increment) -> tuple[Solution, NDArray[np.intp]]:
@@ -78,7 +78,7 @@ def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int) -> str:
         f"from numpy import {', '.join(FUNCTIONS)}",
         f"D, KINKS, DATA = {d}, {jets.kinks}, {len(formula.data)}",
     ]
-    loop = [inspect.getsource(module).partition(_MARK)[2].partition("\n")[2] for module in (newton_step, newton_kernel)]
+    loop = [inspect.getsource(module).partition(MARK)[2].partition("\n")[2] for module in (newton_step, newton_kernel)]
     return "\n\n\n".join(["\n".join(head), *_functions(formula, jets), *loop])
 
 

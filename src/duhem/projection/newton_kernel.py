@@ -39,6 +39,7 @@ from duhem.projection.newton_step import (
     below,
     bent,
     directed,
+    eliminated,
     grown,
     length,
     shared,
@@ -91,27 +92,46 @@ def solve(
         q[DATA + k] = constants[k]
     held = np.empty((D + 1, KINKS), np.int8)
     for n in range(trial.shape[0]):
-        multiplier[n] = 0.0
-        for i in range(D):
-            stress[n, i], slip[n, i] = trial[n, i], 0.0
-        size = begun(trial, data, n, v, q)
-        if size == 0.0:
-            state[n] = STICK
-        elif size < 0.0 or not searched(v, m, a, q, held, root, inverse):
-            state[n] = LEFT
-        else:
-            state[n] = SLIP
-            weight = 0.0
+        state[n] = solved(trial, data, n, degree, v, m, a, q, held, root, inverse, stress, slip, multiplier)
+
+
+def solved(
+    trial: Any,
+    data: Any,
+    n: int,
+    degree: float,
+    v: Any,
+    m: Any,
+    a: Any,
+    q: Any,
+    held: Any,
+    root: Any,
+    inverse: Any,
+    stress: Any,
+    slip: Any,
+    multiplier: Any,
+) -> int:
+    """The same for point ``n``, whose pieces are left in v and m: those that press have ``LENGTHS`` above 0."""
+    multiplier[n] = 0.0
+    for i in range(D):
+        stress[n, i], slip[n, i] = trial[n, i], 0.0
+    size = begun(trial, data, n, v, q)
+    if size == 0.0:
+        return STICK
+    if size < 0.0 or not searched(v, m, a, q, held, root, inverse):
+        return LEFT
+    weight = 0.0
+    for i in range(D):
+        stress[n, i] = v[X, i] * size
+    for j in range(D):
+        c = v[LENGTHS, j]
+        if c > 0.0:
+            weight += c / v[SLOPES, j]
             for i in range(D):
-                stress[n, i] = v[X, i] * size
-            for j in range(D):
-                c = v[LENGTHS, j]
-                if c > 0.0:
-                    weight += c / v[SLOPES, j]
-                    for i in range(D):
-                        for k in range(D):
-                            slip[n, i] += c * m[NORMALS, j, k] * inverse[k, i] * size
-            multiplier[n] = weight * size if degree == 1.0 else grown(weight, size, 2.0 - degree)
+                for k in range(D):
+                    slip[n, i] += c * m[NORMALS, j, k] * inverse[k, i] * size
+    multiplier[n] = weight * size if degree == 1.0 else grown(weight, size, 2.0 - degree)
+    return SLIP
 
 
 def begun(trial: Any, data: Any, n: int, v: Any, q: Any) -> float:
@@ -214,11 +234,36 @@ def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) 
                 held[least, k] = held[count, k]
         elif optimal(v, m, q, held, count, root):
             return count
-        elif count == D or not added(held, count):
-            return 0
-        else:
+        elif count == D:
+            if not exchanged(v, m, a, held):
+                return 0
+        elif added(held, count):
             count += 1
+        else:
+            return 0
     return 0
+
+
+def exchanged(v: Any, m: Any, a: Any, held: Any) -> bool:
+    """The piece that holds in the place of one of D that meet in a corner beyond it; False where the corner is no way back.
+
+    The piece leaves whose multiplier is the first to vanish as that of the new one grows (Goldfarb and Idnani 1983).
+    """
+    for i in range(D):
+        a[i, D] = v[WHITE, i]
+        for j in range(D):
+            a[i, j] = m[NORMALS, j, i]
+    if not eliminated(a, D):
+        return False
+    leaves, first = D, 0.0
+    for j in range(D):
+        if a[j, D] > ANGLE and (leaves == D or v[LENGTHS, j] / a[j, D] < first):
+            leaves, first = j, v[LENGTHS, j] / a[j, D]
+    if leaves == D or not added(held, D):
+        return False
+    for k in range(KINKS):
+        held[leaves, k] = held[D, k]
+    return True
 
 
 def added(held: Any, count: int) -> bool:

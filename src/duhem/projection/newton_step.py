@@ -32,7 +32,7 @@ __all__ = [
     "X",
     "below",
     "bent",
-    "directed", "grown",
+    "directed", "eliminated", "grown",
     "length",
     "shared",
     "times",

@@ -179,6 +179,8 @@ class _Weigher:
 
     def _pressure_degree(self, factor: sp.Expr) -> sp.Expr:
         """|sigma_n|^n has weight n; any other factor (a coefficient that depends on pressure) is a pure number, weight 0."""
+        if self.pressure is None:
+            return sp.S.Zero
         base, exponent = factor.as_independent(self.pressure, as_Add=False)[1].as_base_exp()
         return exponent if base in (self.pressure, sp.Mul(-1, self.pressure)) else sp.S.Zero
 
