@@ -7,9 +7,11 @@
 
 A row a law, at the simplest admitted values of its parameters:
 
-project    how many of the trial stresses beyond K end in slip, of all; how many are flagged; and how far an independent closest
-           point lies from the answers, relative to the stress: that of CVXPY where it takes the law, else of SciPy's SLSQP
-tangent    at how many of these it is the slope of the answers, by differences at h and h/2 that agree; how many have none
+project    how many of the trial stresses beyond K end in slip, of all; how many are flagged, and as what; and how far an
+           independent closest point lies from the answers, relative to the stress: that of CVXPY where it takes the law, else
+           of SciPy's SLSQP
+tangent    at how many of these it is the slope of the answers, by differences at h and h/16 that agree; how many are unsure,
+           since these do not; how many have none
 path       which integrators go once around in the space of the forces
 properties how many checks of duhem.testing duhem's own routine passes, and which it is not put to
 """
@@ -19,6 +21,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -40,6 +43,7 @@ __all__ = ["Row", "at_simplest", "left_out", "measured", "trials"]
 _RAYS, _REFERENCES = 16, 12
 _STRETCHES = (1.05, 2.0, 10.0)
 _APART = 1e-4  # of a reference's stress: solvers of general problems have some five digits
+_NONE = "more normals meet than there are pieces"
 _WRONG = 1e-6  # by how much an answer may be farther than a feasible point that another finds
 
 
@@ -97,7 +101,8 @@ def measured(said: AtlasEntry, suite: bool = True) -> Row:
         return Row(str(reason).partition(";")[0], "-", _path(law), _suite(law, set()) if suite else "-", ())
     solved = done.status <= Status.SLIP
     cell = f"{done.method}: {int((done.status == Status.SLIP).sum())}/{len(asked)} slip"
-    cell += f", {int((~solved).sum())} flagged" if not solved.all() else ""
+    for remark, count in Counter(done.remark(int(i)) for i in np.flatnonzero(~solved)).items():
+        cell += f", {count} flagged ({remark})"
     who = np.flatnonzero(done.status == Status.SLIP)
     who = who[:: 1 + len(who) // _REFERENCES]
     if who.size:
@@ -152,18 +157,21 @@ def _tangent(law: Criterion, asked: Array, done: Projection, solved: Array, wron
     assert done.tangent is not None
     d = asked.shape[1]
     scale = 1e-5 * np.abs(done.stress).max(axis=1).clip(1e-3 * np.abs(asked).max(axis=1))
-    steps = [scale[:, None] * share * np.eye(d)[i] for i in range(d) for share in (1.0, 0.5, -1.0, -0.5)]
+    shares = np.array([1.0, 1 / 16, -1.0, -1 / 16])
+    steps = [scale[:, None] * share * np.eye(d)[i] for i in range(d) for share in shares]
     every = duhem.project(law, np.concatenate([asked + s for s in steps]), pressure_of(law), np.ones(d))
     ends, good = every.stress.reshape(d, 4, *asked.shape), (every.status <= Status.SLIP).reshape(4 * d, -1).all(axis=0)
-    rates = (ends - done.stress) / (np.array([1.0, 0.5, -1.0, -0.5])[:, None] * scale)[..., None]
-    slopes, spread = rates.mean(axis=1), np.abs(rates - rates.mean(axis=1, keepdims=True)).max(axis=(0, 1, 3))
+    rates = (ends - done.stress) / (shares[:, None] * scale)[..., None]
+    slopes = rates[:, 1::2].mean(axis=1)
+    spread = np.abs(rates - slopes[:, None]).max(axis=(0, 1, 3))
     told = np.isfinite(done.tangent).all(axis=(1, 2))
     off = np.abs(np.moveaxis(slopes, 0, -1) - done.tangent).max(axis=(1, 2))
     sure = solved & good & (spread <= 1e-3)
     if (bad := sure & told & (off > 2e-3)).any():
         wrong.append(f"the tangent is off by {off[bad].max():.1e} at {asked[bad][0].tolist()}")
-    nothing = int((solved & ~told).sum())
-    return f"{int((sure & told & ~bad).sum())}/{int(solved.sum())}" + (f", {nothing} none" if nothing else "")
+    counts = {"unsure": int((solved & told & ~sure).sum()), f"none: {_NONE}": int((solved & ~told).sum())}
+    said = [f", {count} {what}" for what, count in counts.items() if count]
+    return f"{int((sure & told & ~bad).sum())}/{int(solved.sum())}" + "".join(said)
 
 
 def _path(law: Criterion) -> str:

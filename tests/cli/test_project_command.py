@@ -101,3 +101,15 @@ def test_what_is_missing_is_asked_for_in_the_words_of_the_command(run: Run) -> N
     code, out, message = run("coulomb", "--set", "mu=0.2", "--trial", "1", "1", "--stiffness", "1")
     assert (code, out) == (2, "")
     assert message.startswith("duhem: --pressure: coulomb needs the pressure sigma_n")
+
+
+def test_a_law_with_a_flow_of_its_own_is_refused_before_its_parameters_are_asked_for(run: Run) -> None:
+    code, out, message = run("hjiaj", "--trial", "1", "1", "1", "--pressure", "-1")
+    assert (code, out) == (2, "")
+    assert "has a flow of its own" in message and "--set" not in message
+
+
+def test_an_edge_without_a_tangent_says_so(run: Run) -> None:
+    code, out, _ = run("tresca-tensor", "--set", "s0=1", "--trial", "2", "1.9", "0", "0", "0", "0", "--tangent")
+    assert code == 0
+    assert "none is known: more normals meet at the stress" in out and "nan" not in out

@@ -119,3 +119,19 @@ def test_a_stress_inside_that_has_no_angle_is_vouched_for(name: str) -> None:
     assert (done.status == duhem.Status.STICK).all()
     path = duhem.Path.linear([[0, 0, 0], [-0.05, -0.05, -0.05], [0.01, 0, 0]])
     assert np.isfinite(duhem.simulate(law, path, stiffness=1.0).stress).all()  # from no stress at all
+
+
+@pytest.mark.slow
+def test_a_cone_about_the_hydrostatic_axis_in_six_stresses_is_that_of_its_principal_stresses():
+    """It fills too little of six dimensions to be met by chance."""
+    six = duhem.Criterion(
+        name="x", g="max(-principal(s, 3), I1(s)**3 - 60*det(s))", stress={"name": "s", "kind": "3d"}, pressure=None
+    )  # fmt: skip
+    principal = np.array([[-0.877, -0.191, 0.911], [0.176, 0.718, 2.629]])
+    q, _ = np.linalg.qr(np.random.default_rng(0).standard_normal((3, 3)))
+    tensors = [(q * p) @ q.T for p in principal]
+    done = duhem.project(six, [[t[0, 0], t[1, 1], t[2, 2], t[1, 2], t[0, 2], t[0, 1]] for t in tensors])
+    assert (done.status == duhem.Status.SLIP).all()
+    found = [np.linalg.eigvalsh([[s[0], s[5], s[4]], [s[5], s[1], s[3]], [s[4], s[3], s[2]]]) for s in done.stress]
+    known = duhem.project("lade-duncan", principal, parameters={"k1": 60}).stress
+    np.testing.assert_allclose(found, np.sort(known, axis=1), atol=1e-9)

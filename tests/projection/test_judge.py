@@ -105,6 +105,23 @@ def test_corners_are_judged_by_their_cone(monkeypatch: pytest.MonkeyPatch) -> No
         assert status == (Status.SLIP if right else Status.INACCURATE)
 
 
+@pytest.mark.parametrize("trial", [[1.05, 1.05, 1.05], [4.2, 10.0, 4.0], [2.0, 3.0, 4.0]])
+def test_a_vertex_met_to_the_last_digit_has_the_normals_of_all_its_faces(trial: list[float]) -> None:
+    """At (1, 1, 1) the faces of max(a, b, c) <= 1 are equal along the axes, and the first of them stands for all."""
+    done = duhem.project("rankine", trial, parameters={"ft": 1}, stiffness=1.0)
+    np.testing.assert_array_equal(done.stress[0], 1.0)
+    assert done.status[0] == Status.SLIP
+
+
+def test_a_slip_beside_the_cone_of_such_a_vertex_is_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
+    slip = np.array([[1.0, 1.0, -0.01]])
+    found = Solution(np.ones((1, 3)), slip, np.array([1.99]), np.zeros(1, dtype=bool))
+    put(monkeypatch, applies=lambda q: None, solve=lambda q, _: found)
+    done = duhem.project("rankine", 1.0 + slip, stiffness=1.0, parameters={"ft": 1})
+    assert done.status[0] == Status.INACCURATE
+    assert done.remark() is not None
+
+
 def test_residuals_are_pure_numbers() -> None:
     trial = np.random.default_rng(4).normal(size=(200, 2))
     for unit in (1e-9, 1.0, 1e9):

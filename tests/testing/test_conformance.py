@@ -102,6 +102,11 @@ def test_what_is_not_returned_is_left_out_with_the_reason() -> None:
     assert set(full.left_out) == {"homogeneity"} and "size of its own" in full.left_out["homogeneity"]
 
 
+def test_there_is_no_routine_for_a_law_with_a_flow_of_its_own() -> None:
+    with pytest.raises(InputError, match="plesha has a flow of its own"):
+        projection("plesha")
+
+
 def test_flagged_points_are_counted_and_not_judged() -> None:
     def update(trial: Array, pressure: Array, stiffness: Array) -> Step:
         right = ellipse(trial, pressure, stiffness)

@@ -36,7 +36,10 @@ def project(
     it is then called inaccurate as soon as one of the points of K that are tried speaks against it.  A stress beyond a range of
     forces that LAW declares is called outside, and ends with 4 too.
     """
+    from duhem.projection.validation import check_associated
+
     fixed = read_fixed_formula(law, settings)
+    check_associated(fixed)
     if missing := [name for name, domain in fixed.parameters.items() if domain.value is None]:
         remedy = f"give {' '.join(f'--set {name}=VALUE' for name in missing)}"
         raise InputError(f"no value is given for {', '.join(missing)}", where=fixed.name, remedy=remedy)

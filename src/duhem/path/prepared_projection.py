@@ -108,9 +108,10 @@ def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
         read = slips[0] + 1 if slips.size else len(rows)  # a run takes a block no further than its first slip
         if (lost := np.flatnonzero(np.isin(found.status[:read], LOST))).size:
             row, status = int(rows[lost[0]]), Status(int(found.status[lost[0]])).name.lower()
-            what, remedy = f"the closest point under method {found.method} is {status}", "take another projection, or smaller steps"
-            if found.residuals.stationary_only()[lost[0]]:
-                what, remedy = f"{what}: {NOT_CLOSEST}", "verify the law's convexity, and take parameters for which it holds"
+            what, why = f"the closest point under method {found.method} is {status}", found.remark(int(lost[0]))
+            what, remedy = f"{what}: {why}", "take another projection, or smaller steps"
+            if why == NOT_CLOSEST:
+                remedy = "verify the law's convexity, and take parameters for which it holds"
             raise DuhemError(what, where=f"step {row}", remedy=remedy)
         return found.stress, found.slip, found.multiplier
 

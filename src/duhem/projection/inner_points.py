@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,7 @@ __all__ = ["inner_points"]
 _MARGIN = 1e-11  # in sizes of K
 _MAGNITUDES = 4.0 ** np.arange(2, -22, -1)
 _DIRECTIONS = 48
+_MOST_DIAGONAL = 6  # forces
 _BLOCK = 1024  # points: two dozen samples of each at a time stay in the cache
 
 
@@ -21,11 +24,24 @@ def inner_points(body: Body, at: Index) -> tuple[Array, NDArray[np.bool_]]:
     d = len(body.root)
     centre = np.zeros((len(at), d))
     outside = ~_inner(body, centre, at)
-    if outside.any():
-        who = np.flatnonzero(outside)
-        centre[who] = _mean_of_samples(body, at[who])
-        outside[who] = ~_inner(body, centre[who], at[who])
+    for directions in (_any_directions, _diagonals):
+        if (who := np.flatnonzero(outside)).size:
+            centre[who] = _mean_of_samples(body, at[who], directions(d))
+            outside[who] = ~_inner(body, centre[who], at[who])
     return centre, outside
+
+
+def _any_directions(d: int) -> Array:
+    """By chance and along the axes (W, d)."""
+    return np.concatenate([np.random.default_rng(0).standard_normal((_DIRECTIONS, d)), np.eye(d), -np.eye(d)])
+
+
+def _diagonals(d: int) -> Array:
+    """All sums of axes, both ways: a cone about the hydrostatic axis fills too little of six dimensions to be met by chance."""
+    few = min(d, _MOST_DIAGONAL)
+    sums = np.array([w for w in product((0.0, 1.0), repeat=few) if sum(w) > 1])
+    sums = np.hstack([sums, np.zeros((len(sums), d - few))]) if sums.size else np.zeros((0, d))
+    return np.concatenate([sums, -sums])
 
 
 def _inner(body: Body, x: Array, at: Index) -> NDArray[np.bool_]:
@@ -36,10 +52,9 @@ def _inner(body: Body, x: Array, at: Index) -> NDArray[np.bool_]:
     return inside
 
 
-def _mean_of_samples(body: Body, at: Index) -> Array:
+def _mean_of_samples(body: Body, at: Index, directions: Array) -> Array:
     """The mean of the sampled points that lie in K: inside it, K being convex.  Of each ray it is the farthest that counts."""
     d, many = len(body.root), len(_MAGNITUDES)
-    directions = np.concatenate([np.random.default_rng(0).standard_normal((_DIRECTIONS, d)), np.eye(d), -np.eye(d)])
     mean = np.zeros((len(at), d))
     for start in range(0, len(at), _BLOCK):
         block = at[start : start + _BLOCK]

@@ -21,6 +21,8 @@ _Sides = tuple[Array, Array, Array]  # unit normals, lengths of the gradient, he
 
 _BLOCK = 16_384
 _BESIDE = (1e-15, 1e-13, 1e-11, 1e-9, 1e-8, 5e-8, 1e-6, 1e-4)  # of the length of a stress: normals are looked for this close to it
+_CLOSEST = (1e-13, 1e-9)  # the same, where the axes lie along edges
+_TURNS = 6
 _CLOSE = 2.0  # times as far from the boundary as from the stress is not beside it
 _THIN = 1e-13  # of the length of a stress: what is less than this across is rounding
 _OPPOSED = -0.9  # cosine of two normals so close to each other that K is thin, or a point
@@ -57,23 +59,31 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
     """
     best = np.full(len(suspect.slip), np.inf)
     left = np.arange(len(best))
-    for share in _BESIDE:
+    ways = beside(suspect.stress.shape[1])
+    askew = [(share, _askew(ways, turn)) for turn in range(_TURNS) for share in _CLOSEST] if level.jets.kinks else []
+    for share, way in [*((share, ways) for share in _BESIDE), *askew]:
         if not left.size:
             break
         near = share * suspect.grain[left]
-        found = np.maximum(_off_normals(level, metric, suspect.of(left), share), near)
+        found = np.maximum(_off_normals(level, metric, suspect.of(left), share * way), near)
         best[left] = np.fmin(best[left], found)
         left = left[~(best[left] <= 10.0 * near)]
     return best
 
 
-def _off_normals(level: Level, metric: Metric, at: Suspect, share: float) -> Array:
-    """Distance of the slips from the cone of the normals this close to the stress, or of the multiplier from theirs if that is more."""
+def _askew(ways: Array, turn: int) -> Array:
+    """As many ways, none of them along an edge: where pieces are equal along the axes, one of them stands for all there."""
+    other = np.random.default_rng(turn).standard_normal(ways.shape)
+    return np.asarray(other / np.linalg.norm(other, axis=1)[:, None])
+
+
+def _off_normals(level: Level, metric: Metric, at: Suspect, ways: Array) -> Array:
+    """Distance of the slips from the cone of the normals these ways from the stress, or of the multiplier from theirs if that is more."""
     d, every = at.stress.shape[1], np.arange(len(at.slip))
-    off, on = _sides(level, metric, at, share * beside(d))
+    off, on = _sides(level, metric, at, ways)
     facing = reduce(np.fmin, [dot(a, b) for a, b in combinations(off[0], 2)])
     thin = facing < _OPPOSED  # a point, or next to: no one multiplier, and no boundary to tell its sides apart
-    bare = (thin & (share <= _THIN)) | at.tip
+    bare = (thin & (np.linalg.norm(ways, axis=1).min() <= 2.0 * _THIN)) | at.tip
     normals, steep, heights = (np.where(bare[:, None] if x.ndim > 2 else bare, x, y) for x, y in zip(off, on, strict=True))
     best = np.full(len(every), np.inf)
     for chosen in _choices(len(normals), d, most=max(1, _BLOCK // len(every))):

@@ -21,6 +21,8 @@ _FIELD = len("dissipation")
 
 def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: Projection, page: Page = PAGE) -> str:
     """Stress and slip by force, multiplier and dissipation, then the residuals."""
+    from duhem.projection.result import Status
+
     head = page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)
     if law.parameters:
         head += page.field("parameters", ", ".join(f"{name} {domain.describe()}" for name, domain in law.parameters.items()), _FIELD)
@@ -42,6 +44,8 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
             columns = [f"displacement along {force}" for force in law.forces]
             columns += [] if done.tangent_pressure is None else [f"{law.pressure}"]
             block = page.table([("by", *columns), *rows], "lr")
+        if done.status[0] <= Status.SLIP and any(_finite(x) is None for row in _slopes(done) for x in row):
+            block = page.hanging("none is known: more normals meet at the stress than there are smooth pieces, or a curvature is infinite")
         slopes = [*page.hanging(title), *block]
     residuals = ["Optimality, relative to the increment"]
     for name, value in _residuals(done).items():
@@ -101,11 +105,11 @@ def _status(done: Projection) -> str:
 def _remark(law: Criterion, done: Projection) -> str | None:
     """Why a point that looks solved is not, or what of it is no answer of the law's."""
     from duhem.projection.declared_ranges import crossed
-    from duhem.projection.result import NOT_CLOSEST, Status
+    from duhem.projection.result import Status
 
     if done.status[0] == Status.OUTSIDE:
         return f"{crossed(law, done.stress[:1])}, where {law.name} claims nothing"
-    return NOT_CLOSEST if done.residuals.stationary_only()[0] else None
+    return done.remark()
 
 
 def _number(x: float) -> str:

@@ -95,3 +95,17 @@ class Projection:
     residuals: Residuals
     tangent: Array | None = None
     tangent_pressure: Array | None = None
+
+    def remark(self, row: int = 0) -> str | None:
+        """Why the answer of a row is inaccurate or failed, in words; None for the others."""
+        if self.status[row] not in (Status.INACCURATE, Status.FAILED):
+            return None
+        if self.residuals.stationary_only()[row]:
+            return NOT_CLOSEST
+        if self.status[row] == Status.FAILED:
+            return f"method {self.method} found no stress that meets the conditions of the closest point"
+        if np.isnan(self.residuals.worst()[row]):
+            return "g or its slope has no value at the stress, so that nothing vouches for it"
+        if self.residuals.feasibility[row] > ACCURACY:
+            return "the stress lies outside K"
+        return "the slip is along no normal that K is seen to have at the stress"

@@ -20,7 +20,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
 
-__all__ = ["increment", "posed", "setting"]
+__all__ = ["check_associated", "increment", "posed", "setting"]
 
 
 def increment(
@@ -30,14 +30,19 @@ def increment(
     return posed(setting(law, stiffness, parameters), trial, pressure)
 
 
-def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None) -> Increment:
-    """The checked question but for its points: no trial stress yet."""
+def check_associated(law: Criterion) -> None:
+    """InputError for a law with a flow of its own."""
     if not law.associated:
         raise InputError(
             f"{law.name} has a flow of its own, and the closest point is the slip increment of associated laws only",
             where="law",
             remedy="integrate its flow rule instead, or project onto the same criterion without its flow",
         )
+
+
+def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None) -> Increment:
+    """The checked question but for its points: no trial stress yet."""
+    check_associated(law)
     values = _parameters(law, parameters)
     k = _stiffness(stiffness, law)
     return Increment(

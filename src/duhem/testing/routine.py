@@ -10,9 +10,11 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.projection.projector import project
 from duhem.projection.result import Array, Status
+from duhem.projection.validation import check_associated
 
 __all__ = ["Step", "Update", "from_displacements", "pointwise", "projection"]
 
@@ -71,7 +73,11 @@ def from_displacements(step: Callable[..., ArrayLike]) -> Update:
 
 
 def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bool = False) -> Update:
-    """duhem's own routine for ``law`` (:func:`duhem.project`); flagged points count as not solved."""
+    """duhem's own routine for ``law`` (:func:`duhem.project`); flagged points count as not solved.
+
+    InputError for a law with a flow of its own, which has no such routine.
+    """
+    check_associated(load(law))
 
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: Any) -> Step:
         found = project(law, trial, pressure, stiffness, parameters, method=method, tangent=tangent)
