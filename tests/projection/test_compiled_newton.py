@@ -14,7 +14,7 @@ import pytest
 import duhem
 from duhem import Criterion, MissingExtraError
 from duhem.expression.scalar_jets import scalar_jets
-from duhem.projection import compiled_newton, newton
+from duhem.projection import compiled_newton, kept_code, newton
 from duhem.projection.increment import Increment
 from duhem.projection.newton_kernel import LEFT, SLIP
 from duhem.projection.result import Solution, Status
@@ -136,7 +136,7 @@ def test_a_word_without_text_is_all_left() -> None:
 
 def test_without_numba_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)
-    compiled_newton._kernel.cache_clear()
+    kept_code.compiled_text.cache_clear()
     with pytest.raises(MissingExtraError, match=r"duhem\[fast\]"):
         duhem.project("superellipse", [1.0, 1.0], -1.0, 1.0, LAWS["superellipse"], method="newton", compiled=True)
 
@@ -171,15 +171,15 @@ def test_compiled_it_is_the_same_and_is_kept(tmp_path: Any) -> None:
 def test_a_folder_that_cannot_be_written_is_no_fault(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path / "file"))
-    assert compiled_newton._kept("text") is None
+    assert kept_code._kept("text") is None
 
 
 def test_what_stands_in_the_way_in_the_folder_is_written_anew(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
-    path = compiled_newton._kept("x = 1\n")
+    path = kept_code._kept("x = 1\n")
     assert path is not None and path.read_text() == "x = 1\n"
     path.write_text("import os")
-    assert compiled_newton._kept("x = 1\n") == path and path.read_text() == "x = 1\n"
+    assert kept_code._kept("x = 1\n") == path and path.read_text() == "x = 1\n"
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
 
 

@@ -118,7 +118,7 @@ def _pnorm(_: Any, p: Any, *args: Any) -> Any:
 
 
 def _atan2(_: Any, y: Any, x: Any) -> Any:
-    return np.where((np.asarray(x) == 0.0) & (np.asarray(y) == 0.0), np.nan, np.arctan2(np.add(y, 0.0), x))  # -0 is 0
+    return np.where(np.equal(x, 0.0) & np.equal(y, 0.0), np.nan, np.arctan2(np.add(y, 0.0), x))  # -0 is 0
 
 
 def _comparison(compare: Callable[[Any, Any], Any]) -> Callable[..., Any]:

@@ -23,7 +23,7 @@ from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, bound, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["TABLE", "Bounded", "BoundedProgram", "bounded"]
+__all__ = ["TABLE", "Bounded", "BoundedProgram", "bounded", "constant"]
 
 Array = NDArray[np.float64]
 
@@ -58,10 +58,10 @@ class BoundedProgram:
 @lru_cache(maxsize=256)
 def bounded(expr: sp.Basic, symbols: tuple[sp.Symbol, ...]) -> BoundedProgram:
     """``expr`` over ``symbols``; walk once, call often.  Raises what :func:`duhem.expression.numpy_.compiled` raises."""
-    return BoundedProgram(symbols, recorded(recognised(expr), symbols, bound(TABLE), _constant))
+    return BoundedProgram(symbols, recorded(recognised(expr), symbols, bound(TABLE), constant))
 
 
-def _constant(node: Any) -> Callable[[], Bounded]:
+def constant(node: Any) -> Callable[[], Bounded]:
     if node in UNDEFINED:
         return partial(Bounded, np.nan, np.nan)
     value = numpy_.constant(node)

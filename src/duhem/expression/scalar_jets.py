@@ -33,15 +33,17 @@ Bends = Mapping[tuple[int, int], str]
 
 @dataclass(frozen=True)
 class ScalarJets:
-    """Two functions as text, over the forces' numbers, row ``x`` of ``v``, and those of the others, ``q``.
+    """Three functions as text, over the forces' numbers, row ``x`` of ``v``, and those of the others, ``q``.
 
-    ``level(v, x, q)`` returns the value.  ``piece(v, x, q, natural, choices, c, slopes, m, bends)`` returns it as well and
-    fills the row ``slopes`` of ``v`` and the matrix ``bends`` of ``m`` with the derivatives; where ``natural``, the row ``c``
-    of ``choices`` (``kinks`` small integers) is written, else it names the piece.  ``constants`` follow the others in ``q``: the
-    fractions of the formula, which are mostly values of parameters, so that one text serves them all.
+    ``level(v, x, q)`` returns the value, ``gradient(v, x, q, slopes)`` fills the row ``slopes`` of ``v``.
+    ``piece(v, x, q, natural, choices, c, slopes, m, bends)`` does both and fills the matrix ``bends`` of ``m`` with the second
+    derivatives; where ``natural``, the row ``c`` of ``choices`` (``kinks`` small integers) is written, else it names the piece.
+    ``constants`` follow the others in ``q``: the fractions of the formula, which are mostly values of parameters, so that one text
+    serves them all.
     """
 
     level: str
+    gradient: str
     piece: str
     kinks: int
     constants: tuple[float, ...]
@@ -60,7 +62,10 @@ def scalar_jets(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.
     bends = [f"    m[bends, {i}, {j}] = {jet.bends.get((min(i, j), max(i, j)), '0.0')}" for i in d for j in d]
     head = "def piece(v, x, q, natural, choices, c, slopes, m, bends):"
     piece = [head, *whole.lines, *slopes, *bends, f"    return {jet.value}"]
-    return ScalarJets("\n".join(level), "\n".join(piece), whole.kinks, tuple(map(float, numbers)))
+    plain = _Writer(len(forces), numbers, named=False)
+    once = fold(formula, plain.table(), plain.leaf(forces, others)).slopes
+    gradient = ["def gradient(v, x, q, slopes):", *plain.lines, *(f"    v[slopes, {i}] = {once.get(i, '0.0')}" for i in d), "    return"]
+    return ScalarJets("\n".join(level), "\n".join(gradient), "\n".join(piece), whole.kinks, tuple(map(float, numbers)))
 
 
 @dataclass(frozen=True)
@@ -73,10 +78,13 @@ class _Jet:
 
 
 class _Writer:
-    """Writes the lines of one function; of ``d`` = 0 forces no derivative is followed.  ``numbers``: constants and their places."""
+    """Writes the lines of one function; of ``d`` = 0 forces no derivative is followed.  ``numbers``: constants and their places.
 
-    def __init__(self, d: int, numbers: dict[str, int]) -> None:
-        self.d, self.kinks, self.numbers = d, 0, numbers
+    ``named``: the piece that is followed at a kink may be asked for; else it is the one that holds.
+    """
+
+    def __init__(self, d: int, numbers: dict[str, int], named: bool = True) -> None:
+        self.d, self.kinks, self.numbers, self.named_pieces = d, 0, numbers, named and d > 0
         self.lines: list[str] = []
 
     def let(self, text: str) -> str:
@@ -230,7 +238,7 @@ class _Writer:
 
     def chosen(self, natural: str) -> str:
         """The name of the piece that is followed at a new kink; ``natural`` is the number of the one that holds."""
-        if not self.d:
+        if not self.named_pieces:
             return self.let(natural)
         k, self.kinks = self.kinks, self.kinks + 1
         self.lines.append(f"    if natural: choices[c, {k}] = {natural}")

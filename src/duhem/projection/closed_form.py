@@ -15,7 +15,7 @@ from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.closed_form_tangent import tangent
 from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
 from duhem.projection.increment import Increment
-from duhem.projection.method import Method, Options
+from duhem.projection.method import Compiling, Method
 from duhem.projection.quadrants import BLOCK, Quarters
 from duhem.projection.result import Array, Solution
 
@@ -25,14 +25,13 @@ _COMPILED_BLOCK = 65_536  # the kernel has blocks of its own; these are for what
 
 
 @dataclass(frozen=True)
-class ClosedFormOptions(Options):
-    """``compiled`` runs the same formulas through numba; a missing numba raises MissingExtraError.
+class ClosedFormOptions(Compiling):
+    """Compiled, the formulas are the same.
 
     ``into``: the solution of as many points, written over and returned: memory that the system has to find and to clear
     first may cost half as much again.
     """
 
-    compiled: bool = False
     into: Solution | None = None
 
 

@@ -13,12 +13,29 @@ if TYPE_CHECKING:
     from duhem.projection.increment import Increment
     from duhem.projection.result import Array, Solution
 
-__all__ = ["Method", "Options"]
+__all__ = ["Compiling", "Method", "Options"]
 
 
 @dataclass(frozen=True)
 class Options:
     """What a caller may set; a method that takes options has its own, each with its type and what holds where it is left out."""
+
+
+@dataclass(frozen=True)
+class Compiling(Options):
+    """Those of a method that can be compiled, by numba: ``compiled``, and on how many ``threads``, None for all there are.
+
+    What is returned does not depend on their number.  Residuals and statuses are compiled with it.  The first increment of a law
+    waits for the compiler, some ten to thirty seconds; then the code is kept on disk (DUHEM_CACHE_DIR, else the user's folder for
+    such things), and the next process loads it.  A missing numba raises MissingExtraError.
+    """
+
+    compiled: bool = False
+    threads: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.threads is not None and not (isinstance(self.threads, int) and self.threads >= 1):
+            raise InputError(f"threads is {self.threads!r}", where="threads", remedy="give a whole number from 1 on, or leave it out")
 
 
 Own = TypeVar("Own", bound=Options)

@@ -22,7 +22,7 @@ from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.increment import Increment
 from duhem.projection.inner_points import inner_points
-from duhem.projection.method import Method, Options
+from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
 from duhem.projection.stationarity import Stationary, refine
@@ -52,13 +52,8 @@ _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting 
 
 
 @dataclass(frozen=True)
-class NewtonOptions(Options):
-    """``compiled`` makes a loop of the law's formula and compiles it through numba: some ten seconds once a law, then kept on disk.
-
-    Without what is kept that is worth it from about a million points on; a missing numba raises MissingExtraError.
-    """
-
-    compiled: bool = False
+class NewtonOptions(Compiling):
+    """Compiled, the law's formula is made a loop; where nothing is kept on disk that is worth it from about a million points on."""
 
 
 _DEFAULTS = NewtonOptions()
@@ -78,7 +73,7 @@ def solve(increment: Increment, options: Options = _DEFAULTS) -> Solution:
         return _solve(increment)
     from duhem.projection.compiled_newton import solved
 
-    solution, left = solved(increment)
+    solution, left = solved(increment, options.threads)
     if left.size:
         rest = _solve(replace(increment, trial=increment.trial[left], pressure=increment.pressure[left]))
         for field in fields(Solution):

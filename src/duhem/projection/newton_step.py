@@ -8,6 +8,7 @@ from __future__ import annotations
 from math import floor, frexp, isfinite, ldexp
 from typing import Any
 
+import numpy as np
 from numpy import sqrt
 
 __all__ = [
@@ -214,8 +215,9 @@ def length(v: Any, row: int) -> float:
 
 
 def below(size: float) -> float:
-    """The power of two below."""
-    return ldexp(1.0, frexp(size)[1] - 1)
+    """The power of two below, 2^-1022 at least: without a call, by the bits of the exponent."""
+    bits = np.float64(max(size, 2.0**-1022)).view(np.int64)
+    return float(np.int64(bits & 0x7FF0000000000000).view(np.float64))
 
 
 def grown(number: float, size: float, power: float) -> float:

@@ -15,16 +15,19 @@ from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import Increment
-from duhem.projection.method import Method
+from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
 from duhem.projection.recovered_slip import recovered
-from duhem.projection.residuals import residuals
+from duhem.projection.residuals import Judge
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
+from duhem.projection.told import Told
 from duhem.projection.validation import posed, setting
 
 __all__ = ["ACCURACY", "Projector", "project"]
 
 _BLOCK = 16_384
+
+Block = slice | NDArray[np.intp]
 
 
 def project(
@@ -90,15 +93,20 @@ class Projector:
         if tangent and method.tangent is None:
             remedy = "leave tangent out, or take a law with a closed form"
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
-        solution = method.solve(question, method.options_of(options))
-        solution, found = recovered(question, solution, residuals(question, solution, method.convex), method.convex)
+        given = method.options_of(options)
+        solution = method.solve(question, given)
+        judge = Judge.of(question, solution, method.convex)
+        told = _told(question, solution, judge, given)
+        judge.look(solution, told.residuals, told.left)
+        solution, found = recovered(question, solution, told.residuals, method.convex)
+        _complete(question, solution, found, told)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
             slip=solution.slip,
             multiplier=solution.multiplier,
-            dissipation=np.einsum("ij,ij->i", solution.stress, solution.slip),
-            status=_status(question, solution, found),
+            dissipation=told.dissipation,
+            status=told.status,
             method=method.name,
             why=self.why,
             residuals=found,
@@ -130,24 +138,38 @@ def _named(name: object) -> Method[Any]:
     return METHODS[name]()
 
 
-def _status(question: Increment, solution: Solution, found: Residuals) -> NDArray[np.int8]:
-    """What each point counts as, block by block."""
-    status = np.empty(len(solution.multiplier), dtype=np.int8)
-    for start in range(0, status.size, _BLOCK):
-        block = slice(start, start + _BLOCK)
-        slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
-        worst = _worst(found, block)
-        finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)
-        finite &= np.isfinite(solution.multiplier[block]) | (found.stationarity[block] <= ACCURACY)  # beyond doubles, as it should be
-        judged = np.where(slips, Status.SLIP, Status.STICK)
-        if question.law.domain:
-            judged = np.where(beyond(question.law, solution.stress[block], question.trial[block]), Status.OUTSIDE, judged)
-        judged = np.where(worst <= ACCURACY, judged, Status.INACCURATE)
-        status[block] = np.where(solution.failed[block] | ~finite, Status.FAILED, judged)
-    return status
+def _told(question: Increment, solution: Solution, judge: Judge, given: Options) -> Told:
+    """What compiled code says of the points; where nothing is compiled, nothing."""
+    if isinstance(given, Compiling) and given.compiled and not set(question.law.forces) & set(question.law.domain):
+        from duhem.projection.compiled_judge import told
+
+        return told(question, solution, judge, given.threads)
+    return Told.nothing(len(solution.multiplier))
 
 
-def _worst(found: Residuals, block: slice) -> Array:
+def _complete(question: Increment, solution: Solution, found: Residuals, told: Told) -> None:
+    """Dissipation and status of the points that are left, block by block."""
+    left = told.left
+    for start in range(0, len(told.status) if left is None else left.size, _BLOCK):
+        block = slice(start, start + _BLOCK) if left is None else left[start : start + _BLOCK]
+        told.dissipation[block] = np.einsum("ij,ij->i", solution.stress[block], solution.slip[block])
+        told.status[block] = _status(question, solution, found, block)
+
+
+def _status(question: Increment, solution: Solution, found: Residuals, block: Block) -> NDArray[np.int8]:
+    """What each point of a block counts as."""
+    slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
+    worst = _worst(found, block)
+    finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)
+    finite &= np.isfinite(solution.multiplier[block]) | (found.stationarity[block] <= ACCURACY)  # beyond doubles, as it should be
+    judged = np.where(slips, Status.SLIP, Status.STICK)
+    if question.law.domain:
+        judged = np.where(beyond(question.law, solution.stress[block], question.trial[block]), Status.OUTSIDE, judged)
+    judged = np.where(worst <= ACCURACY, judged, Status.INACCURATE)
+    return np.where(solution.failed[block] | ~finite, Status.FAILED, judged).astype(np.int8)
+
+
+def _worst(found: Residuals, block: Block) -> Array:
     """The largest residual, nan where one is."""
     each = [getattr(found, name)[block] for name in Residuals.__dataclass_fields__]
     return np.asarray(np.maximum.reduce(each))

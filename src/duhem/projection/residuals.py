@@ -26,7 +26,7 @@ from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, unit, widest
 from duhem.projection.scaled_formula import power_of_two
 
-__all__ = ["residuals"]
+__all__ = ["Judge", "residuals"]
 
 _BLOCK = 16_384
 _QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that occur
@@ -43,24 +43,16 @@ def residuals(increment: Increment, solution: Solution, convex: bool = False) ->
 
     ``convex``: K is known to be, so that the first four are enough and fewer tau are tried for the fifth.
     """
-    n = len(solution.multiplier)
-    out = Residuals(*(np.zeros(n) for _ in range(5)))
-    judge = _Judge(increment, convex or not (solution.slip.any() or solution.multiplier.any()))  # to stick is to be closest
-    keep_freed_memory(n)
-    with np.errstate(all="ignore"):
-        for start in range(0, n, _BLOCK):
-            block = slice(start, start + _BLOCK)
-            judge.fill(
-                increment.trial[block],
-                increment.pressure[block],
-                Solution(solution.stress[block], solution.slip[block], solution.multiplier[block], solution.failed[block]),
-                Residuals(*(getattr(out, name)[block] for name in Residuals.__dataclass_fields__)),
-            )
+    out = Residuals(*(np.zeros(len(solution.multiplier)) for _ in range(5)))
+    Judge.of(increment, solution, convex).look(solution, out)
     return out
 
 
-class _Judge:
-    """The law's formula, its slopes, and the metric of one set of increments."""
+class Judge:
+    """The law's formula, its slopes, the metric and the known points of K of one set of increments.
+
+    ``tips`` are those points at the pressure ``largest``; ``convex``: K need not be looked at close to each answer.
+    """
 
     def __init__(self, increment: Increment, convex: bool) -> None:
         law = increment.law
@@ -75,7 +67,26 @@ class _Judge:
             pressures = np.quantile(increment.pressure, _QUANTILES, method="nearest") if law.pressure else None
             self.tips = np.vstack([self.tips, beyond_tangents(self.level, d, None if pressures is None else np.unique(pressures))])
 
-    def fill(self, trial: Array, pressure: Array, got: Solution, out: Residuals) -> None:
+    @classmethod
+    def of(cls, increment: Increment, solution: Solution, convex: bool) -> Judge:
+        """That of a solution of as many points; ``convex`` as for :func:`residuals`."""
+        return cls(increment, convex or not (solution.slip.any() or solution.multiplier.any()))  # to stick is to be closest
+
+    def look(self, solution: Solution, out: Residuals, at: NDArray[np.intp] | None = None) -> None:
+        """The residuals, of the points ``at`` alone where these are given."""
+        n = len(solution.multiplier) if at is None else at.size
+        keep_freed_memory(n)
+        with np.errstate(all="ignore"):
+            for start in range(0, n, _BLOCK):
+                block = slice(start, start + _BLOCK) if at is None else at[start : start + _BLOCK]
+                got = Solution(*(getattr(solution, name)[block] for name in Solution.__dataclass_fields__))
+                into = Residuals(*(getattr(out, name)[block] for name in Residuals.__dataclass_fields__))
+                self._fill(self.increment.trial[block], self.increment.pressure[block], got, into)
+                if at is not None:
+                    for name in Residuals.__dataclass_fields__:
+                        getattr(out, name)[block] = getattr(into, name)
+
+    def _fill(self, trial: Array, pressure: Array, got: Solution, out: Residuals) -> None:
         """The residuals of one block."""
         moved = (got.multiplier != 0.0) | (widest(got.slip) != 0.0) | (widest(got.stress - trial) != 0.0)
         still = np.flatnonzero(~moved)

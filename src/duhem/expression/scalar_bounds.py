@@ -1,0 +1,151 @@
+"""A formula with its running bound of rounding as straight lines of Python over numbers, for a compiler to make a loop of.
+
+The rows of :mod:`duhem.expression.rounding` are run once, over names in place of arrays: what they would compute is written down.
+So there is one table of what each word does to a bound, and text that says the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+from duhem.errors import InputError
+from duhem.expression.pnorm import recognised
+from duhem.expression.recording import bound, recorded
+from duhem.expression.rounding import TABLE, Bounded, constant
+
+__all__ = ["FUNCTIONS", "ScalarBounds", "scalar_bounds"]
+
+FUNCTIONS = ("arccos", "arcsin", "arctan", "arctan2", "cos", "cosh", "exp", "expm1", "hypot", "inf", "isfinite", "isnan", "log", "log1p",
+             "maximum", "minimum", "nan", "sin", "sinh", "sqrt", "tan", "tanh")  # fmt: skip
+"""What the text calls by NumPy's names."""
+
+_SIGNS: Mapping[np.ufunc, str] = {
+    np.add: "+",
+    np.subtract: "-",
+    np.multiply: "*",
+    np.true_divide: "/",
+    np.power: "**",
+    np.greater: ">",
+    np.greater_equal: ">=",
+    np.less: "<",
+    np.less_equal: "<=",
+    np.equal: "==",
+    np.bitwise_and: "and",
+    np.bitwise_or: "or",
+}
+_NORMAL = 2.0**-1022
+_TRUTHS = {">", ">=", "<", "<=", "==", "and", "or"}
+
+
+@dataclass(frozen=True)
+class ScalarBounds:
+    """``text``: ``bounded(v, x, q, b)`` returns the value at row ``x`` of ``v`` and ``q`` and a bound of its rounding.
+
+    ``b`` bounds what ``q`` is off by.  ``constants`` of the formula and what they are ``off`` by stand in ``q`` and ``b`` too.
+    """
+
+    text: str
+    constants: tuple[float, ...]
+    off: tuple[float, ...]
+
+
+def scalar_bounds(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol], first: int) -> ScalarBounds:
+    """``expr`` over ``forces``, taken as exact, and ``others``; its constants are ``q[first]`` and following.
+
+    InputError for a word whose rows need more than lines (``eigmax``).
+    """
+    lines: list[str] = []
+    constants: dict[sp.Rational, Bounded] = {}
+
+    def number(node: Any) -> Callable[[], Bounded]:
+        value = constant(node)()
+        if node.is_Integer or not node.is_Rational:
+            return partial(Bounded, *value)
+        constants.setdefault(node, value)
+        place = first + list(constants).index(node)
+        return partial(Bounded, _Name(lines, f"q[{place}]", known=value.value), _Name(lines, f"b[{place}]", known=value.bound))
+
+    given = [Bounded(_Name(lines, f"v[x, {i}]"), 0.0) for i in range(len(forces))]
+    given += [Bounded(_Name(lines, f"q[{k}]"), _Name(lines, f"b[{k}]")) for k in range(len(others))]
+    recording = recorded(recognised(expr), (*forces, *others), bound(TABLE), number)
+    try:
+        with np.errstate(all="ignore"):
+            value, off = recording.run(given)[recording.last]
+    except TypeError:
+        raise InputError(f"the rounding of {expr} takes more than lines") from None
+    text = ["def bounded(v, x, q, b):", *lines, f"    return {_text(value)}, {_text(off)}"]
+    return ScalarBounds("\n".join(text), tuple(c.value for c in constants.values()), tuple(c.bound for c in constants.values()))
+
+
+class _Name(NDArrayOperatorsMixin):
+    """A number that is only known when the text runs, under its name; what is done to it is a new line.
+
+    ``known``: its value for the formula at hand, on which a row may decide; of other numbers nothing can be decided.
+    """
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, lines: list[str], name: str, truth: bool = False, known: Any = None) -> None:
+        self.lines, self.name, self.truth, self.known = lines, name, truth, known
+
+    def let(self, text: str, truth: bool = False, known: Any = None) -> _Name:
+        self.lines.append(f"    t{len(self.lines)} = {text}")
+        return _Name(self.lines, f"t{len(self.lines) - 1}", truth, known)
+
+    def __bool__(self) -> bool:
+        if self.known is None:
+            raise TypeError("known only when the text runs")
+        return bool(self.known)
+
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        raise TypeError("no array")
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        if method != "__call__" or options or any(isinstance(x, np.ndarray) and x.ndim for x in inputs):
+            return NotImplemented
+        values = [x.known if isinstance(x, _Name) else x for x in inputs]
+        known = None if any(v is None for v in values) else ufunc(*values)
+        texts = [_text(x) for x in inputs]
+        if ufunc in _SIGNS:
+            sign = _SIGNS[ufunc]
+            return self.let(f" {sign} ".join(texts), sign in _TRUTHS, known)
+        match ufunc:
+            case np.absolute:
+                return self.let(f"abs({texts[0]})", known=known)
+            case np.negative:
+                return self.let(f"-{texts[0]}", known=known)
+            case np.square:
+                return self.let(f"{texts[0]} * {texts[0]}", known=known)
+            case np.invert:
+                return self.let(f"not {texts[0]}", truth=True, known=known)
+        if ufunc in (np.maximum, np.minimum) and not isinstance(inputs[1], _Name):  # nan stays nan
+            return self.let(f"{texts[0]} if not {texts[0]} {'<=' if ufunc is np.maximum else '>='} {texts[1]} else {texts[1]}", known=known)
+        if ufunc.__name__ in FUNCTIONS:
+            return self.let(f"{ufunc.__name__}({', '.join(texts)})", ufunc in (np.isnan, np.isfinite), known)
+        return NotImplemented
+
+    def __array_function__(self, function: Any, _: Any, arguments: tuple[Any, ...], options: Any) -> Any:
+        if function is not np.where or len(arguments) != 3 or options:
+            return NotImplemented
+        condition, yes, no = arguments
+        if not isinstance(condition, _Name):
+            return yes if condition else no
+        return self.let(f"{_number(yes)} if {condition.name} else {_number(no)}")
+
+
+def _text(x: Any) -> str:
+    return x.name if isinstance(x, _Name) else repr(bool(x)) if isinstance(x, bool | np.bool_) else _number(x)
+
+
+def _number(x: Any) -> str:
+    """A number; the least ones are made normal, because processors take their time for others: as a bound they say as much."""
+    if isinstance(x, _Name):
+        return f"float({x.name})" if x.truth else x.name
+    return f"({max(float(x), _NORMAL) if 0.0 < x < _NORMAL else float(x)!r})"

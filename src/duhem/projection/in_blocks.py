@@ -1,0 +1,30 @@
+"""Work on many points in blocks of one size, on several threads: what a block gives does not depend on who computes it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+__all__ = ["in_blocks"]
+
+
+def in_blocks(n: int, size: int, fill: Callable[[slice], None], threads: int | None = None) -> None:
+    """``fill`` for each block of ``n`` points; the first alone, because what it needs is compiled there.
+
+    ``threads``: None for as many as this process may use cores.  More than one is of use to what lets go of the interpreter.
+    """
+    blocks = [slice(start, min(start + size, n)) for start in range(0, n, size)]
+    for block in blocks[:1]:
+        fill(block)
+    many = min(len(blocks) - 1, threads or _cores())
+    if many > 1:
+        with ThreadPoolExecutor(many) as pool:
+            list(pool.map(fill, blocks[1:]))
+    else:
+        for block in blocks[1:]:
+            fill(block)
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,69 @@
+"""Text that numba compiles: once a text, then kept on disk, so that the next process loads it."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import os
+import sys
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+
+from duhem.errors import MissingExtraError
+
+__all__ = ["compiled_text"]
+
+
+@lru_cache(maxsize=128)
+def compiled_text(text: str, entry: str) -> Callable[..., None]:
+    """The function ``entry`` of a module of our own text, compiled with the functions it calls; it lets go of the interpreter.
+
+    What is not yet on disk is compiled at the first call (some seconds).  MissingExtraError without numba.
+    """
+    try:
+        import numba
+    except ImportError:
+        raise MissingExtraError("numba", "fast") from None
+    kept = _kept(text)
+    module = ModuleType(f"duhem_{kept.stem}" if kept else f"duhem_generated_{_name(text)}")
+    sys.modules[module.__name__] = module  # where what was kept looks for it
+    space = module.__dict__
+    exec(
+        compile(text, str(kept or "<generated>"), "exec"), space
+    )  # our own text: of the user's formula it has SymPy's numbers and our names
+    functions = [name for name, value in space.items() if inspect.isfunction(value) and value.__module__ == module.__name__]
+    for name in functions:
+        if name != entry:
+            space[name] = numba.njit(error_model="numpy", cache=False)(space[name])
+    run: Callable[..., None] = numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[entry])
+    return run
+
+
+def _name(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _kept(text: str) -> Path | None:
+    """The file with this text, beside which numba keeps what it compiles; None where there is no place for it."""
+    folder = _folder()
+    path = folder / f"law_{_name(text)}.py"
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not path.is_file() or path.read_text("utf-8") != text:
+            beside = path.with_suffix(f".{os.getpid()}")
+            beside.write_text(text, "utf-8")
+            beside.replace(path)
+        return path
+    except OSError:
+        return None
+
+
+def _folder() -> Path:
+    """Where compiled laws are kept: DUHEM_CACHE_DIR, else the user's folder for such things."""
+    if own := os.environ.get("DUHEM_CACHE_DIR"):
+        return Path(own)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "duhem"
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "duhem"

@@ -1,0 +1,189 @@
+"""The loop that says which points are plainly right: its text run as it is, and compiled, against the judge on arrays."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem import Criterion, InputError
+from duhem.projection import compiled_judge, newton
+from duhem.projection.increment import Increment
+from duhem.projection.method import Compiling
+from duhem.projection.methods import METHODS
+from duhem.projection.newton_step import below
+from duhem.projection.residuals import Judge, residuals
+from duhem.projection.result import ACCURACY, Residuals, Solution, Status
+from duhem.projection.told import Told
+from duhem.projection.validation import posed, setting
+
+LAWS: dict[str, dict[str, float]] = {
+    "antoni2007": {"mu_a_plus": 0.3, "mu_a_minus": 0.2, "mu_b_plus": 0.1, "mu_b_minus": 0.4}, "coulomb": {"mu": 0.3},
+    "superellipse": {"mu_a": 0.3, "mu_b": 0.2, "p": 3}, "limacon": {"mu": 0.3, "e": 0.4}, "hosford": {"yield_stress": 0.3, "m": 8},
+    "drucker1949": {"k": 0.3, "c": 2}, "von-mises": {"yield_stress": 0.3}, "box": {"mu_a": 0.3, "mu_b": 0.2},
+    "tresca": {"yield_stress": 0.3}, "regularised": {"mu": 0.3, "c": 0.1}, "capped": {"mu": 0.3, "tau_max": 0.2},
+    "matchstick": {"mu_a": 0.3, "mu_b": 0.25}, "antoni2007-1d": {"mu_plus": 0.3, "mu_minus": 0.1},
+}  # fmt: skip
+
+
+N = 16
+
+
+def _question(name: str, n: int, seed: int = 0, full: bool = False) -> Increment:
+    law = duhem.load(name)
+    rng, d = np.random.default_rng(seed), len(law.forces)
+    stiffness: Any = np.array([1.0, 2.0, 1.5])[:d]
+    if full:
+        root = rng.normal(size=(d, d))
+        stiffness = root @ root.T + 0.3 * np.eye(d)
+    trial = rng.normal(size=(n, d)) * 10.0 ** rng.uniform(-1.0, 1.0, n)[:, None]
+    return posed(setting(law, stiffness, LAWS[name]), 0.4 * trial, -rng.uniform(0.2, 1.2, n) if law.pressure else None)
+
+
+def _as_text(monkeypatch: pytest.MonkeyPatch, question: Increment, solution: Solution, convex: bool) -> Told:
+    """The loop, not compiled."""
+
+    def run(text: str, entry: str) -> Any:
+        space: dict[str, Any] = {}
+        exec(text, space)
+        return space[entry]
+
+    monkeypatch.setattr(compiled_judge, "compiled_text", run)
+    compiled_judge._loop.cache_clear()
+    with np.errstate(all="ignore"):
+        told = compiled_judge.told(question, solution, Judge.of(question, solution, convex), 1)
+    compiled_judge._loop.cache_clear()
+    return told
+
+
+@pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
+@pytest.mark.parametrize("name", LAWS)
+def test_what_it_calls_right_the_judge_does_too(name: str, full: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    question = _question(name, N, full=full)
+    solution = newton.solve(question)
+    told, known = _as_text(monkeypatch, question, solution, convex=False), residuals(question, solution)
+    assert told.left is not None
+    judged = np.setdiff1d(np.arange(N), told.left)
+    assert len(judged) >= N - 4
+    assert (known.worst()[judged] <= ACCURACY).all()
+    assert (told.status[judged] == np.where(solution.multiplier[judged] > 0.0, Status.SLIP, Status.STICK)).all()
+    assert told.dissipation == pytest.approx(np.einsum("ij,ij->i", solution.stress, solution.slip), rel=1e-14, abs=1e-17)
+    for field in fields(Residuals):
+        there, here = getattr(told.residuals, field.name)[judged], getattr(known, field.name)[judged]
+        assert there == pytest.approx(here, abs=2e-13), field.name
+
+
+SPOILT = ["stress out", "stress in", "slip turned", "slip longer", "multiplier", "negative", "stick that slips", "no number"]
+
+
+def _spoilt(how: str, size: float, got: Solution) -> Solution:
+    stress, slip, multiplier = got.stress.copy(), got.slip.copy(), got.multiplier.copy()
+    match how:
+        case "stress out":
+            stress *= 1.0 + size
+        case "stress in":
+            stress *= 1.0 - size
+        case "slip turned":
+            slip = slip + size * np.roll(slip, 1, axis=1) * np.where(np.arange(slip.shape[1]) % 2, 1.0, -1.0)
+        case "slip longer":
+            slip *= 1.0 + size
+        case "multiplier":
+            multiplier *= 1.0 + size
+        case "negative":
+            multiplier, slip = -multiplier, -slip
+        case "stick that slips":
+            stress, slip, multiplier = stress + size * np.abs(stress), 0.0 * slip, 0.0 * multiplier
+        case _:
+            slip[:] = np.nan
+    return replace(got, stress=stress, slip=slip, multiplier=multiplier)
+
+
+@pytest.mark.parametrize("how", SPOILT)
+@pytest.mark.parametrize("name", ["antoni2007", "superellipse", "hosford", "box", "tresca", "limacon"])
+def test_what_is_wrong_is_left_to_the_judge(name: str, how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    question = _question(name, 12, seed=1)
+    right = newton.solve(question)
+    slips = np.flatnonzero(right.multiplier > 0.0)
+    question = replace(question, trial=question.trial[slips], pressure=question.pressure[slips])
+    right = Solution(*(getattr(right, f.name)[slips] for f in fields(Solution)))
+    for size in (1e-3, 1e-6, 1.5e-7):
+        solution = _spoilt(how, size, right)
+        told, known = _as_text(monkeypatch, question, solution, convex=False), residuals(question, solution)
+        assert told.left is not None
+        judged = np.setdiff1d(np.arange(len(slips)), told.left)
+        assert (known.worst()[judged] <= ACCURACY).all()
+        if size == 1e-3 and how != "slip turned":  # at a corner a slip may turn
+            assert not judged.size
+
+
+def test_a_stationary_point_that_is_not_the_closest_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = Criterion(name="two", g="min(norm(a - 3, b), norm(a + 3, b)) - 1", forces=("a", "b"), pressure=None)
+    question = posed(setting(law, 1.0, {}), np.array([[0.5, 0.0]]), None)
+    far = Solution(np.array([[-2.0, 0.0]]), np.array([[2.5, 0.0]]), np.array([2.5]), np.zeros(1, dtype=bool))
+    assert _as_text(monkeypatch, question, far, convex=False).left is not None
+    assert _as_text(monkeypatch, question, far, convex=False).left.tolist() == [0]  # type: ignore[union-attr]
+
+
+def test_what_a_method_gave_up_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    question = _question("coulomb", 4)
+    solution = replace(newton.solve(question), failed=np.array([True, False, True, False]))
+    assert {0, 2} <= set(_as_text(monkeypatch, question, solution, convex=False).left.tolist())  # type: ignore[union-attr]
+
+
+def test_a_word_without_text_leaves_all_to_the_judge() -> None:
+    law = Criterion(name="great", g="principal(1) - 1", stress={"name": "s", "kind": "3d"}, pressure=None)
+    question = posed(setting(law, 1.0, {}), np.array([[2.0, 0.0, 0.0, 0.1, 0.0, 0.2]]), None)
+    solution = newton.solve(question)
+    assert compiled_judge.told(question, solution, Judge.of(question, solution, False)).left is None
+
+
+@pytest.mark.parametrize("size", [1.0, 1.5, 2.0**-1022, 0.1, 1e308, 3.0])
+def test_powers_of_two_below(size: float) -> None:
+    assert below(size) <= size < 2.0 * below(size) and np.frexp(below(size))[0] == 0.5
+    assert below(5e-324) == 2.0**-1022
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, "two"])
+def test_threads_are_counted(threads: Any) -> None:
+    with pytest.raises(InputError, match="threads"):
+        duhem.project("coulomb", [1.0, 0.0], -1.0, parameters={"mu": 0.3}, compiled=True, threads=threads)
+
+
+def test_every_method_that_compiles_takes_the_same_options() -> None:
+    found = {name for name, method in METHODS.items() if issubclass(method().options, Compiling)}
+    assert found == {"closed-form", "newton"}
+
+
+SCRIPT = """
+import numpy as np, duhem
+from dataclasses import astuple
+rng = np.random.default_rng(0)
+n = 40_000
+trial, pressure = rng.normal(size=(n, 2)), -rng.uniform(0.2, 1.0, n)
+trial[::7] = 0.0
+for law, own in (("antoni2007", dict(mu_a_plus=0.3, mu_a_minus=0.2, mu_b_plus=0.1, mu_b_minus=0.4)), ("box", dict(mu_a=0.3, mu_b=0.2))):
+    one, two, five = (duhem.project(law, trial, pressure, [1.0, 2.0], own, compiled=True, threads=k) for k in (1, 2, 5))
+    for other in (two, five):
+        for name in ("stress", "slip", "multiplier", "dissipation", "status"):
+            assert getattr(one, name).tobytes() == getattr(other, name).tobytes(), name
+        assert all(a.tobytes() == b.tobytes() for a, b in zip(astuple(one.residuals), astuple(other.residuals)))
+    few = slice(39_000, None)
+    slow = duhem.project(law, trial[few], pressure[few], [1.0, 2.0], own)
+    assert (slow.status == one.status[few]).all() and set(slow.status.tolist()) == {0, 1}
+    assert abs(slow.dissipation - one.dissipation[few]).max() < 1e-13
+    assert max(abs(a - b[few]).max() for a, b in zip(astuple(slow.residuals), astuple(one.residuals))) < 2e-13
+"""
+
+
+@pytest.mark.long
+def test_compiled_it_does_not_depend_on_the_threads(tmp_path: Any) -> None:
+    pytest.importorskip("numba")
+    environment = {**os.environ, "DUHEM_CACHE_DIR": str(tmp_path / "kept")}
+    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr
