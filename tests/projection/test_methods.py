@@ -55,7 +55,7 @@ def test_options_are_frozen_and_have_defaults(method: str) -> None:
 @pytest.mark.parametrize(
     ("method", "options", "message"),
     [
-        ("closed-form", {"complied": True}, "complied: .*'complied'; did you mean 'compiled'\\? its options are compiled, into"),
+        ("closed-form", {"complied": True}, "complied: .*'complied'; did you mean 'compiled'\\? its options are compiled, threads, into"),
         ("newton", {"tolerance": 1e-6}, "tolerance: method newton takes no such option: 'tolerance'; its options are compiled"),
         ("cvxpy", {"tolerence": 1e-6}, "did you mean 'tolerance'\\? its options are solver, tolerance, batch, warm_start"),
         ("cvxpy", {"depth": 3}, "'depth'; its options are solver, tolerance, batch, warm_start"),

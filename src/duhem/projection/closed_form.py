@@ -14,6 +14,7 @@ from duhem.projection import quadrants
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.closed_form_tangent import tangent
 from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
+from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method
 from duhem.projection.quadrants import BLOCK, Quarters
@@ -64,8 +65,8 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
     middles = [of_pressure(increment, c) for c in centre(shape)]
     size = _COMPILED_BLOCK if options.compiled else BLOCK
     keep_freed_memory(n)
-    for start in range(0, n, size):
-        block = slice(start, start + size)
+
+    def fill(block: slice) -> None:
         pressure = increment.pressure[block]
         middle = np.stack([c(pressure) for c in middles], axis=1) if middles else None
         trial = increment.trial[block] if middle is None else increment.trial[block] - middle
@@ -80,6 +81,8 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
             multiplier /= share(pressure)
         failed = np.isfinite(multiplier, out=solution.failed[block])
         np.logical_not(failed, out=failed)
+
+    in_blocks(n, size, fill, options.threads if options.compiled else 1)
     return solution
 
 

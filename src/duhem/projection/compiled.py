@@ -1,16 +1,19 @@
-"""The quarter-ellipse kernel through numba: the same formulas, compiled on first use (some seconds)."""
+"""The quarter-ellipse kernel through numba: the same formulas, compiled once (some seconds), then kept on disk."""
 
 from __future__ import annotations
 
+import hashlib
+import inspect
 import math
+import sys
 from collections.abc import Callable
 from functools import cache
 from typing import Any, cast
 
 import numpy as np
 
-from duhem.errors import MissingExtraError
-from duhem.projection import quadrants
+from duhem.projection import quadrants, quarter_ellipse
+from duhem.projection.kept_code import compiled_text
 from duhem.projection.quadrants import CLOSE, SAFE, SEAM, SURE, Quarters
 from duhem.projection.quarter_ellipse import formulas
 from duhem.projection.result import Array
@@ -31,22 +34,38 @@ def project(trial: Array, load: Array, quarters: Quarters, stress: Array, slip: 
     run(trial, load, q.mu, *axes, q.ratio, q.compliance, q.power, q.first, stress, slip, multiplier)
 
 
+_KEPT = """\
+# {stamp}
+from duhem.projection.compiled import kernels
+
+inner, _ = kernels()
+
+
+def run({names}):
+    inner({names})
+"""
+_NAMES = "trial, load, mu, axes, low, ratio, compliance, power, first, stress, slip, multiplier"
+
+
+@cache
 def kernel() -> Callable[..., None]:
-    """The compiled function, for quarters of which none is flat; MissingExtraError without numba."""
-    return kernels()[0]
+    """The compiled function, for quarters of which none is flat; MissingExtraError without numba.
+
+    What is kept belongs to the text of the modules that it was made of.
+    """
+    made_of = "".join(inspect.getsource(module) for module in (sys.modules[__name__], quadrants, quarter_ellipse))
+    return compiled_text(_KEPT.format(stamp=hashlib.sha256(made_of.encode()).hexdigest(), names=_NAMES), "run")
 
 
 @cache
 def kernels() -> tuple[Callable[..., None], Callable[..., None]]:
-    """The compiled function, and the one of a single point that other compiled loops may call.
+    """The compiled function, made anew in each process, and the one of a single point that other compiled loops may call.
 
     Loops that run on vectors have no branch in them, know their arrays apart from a few addresses, and are short enough
     for several turns of them to be under way at once: hence three of them, with what they pass on in ``seen``.
     """
-    try:
-        import numba
-    except ImportError:
-        raise MissingExtraError("numba", "fast") from None
+    import numba
+
     jit: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True)
     loose: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True, fastmath={"contract"})
     rounded_once = _fused(numba)
