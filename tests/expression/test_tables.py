@@ -35,6 +35,7 @@ from duhem.expression import (
     numpy_,
     pairs,
     rounding,
+    scalar_bounds,
     scalar_jets,
     smt,
     symbol,
@@ -72,7 +73,21 @@ def _missing(table: Mapping[type, Any], left_out: Mapping[type, str]) -> list[ty
 
 
 def test_the_tables_are_found() -> None:
-    known = {"ball_series", "balls", "cvxpy_", "floats", "jets", "mpmath_", "numpy_", "pairs", "rounding", "scalar_jets", "smt", "weights"}
+    known = {
+        "ball_series",
+        "balls",
+        "cvxpy_",
+        "floats",
+        "jets",
+        "mpmath_",
+        "numpy_",
+        "pairs",
+        "rounding",
+        "scalar_bounds",
+        "scalar_jets",
+        "smt",
+        "weights",
+    }
     assert set(TABLES) >= known
 
 
@@ -114,7 +129,7 @@ def test_what_is_left_out_is_refused_by_name(kind: type) -> None:
 
 
 def test_nothing_else_leaves_words_out() -> None:
-    assert [name for name, reasons in LEFT_OUT.items() if reasons] == ["pairs", "scalar_jets", "smt"]
+    assert [name for name, reasons in LEFT_OUT.items() if reasons] == ["pairs", "scalar_bounds", "scalar_jets", "smt"]
 
 
 # -- values ------------------------------------------------------------------------------------------------------------
@@ -153,6 +168,18 @@ def _by_bounds(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
     return float(value)
 
 
+def _by_lines(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
+    """As text, with the same bound as on arrays."""
+    found = scalar_bounds.scalar_bounds(formula, list(point), [], 0)
+    space = {name: getattr(np, name) for name in scalar_bounds.FUNCTIONS}
+    exec(found.text, space)
+    given: Any = np.array([list(point.values())])
+    value, off = space["bounded"](given, 0, np.array(found.constants), np.array(found.off))
+    known = rounding.bounded(formula, tuple(point))([np.array([v]) for v in point.values()], [0.0] * len(point))[1]
+    assert off == pytest.approx(float(known[0]), rel=1e-12, abs=1e-300)
+    return float(value)
+
+
 def _by_text(formula: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
     return as_functions(formula, list(point))[0](np.array([list(point.values())]))[0]
 
@@ -178,6 +205,7 @@ VALUES: dict[str, Callable[[sp.Expr, Mapping[sp.Symbol, float]], Any]] = {
     "numpy_": numpy_.evaluate,
     "pairs": _by_pairs,
     "rounding": _by_bounds,
+    "scalar_bounds": _by_lines,
     "scalar_jets": _by_text,
     "smt": _by_solver,
 }

@@ -16,15 +16,21 @@ import sympy as sp
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from duhem.errors import InputError
+from duhem.expression.fold import Table
 from duhem.expression.pnorm import recognised
 from duhem.expression.recording import bound, recorded
-from duhem.expression.rounding import TABLE, Bounded, constant
+from duhem.expression.rounding import TABLE as ON_ARRAYS
+from duhem.expression.rounding import Bounded, constant
+from duhem.expression.vocabulary import EigMax
 
-__all__ = ["FUNCTIONS", "ScalarBounds", "scalar_bounds"]
+__all__ = ["FUNCTIONS", "LEFT_OUT", "TABLE", "ScalarBounds", "scalar_bounds"]
 
 FUNCTIONS = ("arccos", "arcsin", "arctan", "arctan2", "cos", "cosh", "exp", "expm1", "hypot", "inf", "isfinite", "isnan", "log", "log1p",
              "maximum", "minimum", "nan", "sin", "sinh", "sqrt", "tan", "tanh")  # fmt: skip
 """What the text calls by NumPy's names."""
+
+LEFT_OUT = {EigMax: "an eigenvalue takes more than a line"}
+TABLE: Table[Bounded] = {kind: row for kind, row in ON_ARRAYS.items() if kind not in LEFT_OUT}
 
 _SIGNS: Mapping[np.ufunc, str] = {
     np.add: "+",
