@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import sys
 import traceback
 from contextlib import suppress
@@ -30,6 +31,8 @@ def main() -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a terminal that lacks a letter shows a stand-in
             stream.reconfigure(errors="backslashreplace")
+    with suppress(ValueError):  # in a thread of another program: the signal is not ours
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # who asks to end has what is done kept, as with Ctrl-C
     try:
         code = cli.main(prog_name="duhem", standalone_mode=False)
         return code if isinstance(code, int) else HELD

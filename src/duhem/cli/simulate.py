@@ -6,7 +6,7 @@ from time import monotonic
 
 import click
 
-from duhem.cli.exit_code import HELD, INTERRUPTED, USAGE
+from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, USAGE
 from duhem.cli.output import Progress, say
 
 __all__ = ["simulate"]
@@ -26,7 +26,9 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     --explain says where K is not convex.  A pressure outside the range that the law declares is refused; a stress that leaves one
     ends the run, and what came before is kept as after an interruption.
 
-    A run that is interrupted keeps what is done in FILE.partial, and --resume goes on from there.
+    A run that is interrupted (Ctrl-C, SIGTERM) keeps what is done in FILE.partial, and --resume goes on from there.  So it does after a
+    run that was killed, from what was kept last: every minute, or as often as the scene says, and of many points after each share
+    of them.
     """
     from duhem.left_out import LeftOut
     from duhem.path import scene_file, scene_run
@@ -38,7 +40,8 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
             click.echo(f"duhem: {each}", err=True)
         return USAGE
     table, figure = out or chosen.table, plot or chosen.plot
-    scene_run.check_outputs(table, figure, resume, [scene, *chosen.inputs])
+    many = chosen.many
+    scene_run.check_outputs(table, figure, resume, [scene, *chosen.inputs], many)
     if explain:
         for part in chosen.parts(table, figure):
             say(f"{'left out' if isinstance(part, LeftOut) else 'needed'}: {part.part} ({part.reason})")
@@ -50,9 +53,15 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
             nonlocal last
             if (now := monotonic()) - last > 0.2 and now - began > 1.0:
                 last = now
-                progress.show(f"{done} of {steps} steps")
+                progress.show(f"{done} of {steps} {'points' if many else 'steps'}")
 
         try:
+            if many:
+                ended = scene_run.perform_many(chosen, table, resume, say, on_step)
+                progress.show("")
+                if ended:
+                    click.echo(f"duhem: {ended} points end early, at a step that cannot be vouched for or leaves a range", err=True)
+                return FAILED if ended else HELD
             history = scene_run.perform(chosen, table, resume, on_step)
         except scene_run.Stopped as stop:
             progress.show("")

@@ -17,6 +17,7 @@ from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.path.loading import checked_count, given_numbers
 from duhem.path.paths import Paths
+from duhem.path.table_file import MOST_NUMBERS
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import posed, setting
@@ -91,13 +92,15 @@ class Batch:
         ends = None if load is None else np.array([load.min(), load.max()])
         posed(members[0], np.zeros((1, d)), ends)
         checked_count(substeps, "substeps", 1)
+        if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
+            raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
         batch = cls(
             paths=paths,
             substeps=substeps,
             members=members,
             own=own,
             stress=_start(known, stress, n),
-            knots=_kept(keep, (len(paths.time) - 1) * substeps),
+            knots=_kept(keep, steps),
             projection=projection,
             compiled=compiled,
             compliance=np.asarray(np.linalg.inv(members[0].stiffness)),

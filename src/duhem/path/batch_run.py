@@ -51,7 +51,8 @@ def parts(batch: Batch, method: str, threads: int = 1, into: Histories | None = 
 
     No more blocks than ``threads`` are in memory at once; the numbers are the same for every number of threads.
     """
-    check(batch)
+    if not first:
+        check(batch)
     run_block = _abreast(method)
     blocks = iter([block for block in batch.blocks() if block[0] >= first])
 

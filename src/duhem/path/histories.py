@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.path.history import History
+from duhem.path.history import History, columns
 from duhem.projection.result import Array
 from duhem.show.place import AnyPath, written
 
@@ -61,7 +61,7 @@ class Histories:
 
     def columns(self) -> tuple[str, ...]:
         """The names of the table's columns, in order."""
-        return ("point", *self.history(0).columns())
+        return ("point", *columns(self.forces, self.pressure_name))
 
     def to_array(self, points: slice = slice(None)) -> Array:
         """The table as one array (N r, columns), point by point and knot by knot; nan at knots that were not reached."""

@@ -14,7 +14,7 @@ from duhem.projection.result import Array
 from duhem.show.place import write, written
 from duhem.show.printing import draw
 
-__all__ = ["History"]
+__all__ = ["History", "columns"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +53,7 @@ class History:
 
     def columns(self) -> tuple[str, ...]:
         """The names of the table's columns, in order."""
-        tails = [f.removeprefix("sigma_") for f in self.forces]
-        named = [f"u_{t}" for t in tails] + [f"u_in_{t}" for t in tails] + list(self.forces)
-        load = [self.pressure_name] if self.pressure_name else []
-        return ("time", *named, *load, "lambda", "psi", "dissipation", "work", "numerical", "balance")
+        return columns(self.forces, self.pressure_name)
 
     def to_array(self) -> Array:
         """The table as one array (m, columns)."""
@@ -93,3 +90,10 @@ class History:
         by name draw another criterion than that of the run.
         """
         return draw(self, file, **options)
+
+
+def columns(forces: tuple[str, ...], pressure: str | None) -> tuple[str, ...]:
+    """The names of the columns for a law with these forces and this pressure."""
+    tails = [force.removeprefix("sigma_") for force in forces]
+    named = [f"u_{t}" for t in tails] + [f"u_in_{t}" for t in tails] + list(forces)
+    return ("time", *named, *([pressure] if pressure else []), "lambda", "psi", "dissipation", "work", "numerical", "balance")

@@ -14,11 +14,12 @@ from duhem.path.history import History
 from duhem.path.plan import Plan
 from duhem.show.place import check_place
 
-__all__ = ["beside", "check_kept", "keep", "recall"]
+__all__ = ["ANOTHER", "DAMAGED", "MARK", "UNREADABLE", "beside", "check_kept", "keep", "recall"]
 
-_MARK = "# duhem part of run "
-_UNREADABLE = "check its permissions, or delete it"
-_ANOTHER = "delete it, or go on with the scene as it was and the version of duhem that wrote it"
+MARK = "# duhem part of run "
+UNREADABLE = "check its permissions, or delete it"
+DAMAGED = "delete it and start afresh"
+ANOTHER = "delete it, or go on with the scene as it was and the version of duhem that wrote it"
 
 
 def beside(file: str | os.PathLike[str]) -> Path:
@@ -32,11 +33,11 @@ def check_kept(file: str | os.PathLike[str], inputs: Iterable[str] = ()) -> None
     check_place(place, inputs)
     try:
         with open(place, "rb") as stream:
-            known = stream.read(len(_MARK)) == _MARK.encode()
+            known = stream.read(len(MARK)) == MARK.encode()
     except FileNotFoundError:
         return
     except OSError as fault:
-        raise InputError(f"the part of a run cannot be read: {fault.strerror}", where=f"{place}", remedy=_UNREADABLE) from None
+        raise InputError(f"the part of a run cannot be read: {fault.strerror}", where=f"{place}", remedy=UNREADABLE) from None
     if not known:
         raise InputError("this is no part of a run, and one would be kept there", where=f"{place}", remedy="move it away")
 
@@ -44,7 +45,7 @@ def check_kept(file: str | os.PathLike[str], inputs: Iterable[str] = ()) -> None
 def keep(history: History, file: str | os.PathLike[str], fingerprint: str) -> Path:
     """Write what is done; ``fingerprint`` is that of the run.  A sum over the table shows what was changed or cut off since."""
     place = beside(file)
-    history.to_csv(place, above=f"{_MARK}{fingerprint} {_sum(history.to_text())}")
+    history.to_csv(place, above=f"{MARK}{fingerprint} {_sum(history.to_text())}")
     return place
 
 
@@ -56,12 +57,12 @@ def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> Histor
     except FileNotFoundError:
         return None
     except (OSError, UnicodeDecodeError):
-        raise InputError("the part of a run cannot be read", where=f"{place}", remedy=_UNREADABLE) from None
+        raise InputError("the part of a run cannot be read", where=f"{place}", remedy=UNREADABLE) from None
     mark, _, table = text.partition("\n")
-    if not mark.startswith(f"{_MARK}{fingerprint} "):
-        raise InputError("this is the part of another run", where=f"{place}", remedy=_ANOTHER)
+    if not mark.startswith(f"{MARK}{fingerprint} "):
+        raise InputError("this is the part of another run", where=f"{place}", remedy=ANOTHER)
     try:
-        if mark != f"{_MARK}{fingerprint} {_sum(table)}":
+        if mark != f"{MARK}{fingerprint} {_sum(table)}":
             raise ValueError
         header, *lines = table.splitlines()
         rows = np.array([[float(cell) for cell in line.split(",")] for line in lines])
@@ -70,7 +71,7 @@ def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> Histor
         column = dict(zip(header.split(","), rows.T, strict=True))
         return _history(plan, column)
     except (ValueError, KeyError, IndexError):
-        raise InputError("the part of a run is damaged", where=f"{place}", remedy="delete it and start afresh") from None
+        raise InputError("the part of a run is damaged", where=f"{place}", remedy=DAMAGED) from None
 
 
 def _sum(table: str) -> str:

@@ -41,7 +41,7 @@ class Ledger:
     def anchor(self) -> int:
         """The last row at which something slipped, or the first."""
         i = self.done - 1
-        while i > 0 and (self.slip[i] == self.slip[i - 1]).all():
+        while i > 0 and (self.slip[i] == self.slip[i - 1]).all() and self.multiplier[i] == self.multiplier[i - 1]:
             i -= 1
         return i
 

@@ -16,7 +16,7 @@ from duhem.expression.spelling import spelled
 from duhem.path.table_file import MOST_NUMBERS, read_table
 from duhem.projection.result import Array
 
-__all__ = ["CONTROLS", "Arc", "Control", "Path", "between", "checked_count", "given_numbers"]
+__all__ = ["CONTROLS", "Arc", "Control", "Path", "between", "checked_count", "displacements", "given_numbers"]
 
 Control = Literal["displacement", "stress"]
 CONTROLS: tuple[Control, ...] = ("displacement", "stress")
@@ -168,19 +168,28 @@ class Path:
         ``pressure`` names a column or is one number; a name that the header lacks means no pressure.
         """
         header, rows = read_table(file)
-        if columns is not None and (isinstance(columns, str) or not all(isinstance(name, str) for name in columns)):
-            raise InputError("columns is no list of names", where="columns", remedy='write columns = ["u_a", "u_b"]')
-        own = tuple(h for h in header if h.startswith("u_") and not h.startswith("u_in_"))
-        names = own if columns is None else tuple(map(spelled, columns))
-        if not names or (absent := [n for n in names if n not in header]):
-            lacks = f"no column {', '.join(absent)}" if names else "no column named u_..."
-            raise InputError(f"the table has {lacks}", where=f"{file}:1", remedy=f"its columns are {', '.join(header)}")
+        return cls.from_rows(header, rows, f"{file}", columns=columns, pressure=pressure, time=time, control=control)
+
+    @classmethod
+    def from_rows(
+        cls,
+        header: Sequence[str],
+        rows: Array,
+        where: str,
+        *,
+        columns: Sequence[str] | None = None,
+        pressure: str | float | None = "sigma_n",
+        time: str = "time",
+        control: Control = "displacement",
+    ) -> Path:
+        """The same from a table that is read: its names and rows, and ``where`` it is from."""
+        names = displacements(header, where, columns)
         at = {name: rows[:, i] for i, name in enumerate(header)}
         load = at.get(spelled(pressure)) if isinstance(pressure, str) else pressure
         try:
             return cls.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=at.get(spelled(time)), control=control)
         except InputError as fault:
-            raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None
+            raise InputError(fault.what, where=where, remedy=fault.remedy) from None
 
     def refined(self, substeps: int) -> Path:
         """The same path with every step cut into ``substeps`` equal ones."""
@@ -209,6 +218,18 @@ class Path:
     def constant_pressure(self) -> bool:
         """Whether K stays the same along the path."""
         return self.pressure is None or bool((self.pressure == self.pressure[0]).all())
+
+
+def displacements(header: Sequence[str], where: str, columns: Sequence[str] | None) -> tuple[str, ...]:
+    """The columns of a table that are prescribed: those named, or every ``u_...`` that is no ``u_in_...``."""
+    if columns is not None and (isinstance(columns, str) or not all(isinstance(name, str) for name in columns)):
+        raise InputError("columns is no list of names", where="columns", remedy='write columns = ["u_a", "u_b"]')
+    own = tuple(h for h in header if h.startswith("u_") and not h.startswith("u_in_"))
+    names = own if columns is None else tuple(map(spelled, columns))
+    if not names or (absent := [n for n in names if n not in header]):
+        lacks = f"no column {', '.join(absent)}" if names else "no column named u_..."
+        raise InputError(f"the table has {lacks}", where=f"{where}:1", remedy=f"its columns are {', '.join(header)}")
+    return names
 
 
 def between(knots: Array, n: int) -> Array:

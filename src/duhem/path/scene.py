@@ -7,11 +7,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
 from duhem.left_out import LeftOut
+from duhem.path.batch import Batch
 from duhem.path.history import History
 from duhem.path.loading import Path
+from duhem.path.paths import Paths
 from duhem.path.plan import Plan
 from duhem.path.simulate import simulate
 
@@ -28,22 +32,36 @@ class Needed:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A checked scene; ``fingerprint`` tells runs of different scenes apart, ``inputs`` are the files that it names and reads."""
+    """A checked scene; ``fingerprint`` tells runs of different scenes apart, ``inputs`` are the files that it names and reads.
+
+    ``path`` is one point's or those of many, with ``parameters`` a number or one a point; the options are those of
+    :func:`duhem.simulate`, and ``checkpoint`` the seconds after which what is done is kept.
+    """
 
     law: Criterion
-    path: Path
+    path: Path | Paths
     stiffness: Any
     parameters: Mapping[str, Any]
     method: str = "implicit"
     projection: str = "auto"
     substeps: int = 1
     stress: tuple[float, ...] | None = None
+    keep: int | str = 1
+    compiled: bool = False
+    threads: int = 1
+    checkpoint: float = 60.0
     table: str | None = None
     plot: str | None = None
     inputs: tuple[str, ...] = ()
 
-    def run(self, start: History | None = None, on_step: Callable[[int, int], None] | None = None) -> History:
-        """The history; ``start`` and ``on_step`` as in :func:`duhem.simulate`."""
+    def run(
+        self,
+        start: History | None = None,
+        on_step: Callable[[int, int], None] | None = None,
+        keep: Callable[[History], None] | None = None,
+    ) -> History:
+        """The history of one point; ``start`` and ``on_step`` as in :func:`duhem.simulate`, ``keep`` its checkpoint."""
+        assert isinstance(self.path, Path)
         return simulate(
             self.law,
             self.path,
@@ -55,15 +73,39 @@ class Scene:
             stress=self.stress,
             start=start,
             on_step=on_step,
+            compiled=self.compiled,
+            checkpoint=None if keep is None else (self.checkpoint, keep),
         )
 
-    def plan(self) -> Plan:
-        """The checked question of the run."""
-        return Plan.of(
+    def batch(self) -> Batch:
+        """The checked question of a run of many points."""
+        assert isinstance(self.path, Paths)
+        return Batch.of(
             self.law,
             self.path,
             stiffness=self.stiffness,
             parameters=self.parameters,
+            projection=self.projection,
+            substeps=self.substeps,
+            stress=self.stress,
+            keep=self.keep,
+            compiled=self.compiled,
+        )
+
+    @property
+    def many(self) -> bool:
+        """Whether it runs many points."""
+        return isinstance(self.path, Paths)
+
+    def plan(self) -> Plan:
+        """The checked question of the run, of the first point where there are many."""
+        many = isinstance(self.path, Paths)
+        first = {name: np.atleast_1d(value)[0].item() for name, value in self.parameters.items()} if many else self.parameters
+        return Plan.of(
+            self.law,
+            self.path.path(0) if isinstance(self.path, Paths) else self.path,
+            stiffness=self.stiffness,
+            parameters=first,
             projection=self.projection,
             substeps=self.substeps,
         )
@@ -72,10 +114,19 @@ class Scene:
     def fingerprint(self) -> str:
         """Of all that determines the numbers, in hexadecimal."""
         path = self.path
-        given = (self.law, sorted(self.parameters.items()), self.stiffness, self.method, self.projection, self.substeps, self.stress)
-        arrays = [path.values, path.time, *([] if path.pressure is None else [path.pressure]), *([path.arc.angle] if path.arc else [])]
-        digest = hashlib.sha256(repr((*given, path.control)).encode())
+        each = {name: np.asarray(value) for name, value in self.parameters.items() if np.ndim(value)}
+        alike = sorted(item for item in self.parameters.items() if item[0] not in each)
+        given: tuple[Any, ...] = (self.law, alike, self.stiffness, self.method, self.projection, self.substeps, self.stress)
+        if isinstance(path, Paths):
+            given = (*given, self.keep, sorted(each))
+            arrays = [path.values, path.factor, *(each[name] for name in sorted(each))]
+        else:
+            given = (*given, path.control)
+            arrays = [path.values, *([path.arc.angle] if path.arc else [])]
+        arrays += [path.time, *([] if path.pressure is None else [path.pressure])]
+        digest = hashlib.sha256(repr((*given, *(["compiled"] if self.compiled else []))).encode())
         for array in arrays:
+            digest.update(repr(array.shape).encode())
             digest.update(array.tobytes())
         return digest.hexdigest()[:32]
 
@@ -88,7 +139,7 @@ class Scene:
             LeftOut("thermal block", "isothermal: no temperature in the law"),
             LeftOut("flow check", "associated: slip is normal to K by construction"),
             LeftOut("K at every step", "constant pressure: K is assembled once")
-            if self.path.constant_pressure
+            if plan.path.constant_pressure
             else Needed("K at every step", "the pressure changes along the path"),
             Needed("matplotlib", f"plot {plot}") if plot else LeftOut("matplotlib", "nothing is plotted"),
             Needed("pyarrow", f"table {table}")
@@ -99,7 +150,7 @@ class Scene:
 
 def _integration(scene: Scene, plan: Plan) -> Needed | LeftOut:
     name = "ordinary differential equation"
-    if scene.path.control == "stress":
+    if plan.path.control == "stress":
         return LeftOut(name, "stress path: the displacement follows from it")
     if scene.method != "exact":
         return LeftOut(name, f"{scene.method} steps: closest points only")

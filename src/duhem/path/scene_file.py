@@ -6,7 +6,10 @@ stiffness = [1e9, 2e9]              # Pa/m: a number, one a force, or a symmetri
 [parameters]
 mu_a_plus = 0.2
 
-[path]                              # kind: linear, cycle, circle, random or table
+[points]                            # optional: many points, with columns of parameters, pressure, scale, scale_a ...
+table = "points.csv"                # one row a point; scales multiply the displacements of the path
+
+[path]                              # kind: linear, cycle, circle, random or table (point = "..." names the column of points)
 kind = "linear"
 points = [[0, 0], [1e-3, 5e-4]]     # m
 pressure = -1e6                     # Pa, <= 0 in compression; one number, or one a point
@@ -14,10 +17,14 @@ pressure = -1e6                     # Pa, <= 0 in compression; one number, or on
 [method]                            # optional
 integrator = "exact"                # implicit (the default), extrapolated or exact
 substeps = 10
+compiled = true                     # through numba
+threads = 2                         # for many points
 
 [output]                            # optional; the command line's --out and --plot come first
 table = "history.csv"
 plot = "history.png"
+keep = 10                           # of many points: every how many knots, or "last"
+checkpoint = 60                     # s; what is done is kept so often, for --resume
 """
 
 from __future__ import annotations
@@ -36,25 +43,29 @@ from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load_formula, load_named
 from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
+from duhem.path.batch import Batch
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.loading import CONTROLS, Path
+from duhem.path.paths import Paths
 from duhem.path.plan import Plan
+from duhem.path.points_table import paths_from_csv, spread
 from duhem.path.scene import Scene
 from duhem.projection.methods import METHODS
 
 __all__ = ["SceneFaults", "read", "reads"]
 
 _SECTIONS = {
-    "": ("law", "stiffness", "stress", "parameters", "path", "method", "output"),
-    "method": ("integrator", "projection", "substeps"),
-    "output": ("table", "plot"),
+    "": ("law", "stiffness", "stress", "parameters", "points", "path", "method", "output"),
+    "points": ("table",),
+    "method": ("integrator", "projection", "substeps", "compiled", "threads"),
+    "output": ("table", "plot", "keep", "checkpoint"),
 }
 _KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # what each kind of path needs, and what it may have
     "linear": (("points",), ("time", "control")),
     "cycle": (("amplitude",), ("cycles", "mean", "control")),
     "circle": (("radius",), ("points", "turns", "start", "centre", "chords")),
     "random": (("seed", "points"), ("scale",)),
-    "table": (("file",), ("columns", "time", "control")),
+    "table": (("file",), ("columns", "time", "control", "point")),
 }
 _PROJECTIONS = ("auto", *METHODS)
 MOST_BYTES = 1_000_000
@@ -94,8 +105,9 @@ class _SceneReader:
     def scene(self) -> Scene:
         self.known("", self.document, _SECTIONS[""])
         law = self.law()
-        parameters = self.parameters(law)
         path = self.path(law)
+        path, own = self.points(law, path)
+        parameters = self.parameters(law, own)
         method = self.section("method")
         self.known("method", method, _SECTIONS["method"])
         integrator = self.choice("method", method, "integrator", tuple(INTEGRATORS), "implicit")
@@ -104,7 +116,9 @@ class _SceneReader:
         if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
             self.fault(f"substeps = {substeps!r}", "method", "substeps", "give a whole number from 1 on")
             substeps = 1
+        self.holds("method", method, compiled=bool, threads=int)
         output = self.section("output")
+        self.holds("output", output, keep=(int, str), checkpoint=(int, float))
         self.known("output", output, _SECTIONS["output"])
         table, plot = (self.file(output, key) for key in ("table", "plot"))
         if table is not None and not table.endswith((".csv", ".parquet")):
@@ -125,14 +139,29 @@ class _SceneReader:
             projection=projection,
             substeps=substeps,
             stress=stress,
+            keep=output.get("keep", 1),
+            compiled=method.get("compiled", False),
+            threads=method.get("threads", 1),
+            checkpoint=output.get("checkpoint", 60),
             table=table,
             plot=plot,
             inputs=tuple(self.inputs),
         )
 
-    def fits(self, law: Criterion, path: Path, parameters: Mapping[str, Any], substeps: int, integrator: str) -> None:
+    def holds(self, section: str, given: Mapping[str, Any], **kinds: Any) -> None:
+        """Whether the values of some keys are of their kinds, and numbers above zero."""
+        for key, kind in kinds.items():
+            value = given.get(key, 1)
+            if key in given and (not isinstance(value, kind) or (kind is not bool and (isinstance(value, bool) or value in ("", 0)))):
+                self.fault(f"{key} = {str(value)[:40]!r}", section, key, "see duhem simulate --help, and the README")
+
+    def fits(self, law: Criterion, path: Path | Paths, parameters: Mapping[str, Any], substeps: int, integrator: str) -> None:
         """Whether law, numbers and path fit each other, by the check that the run itself makes."""
         try:
+            if isinstance(path, Paths):
+                made = {"stiffness": self.document["stiffness"], "parameters": parameters, "projection": "auto"}
+                Batch.of(law, path, **made, substeps=substeps, stress=None, keep="last")
+                return
             plan = Plan.of(law, path, stiffness=self.document["stiffness"], parameters=parameters, substeps=substeps)
         except InputError as fault:
             key = next((k for k in ("stiffness", "pressure", "parameters", "path") if k in f"{fault.where} {fault.what}"), "path")
@@ -173,7 +202,23 @@ class _SceneReader:
             self.faults.append(InputError(fault.what, where=place, remedy=fault.remedy))
             return None
 
-    def parameters(self, law: Criterion | None) -> Mapping[str, Any] | None:
+    def points(self, law: Criterion | None, path: Path | Paths | None) -> tuple[Path | Paths | None, Mapping[str, Any]]:
+        """The paths of many points, and their own parameters, where the scene has them."""
+        given = self.section("points")
+        self.known("points", given, _SECTIONS["points"])
+        if "points" not in self.document or law is None or path is None:
+            return path, {}
+        if not isinstance(given.get("table"), str):
+            self.fault("[points] has no table", "points", "table", 'write for example table = "points.csv"')
+            return path, {}
+        try:
+            return spread(self.input(self.folder / given["table"]), law, path)
+        except InputError as fault:
+            self.faults.append(fault)
+            return path, {}
+
+    def parameters(self, law: Criterion | None, own: Mapping[str, Any]) -> Mapping[str, Any] | None:
+        """The values of the scene, and those that are each point's ``own``."""
         given = self.section("parameters")
         if law is None:
             return None
@@ -186,16 +231,16 @@ class _SceneReader:
                 law.fix({name: value})
             except InputError as fault:
                 self.fault(f"{name}: {fault.what}", "parameters", name, fault.remedy)
-        values = {spelled(name): value for name, value in given.items()}
-        if len(values) < len(given):
-            self.fault("a parameter is given twice, in two spellings", "", "parameters", "give it once")
+        values = {spelled(name): value for name, value in given.items()} | dict(own)
+        if len(values) < len(given) + len(own):
+            self.fault("a parameter is given twice, in two spellings or in [points] too", "", "parameters", "give it once")
         for name, domain in law.parameters.items():
             if name not in values and domain.value is None:
                 needs = f"{law.name} needs a value for {name}, {domain.describe()}"
                 self.fault(needs, "", "parameters", f"write {name} = ... in [parameters]")
         return values if len(self.faults) == before else None
 
-    def path(self, law: Criterion | None) -> Path | None:
+    def path(self, law: Criterion | None) -> Path | Paths | None:
         given = dict(self.section("path"))
         if "path" not in self.document:
             self.fault("there is no [path]", "", "path", f"add [path] with kind = {' or '.join(_KINDS)}")
@@ -211,7 +256,7 @@ class _SceneReader:
                 self.fault(f"a {kind} path needs {key}", "", "path", f"write {key} = ... in [path]")
         if "control" in given:
             self.choice("path", given, "control", CONTROLS, "displacement")
-        if "pressure" not in given and kind != "table" and law is not None and law.pressure is not None:
+        if "pressure" not in given and kind != "table" and "points" not in self.document and law is not None and law.pressure is not None:
             self.fault(f"{law.name} needs the pressure {law.pressure}", "", "path", "write pressure = -1e6 in [path], in Pa")
         if len(self.faults) > before:
             return None
@@ -225,7 +270,7 @@ class _SceneReader:
             self.fault(f"a value of a {kind} path has the wrong type", "path", "kind", "give numbers or lists of them, and names in quotes")
         return None
 
-    def built(self, kind: str, given: dict[str, Any], dimension: int) -> Path:
+    def built(self, kind: str, given: dict[str, Any], dimension: int) -> Path | Paths:
         match kind:
             case "linear":
                 return Path.linear(given.pop("points"), **given)
@@ -235,7 +280,8 @@ class _SceneReader:
                 return Path.circle(given.pop("radius"), **given)
             case "random":
                 return Path.random(dimension=dimension, **given)
-        return Path.from_csv(self.input(self.folder / given.pop("file")), **given)
+        file = self.input(self.folder / given.pop("file"))
+        return paths_from_csv(file, **given) if "point" in given else Path.from_csv(file, **given)
 
     # -- values and places -------------------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Callable, Iterator, Mapping
+from time import monotonic
 from typing import Any, overload
 
 import numpy as np
@@ -71,12 +72,14 @@ def simulate(
     law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
+    checkpoint: tuple[float, Callable[[History], None]] | None = ...,
 ) -> History: ...  # fmt: skip
 @overload
 def simulate(
     law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
+    checkpoint: tuple[float, Callable[[History], None]] | None = ...,
 ) -> Histories: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
@@ -93,6 +96,7 @@ def simulate(
     keep: int | str = 1,
     threads: int = 1,
     compiled: bool = False,
+    checkpoint: tuple[float, Callable[[History], None]] | None = None,
 ) -> History | Histories:
     """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
 
@@ -108,6 +112,9 @@ def simulate(
     cannot be used, for a pressure outside the range that the law declares too; :class:`LeftPrecision` and :class:`LeftDomain`,
     both InputErrors, where numbers grow beyond double precision and where the stress at the end of a step lies outside a declared
     range; and :class:`Interrupted`, a KeyboardInterrupt, all three with the part that is done.
+
+    ``checkpoint``, seconds and a function of one path's history: it is given what is done, no more often than that and in no more than
+    a tenth of the time.
 
     Many points: ``path`` is :class:`Paths`, each of ``parameters`` a number or one a point (N,), ``stress`` (d,) or (N, d), and
     what comes back :class:`Histories`.  The numbers of a point are those of its path by itself, and a point that cannot go on has a
@@ -149,9 +156,14 @@ def simulate(
     steps = len(plan.path.time) - 1
     try:
         rows = advance(plan, ledger)
+        due, took = monotonic(), 0.0
         while (done := _next(rows)) is not None and np.isfinite(ledger.balance[done - 1]):
             if on_step is not None:
                 on_step(done - 1, steps)
+            if checkpoint is not None and (now := monotonic()) - due >= max(checkpoint[0], 9.0 * took) and done <= steps:
+                checkpoint[1](ledger.history(plan, method, why))
+                due = monotonic()
+                took = due - now
     except KeyboardInterrupt:
         raise Interrupted(ledger.history(plan, method, why)) from None
     except ArithmeticError:

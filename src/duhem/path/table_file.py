@@ -21,8 +21,8 @@ _COMMAS = "separate numbers by commas, with points in decimals"
 _SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
 
 
-def read_table(file: str | PathLike[str]) -> tuple[list[str], Array]:
-    """The names in the header, and the rows (m, names) below it.  Blank lines and those that begin with # are left out.
+def read_table(file: str | PathLike[str], least: int = 2) -> tuple[list[str], Array]:
+    """The names in the header, and the rows (m, names) below it, ``least`` or more.  Blank lines and those that begin with # are left out.
 
     InputError names the line of whatever is no number; no more than ``MOST_NUMBERS`` are read.
     """
@@ -30,7 +30,7 @@ def read_table(file: str | PathLike[str]) -> tuple[list[str], Array]:
         raise InputError(f"{type(file).__name__} is no name of a file", where="file", remedy="give the path of a table")
     try:
         with open(file, encoding="utf-8-sig") as stream:
-            return _read(stream, f"{file}")
+            return _read(stream, f"{file}", least)
     except InputError:
         raise
     except UnicodeDecodeError:
@@ -40,7 +40,7 @@ def read_table(file: str | PathLike[str]) -> tuple[list[str], Array]:
         raise InputError(f"the table cannot be read: {reason}", where=f"{file}", remedy="check its name and that it is CSV") from None
 
 
-def _read(stream: TextIO, where: str) -> tuple[list[str], Array]:
+def _read(stream: TextIO, where: str, least: int) -> tuple[list[str], Array]:
     header: list[str] = []
     numbers = array("d")
     line = 0
@@ -64,8 +64,9 @@ def _read(stream: TextIO, where: str) -> tuple[list[str], Array]:
         numbers.extend(row)
         if len(numbers) > MOST_NUMBERS:
             raise InputError(f"the table has more than {MOST_NUMBERS} numbers", where=place, remedy="run it in parts")
-    if len(numbers) < 2 * max(1, len(header)):
-        raise InputError("the table has fewer than two rows", where=where, remedy="give a header and at least two rows")
+    if len(numbers) < least * max(1, len(header)):
+        few = "two rows" if least == 2 else "one row"
+        raise InputError(f"the table has fewer than {few}", where=where, remedy=f"give a header and at least {few}")
     return header, np.array(numbers).reshape(-1, len(header))
 
 
