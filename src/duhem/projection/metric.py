@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -33,7 +34,12 @@ class Metric:
     @classmethod
     def of(cls, stiffness: Array) -> Metric:
         """That of k, symmetric and positive definite."""
-        lower, inverse = factors(stiffness)
-        blur = 2.0 * ROUNDING * float(np.linalg.norm(np.abs(lower.T) @ np.abs(inverse.T), 2))  # of components, which the metric weighs
-        steepest = float(np.linalg.norm(inverse, 2))
-        return cls(lower, inverse.T, lower.T, inverse, blur, steepest, ACCURACY / max(1.0, steepest * float(np.linalg.norm(lower, 2))))
+        return _metric(stiffness.tobytes(), len(stiffness))
+
+
+@lru_cache(maxsize=64)
+def _metric(stiffness: bytes, d: int) -> Metric:
+    lower, inverse = factors(np.frombuffer(stiffness).reshape(d, d))
+    blur = 2.0 * ROUNDING * float(np.linalg.norm(np.abs(lower.T) @ np.abs(inverse.T), 2))  # of components, which the metric weighs
+    steepest = float(np.linalg.norm(inverse, 2))
+    return Metric(lower, inverse.T, lower.T, inverse, blur, steepest, ACCURACY / max(1.0, steepest * float(np.linalg.norm(lower, 2))))

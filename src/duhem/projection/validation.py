@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -43,16 +44,16 @@ def check_associated(law: Criterion) -> None:
 def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] | None) -> Increment:
     """The checked question but for its points: no trial stress yet."""
     check_associated(law)
-    values = _parameters(law, parameters)
+    values, g = _settled(law, _exact(parameters))
     k = _stiffness(stiffness, law)
     return Increment(
         law=law,
-        g=_formula(law, values),
+        g=g,
         trial=np.empty((0, len(law.forces))),
         pressure=np.empty(0),
         stiffness=k,
         diagonal=bool((k == np.diag(np.diagonal(k))).all()),
-        parameters={name: int(value.p) / int(value.q) for name, value in values.items()},
+        parameters={name: int(value.p) / int(value.q) for name, value in values},
     )
 
 
@@ -73,14 +74,23 @@ def posed(setting: Increment, trial: ArrayLike, pressure: ArrayLike | None) -> I
     return replace(setting, trial=np.broadcast_to(stresses, (n, d)), pressure=np.broadcast_to(pressures, (n,)))
 
 
-def _parameters(law: Criterion, given: Mapping[str, Any] | None) -> dict[str, sp.Rational]:
+Values = tuple[tuple[str, sp.Rational], ...]
+
+
+def _exact(given: Mapping[str, Any] | None) -> Values:
     exact = {}
     for name, value in by_name(given).items():
         try:
             exact[name] = exact_number(value)
         except InputError as fault:
             raise InputError(fault.what, where=f"parameter {name}", remedy=fault.remedy) from None
-    fixed = law.fix(exact)
+    return tuple(exact.items())
+
+
+@lru_cache(maxsize=256)
+def _settled(law: Criterion, given: Values) -> tuple[Values, sp.Expr]:
+    """All parameters of the law, and its formula with them in place: once for increments that follow one another."""
+    fixed = law.fix(dict(given))
     values = {name: domain.value for name, domain in fixed.parameters.items()}
     if missing := [name for name, value in values.items() if value is None]:
         raise InputError(f"no value is given for {', '.join(missing)}", where=f"parameters of {law.name}", remedy=_example(missing))
@@ -92,7 +102,8 @@ def _parameters(law: Criterion, given: Mapping[str, Any] | None) -> dict[str, sp
     for name, value in values.items():
         if value is not None and not _representable(value):
             raise InputError(f"{name} = {value} is beyond double precision", where=f"parameters of {law.name}", remedy="rescale the units")
-    return {name: value for name, value in values.items() if value is not None}
+    numbers = {name: value for name, value in values.items() if value is not None}
+    return tuple(numbers.items()), _formula(law, numbers)
 
 
 def _formula(law: Criterion, values: Mapping[str, sp.Rational]) -> sp.Expr:
