@@ -20,11 +20,12 @@ import duhem
 from duhem.benchmark.contenders import Contender, applicable
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
 from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.work_precision import bench
+from duhem.benchmark.work_precision import bench, whole_calls
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
 from duhem.benchmark.work_precision.text import duration, text
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.left_out import LeftOut
 from duhem.projection.closed_form import CLOSED_FORM, ClosedFormOptions
 from duhem.projection.increment import Increment
 from duhem.projection.result import Solution
@@ -297,6 +298,29 @@ def test_throughput_compares_with_memory_in_the_same_run() -> None:
         target = targets["closed form (numba) / memory bandwidth"]
         assert target.holds is None and "numba is not installed" in target.reason
     assert "Targets" in text(result)
+
+
+@pytest.mark.slow
+def test_whole_calls_are_held_to_a_copy_in_the_same_run() -> None:
+    result = bench(coulomb(), scenes=("project",), repeats=1, points=2000, contenders=[Contender.of("closed-form", "closed-form")])
+    rows = {(row.method, row.setting): row.seconds for row in result.rows}
+    targets = {target.what: target for target in result.targets}
+    copy, whole = rows["copy of 24 bytes a point", "N = 2000"], rows["closed-form", "N = 2000"]
+    assert copy is not None and whole is not None
+    assert targets["duhem.project / copy of 24 bytes a point"].value == whole.least / copy.least
+    assert targets["duhem.project (numba) / copy of 24 bytes a point"].holds is None
+    assert "wall time a point" in text(result)
+
+
+def test_whole_calls_set_a_law_without_closed_form_other_ratios() -> None:
+    spread = {0.5: Spread.of([0.5]), 30.0: Spread.of([30.0]), 1.0: Spread.of([1.0])}
+    rows = [
+        Measurement("project", name, "N = 9000", seconds=spread[x])
+        for name, x in (("newton, numba", 0.5), ("newton, numba, one thread", 1.0), ("copy of 24 bytes a point", 0.5))
+    ]
+    rows.append(Measurement("project", "newton", "N = 2000", seconds=spread[30.0]))
+    found = whole_calls.targets(rows, [LeftOut("closed-form", "declares none")])
+    assert [(target.value, target.holds) for target in found] == [(60.0, True), (2.0, True)]
 
 
 def test_targets_and_spreads() -> None:

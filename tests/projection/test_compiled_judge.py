@@ -49,7 +49,8 @@ def _question(name: str, n: int, seed: int = 0, full: bool = False) -> Increment
 def _as_text(monkeypatch: pytest.MonkeyPatch, question: Increment, solution: Solution, convex: bool) -> Told:
     """The loop, not compiled."""
 
-    def run(text: str, entry: str) -> Any:
+    def run(text: str, entry: str, inlined: tuple[str, ...]) -> Any:
+        assert all(f"def {name}(" in text for name in inlined)
         space: dict[str, Any] = {}
         exec(text, space)
         return space[entry]

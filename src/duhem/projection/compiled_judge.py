@@ -85,4 +85,6 @@ def _loop(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
     functions = jets.level, jets.gradient, bounds.text
     text = module_text(formula, len(forces), jets.kinks, functions, (below, grown, length, eliminated, corner_kernel, judge_kernel))
     none = (0.0,) * len(jets.constants)
-    return _Loop(compiled_text(text, "judge"), np.array(jets.constants + bounds.constants), np.array(none + bounds.off))
+    return _Loop(
+        compiled_text(text, "judge", judge_kernel.INLINED), np.array(jets.constants + bounds.constants), np.array(none + bounds.off)
+    )

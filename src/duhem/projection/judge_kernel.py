@@ -17,7 +17,7 @@ from numpy import sqrt
 from duhem.projection.corner_kernel import CORNER, cornered
 from duhem.projection.newton_step import below, grown, length
 
-__all__ = ["SLIP", "STICK", "UNJUDGED", "judge"]
+__all__ = ["INLINED", "SLIP", "STICK", "UNJUDGED", "judge"]
 
 D = DATA = 0  # how many forces and data the law has
 
@@ -41,6 +41,9 @@ def resized(data: Any, n: int, size: float, q: Any) -> None:
     """The data of point ``n`` in units of another size."""
     raise NotImplementedError
 
+
+INLINED = ("balance", "below", "bounded", "gradient", "length", "placed", "resized", "slid", "stuck", "turned_share", "unit_of")
+"""Functions that every slip goes through, most of them once."""
 
 # -- compiled from here ----------------------------------------------------------------------------------------
 

@@ -17,10 +17,11 @@ __all__ = ["compiled_text"]
 
 
 @lru_cache(maxsize=128)
-def compiled_text(text: str, entry: str) -> Callable[..., None]:
+def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Callable[..., None]:
     """The function ``entry`` of a module of our own text, compiled with the functions it calls; it lets go of the interpreter.
 
-    What is not yet on disk is compiled at the first call (some seconds).  MissingExtraError without numba.
+    ``inlined``: functions that are put where they are called, which spares handing over many arrays.  What is not yet on disk is
+    compiled at the first call (some seconds).  MissingExtraError without numba.
     """
     try:
         import numba
@@ -36,7 +37,7 @@ def compiled_text(text: str, entry: str) -> Callable[..., None]:
     functions = [name for name, value in space.items() if inspect.isfunction(value) and value.__module__ == module.__name__]
     for name in functions:
         if name != entry:
-            space[name] = numba.njit(error_model="numpy", cache=False)(space[name])
+            space[name] = numba.njit(error_model="numpy", cache=False, forceinline=name in inlined)(space[name])
     run: Callable[..., None] = numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[entry])
     return run
 

@@ -12,7 +12,7 @@ from duhem.benchmark.reference import NoReference
 from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
-from duhem.benchmark.work_precision import throughput
+from duhem.benchmark.work_precision import throughput, whole_calls
 from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
 from duhem.benchmark.work_precision.targets import beside_peers, targets
 from duhem.errors import InputError
@@ -21,7 +21,7 @@ from duhem.left_out import LeftOut
 
 __all__ = ["SCENES", "bench"]
 
-SCENES = (increment.SCENE, path.SCENE, throughput.SCENE)
+SCENES = (increment.SCENE, path.SCENE, throughput.SCENE, whole_calls.SCENE)
 
 
 def bench(
@@ -40,9 +40,10 @@ def bench(
 
     ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; the pressure is -1.  ``scenes``: ``increment`` (each method and
     conic solver over its tolerances), ``path`` (each integrator over ``steps`` a segment), ``throughput`` (``points``
-    increments at once).  Each measurement runs ``repeats`` times, fewer where it is slow, and says so.  ``contenders`` in
-    place of all methods; ``peers``: other programs beside duhem's, those that are installed.  One that raises is a row with its
-    failure.  KeyboardInterrupt ends it with what is done.
+    increments at once), ``project`` (the same through :func:`duhem.project`, by the wall clock).  Each measurement runs
+    ``repeats`` times, fewer where it is slow, and says so.  ``contenders`` in place of all methods; ``peers``: other programs
+    beside duhem's, those that are installed.  One that raises is a row with its failure.  KeyboardInterrupt ends it with what is
+    done.
     Raises InputError for a parameter without value, a law with a flow of its own, or an unknown scene.
     """
     if strange := [scene for scene in scenes if scene not in SCENES]:
@@ -71,7 +72,10 @@ def bench(
         load = throughput.Load.of(specimen, points, left_out)
         yield from throughput.rows(load, chosen, repeats)
 
-    runs = {increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
+    def calls() -> Iterator[Measurement]:
+        yield from whole_calls.rows(throughput.Load.of(specimen, points), chosen, repeats)
+
+    runs = {whole_calls.SCENE: calls, increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
     interrupted = False
     try:
         for scene in scenes:
@@ -91,7 +95,11 @@ def bench(
         machine=machine(),
         repeats=repeats,
         rows=tuple(rows),
-        targets=(*targets(rows, left_out), *beside_peers(rows, _names(chosen, False), _names(chosen, True))),
+        targets=(
+            *targets(rows, left_out),
+            *whole_calls.targets(rows, left_out),
+            *beside_peers(rows, _names(chosen, False), _names(chosen, True)),
+        ),
         reference=reference,
         left_out=tuple(left_out),
         interrupted=interrupted,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from duhem.benchmark.study_text import report
 from duhem.benchmark.work_precision import increments as increment
 from duhem.benchmark.work_precision import paths as path
-from duhem.benchmark.work_precision import throughput
+from duhem.benchmark.work_precision import throughput, whole_calls
 from duhem.benchmark.work_precision.result import Measurement, Spread, WorkPrecision
 from duhem.show.page import PAGE, Page, tied
 
@@ -16,9 +16,11 @@ __all__ = ["duration", "text"]
 _TITLES = {
     increment.SCENE: "One increment: four trial stresses, each solved alone; largest relative error, time an increment",
     path.SCENE: "A loading path of four straight steps: largest error of the stress at the corners, time of the whole path",
+    whole_calls.SCENE: "Many increments through duhem.project: wall time a point",
     throughput.SCENE: "Many increments at once: processor time a point; errors of some points, flags of the first 100, first call by the "
     "clock on the wall, what it compiles included",
 }
+_ERRORS = {increment.SCENE: ("stress", "slip"), path.SCENE: ("stress",), throughput.SCENE: ("stress", "slip")}
 
 
 def text(result: WorkPrecision, page: Page = PAGE) -> str:
@@ -44,8 +46,8 @@ def _own_error(result: WorkPrecision, scene: str, page: Page) -> list[str]:
 
 
 def _table(rows: Sequence[Measurement], scene: str, page: Page) -> list[str]:
-    names = {increment.SCENE: ("stress", "slip"), path.SCENE: ("stress",), throughput.SCENE: ("stress", "slip")}[scene]
-    judged = ["flagged"] if scene != path.SCENE else []
+    names = _ERRORS.get(scene, ())
+    judged = ["flagged"] if scene not in (path.SCENE, whole_calls.SCENE) else []
     called = ["first call"] if scene == throughput.SCENE else []
     head = ("method", "setting", *(f"error in {n}" for n in names), *judged, *called, "time", "least", "most", "runs")
     body: list[tuple[str, ...]] = [head]
