@@ -23,7 +23,7 @@ from duhem.projection.result import Array
 from duhem.projection.row_by_row import widest
 from duhem.projection.scaled_formula import power_of_two
 
-__all__ = ["beyond_tangents", "raised", "tips"]
+__all__ = ["beyond_tangents", "looks", "points_seen", "raised", "tangents", "tips"]
 
 _Inside = Callable[[Array, NDArray[np.intp]], NDArray[np.bool_]]
 
@@ -68,9 +68,20 @@ def beyond_tangents(g: Level, d: int, pressures: Array | None) -> Array:
     """
     if pressures is None:
         return _not_convex(g, d, None)
-    first, looks = float(pressures[0]), {_alike(g, d, float(pressure)) for pressure in pressures}
-    scales = {look: 1.0 if look == first else first / look for look in sorted(looks) if look < 0.0 or look == first}
+    first = float(pressures[0])
+    scales = {look: 1.0 if look == first else first / look for look in looks(g, d, pressures) if look < 0.0 or look == first}
     return np.vstack([np.zeros((0, d)), *(_not_convex(g, d, look) * scale for look, scale in scales.items())])
+
+
+def looks(g: Level, d: int, pressures: Array) -> list[float]:
+    """At which pressures to look at K, if it is asked for at these: at -1 alone where K grows with the pressure."""
+    return sorted({_alike(g, d, float(pressure)) for pressure in pressures})
+
+
+def points_seen(g: Level, d: int, pressure: float | None) -> tuple[Array, Array]:
+    """Points of K (n, d) at one pressure, just within its boundary or far out on rays that do not end, and its extents (d,)."""
+    inner, _, endless, scale = _boundary(g, d, pressure)
+    return np.vstack([inner, endless]), scale
 
 
 def _alike(g: Level, d: int, pressure: float) -> float:
@@ -87,8 +98,7 @@ def _alike(g: Level, d: int, pressure: float) -> float:
 @lru_cache(maxsize=256)
 def _not_convex(g: Level, d: int, pressure: float | None) -> Array:
     """The points of :func:`_boundary` and beyond at one pressure, if one lies beyond the tangent plane of another; else none."""
-    inner, _, endless, scale = _boundary(g, d, pressure)
-    known = np.vstack([inner, endless])
+    (known, scale), inner = points_seen(g, d, pressure), _boundary(g, d, pressure)[0]
     if not len(inner):
         return inner
     with np.errstate(all="ignore"):
@@ -161,7 +171,7 @@ def raised(inside: _Inside, point: Array, normal: Array, reach: Array) -> Array:
     """
     height = np.zeros(len(point))
     steps = _RAISE * 2.0 ** np.arange(_DOUBLINGS)
-    for way in _tangents(normal):
+    for way in tangents(normal):
         for share in _ASIDE:
             beside = point + (share * reach)[:, None] * way
             at = np.flatnonzero(inside(beside + (_RAISE * reach)[:, None] * normal, np.arange(len(point))))
@@ -173,7 +183,7 @@ def raised(inside: _Inside, point: Array, normal: Array, reach: Array) -> Array:
     return height
 
 
-def _tangents(normal: Array) -> Iterator[Array]:
+def tangents(normal: Array) -> Iterator[Array]:
     """Unit vectors (N, d) across the normals, both ways: the axes without their share of the normal."""
     d = normal.shape[1]
     across = [np.stack([-normal[:, 1], normal[:, 0]], axis=1)] if d == 2 else []

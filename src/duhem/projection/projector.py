@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +17,9 @@ from duhem.projection.declared_ranges import beyond
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
+from duhem.projection.nearer_points import nearness
 from duhem.projection.recovered_slip import recovered
-from duhem.projection.residuals import Judge
+from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
 from duhem.projection.told import Told
 from duhem.projection.validation import posed, setting
@@ -53,7 +54,8 @@ def project(
     Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
     returned as if it were.  The methods find the closest point of a convex K.  Where K is not convex they find a
     stationary one, which counts as not solved (``inaccurate``) where a known point of K lies beyond the plane through it
-    across the slip: see :class:`duhem.projection.result.Projection` for what is tried.  A stress beyond the range that the law
+    across the slip; whether K is convex is asked by :func:`duhem.project`, not here.  What is tried:
+    :class:`duhem.projection.result.Projection`.  A stress beyond the range that the law
     declares for a force (its ``domain``) is ``outside``; the trial may lie anywhere.  Raises InputError for input that
     cannot be used, naming the first bad entry, for a pressure outside its range, and for a law with a flow of its own, which
     the closest point does not integrate.
@@ -94,12 +96,13 @@ class Projector:
             remedy = "leave tangent out, or take a law with a closed form"
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
         given = method.options_of(options)
-        solution = method.solve(question, given)
-        judge = Judge.of(question, solution, method.convex)
-        told = _told(question, solution, judge, given)
+        solution, vouched = method.solve(question, given), self._vouched(question)
+        judge = Judge.of(question, solution, self._taken_as_convex(question))
+        told = _told(question, solution, judge, given) if vouched.all() else Told.nothing(len(vouched))
         judge.look(solution, told.residuals, told.left)
-        solution, found = recovered(question, solution, told.residuals, method.convex)
-        _complete(question, solution, found, told)
+        self._held(question, solution, told.residuals)
+        solution, found = recovered(question, solution, told.residuals, self._judged)
+        _complete(question, solution, found, told, vouched)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
@@ -113,6 +116,26 @@ class Projector:
             tangent=slopes[0],
             tangent_pressure=slopes[1],
         )
+
+    def _vouched(self, question: Increment) -> NDArray[np.bool_]:
+        """Points (N,) at which a stationary point is the closest one, or nobody has asked whether it is."""
+        silent = self.method.convex or question.convexity is None
+        return np.ones(question.pressure.shape, dtype=np.bool_) if silent else question.shown_convex()
+
+    def _taken_as_convex(self, question: Increment) -> bool:
+        """Whether the judge looks at few points of K: where K is not shown to be convex :meth:`_held` does more."""
+        return self.method.convex or question.convexity is not None
+
+    def _judged(self, question: Increment, solution: Solution) -> Residuals:
+        found = residuals(question, solution, self._taken_as_convex(question))
+        self._held(question, solution, found)
+        return found
+
+    def _held(self, question: Increment, solution: Solution, found: Residuals) -> None:
+        """Hold the answers that nobody vouches for against nearer points of K."""
+        if (at := np.flatnonzero(~self._vouched(question))).size:
+            asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
+            found.variational[at] = nearness(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
 
 
 def _chosen(question: Increment, method: str | Method[Any]) -> tuple[Method[Any], str]:
@@ -147,22 +170,22 @@ def _told(question: Increment, solution: Solution, judge: Judge, given: Options)
     return Told.nothing(len(solution.multiplier))
 
 
-def _complete(question: Increment, solution: Solution, found: Residuals, told: Told) -> None:
-    """Dissipation and status of the points that are left, block by block."""
+def _complete(question: Increment, solution: Solution, found: Residuals, told: Told, vouched: NDArray[np.bool_]) -> None:
+    """Dissipation and status of the points that are left, block by block; ``vouched`` (N,) where to be stationary is to be closest."""
     left = told.left
     for start in range(0, len(told.status) if left is None else left.size, _BLOCK):
         block = slice(start, start + _BLOCK) if left is None else left[start : start + _BLOCK]
         told.dissipation[block] = np.einsum("ij,ij->i", solution.stress[block], solution.slip[block])
-        told.status[block] = _status(question, solution, found, block)
+        told.status[block] = _status(question, solution, found, block, vouched[block])
 
 
-def _status(question: Increment, solution: Solution, found: Residuals, block: Block) -> NDArray[np.int8]:
+def _status(question: Increment, solution: Solution, found: Residuals, block: Block, vouched: NDArray[np.bool_]) -> NDArray[np.int8]:
     """What each point of a block counts as."""
     slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
     worst = _worst(found, block)
     finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)
     finite &= np.isfinite(solution.multiplier[block]) | (found.stationarity[block] <= ACCURACY)  # beyond doubles, as it should be
-    judged = np.where(slips, Status.SLIP, Status.STICK)
+    judged = np.where(slips, np.where(vouched, Status.SLIP, Status.STATIONARY), Status.STICK)
     if question.law.domain:
         judged = np.where(beyond(question.law, solution.stress[block], question.trial[block]), Status.OUTSIDE, judged)
     judged = np.where(worst <= ACCURACY, judged, Status.INACCURATE)

@@ -7,6 +7,7 @@ the other.  What is found is judged like any other answer, and taken only if it 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import TypeVar
 
@@ -17,20 +18,20 @@ from duhem.projection.close_look import close_look, pushed_back
 from duhem.projection.cutting_planes import slip_over_pieces
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
-from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, widest
 from duhem.projection.scaled_formula import power_of_two
 
 __all__ = ["recovered"]
 
+Judge = Callable[[Increment, Solution], Residuals]
 Rows = TypeVar("Rows", Solution, Residuals)
 
 _NEXT = 1e-3  # of a stress: slips of more keep their digits in a difference
 _STEPS = 5
 
 
-def recovered(question: Increment, solution: Solution, found: Residuals, convex: bool) -> tuple[Solution, Residuals]:
+def recovered(question: Increment, solution: Solution, found: Residuals, judge: Judge) -> tuple[Solution, Residuals]:
     """The solution and its residuals, with slips that were lost put right where that can be done."""
     at = _lost(question, solution, found)
     if not at.size:
@@ -38,7 +39,7 @@ def recovered(question: Increment, solution: Solution, found: Residuals, convex:
     for way in (_from_normals, _over_pieces):
         asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
         new = way(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
-        judged = residuals(asked, new, convex)
+        judged = judge(asked, new)
         right = judged.worst() <= ACCURACY
         solution, found = _put(solution, at[right], new, right), _put(found, at[right], judged, right)
         if not (at := at[~right]).size:

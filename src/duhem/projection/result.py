@@ -8,18 +8,22 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ACCURACY", "NOT_CLOSEST", "Array", "Projection", "Residuals", "Solution", "Status"]
+__all__ = ["ACCURACY", "NOT_CLOSEST", "NOT_SHOWN", "Array", "Projection", "Residuals", "Solution", "Status"]
 
 Array = NDArray[np.float64]
 
 ACCURACY = 1e-7  # a point with a larger residual is inaccurate
 NOT_CLOSEST = "K is not convex there: the point is stationary, and not shown to be the closest one"
 
+NOT_SHOWN = "K is not shown to be convex: the point is stationary, and not shown to be the closest one"
+
 
 class Status(IntEnum):
     """How a point came out; the two failures are never returned as if they were answers.
 
     ``OUTSIDE``: solved, and the stress lies outside the ranges of forces that the law declares, where it claims nothing.
+    ``STATIONARY``: a slip that satisfies the conditions of stationarity, on a K that was asked about and not shown to be convex.
+    No point of K was found nearer to the trial stress, and nobody vouches that there is none.
     """
 
     STICK = 0
@@ -27,6 +31,7 @@ class Status(IntEnum):
     INACCURATE = 2
     FAILED = 3
     OUTSIDE = 4
+    STATIONARY = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +56,8 @@ class Residuals:
     by as a share of itself; ``variational`` the largest
     (sigma_tr - sigma) . k^-1 (tau - sigma) over points tau of K that are known: the ends of K on the axes and, unless the
     method shows that K is convex, points beside the stress and, if they show that it is not, the boundary on some hundred rays.
+    Where K was asked about and is not shown to be convex, it is instead by how much, over the length of the stress, a point tau
+    that is found is nearer to sigma_tr.
     """
 
     feasibility: Array
@@ -83,6 +90,8 @@ class Projection:
     On a K that is not convex a point that only satisfies the stationarity conditions is ``INACCURATE``, never ``SLIP``, as soon as
     one point tau that is tried has (sigma_tr - sigma) . k^-1 (tau - sigma) > 0.  Without such a tau in all of K the point is the
     closest; with one it still may be, and nobody vouches for it.  The tau tried are samples: what lies between them is not seen.
+    :func:`duhem.project` therefore asks whether K is convex: where that is not shown a slip is ``STATIONARY`` at best, and
+    ``INACCURATE`` as soon as one tau is nearer to sigma_tr.
     """
 
     stress: Array
