@@ -50,11 +50,12 @@ if TYPE_CHECKING:
     from duhem.law.domain import POSITIVE, REAL, Domain
     from duhem.law.formula_law import Criterion, criterion
     from duhem.law.yield_surface import YieldSurface
-    from duhem.path import Histories, History, Path, Paths, simulate
-    from duhem.projection.projector import project
+    from duhem.path import Histories, History, Path, Paths
     from duhem.projection.result import Projection, Status
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
+    from duhem.vouched.histories import simulate
+    from duhem.vouched.increments import project
 
 _HOMES = {
     "derivation": ("Derivation", "derive"),
@@ -65,11 +66,12 @@ _HOMES = {
     "law.domain": ("POSITIVE", "REAL", "Domain"),
     "law.formula_law": ("Criterion", "criterion"),
     "law.yield_surface": ("YieldSurface",),
-    "path": ("Histories", "History", "Path", "Paths", "simulate"),
-    "projection.projector": ("project",),
+    "path": ("Histories", "History", "Path", "Paths"),
     "projection.result": ("Projection", "Status"),
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
+    "vouched.histories": ("simulate",),
+    "vouched.increments": ("project",),
 }
 
 

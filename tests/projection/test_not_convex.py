@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import duhem
 from duhem.law.formula_law import Criterion
+from duhem.projection.projector import project
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
 from duhem.projection.validation import increment
@@ -93,7 +94,7 @@ def test_no_stationary_point_passes_for_the_closest(family: str) -> None:
         g, edge = NOT_CONVEX[family](rng)
         trial = rng.normal(size=(30, 2)) * 2.0
         trial[:3, 0] = trial[3:6, 1] = 0.0  # on the axes of symmetry stationary points are many
-        done = duhem.project(law(g), trial)
+        done = project(law(g), trial)
         slip = trial - done.stress
         length = np.linalg.norm(slip, axis=1)
         beyond = np.array([((edge - s) @ n).max() for s, n in zip(done.stress, slip, strict=True)])
@@ -118,7 +119,7 @@ KNOWN: list[tuple[str, tuple[float, float], float]] = [  # of which the last is 
 @pytest.mark.parametrize(("g", "trial", "closest"), KNOWN)
 def test_stationary_points_that_nothing_else_tells(g: str, trial: tuple[float, float], closest: float) -> None:
     question = increment(law(g), [trial], None, 1.0, None)
-    done = duhem.project(question.law, trial)
+    done = project(question.law, trial)
     solution = Solution(done.stress, done.slip, done.multiplier, done.status == Status.FAILED)
     assert np.linalg.norm(done.stress[0] - trial) > closest
     assert residuals(question, solution, convex=True).worst()[0] <= ACCURACY
@@ -131,7 +132,7 @@ def test_convex_neighbours_pass(family: str) -> None:
     for _ in range(3):
         g, edge = CONVEX[family](rng)
         trial = rng.normal(size=(40, 2)) * 2.0
-        done = duhem.project(law(g), trial)
+        done = project(law(g), trial)
         assert set(done.status) <= {Status.STICK, Status.SLIP}
         slips = np.flatnonzero(done.status == Status.SLIP)
         assert slips.size > 10
@@ -155,7 +156,7 @@ def test_convex_neighbours_pass(family: str) -> None:
 )
 def test_convex_sets_of_all_kinds_pass(g: str) -> None:
     trial = np.random.default_rng(3).normal(size=(40, 2)) * 4.0
-    assert set(duhem.project(law(g), trial).status) <= {Status.STICK, Status.SLIP}
+    assert set(project(law(g), trial).status) <= {Status.STICK, Status.SLIP}
 
 
 OVAL = Criterion(
@@ -166,10 +167,10 @@ OVAL = Criterion(
 @pytest.mark.parametrize("pressure", [-1e-9, -1.0, -7.3, -1e12])
 def test_the_middle_of_a_dent_is_not_closest_at_any_pressure(pressure: float) -> None:
     trial = np.array([[-3.0, 0.0], [3.0, 0.0], [0.0, 3.0]]) * -pressure
-    done = duhem.project(OVAL, trial, pressure, parameters={"mu": 1, "e": "0.6"})
+    done = project(OVAL, trial, pressure, parameters={"mu": 1, "e": "0.6"})
     assert done.status.tolist() == [Status.INACCURATE, Status.SLIP, Status.SLIP]
     assert done.residuals.stationary_only().tolist() == [True, False, False]
-    assert (duhem.project(OVAL, trial, pressure, parameters={"mu": 1, "e": "0.5"}).status == Status.SLIP).all()
+    assert (project(OVAL, trial, pressure, parameters={"mu": 1, "e": "0.5"}).status == Status.SLIP).all()
 
 
 @pytest.mark.parametrize("load", ["1 + abs(sigma_n)", "abs(sigma_n)**2", "abs(sigma_n)"])
@@ -178,16 +179,16 @@ def test_another_part_of_k_is_seen_at_every_pressure(load: str, stiffness: objec
     """Two discs, their size and distance growing with the pressure in step."""
     two = Criterion("two", f"min(norm(sigma_a, sigma_b), norm(sigma_a + 3*({load}), sigma_b)) - ({load})", {})
     pressure = -np.array([0.5, 1.0, 3.0, 3.5])
-    size = duhem.project(two, np.tile([1e3, 0.0], (4, 1)), pressure).stress[:, :1]
-    wrong = duhem.project(two, size * [-1.6, 0.01], pressure, stiffness)
+    size = project(two, np.tile([1e3, 0.0], (4, 1)), pressure).stress[:, :1]
+    wrong = project(two, size * [-1.6, 0.01], pressure, stiffness)
     assert (wrong.status == Status.INACCURATE).all() and wrong.residuals.stationary_only().all()
-    assert (duhem.project(two, size * [3.0, 0.0], pressure, stiffness).status == Status.SLIP).all()
+    assert (project(two, size * [3.0, 0.0], pressure, stiffness).status == Status.SLIP).all()
 
 
 @pytest.mark.parametrize("width", [0.001, 0.01, 0.1, 0.4])
 def test_the_end_of_a_slot_is_not_closest_however_narrow(width: float) -> None:
     slot = law(f"max(norm(a, b) - 1, min({width} - abs(b), a - 1/2))")
-    done = duhem.project(slot, [[2.0, 0.0], [2.0, 1.0], [-2.0, 0.0]])
+    done = project(slot, [[2.0, 0.0], [2.0, 1.0], [-2.0, 0.0]])
     assert done.status.tolist() == [Status.INACCURATE, Status.SLIP, Status.SLIP]
 
 
@@ -195,7 +196,7 @@ def test_three_forces() -> None:
     two = Criterion("two", "min(norm(a, b, c), norm(a + 3, b, c)) - 1", {}, forces=("a", "b", "c"), pressure=None)
     dent = Criterion("dent", "norm(a, b, c)**2 - (norm(a, b, c) + 3*a/5)", {}, forces=("a", "b", "c"), pressure=None)
     for case, trial in ((two, [-1.6, 0.1, 0.1]), (dent, [-3.0, 0.0, 0.0])):
-        assert duhem.project(case, [trial, [3.0, 0.0, 0.0]]).status.tolist() == [Status.INACCURATE, Status.SLIP]
+        assert project(case, [trial, [3.0, 0.0, 0.0]]).status.tolist() == [Status.INACCURATE, Status.SLIP]
 
 
 def test_only_the_inequality_tells_a_stationary_point() -> None:

@@ -10,6 +10,7 @@ import click
 from duhem.cli.arguments import read_fixed_formula, settings_option
 from duhem.cli.exit_code import HELD
 from duhem.cli.output import Progress, page, say
+from duhem.law.convex import CONVEX
 from duhem.show.place import check_places
 
 __all__ = ["identify"]
@@ -20,6 +21,13 @@ __all__ = ["identify"]
 @click.option("--law", default="antoni2007", show_default=True, help="The family to fit: a name, a criterion file, or module:attribute.")
 @settings_option
 @click.option("--robust", is_flag=True, help="Minimise Huber's loss, which outliers hardly move, in place of squares.")
+@click.option(
+    "--convex",
+    type=click.Choice(CONVEX),
+    default="ask",
+    show_default=True,
+    help="Refuse a fit refuted to be convex, one not proved to be, or none.",
+)
 @click.option("--bootstrap", type=click.IntRange(0), default=0, metavar="N", help="Draws for percentile intervals; 0: from the covariance.")
 @click.option("--seed", type=click.IntRange(0), default=0, metavar="S", show_default=True, help="Seed of the bootstrap.")
 @click.option("--out", metavar="FILE", help="Write the fitted law as a criterion file for duhem verify.")
@@ -28,7 +36,16 @@ __all__ = ["identify"]
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
 )
 def identify(
-    points: str, law: str, settings: Sequence[str], robust: bool, bootstrap: int, seed: int, out: str | None, plot: str | None, form: str
+    points: str,
+    law: str,
+    settings: Sequence[str],
+    robust: bool,
+    convex: str,
+    bootstrap: int,
+    seed: int,
+    out: str | None,
+    plot: str | None,
+    form: str,
 ) -> int:
     """Fit a law to the limit points in POINTS, a CSV file, and prove the fitted law admissible.
 
@@ -46,7 +63,7 @@ def identify(
         figure.check(plot)
         identification.plot.check(family)
     with Progress("identifying"):
-        done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed)
+        done = identification.identify(points, family, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
     if out is not None:
         done.to_toml(out)
     say(text(done, page()) if form == "text" else json.dumps(done.to_dict(), indent=2, ensure_ascii=False))

@@ -10,6 +10,7 @@ from duhem.cli.arguments import Vectors, law_argument, read_fixed_formula, read_
 from duhem.cli.exit_code import FAILED, HELD
 from duhem.cli.output import page, say
 from duhem.errors import InputError
+from duhem.law.convex import CONVEX
 from duhem.projection.methods import METHODS
 
 __all__ = ["project"]
@@ -22,19 +23,26 @@ __all__ = ["project"]
 @click.option("--pressure", metavar="N", help="Normal stress sigma_n <= 0 in compression.")
 @click.option("--stiffness", metavar="K ...", default="1", show_default=True, help="One number, one a force, or the matrix row by row.")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), default="auto", show_default=True, help="How to solve.")
+@click.option(
+    "--convex",
+    type=click.Choice(CONVEX),
+    default="ask",
+    show_default=True,
+    help="Look for a proof that K is convex, require it, or do without.",
+)
 @click.option("--tangent", is_flag=True, help="Add the consistent tangents.")
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
 )
 def project(
-    law: str, settings: Sequence[str], trial: str, pressure: str | None, stiffness: str, method: str, tangent: bool, form: str
+    law: str, settings: Sequence[str], trial: str, pressure: str | None, stiffness: str, method: str, convex: str, tangent: bool, form: str
 ) -> int:
     """One slip increment of LAW: the closest point of K to a trial stress.
 
     Prints stress, slip and multiplier with the residuals of the optimality conditions, recomputed from the law's formula.
-    Ends with 4 if they say that the point is not solved.  Where K is not convex a point may be stationary and not the closest;
-    it is then called inaccurate as soon as one of the points of K that are tried speaks against it.  A stress beyond a range of
-    forces that LAW declares is called outside, and ends with 4 too.
+    Ends with 4 if they say that the point is not solved.  Where K is not convex a point may be stationary and not the closest:
+    a slip is called stationary, and ends with 4, unless K is shown to be convex, and inaccurate if a nearer point of K is found.
+    A stress beyond a range of forces that LAW declares is called outside, and ends with 4 too.
     """
     from duhem.projection.validation import check_associated
 
@@ -49,11 +57,11 @@ def project(
     load = None if pressure is None else read_number(pressure, "--pressure")
 
     from duhem.projection import report
-    from duhem.projection.projector import project as closest
     from duhem.projection.result import Status
+    from duhem.vouched.increments import project as closest
 
     d = len(fixed.forces)
     k = [rows[i : i + d] for i in range(0, d * d, d)] if len(rows) == d * d and d > 1 else rows if len(rows) > 1 else rows[0]
-    done = closest(fixed, target, load, k, method=method, tangent=tangent)
+    done = closest(fixed, target, load, k, method=method, tangent=tangent, convex=convex)
     say(report.json(fixed, target, load, done) if form == "json" else report.text(fixed, target, load, done, page()))
     return HELD if done.status[0] in (Status.STICK, Status.SLIP) else FAILED

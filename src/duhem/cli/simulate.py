@@ -21,10 +21,10 @@ __all__ = ["simulate"]
 def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resume: bool) -> int:
     """Drive a law along the loading path of SCENE, a TOML file.
 
-    A step whose closest point of K cannot be vouched for ends the run: on a K that is not convex, where one of the points of K
-    that are tried speaks against it.  The exact integrator follows the slip along the boundary and asks for no closest point;
-    --explain says where K is not convex.  A pressure outside the range that the law declares is refused; a stress that leaves one
-    ends the run, and what came before is kept as after an interruption.
+    A step whose closest point of K cannot be vouched for ends the run: on a K that is not shown to be convex, where a nearer point
+    of K is found; convex = "require" in [method] refuses such a K.  The exact integrator follows the slip along the boundary and
+    asks for no closest point; --explain says where K is not convex.  A pressure outside the range that the law declares is
+    refused; a stress that leaves one ends the run, and what came before is kept as after an interruption.
 
     A run that is interrupted (Ctrl-C, SIGTERM) keeps what is done in FILE.partial, and --resume goes on from there.  So it does after a
     run that was killed, from what was kept last: every minute, or as often as the scene says, and of many points after each share
@@ -32,6 +32,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     """
     from duhem.left_out import LeftOut
     from duhem.path import scene_file, scene_run
+    from duhem.vouched.histories import looked_into
 
     try:
         chosen = scene_file.read(scene)
@@ -56,6 +57,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
                 progress.show(f"{done} of {steps} {'points' if many else 'steps'}")
 
         try:
+            chosen = looked_into(chosen)
             if many:
                 ended = scene_run.perform_many(chosen, table, resume, say, on_step)
                 progress.show("")

@@ -13,6 +13,7 @@ from duhem.errors import InputError
 from duhem.identification.points import Points
 from duhem.identification.result import Identification
 from duhem.law.catalogue import load_formula
+from duhem.law.convex import check_convex
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 
@@ -29,6 +30,7 @@ def identify(
     robust: bool = False,
     bootstrap: int = 0,
     seed: int = 0,
+    convex: str = "ask",
 ) -> Identification:
     """Fit the free parameters of ``law`` to limit points and prove the fitted law admissible.
 
@@ -41,10 +43,14 @@ def identify(
     The law is fixed to the estimates exactly, unless a parameter is an exponent: then to three decimals of that, the others
     refitted and cut to six digits.  A parameter that no point feels stays open in the law, over its whole domain.
 
+    ``convex``: a best fit whose K is refuted to be convex is refused; ``require`` refuses one that is not proved to be, too, and
+    ``assume`` none, so that the verdicts on convexity and normality are merely reported.
+
     Raises InputError for points that cannot be used or do not settle the parameters, and for a family that is not suited:
     with a slip direction of its own (limit points say nothing of slip), with corners (max or min of the forces), or whose
     best fit is not admissible.
     """
+    check_convex(convex)
     family = load_formula(law).fix(parameters)
     check_domain(family)
     _check_suited(family)
@@ -62,7 +68,7 @@ def identify(
         )
     from duhem.identification.estimation import estimated  # solvers and deciders, once the points are known to be usable
 
-    return estimated(family, read, robust=robust, bootstrap=bootstrap, seed=seed)
+    return estimated(family, read, robust=robust, bootstrap=bootstrap, seed=seed, convex=convex)
 
 
 def _check_suited(law: Criterion) -> None:

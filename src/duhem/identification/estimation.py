@@ -30,6 +30,7 @@ __all__ = ["estimated"]
 Array = NDArray[np.float64]
 
 CLAIMS = ("origin", "convexity", "normality", "dissipation")
+_OF_CONVEXITY = ("convexity", "normality")
 _UNFELT = 1e-9
 _SINGULAR = 1e-8
 _SNAP = 1e-12
@@ -38,7 +39,7 @@ _SHARE = 0.01
 _TAILS = (0.025, 0.975)
 
 
-def estimated(family: Criterion, read: Points, *, robust: bool, bootstrap: int, seed: int) -> Identification:
+def estimated(family: Criterion, read: Points, *, robust: bool, bootstrap: int, seed: int, convex: str) -> Identification:
     """The identification of ``family`` from points that are at least as many as its free parameters."""
     problem, unfelt = _felt(family, read, _problem(family, read))
     solved, resistant = _solved(problem, robust)
@@ -79,7 +80,7 @@ def estimated(family: Criterion, read: Points, *, robust: bool, bootstrap: int, 
         seed=seed,
         robust=robust,
         minimised=_minimised(robust),
-        verification=_proved(fitted),
+        verification=_proved(fitted, convex),
     )
 
 
@@ -235,15 +236,21 @@ def _short(family: Criterion, problem: FitProblem, solved: Solved, corner: float
     return short | {n: f"{x:.6g}" for n, x in zip(_names(rest), refitted.tolist(), strict=True)}
 
 
-def _proved(law: Criterion) -> Verification:
+def _proved(law: Criterion, convex: str) -> Verification:
     done = verify(law, claims=CLAIMS)
     for result in done.results:
-        if result.verdict is Verdict.REFUTED:
+        if result.verdict is Verdict.REFUTED and not (convex == "assume" and result.claim in _OF_CONVEXITY):
             raise InputError(
                 f"the best fit of {law.name} is not admissible: {result.claim} is refuted, {result.detail}",
                 where="law",
                 remedy="take another law, or a criterion file whose parameters have narrower domains",
             )
+    if convex == "require" and done["convexity"].verdict is not Verdict.PROVED:
+        raise InputError(
+            f"the best fit of {law.name} is not shown to be convex: convexity is {done['convexity'].verdict}",
+            where="convex",
+            remedy='take another law, or convex="ask"',
+        )
     return done
 
 

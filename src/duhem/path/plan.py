@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.path.loading import Path
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Convexity, Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import increment as checked
 
@@ -44,8 +44,9 @@ class Plan:
         parameters: Mapping[str, Any] | None = None,
         projection: str = "auto",
         substeps: int = 1,
+        convexity: Convexity | None = None,
     ) -> Plan:
-        """What :func:`duhem.simulate` is given, checked; InputError for what does not fit."""
+        """What :func:`duhem.simulate` is given, checked, with what is known of K; InputError for what does not fit."""
         known = load_formula(law)
         if not isinstance(path, Path):
             what = f"{type(path).__name__} is no loading path"
@@ -59,7 +60,7 @@ class Plan:
                 remedy="give one column for each force",
             )
         increment = checked(known, fine.values, fine.pressure, stiffness, parameters)
-        return cls(increment, fine, projection, np.asarray(np.linalg.inv(increment.stiffness)))
+        return cls(replace(increment, convexity=convexity), fine, projection, np.asarray(np.linalg.inv(increment.stiffness)))
 
     @property
     def stiffness(self) -> Array:

@@ -14,7 +14,7 @@ from duhem.projection import closed_form, quadrants
 from duhem.projection.coefficients import coefficients, of_pressure
 from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
-from duhem.projection.result import NOT_CLOSEST, Array, Status
+from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Status
 
 __all__ = ["LOST", "Closest", "Numbers", "closest", "numbers"]
 
@@ -103,7 +103,7 @@ def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
     prepared = Projector.of(increment.law, increment.stiffness, increment.parameters, method)
 
     def at(trial: Array, rows: Rows) -> Answer:
-        found = prepared.at(replace(prepared.setting, trial=trial, pressure=increment.pressure[rows]))
+        found = prepared.at(replace(prepared.setting, trial=trial, pressure=increment.pressure[rows], convexity=increment.convexity))
         slips = np.flatnonzero((found.slip != 0.0).any(axis=1) | (found.multiplier > 0.0))
         read = slips[0] + 1 if slips.size else len(rows)  # a run takes a block no further than its first slip
         if (lost := np.flatnonzero(np.isin(found.status[:read], LOST))).size:
@@ -115,4 +115,5 @@ def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
             raise DuhemError(what, where=f"step {row}", remedy=remedy)
         return found.stress, found.slip, found.multiplier
 
-    return at, f"projection by {prepared.method.name}"
+    stationary = not (prepared.method.convex or increment.convexity is None or increment.shown_convex().all())
+    return at, f"projection by {prepared.method.name}{f'; {NOT_SHOWN}' if stationary else ''}"

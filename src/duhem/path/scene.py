@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
 from duhem.left_out import LeftOut
@@ -18,6 +19,7 @@ from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan
 from duhem.path.simulate import simulate
+from duhem.projection.increment import Convexity
 
 __all__ = ["Needed", "Scene"]
 
@@ -36,6 +38,7 @@ class Scene:
 
     ``path`` is one point's or those of many, with ``parameters`` a number or one a point; the options are those of
     :func:`duhem.simulate`, and ``checkpoint`` the seconds after which what is done is kept.
+    ``convex`` is what the scene says of K; ``convexity`` what is known of it once somebody has asked (:mod:`duhem.vouched`).
     """
 
     law: Criterion
@@ -53,6 +56,8 @@ class Scene:
     table: str | None = None
     plot: str | None = None
     inputs: tuple[str, ...] = ()
+    convex: str = "ask"
+    convexity: Convexity | None = None
 
     def run(
         self,
@@ -62,6 +67,7 @@ class Scene:
     ) -> History:
         """The history of one point; ``start`` and ``on_step`` as in :func:`duhem.simulate`, ``keep`` its checkpoint."""
         assert isinstance(self.path, Path)
+        self.check_asked()
         return simulate(
             self.law,
             self.path,
@@ -75,7 +81,13 @@ class Scene:
             on_step=on_step,
             compiled=self.compiled,
             checkpoint=None if keep is None else (self.checkpoint, keep),
+            convexity=self.convexity,
         )
+
+    def check_asked(self) -> None:
+        """InputError where the scene requires what nobody has asked."""
+        if self.convex == "require" and self.convexity is None:
+            raise InputError("nobody has asked whether K is convex", where="convex", remedy="run what duhem.vouched makes of the scene")
 
     def batch(self) -> Batch:
         """The checked question of a run of many points."""

@@ -19,6 +19,7 @@ integrator = "exact"                # implicit (the default), extrapolated or ex
 substeps = 10
 compiled = true                     # through numba
 threads = 2                         # for many points
+convex = "require"                  # ask (the default), require or assume: whether K is
 
 [output]                            # optional; the command line's --out and --plot come first
 table = "history.csv"
@@ -41,6 +42,7 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load_formula, load_named
+from duhem.law.convex import CONVEX
 from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
 from duhem.path.batch import Batch
@@ -57,7 +59,7 @@ __all__ = ["SceneFaults", "read", "reads"]
 _SECTIONS = {
     "": ("law", "stiffness", "stress", "parameters", "points", "path", "method", "output"),
     "points": ("table",),
-    "method": ("integrator", "projection", "substeps", "compiled", "threads"),
+    "method": ("integrator", "projection", "substeps", "compiled", "threads", "convex"),
     "output": ("table", "plot", "keep", "checkpoint"),
 }
 _KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # what each kind of path needs, and what it may have
@@ -112,6 +114,7 @@ class _SceneReader:
         self.known("method", method, _SECTIONS["method"])
         integrator = self.choice("method", method, "integrator", tuple(INTEGRATORS), "implicit")
         projection = self.choice("method", method, "projection", _PROJECTIONS, "auto")
+        convex = self.choice("method", method, "convex", CONVEX, "ask")
         substeps = method.get("substeps", 1)
         if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
             self.fault(f"substeps = {substeps!r}", "method", "substeps", "give a whole number from 1 on")
@@ -146,6 +149,7 @@ class _SceneReader:
             table=table,
             plot=plot,
             inputs=tuple(self.inputs),
+            convex=convex,
         )
 
     def holds(self, section: str, given: Mapping[str, Any], **kinds: Any) -> None:

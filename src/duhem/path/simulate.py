@@ -23,6 +23,7 @@ from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan
 from duhem.projection.declared_ranges import beyond, crossed
+from duhem.projection.increment import Convexity
 from duhem.projection.projector import project
 from duhem.projection.result import Array
 
@@ -73,6 +74,7 @@ def simulate(
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
     checkpoint: tuple[float, Callable[[History], None]] | None = ...,
+    convexity: Convexity | None = ...,
 ) -> History: ...  # fmt: skip
 @overload
 def simulate(
@@ -80,6 +82,7 @@ def simulate(
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
     checkpoint: tuple[float, Callable[[History], None]] | None = ...,
+    convexity: Convexity | None = ...,
 ) -> Histories: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
@@ -97,6 +100,7 @@ def simulate(
     threads: int = 1,
     compiled: bool = False,
     checkpoint: tuple[float, Callable[[History], None]] | None = None,
+    convexity: Convexity | None = None,
 ) -> History | Histories:
     """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
 
@@ -107,6 +111,8 @@ def simulate(
     ``substeps`` cuts each step of the path, for the accuracy of the first two and for more rows of all.  ``stress`` (d,) at
     the first knot, inside K; left out, it is zero, or the first knot of a stress path.
     A stress path must stay inside K: there no slip is determined on the boundary, and none is made.
+
+    ``convexity`` is what is known of K where somebody has asked (:func:`duhem.simulate` does); None where nobody has.
 
     ``start`` is a part of the same run, to go on from; ``on_step(done, all)`` hears of progress.  Raises InputError for what
     cannot be used, for a pressure outside the range that the law declares too; :class:`LeftPrecision` and :class:`LeftDomain`,
@@ -136,11 +142,11 @@ def simulate(
         if start is not None:
             raise InputError("a run of many points has no start to go on from", where="start", remedy="run the points that are left")
         given: dict[str, Any] = {"stiffness": stiffness, "parameters": parameters, "projection": projection}
-        batch = Batch.of(law, path, **given, substeps=substeps, stress=stress, keep=keep, compiled=compiled)
+        batch = Batch.of(law, path, **given, substeps=substeps, stress=stress, keep=keep, compiled=compiled, convexity=convexity)
         return _many(batch, method, threads, on_step)
     if keep != 1:
         raise InputError("keep is for many points", where="keep", remedy="leave it out, or give Paths")
-    plan = Plan.of(law, path, stiffness=stiffness, parameters=parameters, projection=projection, substeps=substeps)
+    plan = Plan.of(law, path, stiffness=stiffness, parameters=parameters, projection=projection, substeps=substeps, convexity=convexity)
     if plan.path.control == "stress":
         with np.errstate(all="ignore"):  # what is not finite is found
             return _prescribed(plan)

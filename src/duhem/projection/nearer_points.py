@@ -42,7 +42,7 @@ def nearness(question: Increment, solution: Solution) -> Array:
     """By how much (N,) a point of K that is found is nearer to the trial stress, over the length of the stress; 0 where none is."""
     law = question.law
     g = level(question.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
-    search = _Search(g, Metric.of(question.stiffness), law.pressure is not None)
+    search = _NearerSearch(g, Metric.of(question.stiffness), law.pressure is not None)
     out = np.zeros(len(solution.multiplier))
     with np.errstate(all="ignore"):
         finite = np.isfinite(solution.stress).all(axis=1) & np.isfinite(solution.slip).all(axis=1)
@@ -92,7 +92,7 @@ class _Answers:
 
 
 @dataclass(frozen=True, eq=False)
-class _Search:
+class _NearerSearch:
     """One formula in the metric of one stiffness."""
 
     g: Level
@@ -154,7 +154,9 @@ class _Search:
         """Points on the sphere close to the answers."""
         every = np.arange(len(answers.room))
         beside = [
-            answers.within(answers.point + (share * answers.room)[:, None] * way, every) for way in tangents(answers.way) for share in _ASIDE
+            answers.within(answers.point + (share * answers.room)[:, None] * way, every)
+            for way in tangents(answers.way)
+            for share in _ASIDE
         ]
         return np.vstack([np.zeros((0, answers.point.shape[1])), *beside]), np.tile(every, len(beside))
 
