@@ -8,7 +8,7 @@ sigma_n = 0 is a question of its own.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -16,10 +16,11 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import DuhemError, InputError
+from duhem.expression.number import exact_number
 from duhem.law.convex import check_convex
+from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Convexity
-from duhem.projection.validation import exact_parameters
 
 __all__ = ["asked"]
 _EFFORT = "quick"
@@ -27,39 +28,47 @@ _REMEDY = 'take numbers for which duhem verify proves convexity, or convex="ask"
 
 
 def asked(law: Criterion, parameters: Mapping[str, Any] | None, convex: str, *, unloaded: bool) -> Convexity | None:
-    """What is shown of K with these numbers; None where ``convex`` is ``assume``, and nobody is asked.
+    """What is shown of K with these numbers, which fit the law; None where ``convex`` is ``assume``, and nobody is asked.
 
     ``unloaded``: sigma_n = 0 occurs, and is asked about too.  Where it is ``require`` an InputError says what is not shown.
     """
     check_convex(convex)
     if convex == "assume":
         return None
-    fixed = law.fix(exact_parameters(law, parameters))
-    loaded = _shown(law, fixed)
-    if convex == "require" and not loaded:
-        found = "refuted" if _verdict(_everywhere(fixed)) == "refuted" else "not shown"
-        raise InputError(f"that K of {law.name} is convex is {found}", where="convex", remedy=_REMEDY)
-    if law.pressure is None or not unloaded:
-        return Convexity(loaded, unloaded=False)
-    bare = [_unloaded(one) for one in (law, fixed)]
-    known = Convexity(loaded, unloaded=_shown(*bare))
-    if convex == "require" and not known.unloaded:
-        raise InputError(f"that K of {law.name} is convex is not shown at {law.pressure} = 0", where="convex", remedy=_REMEDY)
-    return known
-
-
-def _shown(law: Criterion | None, fixed: Criterion | None) -> bool:
-    """For all numbers in the law's domain, or else for those of ``fixed``."""
-    return any(one is not None and _verdict(_everywhere(one)) == "proved" for one in (law, fixed))
+    given = tuple((name, exact_number(value)) for name, value in by_name(parameters).items())
+    at_rest = unloaded and law.pressure is not None
+    found, verdict = _known(law, given, at_rest)
+    if convex == "require" and not (found.loaded and (found.unloaded or not at_rest)):
+        where = f" at {law.pressure} = 0" if found.loaded else ""
+        what = f"that K of {law.name} is convex{where} is {'refuted' if verdict == 'refuted' else 'not shown'}"
+        raise InputError(what, where="convex", remedy=_REMEDY)
+    return found
 
 
 @lru_cache(maxsize=1024)
-def _verdict(law: Criterion) -> str:
+def _known(law: Criterion, given: tuple[tuple[str, sp.Rational], ...], unloaded: bool) -> tuple[Convexity, str]:
+    """What is shown of K, and the verdict on the part that is not."""
+    loaded = _holds(law, given, lambda one: one)
+    bare = _holds(law, given, _unloaded) if unloaded else ""
+    return Convexity(loaded == "proved", unloaded=bare == "proved"), bare if loaded == "proved" else loaded
+
+
+def _holds(law: Criterion, given: tuple[tuple[str, sp.Rational], ...], of: Callable[[Criterion], Criterion | None]) -> str:
+    """The verdict for all numbers in the law's domain, if it is a proof, or else for those ``given``."""
+    if (found := _verdict(of(law))) == "proved" or not given:
+        return found
+    return _verdict(of(law.fix(dict(given))))
+
+
+@lru_cache(maxsize=1024)
+def _verdict(law: Criterion | None) -> str:
     """The verdict on K over every number that the law leaves open; none, "", where the question has no meaning."""
     from duhem.proof.verification import verify
 
+    if law is None:
+        return ""
     try:
-        return verify(law, claims="convexity", effort=_EFFORT)["convexity"].verdict.value
+        return verify(_everywhere(law), claims="convexity", effort=_EFFORT)["convexity"].verdict.value
     except DuhemError:  # undefined somewhere, or no numbers at all
         return ""
 
