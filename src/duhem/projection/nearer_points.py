@@ -35,6 +35,7 @@ _ASIDE = (0.3, 0.03, 0.003)  # of it
 _SEEDS = 6  # of a trial, to go on from
 _OWN = 2.0  # distances of neighbours
 _STEPS = 16
+_FALLS = 3
 _AT_ONCE = 500_000  # trials times points
 
 
@@ -122,11 +123,13 @@ class _NearerSearch:
         answers = self._answers(stress, slip, pressure)
         height = np.zeros(len(stress))
         self._try(height, answers, *self._beside(answers))
+        for start, size in self._round_the_trial(answers):
+            rest = np.flatnonzero(height == 0.0)
+            self._down(height, answers, start[rest], rest, size[rest])
         points, around = _seen(self.g, self.g.forces, look)
         if len(points):
             part = np.ones(len(stress)) if not look else pressure / look
             for seeds, rows, reach in self._seeds(answers, points, around, part):
-                self._try(height, answers, seeds, rows)
                 rest = np.flatnonzero(height[rows] == 0.0)
                 self._down(height, answers, seeds[rest], rows[rest], reach[rest])
         return np.asarray(height / answers.room)
@@ -160,6 +163,18 @@ class _NearerSearch:
         ]
         return np.vstack([np.zeros((0, answers.point.shape[1])), *beside]), np.tile(every, len(beside))
 
+    def _round_the_trial(self, answers: _Answers) -> Iterator[tuple[Array, Array]]:
+        """Points (n, d) to go on from, and how far at first: where g falls from the trial on, and where rays are few the axes from there."""
+        every, trial = np.arange(len(answers.room)), answers.point + answers.far[:, None] * answers.way
+        start = trial
+        for _ in range(_FALLS):
+            value, slope = self._slopes(start, answers, every)
+            start = start - np.nan_to_num((value / dot(slope, slope))[:, None] * slope)
+        yield start, answers.room
+        if trial.shape[1] > 2:
+            for axis in np.vstack([np.eye(trial.shape[1]), -np.eye(trial.shape[1])]):
+                yield trial + answers.far[:, None] * axis, answers.far
+
     def _seeds(
         self, answers: _Answers, points: Array, around: NDArray[np.intp], part: Array
     ) -> Iterator[tuple[Array, NDArray[np.intp], Array]]:
@@ -187,6 +202,7 @@ class _NearerSearch:
 
     def _down(self, height: Array, answers: _Answers, points: Array, rows: NDArray[np.intp], reach: Array) -> None:
         """Bring g down along the sphere, from the ``points`` (m, d) and by no more than ``reach`` (m,) at first, until it is below zero."""
+        self._try(height, answers, points, rows)
         at, step = answers.within(points, rows), reach
         value, slope = self._slopes(at, answers, rows)
         for _ in range(_STEPS):
