@@ -85,13 +85,29 @@ def test_command_ends_with_4_at_a_point_that_is_stationary_only(run: Run, tmp_pa
     law.write_text(
         '[criterion]\nname = "oval"\ng = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + 3*sigma_a/5)"\n', "utf-8"
     )
-    code, out, _ = run(str(law), "--trial", "-3", "0", "--pressure", "-1")
-    assert code == 4
-    assert "inaccurate (K is not convex there" in out
+    for convex in ("ask", "assume"):
+        code, out, _ = run(str(law), "--trial", "-3", "0", "--pressure", "-1", "--convex", convex)
+        assert code == 4
+        assert "inaccurate (K is not convex there" in out
     for trial, expected in (("-3", 4), ("3", 0)):
-        code, out, _ = run(str(law), "--trial", trial, "0", "--pressure", "-1", "--format", "json")
+        code, out, _ = run(str(law), "--trial", trial, "0", "--pressure", "-1", "--format", "json", "--convex", "assume")
         assert code == expected
         assert (json.loads(out)["remark"] is None) == (code == 0)
+
+
+def test_command_ends_with_4_where_nobody_vouches_that_a_stationary_point_is_closest(run: Run, tmp_path: Path) -> None:
+    law = tmp_path / "oval.toml"
+    g = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + e*sigma_a)"
+    law.write_text(f'[criterion]\nname = "oval"\ng = "{g}"\n[parameters.e]\n', "utf-8")
+    asked = [str(law), "--trial", "3", "0", "--pressure", "-1"]
+    code, out, _ = run(*asked, "--set", "e=0.6")
+    assert code == 4 and "stationary (K is not shown to be convex" in out
+    code, out, _ = run(*asked, "--set", "e=0.6", "--format", "json")
+    assert code == 4 and json.loads(out)["status"] == "stationary" and "not shown" in json.loads(out)["remark"]
+    code, out, err = run(*asked, "--set", "e=0.6", "--convex", "require")
+    assert (code, out) == (2, "") and "that K of oval is convex is refuted" in err
+    for convex in ("ask", "require"):
+        assert run(*asked, "--set", "e=0.4", "--convex", convex)[0] == 0
 
 
 def test_what_is_missing_is_asked_for_in_the_words_of_the_command(run: Run) -> None:

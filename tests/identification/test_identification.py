@@ -14,7 +14,7 @@ from duhem import InputError
 from duhem.__main__ import main
 from duhem.cli import cli
 from duhem.expression.numpy_ import compiled
-from duhem.identification import Points
+from duhem.identification import Points, estimation
 from duhem.identification.criterion_text import criterion_text
 from duhem.identification.surface import AnyFormula, QuarterEllipses
 from duhem.law.criterion_file import reads
@@ -283,6 +283,29 @@ def test_a_best_fit_that_is_not_admissible_is_refused():
     narrow = replace(law, parameters=dict(law.parameters) | {"e": Domain.between(0, "1/2")})
     done = duhem.identify(points, narrow)
     assert done.coefficients["e"] == 0.5 and done.verification.generalized_standard
+    with pytest.raises(InputError, match="not admissible: convexity is refuted"):
+        duhem.identify(points, "limacon", convex="require")
+    taken = duhem.identify(points, "limacon", convex="assume")
+    assert taken.coefficients["e"] == pytest.approx(0.7) and taken.verification["convexity"].verdict is duhem.Verdict.REFUTED
+
+
+def test_a_best_fit_that_is_not_proved_convex_is_refused_where_that_is_required(monkeypatch):
+    law, verify = duhem.load("limacon"), estimation.verify
+
+    def open_(*given, **named):
+        done = verify(*given, **named)
+        return replace(
+            done, results=tuple(replace(r, verdict=duhem.Verdict.UNDECIDED) if r.claim == "convexity" else r for r in done.results)
+        )
+
+    points = rays(law, {"mu": 0.3, "e": 0.4}, 30, 6)
+    assert duhem.identify(points, law, convex="require").verification.generalized_standard
+    monkeypatch.setattr(estimation, "verify", open_)
+    assert duhem.identify(points, law).verification["convexity"].verdict is duhem.Verdict.UNDECIDED
+    with pytest.raises(InputError, match="not shown to be convex: convexity is undecided"):
+        duhem.identify(points, law, convex="require")
+    with pytest.raises(InputError, match="choose ask, require, assume"):
+        duhem.identify(points, law, convex="maybe")
 
 
 def test_criterion_text_is_read_back_as_the_same_law():

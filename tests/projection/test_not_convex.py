@@ -5,11 +5,8 @@ What is closest is read off fine grids of boundaries that are known as curves.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import duhem
 from duhem.law.formula_law import Criterion
@@ -17,73 +14,7 @@ from duhem.projection.projector import project
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
 from duhem.projection.validation import increment
-
-Array = NDArray[np.float64]
-Drawn = tuple[str, Array]  # g over a and b, and the boundary of its K, point by point
-_ANGLE = np.linspace(0.0, 2.0 * np.pi, 20_001)
-_GRID = 1e-5  # more than a grid of the boundary is off by
-
-
-def polar(radius: Callable[[Array], Array]) -> Array:
-    r = radius(_ANGLE)
-    return np.stack([r * np.cos(_ANGLE), r * np.sin(_ANGLE)], axis=1)[r > 0.0]
-
-
-def discs(rng: np.random.Generator) -> Drawn:
-    """Up to three that overlap or lie apart."""
-    many = int(rng.integers(2, 4))
-    middle, radius = rng.uniform(-2.5, 2.5, (many, 2)).round(3), rng.uniform(0.4, 1.2, many).round(3)
-    middle[0] = 0.0
-    parts = [f"norm(a - ({x}), b - ({y})) - {r}" for (x, y), r in zip(middle.tolist(), radius.tolist(), strict=True)]
-    edge = np.vstack([polar(lambda t, r=r: np.full_like(t, r)) + m for m, r in zip(middle, radius, strict=True)])
-    depth = np.min([np.hypot(*(edge - m).T) - r for m, r in zip(middle, radius, strict=True)], axis=0)
-    return f"min({', '.join(parts)})", edge[depth > -1e-9]
-
-
-def oval_of(e: float) -> Drawn:
-    """A limacon: convex up to e = 1/2."""
-    return f"norm(a, b)**2 - (norm(a, b) + {e}*a)", polar(lambda t: 1.0 + e * np.cos(t))
-
-
-def flower_of(e: float) -> Drawn:
-    """r = 1 + e cos 3 theta: convex up to e = 1/10."""
-    return f"norm(a, b)**4 - norm(a, b)**3 - {e}*(a**3 - 3*a*b**2)", polar(lambda t: 1.0 + e * np.cos(3.0 * t))
-
-
-def cassini_of(c: float) -> Drawn:
-    """|sigma - (1, 0)| |sigma + (1, 0)| = c^2 with c > 1: convex from c = 2^1/2 on."""
-    edge = polar(lambda t: np.sqrt(np.cos(2.0 * t) + np.sqrt(c**4 - np.sin(2.0 * t) ** 2)))
-    return f"((a - 1)**2 + b**2)*((a + 1)**2 + b**2) - {c**4!r}", edge
-
-
-def lemniscate_of(c: float) -> Drawn:
-    return f"(a**2 + b**2)**2 - {c}*(a**2 - b**2)", polar(lambda t: np.sqrt(np.maximum(c * np.cos(2.0 * t), 0.0)))
-
-
-def number(low: float, high: float) -> Callable[[np.random.Generator], float]:
-    return lambda rng: round(float(rng.uniform(low, high)), 4)
-
-
-def of(shape: Callable[[float], Drawn], low: float, high: float) -> Callable[[np.random.Generator], Drawn]:
-    return lambda rng: shape(number(low, high)(rng))
-
-
-def law(g: str) -> Criterion:
-    return Criterion("drawn", g, {}, forces=("a", "b"), pressure=None)
-
-
-NOT_CONVEX = {
-    "discs": discs,
-    "ovals": of(oval_of, 0.55, 0.9),
-    "flowers": of(flower_of, 0.2, 0.6),
-    "lemniscates": of(lemniscate_of, 0.5, 3.0),
-    "cassini": of(cassini_of, 1.01, 1.2),
-}
-CONVEX = {
-    "ovals": of(oval_of, 0.0, 0.5),
-    "flowers": of(flower_of, 0.0, 0.1),
-    "cassini": of(cassini_of, 1.4143, 3.0),
-}
+from tests.oracles.drawn_sets import CONVEX, GRID, NOT_CONVEX, law, oval_of
 
 
 @pytest.mark.parametrize("family", NOT_CONVEX)
@@ -100,11 +31,11 @@ def test_no_stationary_point_passes_for_the_closest(family: str) -> None:
         beyond = np.array([((edge - s) @ n).max() for s, n in zip(done.stress, slip, strict=True)])
         nearest = np.array([np.linalg.norm(edge - u, axis=1).min() for u in trial])
         slips, said = done.status == Status.SLIP, done.residuals.stationary_only()
-        assert (length[slips] <= nearest[slips] + _GRID).all()
-        assert (beyond[slips] <= _GRID * length[slips]).all()
+        assert (length[slips] <= nearest[slips] + GRID).all()
+        assert (beyond[slips] <= GRID * length[slips]).all()
         assert (done.status[said] == Status.INACCURATE).all()
         assert (beyond[said] > 0.0).all()  # no alarm without a point of K behind it
-        farther += int((said & (length > nearest + _GRID)).sum())
+        farther += int((said & (length > nearest + GRID)).sum())
         passed += int(slips.sum())
     assert farther > 0 < passed  # stationary points that are not closest occur
 
@@ -137,7 +68,7 @@ def test_convex_neighbours_pass(family: str) -> None:
         slips = np.flatnonzero(done.status == Status.SLIP)
         assert slips.size > 10
         nearest = np.array([np.linalg.norm(edge - u, axis=1).min() for u in trial[slips]])
-        assert np.abs(np.linalg.norm(trial - done.stress, axis=1)[slips] - nearest).max() <= _GRID
+        assert np.abs(np.linalg.norm(trial - done.stress, axis=1)[slips] - nearest).max() <= GRID
 
 
 @pytest.mark.parametrize(

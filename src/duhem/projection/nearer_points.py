@@ -164,7 +164,7 @@ class _NearerSearch:
         return np.vstack([np.zeros((0, answers.point.shape[1])), *beside]), np.tile(every, len(beside))
 
     def _round_the_trial(self, answers: _Answers) -> Iterator[tuple[Array, Array]]:
-        """Points (n, d) to go on from, and how far at first: where g falls from the trial on, and where rays are few the axes from there."""
+        """Points (n, d) to go on from, and how far at first: where g falls to from the trial, and beyond two forces the axes from there."""
         every, trial = np.arange(len(answers.room)), answers.point + answers.far[:, None] * answers.way
         start = trial
         for _ in range(_FALLS):

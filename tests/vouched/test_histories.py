@@ -1,0 +1,100 @@
+"""Paths and scenes of laws whose K is not shown to be convex: what is refused, what is said, what ends the run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import duhem
+from duhem.cli import cli
+from duhem.errors import InputError
+from duhem.path import scene_file
+from duhem.vouched.histories import looked_into
+
+G = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + e*sigma_a)"
+OVAL = duhem.Criterion("oval", G, {"e": duhem.REAL})
+ROUND, DENTED = {"e": "0.4"}, {"e": "0.8"}
+FRONT = duhem.Path.linear([[0, 0], [3, 0.5], [3, 1]], pressure=-1.0)
+DENT = duhem.Path.linear([[0, 0], [-3, 0]], pressure=-1.0)
+NOT_SHOWN = "K is not shown to be convex"
+
+SCENE = """\
+law = "oval.toml"
+stiffness = 1.0
+
+[path]
+kind = "linear"
+points = [[0, 0], [3, 0.5]]
+pressure = -1.0
+
+[parameters]
+e = 0.8
+
+[method]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "oval.toml").write_text(f'[criterion]\nname = "oval"\ng = "{G}"\n[parameters.e]\n', "utf-8")
+    return tmp_path
+
+
+@pytest.mark.parametrize("method", ["implicit", "extrapolated"])
+def test_a_run_over_stationary_points_says_so(method: str) -> None:
+    found = duhem.simulate(OVAL, FRONT, stiffness=1.0, parameters=DENTED, method=method)
+    assert NOT_SHOWN in found.why
+    assumed = duhem.simulate(OVAL, FRONT, stiffness=1.0, parameters=DENTED, method=method, convex="assume")
+    assert NOT_SHOWN not in assumed.why and np.array_equal(found.to_array(), assumed.to_array())
+    assert NOT_SHOWN not in duhem.simulate(OVAL, FRONT, stiffness=1.0, parameters=ROUND, method=method).why
+
+
+def test_a_nearer_point_ends_the_run() -> None:
+    with pytest.raises(duhem.DuhemError, match=r"^step 1: .*K is not convex there"):
+        duhem.simulate(OVAL, DENT, stiffness=1.0, parameters=DENTED)
+
+
+@pytest.mark.parametrize("method", ["implicit", "extrapolated", "exact"])
+def test_require_refuses_every_integrator(method: str) -> None:
+    with pytest.raises(InputError, match="is convex is refuted"):
+        duhem.simulate(OVAL, FRONT, stiffness=1.0, parameters=DENTED, method=method, convex="require")
+    duhem.simulate(OVAL, FRONT, stiffness=1.0, parameters=ROUND, method=method, convex="require")
+
+
+def test_an_open_contact_is_asked_about_too() -> None:
+    lifted = duhem.Path.linear([[0, 0], [3, 0.5], [3, 1]], pressure=[-1.0, -0.5, 0.0])
+    found = duhem.simulate(OVAL, lifted, stiffness=1.0, parameters=ROUND, convex="require")
+    assert not found.stress[-1].any()
+
+
+def test_another_word_is_refused() -> None:
+    with pytest.raises(InputError, match="choose ask, require, assume"):
+        duhem.simulate(OVAL, FRONT, stiffness=1.0, parameters=ROUND, convex="yes")
+
+
+@pytest.mark.parametrize(("line", "code", "said"), [("", 0, ""), ('convex = "assume"', 0, ""), ('convex = "require"', 2, "is refuted")])
+def test_a_scene_says_what_it_asks_of_k(folder: Path, line: str, code: int, said: str) -> None:
+    (folder / "scene.toml").write_text(SCENE + line + "\n", "utf-8")
+    done = CliRunner().invoke(cli, ["simulate", str(folder / "scene.toml")], standalone_mode=False)
+    if code:
+        assert isinstance(done.exception, InputError) and said in str(done.exception)
+    else:
+        assert done.return_value == 0 and done.output.startswith("time,")
+
+
+def test_a_scene_that_requires_is_not_run_unasked(folder: Path) -> None:
+    text = SCENE.replace("0.8", "0.4") + 'convex = "require"\n'
+    scene = scene_file.reads(text, folder=folder)
+    with pytest.raises(InputError, match="nobody has asked"):
+        scene.run()
+    assert len(looked_into(scene).run()) == 2
+    flat = scene_file.reads(text.replace("oval.toml", "coulomb").replace("e = 0.4", "mu = 0.4"), folder=folder)
+    assert len(looked_into(flat).run()) == 2  # the closed form knows
+
+
+def test_a_wrong_word_in_a_scene_is_a_fault_of_it(folder: Path) -> None:
+    with pytest.raises(scene_file.SceneFaults, match="convex"):
+        scene_file.reads(SCENE + 'convex = "maybe"\n', folder=folder)
