@@ -150,7 +150,9 @@ class _NearerSearch:
         """Enter what the points (m, d) are nearer by that lie in K."""
         rise = answers.rise(points, rows)
         near = np.flatnonzero(rise > 0.5 * _NEARER * answers.room[rows])
-        inside = self.g(*self._stress(points[near], answers, rows[near]).T, answers.pressure[rows[near]]) < 0.0
+        stress = self._stress(points[near], answers, rows[near])
+        value, bound = self.g.bounded(stress, answers.pressure[rows[near]], power_of_two(widest(stress)))
+        inside = value < -bound  # and not by rounding
         np.maximum.at(height, rows[near[inside]], rise[near[inside]])
 
     def _beside(self, answers: _Answers) -> tuple[Array, NDArray[np.intp]]:
