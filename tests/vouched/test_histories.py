@@ -98,3 +98,24 @@ def test_a_scene_that_requires_is_not_run_unasked(folder: Path) -> None:
 def test_a_wrong_word_in_a_scene_is_a_fault_of_it(folder: Path) -> None:
     with pytest.raises(scene_file.SceneFaults, match="convex"):
         scene_file.reads(SCENE + 'convex = "maybe"\n', folder=folder)
+
+
+@pytest.mark.parametrize("method", ["implicit", "extrapolated"])
+def test_many_points_are_asked_about_over_the_range_of_their_numbers(method: str) -> None:
+    paths = duhem.Paths.linear([[[0, 0], [3, 0.5]], [[0, 0], [0.1, 0]]], pressure=-1.0)
+    for e, status in (([0.2, 0.4], duhem.Status.SLIP), ([0.2, 0.8], duhem.Status.STATIONARY)):
+        found = duhem.simulate(OVAL, paths, stiffness=1.0, parameters={"e": np.array(e)}, method=method)
+        assert found.status.tolist() == [status, duhem.Status.STICK]
+        assert (NOT_SHOWN in found.why) == (status == duhem.Status.STATIONARY)
+        alone = duhem.simulate(OVAL, paths.path(0), stiffness=1.0, parameters={"e": e[0]}, method=method)
+        assert np.array_equal(found.stress[0], alone.stress)
+    with pytest.raises(InputError, match="is convex is refuted"):
+        duhem.simulate(OVAL, paths, stiffness=1.0, parameters={"e": np.array([0.2, 0.8])}, method=method, convex="require")
+    shaped = duhem.simulate("coulomb", paths, stiffness=1.0, parameters={"mu": np.array([0.2, 0.3])}, method=method, convex="require")
+    assert shaped.status.tolist() == [duhem.Status.SLIP, duhem.Status.STICK]
+
+
+def test_a_nearer_point_ends_the_path_of_one_of_many() -> None:
+    paths = duhem.Paths.linear([[[0, 0], [-3, 0]], [[0, 0], [3, 0.5]]], pressure=-1.0)
+    found = duhem.simulate(OVAL, paths, stiffness=1.0, parameters=DENTED)
+    assert found.status.tolist() == [duhem.Status.INACCURATE, duhem.Status.STATIONARY] and found.reached.tolist() == [0, 1]

@@ -208,6 +208,10 @@ class Criterion(Verbatim):
         """The same law with some parameters fixed; a value outside its domain is an error."""
         return _over(self, Domains(self.parameters).fixed(values, self.name))
 
+    def within(self, ranges: Mapping[str, Domain]) -> Criterion:
+        """The same law over other domains of some of its parameters."""
+        return _over(self, Domains({**self.parameters, **ranges}))
+
 
 def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     """The law over other domains, its expressions rewritten in the symbols that know the new signs."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pathlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from duhem.law.formula_law import Criterion
 from duhem.path.loading import checked_count, given_numbers
 from duhem.path.paths import Paths
 from duhem.path.table_file import MOST_NUMBERS
-from duhem.projection.increment import Increment
+from duhem.projection.increment import Convexity, Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import posed, setting
 
@@ -80,8 +80,9 @@ class Batch:
         stress: ArrayLike | None,
         keep: int | str,
         compiled: bool = False,
+        convexity: Convexity | None = None,
     ) -> Batch:
-        """What :func:`duhem.simulate` is given with :class:`Paths`, checked; InputError for what does not fit."""
+        """What :func:`duhem.simulate` is given with :class:`Paths`, checked, with what is known of K; InputError for what does not fit."""
         known, n = load_formula(law), len(paths)
         d = len(known.forces)
         if paths.values.shape[2] != d:
@@ -97,7 +98,7 @@ class Batch:
         batch = cls(
             paths=paths,
             substeps=substeps,
-            members=members,
+            members=tuple(replace(member, convexity=convexity) for member in members),
             own=own,
             stress=_start(known, stress, n),
             knots=_kept(keep, steps),

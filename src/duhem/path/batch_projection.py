@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from duhem.law.shapes import Disk, Interval
 from duhem.path.batch import Share
-from duhem.path.prepared_projection import LOST, numbers
+from duhem.path.prepared_projection import LOST, named, numbers
 from duhem.projection import compiled, quadrants
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
@@ -122,6 +122,10 @@ def _judged(multiplier: Array) -> tuple[Array, NDArray[np.int8]]:
     return multiplier, np.where(np.isfinite(multiplier), 0, Status.FAILED).astype(np.int8)
 
 
+def _pressures(block: Share) -> Array:
+    return np.zeros(1) if block.paths.pressure is None else block.paths.pressure.ravel()
+
+
 def _by_projection(block: Share, method: str, fast: bool) -> tuple[BatchClosest, str]:
     prepared = [Projector.of(member.law, member.stiffness, member.parameters, method) for member in block.members]
 
@@ -134,10 +138,11 @@ def _by_projection(block: Share, method: str, fast: bool) -> tuple[BatchClosest,
             mine = np.flatnonzero(block.own[which] == i)
             if not mine.size:
                 continue
-            question = replace(projector.setting, trial=np.ascontiguousarray(trial[mine]), pressure=pressure[mine])
+            posed, known = np.ascontiguousarray(trial[mine]), block.members[i].convexity
+            question = replace(projector.setting, trial=posed, pressure=pressure[mine], convexity=known)
             found = projector.at(question, **options)
             stress[mine], slip[mine], multiplier[mine] = found.stress, found.slip, found.multiplier
             lost[mine] = np.where(np.isin(found.status, LOST), found.status, 0)
         return stress, slip, multiplier, lost
 
-    return at, f"projection by {prepared[0].method.name}"
+    return at, named(prepared[0], replace(block.members[0], pressure=_pressures(block)))

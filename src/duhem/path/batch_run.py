@@ -59,7 +59,11 @@ def parts(batch: Batch, method: str, threads: int = 1, into: Histories | None = 
     def work(block: tuple[int, int]) -> Histories:
         out = _room(batch, *block, method) if into is None else _view(into, *block)
         with np.errstate(all="ignore"):  # what is not finite is found
-            return replace(out, why=run_block(batch, *block, out))
+            why = run_block(batch, *block, out)
+        member = replace(batch.members[0], pressure=out.pressure[:, -1])
+        if member.convexity is not None:
+            out.status[(out.status == Status.SLIP) & ~member.shown_convex()] = Status.STATIONARY
+        return replace(out, why=why)
 
     if threads == 1:
         yield from map(work, blocks)

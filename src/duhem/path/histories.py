@@ -26,7 +26,8 @@ class Histories:
     (N, r, d), the other states (N, r), in the units and with the meaning of :class:`duhem.History`; ``balance`` is summed over
     the steps since the kept knot before.  ``status`` (N,) is a :class:`duhem.Status` of the last knot that was ``reached`` (N,):
     ``inaccurate`` or ``failed`` where the next step could not be vouched for or left double precision, ``outside`` where it left
-    a range that the law declares.  States at knots that were not reached are nan.
+    a range that the law declares; ``stationary`` for a slip where K was asked about and not shown to be convex.  States at knots
+    that were not reached are nan.
     """
 
     law: str

@@ -16,7 +16,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Status
 
-__all__ = ["LOST", "Closest", "Numbers", "closest", "numbers"]
+__all__ = ["LOST", "Closest", "Numbers", "closest", "named", "numbers"]
 
 LOST = (Status.INACCURATE, Status.FAILED)
 
@@ -115,5 +115,10 @@ def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
             raise DuhemError(what, where=f"step {row}", remedy=remedy)
         return found.stress, found.slip, found.multiplier
 
-    stationary = not (prepared.method.convex or increment.convexity is None or increment.shown_convex().all())
-    return at, f"projection by {prepared.method.name}{f'; {NOT_SHOWN}' if stationary else ''}"
+    return at, named(prepared, increment)
+
+
+def named(projector: Projector, question: Increment) -> str:
+    """The method, and what it leaves open under the pressures of a question."""
+    known = projector.method.convex or question.convexity is None or question.shown_convex().all()
+    return f"projection by {projector.method.name}{'' if known else f'; {NOT_SHOWN}'}"

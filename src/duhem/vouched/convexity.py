@@ -13,16 +13,18 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from duhem.errors import DuhemError, InputError
-from duhem.expression.number import exact_number
 from duhem.law.convex import check_convex
-from duhem.law.domain import by_name
+from duhem.law.domain import Domain, by_name
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Convexity
 
 __all__ = ["asked"]
+Ranges = tuple[tuple[str, Domain], ...]
+
 _EFFORT = "quick"
 _REMEDY = 'take numbers for which duhem verify proves convexity, or convex="ask" and look at the statuses'
 
@@ -30,14 +32,15 @@ _REMEDY = 'take numbers for which duhem verify proves convexity, or convex="ask"
 def asked(law: Criterion, parameters: Mapping[str, Any] | None, convex: str, *, unloaded: bool) -> Convexity | None:
     """What is shown of K with these numbers, which fit the law; None where ``convex`` is ``assume``, and nobody is asked.
 
-    ``unloaded``: sigma_n = 0 occurs, and is asked about too.  Where it is ``require`` an InputError says what is not shown.
+    Where a parameter is many numbers, it is shown for the whole range of them.  ``unloaded``: sigma_n = 0 occurs, and is asked
+    about too.  Where ``convex`` is ``require`` an InputError says what is not shown.
     """
     check_convex(convex)
     if convex == "assume":
         return None
-    given = tuple((name, exact_number(value)) for name, value in by_name(parameters).items())
+    ranges = tuple((name, _range(value)) for name, value in by_name(parameters).items())
     at_rest = unloaded and law.pressure is not None
-    found, verdict = _known(law, given, at_rest)
+    found, verdict = _known(law, ranges, at_rest)
     if convex == "require" and not (found.loaded and (found.unloaded or not at_rest)):
         where = f" at {law.pressure} = 0" if found.loaded else ""
         what = f"that K of {law.name} is convex{where} is {'refuted' if verdict == 'refuted' else 'not shown'}"
@@ -45,19 +48,25 @@ def asked(law: Criterion, parameters: Mapping[str, Any] | None, convex: str, *, 
     return found
 
 
+def _range(value: Any) -> Domain:
+    """From the least to the greatest number, each taken exactly."""
+    ends = (np.min(value), np.max(value)) if np.ndim(value) else (value, value)
+    return Domain.between(*ends)
+
+
 @lru_cache(maxsize=1024)
-def _known(law: Criterion, given: tuple[tuple[str, sp.Rational], ...], unloaded: bool) -> tuple[Convexity, str]:
+def _known(law: Criterion, ranges: Ranges, unloaded: bool) -> tuple[Convexity, str]:
     """What is shown of K, and the verdict on the part that is not."""
-    loaded = _holds(law, given, lambda one: one)
-    bare = _holds(law, given, _unloaded) if unloaded else ""
+    loaded = _holds(law, ranges, lambda one: one)
+    bare = _holds(law, ranges, _unloaded) if unloaded else ""
     return Convexity(loaded == "proved", unloaded=bare == "proved"), bare if loaded == "proved" else loaded
 
 
-def _holds(law: Criterion, given: tuple[tuple[str, sp.Rational], ...], of: Callable[[Criterion], Criterion | None]) -> str:
-    """The verdict for all numbers in the law's domain, if it is a proof, or else for those ``given``."""
-    if (found := _verdict(of(law))) == "proved" or not given:
+def _holds(law: Criterion, ranges: Ranges, of: Callable[[Criterion], Criterion | None]) -> str:
+    """The verdict for all numbers in the law's domain, if it is a proof, or else for those in the ``ranges``."""
+    if (found := _verdict(of(law))) == "proved" or not ranges:
         return found
-    return _verdict(of(law.fix(dict(given))))
+    return _verdict(of(law.within(dict(ranges))))
 
 
 @lru_cache(maxsize=1024)

@@ -5,17 +5,21 @@ from __future__ import annotations
 import pathlib
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
+from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.path import simulate as integrated
+from duhem.path.histories import Histories
 from duhem.path.history import History
 from duhem.path.loading import Path
-from duhem.path.plan import Plan
+from duhem.path.paths import Paths
 from duhem.path.scene import Scene
 from duhem.projection.increment import Convexity
 from duhem.projection.projector import Projector
@@ -24,9 +28,23 @@ from duhem.vouched.convexity import asked
 __all__ = ["looked_into", "simulate"]
 
 
+@overload
+def simulate(
+    law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
+    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
+    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
+    convex: str = ...,
+) -> History: ...  # fmt: skip
+@overload
+def simulate(
+    law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
+    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
+    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
+    convex: str = ...,
+) -> Histories: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
-    path: Path,
+    path: Path | Paths,
     *,
     stiffness: ArrayLike,
     parameters: Mapping[str, Any] | None = None,
@@ -36,8 +54,11 @@ def simulate(
     stress: ArrayLike | None = None,
     start: History | None = None,
     on_step: Callable[[int, int], None] | None = None,
+    keep: int | str = 1,
+    threads: int = 1,
+    compiled: bool = False,
     convex: str = "ask",
-) -> History:
+) -> History | Histories:
     """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
 
     ``stiffness`` k in Pa/m: a number, (d,) or symmetric positive definite (d, d); ``parameters`` a number for each the law
@@ -48,42 +69,56 @@ def simulate(
     the first knot, inside K; left out, it is zero, or the first knot of a stress path.
     A stress path must stay inside K: there no slip is determined on the boundary, and none is made.
 
-    ``convex`` is as in :func:`duhem.project`: where K is not shown to be convex the steps of the first two methods end at
-    stationary points, ``why`` says so, and a step ends the run where a nearer point of K is found.  The exact method and a
-    stress path need no closest point, and nothing is asked unless it is ``require``.
+    ``convex`` is as in :func:`duhem.project`, for many points over the range of their numbers: where K is not shown to be convex
+    the steps of the first two methods end at stationary points, ``why`` says so, and a step ends the run where a nearer point of K
+    is found.  The exact method and a stress path need no closest point, and nothing is asked unless it is ``require``.
 
     ``start`` is a part of the same run, to go on from; ``on_step(done, all)`` hears of progress.  Raises InputError for what
     cannot be used, for a pressure outside the range that the law declares too; :class:`LeftPrecision` and :class:`LeftDomain`,
     both InputErrors, where numbers grow beyond double precision and where the stress at the end of a step lies outside a declared
     range; and :class:`Interrupted`, a KeyboardInterrupt, all three with the part that is done.
+
+    Many points: ``path`` is :class:`Paths`, each of ``parameters`` a number or one a point (N,), ``stress`` (d,) or (N, d), and
+    what comes back :class:`Histories`.  The numbers of a point are those of its path by itself, and a point that cannot go on has a
+    status that says so, where one path by itself raises.  ``keep`` is every how many knots are kept of each path, or ``"last"``:
+    N points with r kept knots take 8 N r (3 d + 7) bytes, 2 GiB at most, and the work some 100 MiB a thread besides.
+    ``threads`` share the work and change no number; ``on_step`` hears of points.  ``exact`` takes one point after the other.
+
+    ``compiled`` runs implicit steps on declared shapes through numba (extra ``fast``; some twenty seconds at its first use), whole
+    stretches at once, and the closest points of other steps where there are many points; the last digits may differ.
     """
+    check_convex(convex)
     known = load_formula(law)
-    plan = Plan.of(known, path, stiffness=stiffness, parameters=parameters, projection=projection, substeps=substeps)
-    return integrated(
-        known,
-        path,
-        stiffness=stiffness,
-        parameters=parameters,
-        method=method,
-        projection=projection,
-        substeps=substeps,
-        stress=stress,
-        start=start,
-        on_step=on_step,
-        convexity=_known(plan, parameters, method, convex),
-    )
+    given: dict[str, Any] = {"stiffness": stiffness, "parameters": parameters, "projection": projection}
+    convexity = _known(known, path, method, convex, **given)
+    run: dict[str, Any] = {"substeps": substeps, "stress": stress, "start": start, "on_step": on_step}
+    run |= {"keep": keep, "threads": threads, "compiled": compiled}
+    return integrated(known, path, method=method, convexity=convexity, **given, **run)
 
 
 def looked_into(scene: Scene) -> Scene:
     """The scene with what is shown of K, as its key ``convex`` asks; InputError where it requires what is not shown."""
-    return replace(scene, convexity=_known(scene.plan(), scene.parameters, scene.method, scene.convex))
+    given: dict[str, Any] = {"stiffness": scene.stiffness, "parameters": scene.parameters, "projection": scene.projection}
+    return replace(scene, convexity=_known(scene.law, scene.path, scene.method, scene.convex, **given))
 
 
-def _known(plan: Plan, parameters: Mapping[str, Any] | None, method: str, convex: str) -> Convexity | None:
-    check_convex(convex)
-    if convex == "ask" and (method == "exact" or plan.path.control == "stress"):
+def _known(
+    law: Criterion,
+    path: object,
+    method: str,
+    convex: str,
+    *,
+    stiffness: ArrayLike,
+    parameters: Mapping[str, Any] | None,
+    projection: str,
+) -> Convexity | None:
+    follows = method == "exact" or (isinstance(path, Path) and path.control == "stress")
+    if not isinstance(path, (Path, Paths)) or (convex == "ask" and follows):
         return None
-    question = plan.increment
-    if Projector.of(question.law, question.stiffness, parameters, plan.projection).method.convex:
-        return Convexity(loaded=True, unloaded=True)
-    return asked(question.law, parameters, convex, unloaded=bool((question.pressure == 0.0).any()))
+    try:
+        first = {name: np.ravel(value)[0] if np.ndim(value) and np.size(value) else value for name, value in by_name(parameters).items()}
+        if Projector.of(law, stiffness, first, projection).method.convex:
+            return Convexity(loaded=True, unloaded=True)
+    except InputError:  # the run itself says what is wrong
+        return None
+    return asked(law, parameters, convex, unloaded=path.pressure is not None and bool((path.pressure == 0.0).any()))
