@@ -106,7 +106,9 @@ class Projection:
     tangent_pressure: Array | None = None
 
     def remark(self, row: int = 0) -> str | None:
-        """Why the answer of a row is inaccurate or failed, in words; None for the others."""
+        """Why the answer of a row is inaccurate, failed or stationary, in words; None for the others."""
+        if self.status[row] == Status.STATIONARY:
+            return NOT_SHOWN
         if self.status[row] not in (Status.INACCURATE, Status.FAILED):
             return None
         if self.residuals.stationary_only()[row]:
