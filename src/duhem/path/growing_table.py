@@ -14,12 +14,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO
 
-import numpy as np
-
 from duhem.errors import InputError, MissingExtraError
 from duhem.path.histories import Histories
 from duhem.path.kept_part import ANOTHER, DAMAGED, MARK, UNREADABLE, beside, check_kept
-from duhem.projection.result import Status
 from duhem.show.place import AnyPath, check_place, written
 
 __all__ = ["GrowingTable", "check_growing"]
@@ -72,7 +69,7 @@ class GrowingTable:
             self._write(text)
         self._stream.flush()
         self.points += len(part)
-        self.ended += int(np.count_nonzero(part.status > Status.SLIP))
+        self.ended += part.ended_early()
         with open(beside(self.file), "a", encoding="utf-8") as notes:
             notes.write(f"{self.points} {self.ended} {self._bytes} {self._sum.hexdigest()}\n")
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.path.history import History, columns
-from duhem.projection.result import Array
+from duhem.projection.result import Array, Status
 from duhem.show.place import AnyPath, written
 
 __all__ = ["Histories"]
@@ -53,6 +53,10 @@ class Histories:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def ended_early(self) -> int:
+        """How many points did not come to the end of their path."""
+        return int(np.isin(self.status, (Status.INACCURATE, Status.FAILED, Status.OUTSIDE)).sum())
 
     def history(self, point: int) -> History:
         """One point by itself, by its place among ``points``: the kept knots that it reached."""

@@ -92,6 +92,7 @@ class Scene:
     def batch(self) -> Batch:
         """The checked question of a run of many points."""
         assert isinstance(self.path, Paths)
+        self.check_asked()
         return Batch.of(
             self.law,
             self.path,
@@ -102,6 +103,7 @@ class Scene:
             stress=self.stress,
             keep=self.keep,
             compiled=self.compiled,
+            convexity=self.convexity,
         )
 
     @property

@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from importlib.util import find_spec
 
-import numpy as np
-
 from duhem.errors import InputError, MissingExtraError
 from duhem.path import kept_part
 from duhem.path.batch_run import parts
@@ -16,7 +14,6 @@ from duhem.path.history import History, columns
 from duhem.path.loading import Path
 from duhem.path.scene import Scene
 from duhem.path.simulate import Interrupted, LeftDomain, LeftPrecision
-from duhem.projection.result import Status
 from duhem.show import figure
 from duhem.show.place import check_places
 
@@ -93,7 +90,7 @@ def perform_many(
         for part in parts(batch, scene.method, scene.threads):
             text = "".join(part.rows())
             say((text if part.points[0] else ",".join(part.columns()) + "\n" + text).removesuffix("\n"))
-            ended += int(np.count_nonzero(part.status > Status.SLIP))
+            ended += part.ended_early()
         return ended
     with GrowingTable(table, scene.fingerprint, ("point", *columns(batch.law.forces, batch.law.pressure)), resume) as growing:
         try:

@@ -33,14 +33,14 @@ def simulate(
     law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    convex: str = ...,
+    checkpoint: tuple[float, Callable[[History], None]] | None = ..., convex: str = ...,
 ) -> History: ...  # fmt: skip
 @overload
 def simulate(
     law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    convex: str = ...,
+    checkpoint: tuple[float, Callable[[History], None]] | None = ..., convex: str = ...,
 ) -> Histories: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
@@ -57,6 +57,7 @@ def simulate(
     keep: int | str = 1,
     threads: int = 1,
     compiled: bool = False,
+    checkpoint: tuple[float, Callable[[History], None]] | None = None,
     convex: str = "ask",
 ) -> History | Histories:
     """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
@@ -78,6 +79,9 @@ def simulate(
     both InputErrors, where numbers grow beyond double precision and where the stress at the end of a step lies outside a declared
     range; and :class:`Interrupted`, a KeyboardInterrupt, all three with the part that is done.
 
+    ``checkpoint``, seconds and a function of one path's history: it is given what is done, no more often than that and in no more than
+    a tenth of the time.
+
     Many points: ``path`` is :class:`Paths`, each of ``parameters`` a number or one a point (N,), ``stress`` (d,) or (N, d), and
     what comes back :class:`Histories`.  The numbers of a point are those of its path by itself, and a point that cannot go on has a
     status that says so, where one path by itself raises.  ``keep`` is every how many knots are kept of each path, or ``"last"``:
@@ -92,7 +96,7 @@ def simulate(
     given: dict[str, Any] = {"stiffness": stiffness, "parameters": parameters, "projection": projection}
     convexity = _known(known, path, method, convex, **given)
     run: dict[str, Any] = {"substeps": substeps, "stress": stress, "start": start, "on_step": on_step}
-    run |= {"keep": keep, "threads": threads, "compiled": compiled}
+    run |= {"keep": keep, "threads": threads, "compiled": compiled, "checkpoint": checkpoint}
     return integrated(known, path, method=method, convexity=convexity, **given, **run)
 
 
