@@ -286,8 +286,6 @@ def test_the_line_is_the_plane_restricted_to_it():
 @pytest.mark.parametrize(
     ("law", "numbers", "pressure", "said"),
     [
-        ("antoni2007", "mu_a_plus = 0.2\nmu_a_minus = 0.1\nmu_b_plus = 0.2\nmu_b_minus = 0.1", "[-1e6, 0.0]", "vanishing pressure"),
-        ("coulomb", "mu = 0.3", "[0.0, -1e6]", "vanishing pressure"),
         ("polygon", None, "-1e6", "corner"),
     ],
 )

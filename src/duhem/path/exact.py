@@ -7,10 +7,10 @@ anywhere along the step and not only at its end.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
-from duhem.errors import InputError
 from duhem.law.shapes import Disk, Interval
 from duhem.path.ledger import Ledger
 from duhem.path.plan import Plan
@@ -31,9 +31,10 @@ def elementary(plan: Plan) -> str | None:
     shape = numbers(plan.increment)
     if shape is None:
         return f"{plan.increment.law.name} declares no closed form"
-    if min(shape.coefficients) <= 0.0 or not shape.load.all():
+    one = isinstance(plan.increment.law.closed_form, Interval)
+    if min(shape.coefficients) <= 0.0 or not (one or shape.load.all()):
         return "K has no interior"
-    if isinstance(plan.increment.law.closed_form, Interval):
+    if one:
         pressure = plan.increment.pressure
         return None if plan.path.constant_pressure or _affine(shape.load, pressure) else "the load is not linear in the pressure"
     if not plan.increment.diagonal:
@@ -143,15 +144,15 @@ def _shared(moved: Move, part: float, share: float, dissipation: float, work: fl
 
 
 def _by_equation(plan: Plan) -> Piece:
+    from duhem.path.open_contact import OpenContact
     from duhem.path.slip_equation import boundary, moves
 
     path, increment = plan.path, plan.increment
-    if increment.law.pressure is not None and not increment.pressure.all():
-        row = int(np.flatnonzero(increment.pressure == 0.0)[0])
-        raise InputError(
-            "the exact path does not pass through a vanishing pressure", where=f"pressure[{row}]", remedy='use method="implicit"'
-        )
     on = boundary(increment)
+    opening = None
+    if increment.law.pressure is not None and not increment.pressure.all() and not on.value(np.zeros(len(plan.compliance)), 0.0) < 0.0:
+        opening = OpenContact(plan)
+    follow = partial(moves, on)
 
     def along(stress: Array, i: int, parts: Sequence[float]) -> list[Reached]:
         du = path.values[i] - path.values[i - 1]
@@ -171,7 +172,11 @@ def _by_equation(plan: Plan) -> Piece:
         if not du.any() and arc is None and increment.pressure[i] == increment.pressure[i - 1]:
             return [(stress, Move(tuple(stress.tolist()), 0.0, 0.0, 0.0, part)) for part in parts]
         loads = (float(increment.pressure[i - 1]), float(increment.pressure[i]))
-        reached = moves(on, stress, straight if arc is None else round_, loads, parts)
+        drive = straight if arc is None else round_
+        if opening is not None and 0.0 in loads:
+            reached = opening.moves(follow, stress, drive, loads, parts)
+        else:
+            reached = follow(stress, drive, loads, parts)
         return [(np.array(moved.stress), moved) for moved in reached]
 
     return along

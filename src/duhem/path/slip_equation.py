@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -88,6 +89,7 @@ def boundary(increment: Increment) -> Boundary:
     pressure = increment.law.symbols()[name] if name else sp.Dummy("sigma_n", nonpositive=True)
     order = (*forces, pressure)
     kinks = {node.args[0] for node in increment.g.atoms(Pos, Neg, sp.Abs) if node.free_symbols & set(forces)}
+    kinks |= _of_the_load(increment.g, pressure)
     return Boundary(
         g=compiled(increment.g, order),
         gradient=tuple(compiled(_derivative(increment.g, f), order) for f in forces),
@@ -95,6 +97,14 @@ def boundary(increment: Increment) -> Boundary:
         seams=tuple(compiled(s, order) for s in sorted(kinks, key=str)),
         stiffness=increment.stiffness,
     )
+
+
+def _of_the_load(g: sp.Expr, pressure: sp.Symbol) -> set[sp.Expr]:
+    """Where a maximum or minimum of loads changes its part, as at the cap of a friction, and other kinks in the pressure alone."""
+    alone = [node for node in g.atoms(sp.Max, sp.Min, Pos, Neg, sp.Abs) if node.free_symbols == {pressure}]
+    pairs = {a - b for node in alone if isinstance(node, (sp.Max, sp.Min)) for a, b in combinations(node.args, 2)}
+    single = {node.args[0] for node in alone if not isinstance(node, (sp.Max, sp.Min)) and node.args[0] != pressure}
+    return {kink for kink in pairs | single if kink.has(pressure)}
 
 
 def _derivative(g: sp.Expr, x: sp.Symbol) -> sp.Expr:
@@ -175,7 +185,8 @@ def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, flo
             raise DuhemError(f"K has no normal at the stress ({at}), where slip begins", remedy='use method="implicit"')
         state[:d] -= on.value(state[:d], load(tau)) * n / float(n @ n)
         ahead = state[:d] + _GLANCE * (1.0 - tau) * slipping(tau, state)[:d]  # on a seam, it is watched from where the stress goes
-        signs = [float(np.sign(float(p(*ahead, load(tau))))) for p in on.seams]
+        soon = load(tau + _GLANCE * (1.0 - tau))
+        signs = [float(np.sign(float(p(*ahead, soon)))) for p in on.seams]
         watched = [seam(p, -s) for p, s in zip(on.seams, signs, strict=True) if s != 0.0]
         inner = len(reached) < len(parts) and parts[len(reached)] < 1.0
         events = [unloads, *watched]
