@@ -119,6 +119,9 @@ def test_the_stress_of_a_scene_is_a_list_of_numbers(stress):
         ("time;u_a;u_b\n0;0;0\n1;0,5;1\n", 1, "separated by semicolons"),
         ("time\tu_a\tu_b\n0\t0\t0\n", 1, "separated by tabs"),
         ("time u_a u_b\n0 0 0\n", 1, "separated by blanks"),
+        ("time|u_a|u_b\n0|0|0\n", 1, "separated by bars; separate numbers by commas, with points"),
+        ("0;0,5;0\n1;1;1\n", 1, "separated by semicolons"),
+        ("time,u_a\n0,0\n1,−1\n", 3, "is not 2 numbers"),
         ("0,0,0\n1,1,1\n", 1, "there is no header"),
         ("# made by a rig\n\n0,0,0\n1,1,1\n", 3, "there is no header"),
         ("time,u_a,u_a\n0,0,0\n1,1,1\n", 1, "'u_a' is there twice"),
@@ -137,6 +140,18 @@ def test_a_table_that_is_none_says_what_is_wrong(tmp_path, content, line, words)
     with pytest.raises(InputError, match=words) as fault:
         read_table(tmp_path / "t.csv")
     assert fault.value.where == f"{tmp_path / 't.csv'}{f':{line}' if line else ''}"
+
+
+def test_a_scene_says_which_line_of_its_table_is_wrong(tmp_path):
+    text = 'law = "coulomb"\nstiffness = 1.0\n[parameters]\nmu = 0.3\n[path]\nkind = "table"\nfile = "t.csv"\n'
+    for content, place in (("time,u_a,u_b\n0,0,0\n1,0,5,1\n", ":3"), ("time;u_a\n", ":1"), ("a,b\n0,0\n1,1\n", ":1"), ("time,u_a\n", "")):
+        (tmp_path / "t.csv").write_text(content)
+        with pytest.raises(InputError) as fault:
+            scene_file.reads(text, where="s.toml", folder=tmp_path)
+        assert [each.where for each in fault.value.faults] == [f"{tmp_path / 't.csv'}{place}"]
+    with pytest.raises(InputError) as fault:
+        scene_file.reads(text.replace("t.csv", "none.csv"), where="s.toml", folder=tmp_path)
+    assert "none.csv" in str(fault.value)
 
 
 def test_a_table_is_read_with_comments_blank_lines_quotes_and_any_end_of_line(tmp_path):

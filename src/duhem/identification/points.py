@@ -29,7 +29,8 @@ Array = NDArray[np.float64]
 MOST_BYTES = 20_000_000
 _MOST_ROWS = 200_000
 _OPTIONAL = ("weight", "scatter")
-_SEPARATORS = {";": "semicolons", "\t": "tabs"}
+_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
+_COMMAS = "separate them by commas, with points in decimals"
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +99,13 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
     if twice := sorted({name for name in header if header.count(name) > 1}):
         raise InputError(f"the column {twice[0]!r} is there twice", where=f"{where}:{first}", remedy="give each column a name of its own")
     for mark, said in _SEPARATORS.items():
-        if (set(names) - set(header)) & {word.strip() for name in header for word in name.split(mark)}:
-            raise InputError(
-                f"the columns are separated by {said}", where=f"{where}:{first}", remedy="separate them by commas, with points in decimals"
-            )
+        if mark == " " and len(header) > 1:
+            continue  # a name may hold a unit
+        words = [word.strip() for name in header for word in name.split(mark) if word.strip()]
+        if (set(names) - set(header)) & set(words) or (len(words) > len(header) and all(map(_is_number, words))):
+            raise InputError(f"the columns are separated by {said}", where=f"{where}:{first}", remedy=_COMMAS)
+    if all(map(_is_number, header)):
+        raise InputError("there is no header", where=f"{where}:{first}", remedy=f"write the names of the columns above, {','.join(names)}")
     _complete(header, names, header, f"{where}:{first}")
     if not body:
         raise InputError("there is no row below the header", where=where, remedy="give one row a point")
@@ -109,7 +113,8 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
     columns: dict[str, list[float]] = {name: [] for _, name in kept}
     for line, row in body:
         if len(row) != len(header):
-            raise InputError(f"{len(row)} cells under {len(header)} columns", where=f"{where}:{line}", remedy="give one cell a column")
+            remedy = "give one cell a column, and write decimals with points"
+            raise InputError(f"{len(row)} cells under {len(header)} columns", where=f"{where}:{line}", remedy=remedy)
         for i, name in kept:
             columns[name].append(_number(row[i], name, f"{where}:{line}"))
     return {name: np.array(values) for name, values in columns.items()}, tuple(line for line, _ in body)
@@ -175,6 +180,15 @@ def _number(cell: str, name: str, where: str) -> float:
     except ValueError:
         shown = repr(cell.strip()[:30]) if cell.strip() else "empty"
         raise InputError(f"{name} is {shown}, not a number", where=where, remedy="write a number such as -1.5e6") from None
+
+
+def _is_number(text: str) -> bool:
+    """Whether it is one in any notation; a comma may stand for the point."""
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
 
 
 def _of_columns(columns: Mapping[str, Array], lines: tuple[int, ...], law: Criterion, where: str) -> Points:

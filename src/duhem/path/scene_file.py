@@ -265,9 +265,13 @@ class _SceneReader:
         if len(self.faults) > before:
             return None
         del given["kind"]
+        table = given.get("file")
         try:
             return self.built(kind, given, 2 if law is None else len(law.forces))
         except InputError as fault:
+            if kind == "table" and isinstance(table, str) and fault.where.startswith(f"{self.folder / table}"):
+                self.faults.append(fault)  # with the line of the table
+                return None
             at = next((key for key in given if re.search(rf"\b{key}\b", fault.what)), "kind")
             self.fault(fault.what, "path", at, fault.remedy)
         except TypeError:

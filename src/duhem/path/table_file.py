@@ -18,7 +18,7 @@ __all__ = ["MOST_NUMBERS", "read_table"]
 MOST_NUMBERS = 10_000_000  # of a path: five million knots in the plane, with some 100 bytes each before the first step
 _MOST_CHARACTERS = 100_000  # of a line
 _COMMAS = "separate numbers by commas, with points in decimals"
-_SEPARATORS = {";": "semicolons", "\t": "tabs", " ": "blanks"}
+_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 
 
 def read_table(file: str | PathLike[str], least: int = 2) -> tuple[list[str], Array]:
