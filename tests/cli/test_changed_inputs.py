@@ -47,7 +47,7 @@ def test_changed_inputs_are_answered_or_refused() -> None:
     assert found.endswith("nothing that must not be\n"), found
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
 def test_what_must_not_be_is_seen(tmp_path: Path) -> None:
     lines = [f"show(lambda: {deed})" for deed in WRONG]

@@ -90,6 +90,7 @@ def test_what_makes_no_path(attempt):
         f'kind = "circle"\nradius = {HEX}',
         f'kind = "random"\nseed = {HEX}\npoints = 5',
         f'kind = "cycle"\namplitude = 1\ncycles = {HEX}',
+        'kind = "cycle"\namplitude = []\ncycles = 2',
         f'kind = "linear"\npoints = [[0, 0], [{HEX}, 1]]',
         f"kind = {HEX}",
         f'kind = "linear"\npoints = [[0, 0], [1, 1]]\n[method]\nsubsteps = {HEX}',

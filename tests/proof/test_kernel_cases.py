@@ -13,6 +13,7 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import parse
+from tests.long import mostly_long
 
 PARAMETERS: dict[str, Any] = {"m": {"positive": True}, "q": {"min": "-1", "max": "2"}, "u": {}}
 
@@ -92,7 +93,10 @@ def test_a_law_without_such_choices_has_no_cases() -> None:
         assert cases(law(g)) == ()
 
 
-@pytest.mark.parametrize("name", ["byerlee", "hill48-lankford", "doraivelu", "murrell", "abaqus-hyperbolic", "tresca-plane"])
+PUBLISHED = ("byerlee", "hill48-lankford", "doraivelu", "murrell", "abaqus-hyperbolic", "tresca-plane")
+
+
+@pytest.mark.parametrize("name", mostly_long(PUBLISHED, "byerlee", "hill48-lankford", "doraivelu", "abaqus-hyperbolic"))
 def test_published_laws_are_checked(name: str) -> None:
     """Each needs one of the rules above or a sign that is shown by a matrix, by what is multiplied through or over a range."""
     proofs = [r for r in verify(load(name), claims=ASKED).results if r.trust is not None]

@@ -90,7 +90,7 @@ class Path:
         """0, then ``cycles`` times from mean + amplitude to mean - amplitude and back: ``amplitude`` (d,) or a number."""
         swing = np.atleast_1d(given_numbers(amplitude, "amplitude"))
         middle = given_numbers(mean, "mean")
-        if swing.ndim != 1 or middle.shape not in ((), swing.shape):
+        if swing.ndim != 1 or not swing.size or middle.shape not in ((), swing.shape):
             what = f"amplitude has the shape {swing.shape}, mean {middle.shape}"
             raise InputError(what, where="path", remedy="give one number a force in each")
         checked_count(cycles, "cycles", 1)
