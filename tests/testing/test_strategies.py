@@ -15,6 +15,7 @@ from duhem.testing import (
     stiffnesses,
     trials,
 )
+from duhem.testing.region import Region
 from tests.oracles.routines import (
     DISK,
 )
@@ -80,3 +81,12 @@ def test_loading_paths_start_at_rest_and_are_of_three_kinds() -> None:
     assert all(path[0].tolist() == [0.0, 0.0] and np.abs(path).max() <= 3.0 for path in found)
     closed = sum(bool(np.abs(path[-1]).max() < 1e-12) for path in found)
     assert 20 < closed < 180
+
+
+def test_a_ray_that_leaves_at_once_has_no_reach() -> None:
+    """Beside the origin, on the boundary of the ellipse norm(a + b + 1, a - b) <= 1, rounding of g admits some 1e-16 of any ray."""
+    law = duhem.load("hibler").fix({"P": 1, "e": 1})
+    ways = np.array([[1.0, 0.3], [1.0, 1e-9], [-1.0, -0.5], [0.2, 1.0]])
+    reach = Region(law, {"P": 1.0, "e": 1.0}).reach(ways, np.zeros(4))
+    np.testing.assert_array_equal(reach == 0.0, [True, True, False, True])
+    assert reach[2] == pytest.approx(3.0 / 2.5)
