@@ -90,3 +90,11 @@ def test_a_ray_that_leaves_at_once_has_no_reach() -> None:
     reach = Region(law, {"P": 1.0, "e": 1.0}).reach(ways, np.zeros(4))
     np.testing.assert_array_equal(reach == 0.0, [True, True, False, True])
     assert reach[2] == pytest.approx(3.0 / 2.5)
+
+
+def test_a_ray_along_which_powers_overflow_does_not_end_there() -> None:
+    law = duhem.Criterion(name="x", g="(a - b)**4 - 1", forces=("a", "b"), pressure=None)
+    reach = Region(law, {}).reach(np.array([[1.0, 1.0 + 1e-9], [1.0, 1.0], [1.0, -1.0]]), np.zeros(3))
+    assert reach[0] == pytest.approx(1e9) and np.isinf(reach[1]) and reach[2] == pytest.approx(0.5)
+    cone = duhem.Criterion(name="y", g="sqrt(a**2 + b**2) + a", forces=("a", "b"), pressure=None)
+    assert np.isinf(Region(cone, {}).reach(np.array([[-1.0, 0.0]]), np.zeros(1)))[0]

@@ -26,6 +26,7 @@ __all__ = ["Region", "homogeneous"]
 
 _DIGITS = 60
 _DOUBLE = 53  # bits
+_FAR = 2.0**64  # a ray that ends farther out, where g has no value in doubles, ends in overflow
 _NEAREST, _FARTHEST = 2.0**-128, 2.0**512  # powers of smaller stresses vanish in double precision, and K is the origin alone
 
 
@@ -63,7 +64,9 @@ class Region:
         return np.array([float(value.rad()) if value.is_finite() else 0.0 for value in values])
 
     def reach(self, way: Array, pressure: Array) -> Array:
-        """The largest r (N,) with r ``way`` in K, to the last digit from within; inf where K does not end, 0 without the origin.
+        """The largest r (N,) with r ``way`` in K, to the last digit from within; 0 without the origin.
+
+        inf where K does not end, or not before powers of the stress overflow.
 
         K is taken to be star-shaped about the origin, as a convex one is that contains it.  Where the origin lies on the boundary
         rounding of g may seem to admit a little of a ray that leaves K at once: half of it is looked at in 60 digits.
@@ -74,8 +77,9 @@ class Region:
 
         rays, ends = Rays(level, np.zeros(way.shape[1]), way), np.array([_NEAREST, _FARTHEST])
         inside = rays.inside(ends)
-        last, _ = rays.ended(*np.repeat(ends[:, None], len(way), axis=1))
-        found = np.where(~inside[:, 0], 0.0, np.where(inside[:, 1], np.inf, last))
+        last, beyond = rays.ended(*np.repeat(ends[:, None], len(way), axis=1))
+        lost = (last > _FAR) & ~np.isfinite(level(rays.at(beyond)[:, None, :])[:, 0])
+        found = np.where(~inside[:, 0], 0.0, np.where(inside[:, 1] | lost, np.inf, last))
         edge = np.flatnonzero((found > 0.0) & np.isfinite(found) & ~(level(np.zeros((len(way), 1, way.shape[1])))[:, 0] < 0.0))
         found[edge[self.outside(0.5 * found[edge, None] * way[edge], pressure[edge])]] = 0.0
         return found
