@@ -92,6 +92,8 @@ def test_stresses_are_held_against_each_range() -> None:
     assert beyond(law, stress).tolist() == [False, True, True, False]
     assert crossed(law, stress) == "a = 2.1 lies outside its range (-oo, 2]"
     assert crossed(law, stress[2:]) == "c = -1.1 lies outside its range [-1, oo)"
+    just = np.array([[2.0000000001, 0.0, 0.0]])
+    assert crossed(law, just) == "a = 2.0000000001 lies outside its range (-oo, 2]"
 
 
 @pytest.mark.parametrize("method", ["implicit", "extrapolated", "exact"])

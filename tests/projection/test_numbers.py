@@ -15,7 +15,8 @@ from duhem.projection.level import level
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Solution, Status
 from duhem.projection.validation import increment
-from tests.campaigns.numbers import FAMILIES, Count, Question, aspects, disk, mp, tally
+from tests.campaigns.number_families import FAMILIES, Question, aspects, disk, mp
+from tests.campaigns.numbers import Count, tally
 
 
 def family(name: str, every: int) -> list[Question]:

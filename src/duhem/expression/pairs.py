@@ -69,7 +69,10 @@ def _same(value: Pair) -> Pair:
 
 def _constant(node: Any) -> Pair:
     if node.is_Rational:
-        high = int(node.p) / int(node.q)
+        try:
+            high = int(node.p) / int(node.q)
+        except OverflowError:
+            raise InputError("a number of the formula is too large for double precision", remedy="rescale it") from None
         return Pair(high, float(Fraction(int(node.p), int(node.q)) - Fraction(high)))
     if node in (sp.pi, sp.E):
         high = float(node)

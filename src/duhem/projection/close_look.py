@@ -55,14 +55,14 @@ class CloseLook:
     pressed: bool
     degree: float
     pairs: PairProgram | None
-    doubles: BoundedProgram
+    doubles: BoundedProgram | None
     balls: Callable[..., Any]
 
     def level(self, points: Sequence[Pair], pressure: Array, size: Array) -> tuple[Array, Array]:
         """g/R^degree at ``points`` times R = ``size`` (N,), and a bound of what it is off by; nan and inf where nobody knows."""
         value, bound = np.full(len(size), np.nan), np.full(len(size), np.inf)
         near = (size >= _SIZES[0]) & (size <= _SIZES[1])
-        if self.pairs is not None and near.any():
+        if self.pairs is not None and self.doubles is not None and near.any():
             with np.errstate(all="ignore"):
                 tail = [Pair(pressure, np.zeros(len(size)))] if self.pressed else []
                 real = [*(Pair(p.high * size, p.low * size) for p in points), *tail]
@@ -83,18 +83,18 @@ class CloseLook:
 
     def _enclosed(self, s: list[Any], pressure: float, size: float) -> tuple[float, float]:
         with _precision():
-            value = self._read(s, pressure, size)
+            value = self.ball(s, pressure, size)
             return float(value.mid()), float(value.rad())
 
     def _slope(self, s: list[Any], pressure: float, size: float) -> list[float]:
         with _precision():
             step = _power(_STEP)
-            here = self._read(s, pressure, size)
-            each = [(self._read([*s[:i], x + step, *s[i + 1 :]], pressure, size) - here) / step for i, x in enumerate(s)]
+            here = self.ball(s, pressure, size)
+            each = [(self.ball([*s[:i], x + step, *s[i + 1 :]], pressure, size) - here) / step for i, x in enumerate(s)]
             return [float(x.mid()) if x.is_finite() and x.rad() < 2.0**-40 * (1 + abs(x.mid())) else np.nan for x in each]
 
-    def _read(self, s: list[Any], pressure: float, size: float) -> Any:
-        """g(R s)/R^degree."""
+    def ball(self, s: Sequence[Any], pressure: float, size: float) -> Any:
+        """g(R s)/R^degree at balls, in the working precision; R = ``size``."""
         import flint
 
         unit = flint.arb(size)
@@ -134,4 +134,6 @@ def _close_look(law: Criterion, parameters: tuple[tuple[str, float], ...]) -> Cl
     pressure = law.symbols()[law.pressure] if law.pressure else None
     names = forces if pressure is None else (*forces, pressure)
     degree = scaled(g, forces, pressure).degree
-    return CloseLook(len(forces), pressure is not None, degree, paired(g, names), bounded(g, names), balls.compiled(g, names))
+    pairs = paired(g, names)
+    doubles = None if pairs is None else bounded(g, names)
+    return CloseLook(len(forces), pressure is not None, degree, pairs, doubles, balls.compiled(g, names))

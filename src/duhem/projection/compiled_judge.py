@@ -57,7 +57,7 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
         ways, reaches = map(np.nan_to_num, unit(judge.tips @ metric.of_stress))
     matrices = [np.ascontiguousarray(m) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
     around = beside(increment.trial.shape[1])
-    figures = metric.blur, metric.good, formula.degree, judge.convex
+    figures = metric.blur, metric.good, metric.certain, formula.degree, judge.convex
 
     def fill(block: slice) -> None:
         pressure = increment.pressure[block]

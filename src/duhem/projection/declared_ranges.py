@@ -36,7 +36,10 @@ def crossed(law: Criterion, stress: Array) -> str:
     """What the first of the ``stress`` (N, d) that lies beyond a range crosses: ``sigma_a = 12 lies outside its range [-10, 10]``."""
     row, column = np.argwhere(_beyond(law, stress, None))[0]
     force = [name for name in law.forces if name in law.domain][column]
-    return f"{force} = {stress[row, law.forces.index(force)]:g} lies outside its range {law.domain[force].describe()}"
+    low, high = law.domain[force].ends
+    x = float(stress[row, law.forces.index(force)])
+    said = f"{x:g}" if not low <= float(f"{x:g}") <= high else repr(x)  # with digits enough to be outside
+    return f"{force} = {said} lies outside its range {law.domain[force].describe()}"
 
 
 def _beyond(law: Criterion, stress: Array, trial: Array | None) -> NDArray[np.bool_]:

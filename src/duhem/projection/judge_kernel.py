@@ -58,7 +58,7 @@ S, SLOPE, AIM, POINT, MOVED, PULL, TAU, WAY, NORMAL, HERE, ROWS = 0, 1, 2, 3, 4,
 
 def judge(
     trial: Any, part: Any, data: Any, offs: Any, constants: Any, constants_off: Any, stiffness: Any, of_slip: Any, of_stress: Any,
-    to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float, degree: float, convex: bool,
+    to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float, certain: float, degree: float, convex: bool,
     stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
 ) -> None:  # fmt: skip
     """Dissipation, status (``UNJUDGED`` where it is left open) and residuals, a row of ``found`` each, of every point.
@@ -85,7 +85,7 @@ def judge(
             if stuck(v, data, offs, n, unit, stress, q, b):
                 status[n] = STICK
         elif slid(v, a, n, unit, trial, part, data, offs, q, b, stiffness, of_slip, of_stress, to_stress, beside, tips, ways, reaches,
-                  blur, good, degree, convex, stress, slip, multiplier, found):  # fmt: skip
+                  blur, good, certain, degree, convex, stress, slip, multiplier, found):  # fmt: skip
             status[n] = SLIP
 
 
@@ -115,8 +115,8 @@ def stuck(v: Any, data: Any, offs: Any, n: int, unit: float, stress: Any, q: Any
 
 def slid(
     v: Any, a: Any, n: int, unit: float, trial: Any, part: Any, data: Any, offs: Any, q: Any, b: Any, stiffness: Any, of_slip: Any,
-    of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float, degree: float, convex: bool,
-    stress: Any, slip: Any, multiplier: Any, found: Any,
+    of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float, certain: float,
+    degree: float, convex: bool, stress: Any, slip: Any, multiplier: Any, found: Any,
 ) -> bool:  # fmt: skip
     """Whether the residuals of a slip are plainly fine; they are written down."""
     placed(v, data, offs, n, unit, stress, q, b)
@@ -162,10 +162,11 @@ def slid(
     shallow = depth + gap + hidden * room + blur * whole
     if not (2.0 * shallow <= good * distance or distance > SHORT * room):
         return False
-    off = turned_share(v, n, slip, of_slip, per, turned, whole, room)
+    astray, off = turned, turned_share(v, n, slip, of_slip, per, turned, whole, room)
     if not (off <= SUSPECT and (2.0 * turned <= good * distance or distance > SHORT * room)):
         off = cornered(v, a, q, beside, of_slip, to_stress, given, size / unit, distance, room, good)
-    if not off <= SUSPECT:
+        astray = off * room
+    if not (off <= SUSPECT and 2.0 * (shallow + astray) <= certain * room):  # else a component of it may be off
         return False
     found[3, n] = max(off, balance(v, n, trial, stress, slip, stiffness, of_stress, gap, aim, room, unit, per))
     if value > 0.0:

@@ -61,6 +61,13 @@ class Level:
         assert found is not None
         return found
 
+    def hessian(self, stress: Array, pressure: Array, size: Array) -> Array:
+        """d^2h/ds^2 (N, d, d)."""
+        data = self.scaled.values(pressure, size)
+        found = self.jets(stress / size[:, None], list(data.values()), None, second=True)[0].hessian
+        assert found is not None
+        return found
+
     def multiplier(self, given: Array, size: Array) -> Array:
         """Multipliers of g (N,) as those of h: the slip is that times dh/ds."""
         return given if self.scaled.degree == 1.0 else grown(given, size, self.scaled.degree - 1.0)

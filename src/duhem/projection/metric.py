@@ -20,7 +20,8 @@ class Metric:
     """Matrices (d, d): rows times ``of_slip`` or ``of_stress`` have these lengths, ``to_stress`` and ``to_slip`` are the ways back.
 
     ``blur``: what a difference of stresses may be off by as a share of their lengths; ``steepest``: the most that the components
-    of a slip are longer than in the metric; ``good``: what a slip may be off by in it for all its components to be good.
+    of a slip are longer than in the metric, ``tallest`` those of a stress; ``good``: what a slip may be off by in it for all its
+    components to be good, ``certain`` what a point may be off by as a share of its stress, or of its slip, for those of either to be.
     """
 
     of_slip: Array
@@ -29,7 +30,9 @@ class Metric:
     to_slip: Array
     blur: float
     steepest: float
+    tallest: float
     good: float
+    certain: float
 
     @classmethod
     def of(cls, stiffness: Array) -> Metric:
@@ -39,7 +42,10 @@ class Metric:
 
 @lru_cache(maxsize=64)
 def _metric(stiffness: bytes, d: int) -> Metric:
-    lower, inverse = factors(np.frombuffer(stiffness).reshape(d, d))
+    k = np.frombuffer(stiffness).reshape(d, d)
+    lower, inverse = factors(k)
     blur = 2.0 * ROUNDING * float(np.linalg.norm(np.abs(lower.T) @ np.abs(inverse.T), 2))  # of components, which the metric weighs
     steepest = float(np.linalg.norm(inverse, 2))
-    return Metric(lower, inverse.T, lower.T, inverse, blur, steepest, ACCURACY / max(1.0, steepest * float(np.linalg.norm(lower, 2))))
+    tallest = float(np.sqrt(np.max(np.diagonal(k))))
+    good = ACCURACY / max(1.0, steepest * float(np.linalg.norm(lower, 2)))
+    return Metric(lower, inverse.T, lower.T, inverse, blur, steepest, tallest, good, good / float(np.sqrt(d)))

@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.expression.rays import crossing
+from duhem.projection.close_look import close_look
 from duhem.projection.endless_directions import lineality
 from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.implicit_tangent import tangent
 from duhem.projection.increment import Increment
 from duhem.projection.inner_points import inner_points
+from duhem.projection.many_digits import closest
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
@@ -48,6 +50,7 @@ _AROUND = 3e-8  # the same where the point itself has no normal that a formula c
 _DEPTH = 1e-14  # distances to the boundary, relative to the numbers at hand
 _TIP = 1e-14  # a component this small is rounding of the others
 _ORIGIN = 1e-12  # a stress this small is none, if none is in K: corners are met less closely than sides
+_CLOSE = 1e-9  # of the size of K: what a search that failed may be away from it
 _SUPPORT = 1e-8  # by how much a known point of K may stick out of a supporting half-space
 
 
@@ -111,7 +114,20 @@ def _solve(increment: Increment) -> Solution:
         slip[who] = (found.normal @ np.linalg.inv(root)) * (size / stiffness)[:, None]
         multiplier[who] = grown(found.weight / stiffness, size, 2.0 - formula.degree)
     failed[who] |= found.failed
-    return Solution(stress, slip, multiplier, failed)
+    solution = Solution(stress, slip, multiplier, failed)
+    _in_many_digits(increment, solution, formula.degree, who[found.failed & (found.gap <= _CLOSE)])
+    return solution
+
+
+def _in_many_digits(increment: Increment, solution: Solution, degree: float, at: Index) -> None:
+    """Put in place, one by one, what the search came close to and could not show: next to the axis of an apex, say."""
+    size = power_of_two(np.max(np.abs(solution.stress[at]), axis=1, initial=0.0))
+    for i, unit in zip(at, size, strict=True):
+        asked = increment.trial[i], float(increment.pressure[i]), increment.stiffness
+        if found := closest(close_look(increment), *asked, solution.stress[i], 0.0, float(unit)):
+            solution.stress[i], solution.slip[i], weight = found
+            solution.multiplier[i] = grown(np.array([weight]), np.array([unit]), 1.0 - degree)[0]
+            solution.failed[i] = False
 
 
 def _measured(k: Body, trial: Array, pressure: Array) -> tuple[Body, Array, NDArray[np.bool_]]:
@@ -144,12 +160,13 @@ def _snap(k: Body, x: Array) -> None:
 @dataclass(frozen=True)
 class _Found:
     """``x`` (M, d) on the boundary; ``normal`` (M, d) = s - u as sum of multipliers and normals; ``weight`` (M,) the sum of
-    the multipliers of the unscaled gradients."""
+    the multipliers of the unscaled gradients; ``gap`` (M,) how far the search was from K where it failed."""
 
     x: Array
     normal: Array
     weight: Array
     failed: NDArray[np.bool_]
+    gap: Array
 
 
 @dataclass(frozen=True)
@@ -175,8 +192,8 @@ def _project(k: Body, trial: Array, centre: Array) -> _Found:
     if doubtful.any():
         who = np.flatnonzero(doubtful)
         again = _search(k.of(who), trial[who], centre[who])
-        for kept, new in ((found.x, again.x), (found.normal, again.normal), (found.weight, again.weight), (found.failed, again.failed)):
-            kept[who] = new
+        for field in fields(_Found):
+            getattr(found, field.name)[who] = getattr(again, field.name)
     return found
 
 
@@ -191,8 +208,8 @@ def _search(k: Body, trial: Array, centre: Array) -> _Found:
     outer = HalfSpaces.around(s)
     m = outer.held.shape[1]
     cuts = _Cuts(np.zeros((n, m, d)), np.ones((n, m)), np.zeros((n, m, k.jets.kinks), dtype=np.int8))
-    found = _Found(trial.copy(), np.zeros((n, d)), np.zeros(n), np.ones(n, dtype=bool))
-    closest, since = np.full(n, np.inf), np.zeros(n, dtype=int)
+    found = _Found(trial.copy(), np.zeros((n, d)), np.zeros(n), np.ones(n, dtype=bool), np.full(n, np.inf))
+    since = np.zeros(n, dtype=int)
     left, sharp = np.arange(n), np.zeros(n, dtype=bool)
     for round_ in range(_ROUNDS):
         if not left.size:
@@ -201,8 +218,8 @@ def _search(k: Body, trial: Array, centre: Array) -> _Found:
         x = _pulled(k, y, centre[left], left)
         found.x[left] = x
         gap = np.linalg.norm(k.whitened(x - y), axis=1)
-        since[left] = np.where(gap < 0.5 * closest[left], 0, since[left] + 1)
-        closest[left] = np.minimum(gap, closest[left])
+        since[left] = np.where(gap < 0.5 * found.gap[left], 0, since[left] + 1)
+        found.gap[left] = np.minimum(gap, found.gap[left])
         settled = (gap <= _SETTLED * _reach(k, x)) | ((since[left] > _PATIENCE) & (gap <= _NEAR * _reach(k, x)))
         _accept_polyhedron(found, k, left, x, gap, settled, outer, cuts)
         sharp[left] = ~found.failed[left]

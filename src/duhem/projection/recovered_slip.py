@@ -2,7 +2,8 @@
 
 The multiplier brings trial - lambda k n onto the boundary, found by Newton's method on g in many digits; the normal n is that of g
 at the stress, which has all of its own.  Where pieces of g meet, one normal is not enough: their half-spaces are cut off one after
-the other.  What is found is judged like any other answer, and taken only if it passes.
+the other.  What is still in doubt, next to the boundary or not, is looked for in many digits.  What is found is judged like any
+other answer, and taken only if it passes.
 """
 
 from __future__ import annotations
@@ -18,8 +19,10 @@ from duhem.projection.close_look import close_look, pushed_back
 from duhem.projection.cutting_planes import slip_over_pieces
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
+from duhem.projection.many_digits import closest
+from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
-from duhem.projection.row_by_row import dot, widest
+from duhem.projection.row_by_row import dot, length, widest
 from duhem.projection.scaled_formula import power_of_two
 
 __all__ = ["recovered"]
@@ -33,17 +36,14 @@ _STEPS = 5
 
 def recovered(question: Increment, solution: Solution, found: Residuals, judge: Judge) -> tuple[Solution, Residuals]:
     """The solution and its residuals, with slips that were lost put right where that can be done."""
-    at = _lost(question, solution, found)
-    if not at.size:
-        return solution, found
-    for way in (_from_normals, _over_pieces):
+    for way, where in ((_from_normals, _lost), (_over_pieces, _lost), (_in_many_digits, _open)):
+        if not (at := where(question, solution, found)).size:
+            continue
         asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
         new = way(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
         judged = judge(asked, new)
         right = judged.worst() <= ACCURACY
         solution, found = _put(solution, at[right], new, right), _put(found, at[right], judged, right)
-        if not (at := at[~right]).size:
-            break
     return solution, found
 
 
@@ -52,6 +52,14 @@ def _lost(question: Increment, solution: Solution, found: Residuals) -> NDArray[
     suspect = np.flatnonzero((found.stationarity > ACCURACY) & (found.feasibility <= ACCURACY) & ~solution.failed)
     stress = solution.stress[suspect]
     return suspect[widest(question.trial[suspect] - stress) <= _NEXT * widest(stress)]
+
+
+def _open(question: Increment, solution: Solution, found: Residuals) -> NDArray[np.intp]:
+    """The points whose stationarity is in doubt."""
+    doubt = np.flatnonzero(found.stationarity > ACCURACY)
+    stress, slip = solution.stress[doubt], solution.slip[doubt]
+    known = np.isfinite(stress).all(axis=1) & np.isfinite(slip).all(axis=1) & slip.any(axis=1)
+    return doubt[known & ~solution.failed[doubt]]
 
 
 def _from_normals(asked: Increment, got: Solution) -> Solution:
@@ -77,6 +85,33 @@ def _over_pieces(asked: Increment, got: Solution) -> Solution:
         for i, trial in enumerate(asked.trial):
             slip[i], multiplier[i] = slip_over_pieces(look, trial, float(asked.pressure[i]), asked.stiffness, float(size[i]))
     return _slipped(asked, slip, g.own(multiplier, size), multiplier == 0.0)
+
+
+def _in_many_digits(asked: Increment, got: Solution) -> Solution:
+    """Only what is the same answer in the metric of k, where a component of it is lost: a wrong one stays what it is."""
+    g, look, size = _level(asked), close_look(asked), power_of_two(widest(got.stress))
+    stress, slip, multiplier = got.stress.copy(), got.slip.copy(), g.multiplier(got.multiplier, size).copy()
+    for i in range(len(size)):
+        start = stress[i], float(multiplier[i]), float(size[i])
+        found = closest(look, asked.trial[i], float(asked.pressure[i]), asked.stiffness, *start)
+        if found is not None:
+            stress[i], slip[i], multiplier[i] = found
+    new = Solution(stress, slip, g.own(multiplier, size), got.failed)
+    with np.errstate(all="ignore"):
+        same = _same(Metric.of(asked.stiffness), g, asked, new, got)
+    return _put(got, np.flatnonzero(same), new, same)
+
+
+def _same(metric: Metric, g: Level, asked: Increment, new: Solution, old: Solution) -> NDArray[np.bool_]:
+    """Where two answers agree as seen in the metric of k; multipliers, where the slope of g does not tell the stresses apart."""
+    size, far = power_of_two(widest(new.stress)), power_of_two(widest(asked.trial))
+    largest = metric.of_slip.max()
+    reach, moved = (length(x / far[:, None] @ metric.of_stress) for x in (new.stress, new.stress - old.stress))
+    way, lost = (length(x @ (metric.of_slip / largest) * (largest / far)[:, None]) for x in (new.slip, new.slip - old.slip))
+    slope = g.gradient(new.stress, asked.pressure, size)
+    turned = widest(slope - g.gradient(old.stress, asked.pressure, size)) > ACCURACY * widest(slope)
+    same = np.abs(new.multiplier - old.multiplier) <= ACCURACY * new.multiplier
+    return np.asarray((moved <= ACCURACY * reach) & (lost <= ACCURACY * (reach + way)) & (same | turned))
 
 
 def _level(asked: Increment) -> Level:

@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.close_look import as_pairs, close_look
+from duhem.projection.component_errors import allowed, eased, from_closest
 from duhem.projection.increment import Increment
 from duhem.projection.known_points import beyond_tangents, raised, tips
 from duhem.projection.level import Level, level
 from duhem.projection.lost_slip import LEAST, Moves, exact_angles, lost
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import off_cone
-from duhem.projection.result import Array, Residuals, Solution
+from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, unit, widest
 from duhem.projection.scaled_formula import power_of_two
 
@@ -35,6 +36,7 @@ _HIDDEN = 1e-9  # of a stress: where rounding of g hides as much of the boundary
 _NOISE = 1e-13  # less than this, and the slope of g is as good as any
 _ENDS = 2.0**-1018, 2.0**1021  # of the range of doubles, less a few digits
 _SHORT = 10.0  # of a stress: of longer slips its digits are those of the trial
+_UNKNOWN = 10.0 * ACCURACY  # nobody knows how far off a point is
 _SLIP = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
 
 
@@ -143,9 +145,9 @@ class Judge:
         effort = np.sign(multiplier) * share(length(pull), whole)
         out.multiplier_sign[at] = np.maximum(-effort, 0.0)
         depth = share(np.abs(g), steep) * (units / size)
-        near = share(depth, room)
+        below = share(depth, room)
         relative = share(np.abs(g), dot(np.abs(slope), np.abs(stress) / units[:, None]))
-        out.feasibility[at] = np.where(g <= 0.0, 0.0, np.where(near <= ROUNDING, near, relative))
+        out.feasibility[at] = np.where(g <= 0.0, 0.0, np.where(below <= ROUNDING, below, relative))
         out.complementarity[at] = share(np.minimum(distance, depth), room)
         missed = self._unbalanced(trial, stress, slip)
         gap = length(aim - moved - point)
@@ -166,13 +168,42 @@ class Judge:
             off[close] = np.fmin(off[close], np.maximum(found, _HIDDEN))
         out.stationarity[at] = np.maximum(balance, off)
         good = self.metric.good * distance
-        sure = (gap + depth + hidden * room + self.metric.blur * whole <= good) & (turned <= good)
-        if (short := np.flatnonzero(~sure & (distance < _SHORT * room))).size:  # of longer slips the difference of stresses says it all
+        missing = gap + depth + hidden * room + self.metric.blur * whole
+        sure = (missing <= good) & (turned <= good)
+        near = distance < _SHORT * room  # of longer slips the difference of stresses says it all
+        if (short := np.flatnonzero(~sure & near)).size:
             gone = lost(self.increment, self.level, self.metric, moves.of(short), room[short], distance[short])
             out.stationarity[at[short]] = np.maximum(out.stationarity[at[short]], _SLIP * gone)
+        doubt = np.flatnonzero(~(missing + turned <= self.metric.certain * room) | (out.stationarity[at] > ACCURACY))
+        if doubt.size:
+            cone = np.where(turned <= rounding, turned, np.fmin(turned, off * room))
+            open_ = missing[doubt], cone[doubt], (depth + hidden * room)[doubt]
+            self._by_components(at[doubt], moves.of(doubt), open_, near[doubt], balance[doubt], out)
         out.variational[at] = self._excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
         if not self.convex:
             out.variational[at] = np.fmax(out.variational[at], self._beside_excess(pressure, point, moved, size, whole, room)) + 0.0 * whole
+
+    def _by_components(
+        self, at: NDArray[np.intp], moves: Moves, lengths: tuple[Array, ...], near: NDArray[np.bool_], balance: Array, out: Residuals
+    ) -> None:
+        """Where what is missing leaves a component open, or something is wrong, the closest point beside tells.
+
+        ``lengths``, in the metric: what is ``missing`` but for the angle of the slip, the length of boundary that has the slip for a
+        normal, and what is missing across the boundary.
+        """
+        missing, cone, depth = lengths
+        good, given = allowed(self.metric, moves.stress, moves.slip, near) / moves.size, out.stationarity[at]
+        open_ = ~(missing + cone <= good)
+        if (bent := np.flatnonzero(open_)).size:
+            left = depth[bent] + eased(self.level, self.metric, moves.of(bent), (missing - depth + moves.turned)[bent])
+            open_[bent] = ~(left <= good[bent])
+        known = np.isfinite(moves.stress).all(axis=1) & np.isfinite(moves.slip).all(axis=1) & moves.stress.any(axis=1)
+        few = np.flatnonzero((open_ | (given > ACCURACY)) & known)
+        if few.size:
+            found, given = from_closest(self.increment, moves.of(few)), given[few]
+            unknown = np.where((cone + depth)[few] <= good[few], given, np.maximum(given, _UNKNOWN))  # what is more than rounding
+            told = np.where(np.isnan(found), given, np.maximum(found, balance[few]))
+            out.stationarity[at[few]] = np.where(np.isinf(found), unknown, told)
 
     def _multiplier(self, given: Array, slip: Array, steep: Array, units: Array) -> Array:
         """Multipliers of h for those of g, which at large and small stresses may be beyond doubles: there the slip's own."""

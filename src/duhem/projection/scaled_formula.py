@@ -16,6 +16,7 @@ import numpy as np
 import sympy as sp
 
 from duhem.expression import Table, fold
+from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.rounding import bounded
 from duhem.expression.weights import weighing
@@ -45,18 +46,34 @@ class ScaledFormula:
 
     def values(self, pressure: Array, scale: Array) -> dict[sp.Symbol, Array]:
         """The data at each point, in units of ``scale`` = R > 0 (N,); ``pressure`` sigma_n (N,) in Pa.  Overflow shows as inf."""
-        return {q: value for q, (value, _) in self.bounded(pressure, scale).items()}
+        given, found = self._known(pressure), {}
+        with np.errstate(all="ignore"):
+            for q, d in self.data.items():
+                value = _datum_value(d.expr, tuple(given))(*given.values()) / _unit(d, scale)
+                found[q] = np.broadcast_to(value, scale.shape)
+        return found
 
     def bounded(self, pressure: Array, scale: Array) -> dict[sp.Symbol, tuple[Array, Array]]:
         """The same, each with a bound of its rounding."""
-        known = () if self.pressure is None else (self.pressure,)
-        found = {}
+        given, found = self._known(pressure), {}
         with np.errstate(all="ignore"):
             for q, d in self.data.items():
-                unit = scale if d.weight == 1 else 1.0 if d.weight == 0 else scale ** float(d.weight)
-                value, off = bounded(d.expr, known)([pressure][: len(known)], [0.0][: len(known)])
+                value, off = bounded(d.expr, tuple(given))(list(given.values()), [0.0] * len(given))
+                unit = _unit(d, scale)
                 found[q] = np.broadcast_to(value / unit, scale.shape), np.broadcast_to(off / unit, scale.shape)
         return found
+
+    def _known(self, pressure: Array) -> dict[sp.Symbol, Array]:
+        return {} if self.pressure is None else {self.pressure: pressure}
+
+
+def _unit(datum: Datum, scale: Array) -> Array | float:
+    return scale if datum.weight == 1 else 1.0 if datum.weight == 0 else np.asarray(scale ** float(datum.weight))
+
+
+@lru_cache(maxsize=256)
+def _datum_value(expr: sp.Expr, known: tuple[sp.Symbol, ...]) -> Program:
+    return compiled(expr, known)
 
 
 def power_of_two(size: Array) -> Array:

@@ -9,6 +9,7 @@ g that holds or where two pieces meet, and believed only if the optimality condi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -128,7 +129,7 @@ class Search:
             normal, pull = self.slice.gradient(w, choices), self.pull(w)
             if size <= self.fine * self.fine:
                 break
-        return self._checked(w, [normal], [multiplier])
+        return self._checked(w, [normal], [multiplier], [choices])
 
     def _corner(self, near: _Seen, far: _Seen) -> Found | None:
         """Where the pieces of two boundary points meet."""
@@ -136,6 +137,8 @@ class Search:
         for _ in range(_NEWTON):
             levels = [self.slice.read(w, s.choices).value for s in (near, far)]
             normals = [self.slice.gradient(w, s.choices) for s in (near, far)]
+            if any(mp.isnan(c) or mp.isinf(c) for c in [*levels, *normals[0], *normals[1]]):
+                return None
             try:
                 step = mp.lu_solve(mp.matrix(normals), -mp.matrix(levels))
             except ZeroDivisionError:
@@ -147,12 +150,22 @@ class Search:
             shares = list(mp.lu_solve(mp.matrix(normals).T, mp.matrix(self.pull(w))))
         except ZeroDivisionError:
             return None
-        return self._checked(w, normals, shares)
+        return self._checked(w, normals, shares, [near.choices, far.choices])
 
-    def _checked(self, w: Vector, normals: list[Vector], shares: Vector) -> Found | None:
-        """The point with its residual, if it is as good as asked for."""
+    def _checked(self, w: Vector, normals: list[Vector], shares: Vector, pieces: Sequence[Choices]) -> Found | None:
+        """The point with its residual, if it is as good as asked for and the pieces hold there."""
         residual = self._residual(w, normals, shares)
-        return Found(w, sum(shares), residual) if residual <= self.fine else None
+        return Found(w, sum(shares), residual) if residual <= self.fine and self._hold(w, pieces) else None
+
+    def _hold(self, w: Vector, pieces: Sequence[Choices]) -> bool:
+        """Whether each kink takes the branch of every piece at ``w``, or is as close to it as rounding, in lengths of w."""
+        here = self.slice.read(w)
+        aside = [self.slice.read([c + sign * (i + 1) / self.mp.mpf(7) for i, c in enumerate(w)]).margins for sign in (1, -1)]
+        return all(
+            branch == taken or margin <= self.mp.sqrt(self.fine) * max(sizes)
+            for piece in pieces
+            for branch, taken, margin, *sizes in zip(piece, here.choices, here.margins, *aside, strict=True)
+        )
 
     def _residual(self, w: Vector, normals: list[Vector], shares: Vector) -> Any:
         mp, pull = self.mp, self.pull(w)

@@ -1,0 +1,82 @@
+"""How much of an answer is certain, component by component: lengths in the metric of k hide a soft force behind a stiff one.
+
+To move a trial by r moves the closest point of a convex K by no more than |r|, and where the boundary bends by less: by
+|r|/(1 + lambda kappa), kappa the least curvature across the slip (both in the metric of k).  Where this leaves a component open, or
+an answer looks wrong, the closest point beside it is found in many digits (:mod:`duhem.projection.many_digits`), and the answer
+is as far off as it is from there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.close_look import close_look
+from duhem.projection.increment import Increment
+from duhem.projection.level import Level
+from duhem.projection.lost_slip import LEAST, Moves
+from duhem.projection.many_digits import closest
+from duhem.projection.metric import Metric
+from duhem.projection.result import ACCURACY, Array
+from duhem.projection.row_by_row import dot, unit, widest
+
+__all__ = ["allowed", "eased", "from_closest"]
+
+_BEYOND = 30.0  # times as far as a point is off, its curvature is looked at again
+_SLIP = 0.1  # what a relative error of a slip counts
+
+
+def allowed(metric: Metric, stress: Array, slip: Array, short: NDArray[np.bool_]) -> Array:
+    """What answers may be off by in the metric (M,) so that stresses, and slips that are not ``short``, are good in all components."""
+    of_stress = ACCURACY * widest(stress) / metric.tallest
+    return np.where(short, of_stress, np.minimum(of_stress, ACCURACY * widest(slip) / metric.steepest))
+
+
+def eased(level: Level, metric: Metric, at: Moves, error: Array) -> Array:
+    """An ``error`` along the boundary (M,), over ``size``, less what the bend of the boundary takes from it."""
+    rest = at.aim - at.point - (at.multiplier / at.size)[:, None] * (at.slope @ metric.of_slip)
+    normal = np.nan_to_num(unit(at.slope @ metric.of_slip)[0])
+    way, far = unit(rest - dot(rest, normal)[:, None] * normal)
+    way = np.where((far > 0.0)[:, None], way, 0.0)
+    least = _stiffened(level, metric, at, normal, at.stress)
+    step = (_BEYOND * error / np.maximum(least, 1.0) * at.size)[:, None] * (way @ metric.to_stress)
+    for beside in (at.stress + step, at.stress - step):
+        least = np.minimum(least, _stiffened(level, metric, at, normal, beside))
+    return np.where(least > 0.0, error / least, np.inf)
+
+
+def _stiffened(level: Level, metric: Metric, at: Moves, normal: Array, stress: Array) -> Array:
+    """The least of 1 + lambda kappa (M,) across the normals, at a ``stress`` (M, d); 1 where nothing is known."""
+    d, hessian = normal.shape[1], level.hessian(stress, at.pressure, at.units)
+    bend = (at.multiplier / at.units)[:, None, None] * (metric.of_slip.T @ hessian @ metric.of_slip)
+    known: NDArray[np.bool_] = np.asarray(np.isfinite(bend).all(axis=(1, 2)))
+    across = np.eye(d) - normal[:, :, None] * normal[:, None, :]
+    whole = across @ np.where(known[:, None, None], bend, 0.0) @ across
+    size = np.maximum(np.abs(whole).max(axis=(1, 2)), 1.0)
+    least = np.linalg.eigvalsh(whole + (2.0 * d * size)[:, None, None] * (normal[:, :, None] * normal[:, None, :]))[:, 0]
+    return np.where(known, 1.0 + np.minimum(least, size) - 1e-14 * size, 1.0)
+
+
+def from_closest(increment: Increment, at: Moves) -> Array:
+    """How far answers (M,) are from the closest points beside them, of the largest component; slips and multipliers count a tenth.
+
+    inf where none was found; nan where stress and slip are right and the multiplier is another one: at an apex there are several.
+    """
+    found = np.full(len(at.slip), np.inf)
+    look, stiffest = close_look(increment), float(np.max(np.diagonal(increment.stiffness)))
+    for i in range(len(found)):
+        start = at.stress[i], float(at.multiplier[i]), float(at.units[i])
+        point = closest(look, at.trial[i], float(at.pressure[i]), increment.stiffness, *start)
+        if point is not None:
+            stress, slip, multiplier = point
+            largest = np.abs(stress).max()
+            moved = max(np.abs(slip).max(), LEAST * largest / stiffest)
+            off = _share(np.abs(at.stress[i] - stress).max(), largest)
+            off = max(off, _SLIP * _share(np.abs(at.slip[i] - slip).max(), moved))
+            same = _SLIP * abs(at.multiplier[i] - multiplier) <= ACCURACY * multiplier
+            found[i] = off if same or off > ACCURACY else np.nan
+    return found
+
+
+def _share(part: float, whole: float) -> float:
+    return 0.0 if part == 0.0 else float(part / whole)

@@ -1,0 +1,291 @@
+"""The closest point beside a given one in some hundred digits: where doubles cannot tell how good an answer is.
+
+On a smooth piece of g Newton's method on  x + k m n(x) = t,  g(x) = 0  with m >= 0; where pieces meet, half-spaces that support K,
+found one after the other (Y. Haugazeau, 1968).  Slopes are differences; what is found is a closest point by the optimality
+conditions, which are evaluated at it once more.  Lengths are over R, the power of two below the given stress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from duhem.projection.close_look import CloseLook
+from duhem.projection.normal_cones import beside
+from duhem.projection.result import Array
+
+__all__ = ["closest"]
+
+Vector = list[Any]
+
+_BITS = 1600
+_STEP = -400  # of differences, as a power of two
+_NEWTON = 24
+_DAMPED = 120
+_SHORTER = 24  # times a step is quartered at most
+_WILD = 2.0**40  # times the size of the given stress
+_PLANES = 40
+_SETTLED = 2.0**-150  # of a step, after which the next is rounding
+_NOTHING = 2.0**-200  # of a stress
+_SAME = 2.0**-40  # of a slope: what the two sides of a point differ by where g is smooth
+_LEFT = 2.0**-350  # of the largest component: less is what differences leave
+_ASIDE = 2.0**-60  # half-spaces are looked for this close to the given stress
+
+
+def closest(
+    look: CloseLook, trial: Array, pressure: float, stiffness: Array, start: Array, multiplier: float, size: float
+) -> tuple[Array, Array, float] | None:
+    """Stress (d,), slip (d,) and multiplier of dh/ds of one ``trial`` (d,), looked for from a stress and its multiplier; None if not found.
+
+    ``size`` is R, a power of two, in which h and its slopes are meant.  Each number is the double nearest to the one found.
+    """
+    import flint
+
+    if not (np.isfinite(start).all() and np.isfinite(trial).all()):
+        return None
+    far = max(0, int(np.frexp(np.abs(trial).max())[1] - np.frexp(size)[1]))  # the way to the trial makes errors of a slope longer
+    with flint.ctx.workprec(_BITS + 3 * far):
+        unit = flint.arb(size)
+        point = _Point(
+            look,
+            pressure,
+            size,
+            [flint.arb(x) / unit for x in trial.tolist()],
+            [[flint.arb(x) for x in row] for row in stiffness.tolist()],
+            flint.arb(2) ** (_STEP - far),
+        )
+        x = [flint.arb(x) / unit for x in start.tolist()]
+        m = flint.arb(multiplier) / unit if 0.0 < multiplier < np.inf else None
+        found = point.on_one_piece(x, m, _NEWTON) or point.where_pieces_meet(x) or point.on_one_piece(x, None, _DAMPED, damped=True)
+        if found is None:
+            return None
+        stress, pull, m = found
+        return _nearest_doubles(stress, unit), _nearest_doubles(pull, unit), float((m * unit).mid())
+
+
+def _nearest_doubles(numbers: Vector, unit: Any) -> Array:
+    """``numbers`` times the unit; what is left of differences is 0."""
+    least = _LEFT * max(abs(x) for x in numbers)
+    return np.array([float((x * unit).mid()) if abs(x) > least else 0.0 for x in numbers])
+
+
+_Found = tuple[Vector, Vector, Any]  # stress, slip and multiplier, all over R
+
+
+class _Point:
+    """One trial ``t`` over R, and g/R^degree in balls."""
+
+    def __init__(self, look: CloseLook, pressure: float, size: float, t: Vector, k: list[Vector], step: Any) -> None:
+        import flint
+
+        self.look, self.pressure, self.size = look, pressure, size
+        self.t, self.k, self.step = t, k, step
+        self.k_matrix = flint.arb_mat(k)
+
+    def level(self, x: Vector) -> Any:
+        return self.look.ball(x, self.pressure, self.size).mid()
+
+    def slope(self, x: Vector, here: Any, sense: int = 1) -> Vector:
+        step = sense * self.step
+        return [((self.level([*x[:i], c + step, *x[i + 1 :]]) - here) / step).mid() for i, c in enumerate(x)]
+
+    def pushed(self, n: Vector) -> Vector:
+        """k n."""
+        return [sum((a * b for a, b in zip(row, n, strict=True)), 0 * n[0]) for row in self.k]
+
+    # -- one piece -----------------------------------------------------------------------------------------------------
+
+    def on_one_piece(self, x: Vector, m: Any, turns: int, damped: bool = False) -> _Found | None:
+        """From ``x`` on by Newton's method, where g is smooth at the end of it; ``damped`` for slopes that are steep beside a kink."""
+        at = self._stationary(x, m)
+        if at is None:
+            return None
+        for _ in range(turns):
+            step = self._newton_step(at)
+            if step is None:
+                return None
+            share, new = 1.0, None
+            for _ in range(_SHORTER if damped else 1):
+                moved = [(c + share * s).mid() for c, s in zip(at.x, step, strict=False)]
+                new = self._stationary(moved, None if damped else (at.m + share * step[-1]).mid())
+                if not damped or (new is not None and new.error < at.error):
+                    break
+                share, new = share / 4, None
+            if new is None or max(abs(c) for c in new.x) > _WILD:
+                return None
+            at = new
+            length = max(abs(s) for s in step[:-1])
+            if length <= _SETTLED and ((found := self._confirmed(at)) or length <= self.step):
+                return found
+        return None
+
+    def _stationary(self, x: Vector, m: Any) -> _State | None:
+        """Where the iteration stands at ``x``; with the best multiplier where none is given."""
+        here = self.level(x)
+        n = self.slope(x, here)
+        if not _known([here, *x, *n]) or not any(n):
+            return None
+        push, away = self.pushed(n), [t - c for t, c in zip(self.t, x, strict=True)]
+        m = (_dot(n, away) / _dot(n, push)).mid() if m is None else m
+        rest = [a - m * p for a, p in zip(away, push, strict=True)]
+        error = self.apart(rest) / (1 + self.apart(away)) + abs(here) / _dot(n, push).sqrt().mid()
+        return _State(x, here, n, push, m, rest, error.mid())
+
+    def apart(self, stress: Vector) -> Any:
+        """The length of a stress in the metric of k."""
+        back = _solved(self.k_matrix, stress)
+        return self.t[0] * 0 if back is None else abs(_dot(stress, back)).sqrt().mid()
+
+    def _newton_step(self, at: _State) -> Vector | None:
+        import flint
+
+        d, bend = len(at.x), self._bend(at.x, at.here, at.n)
+        if bend is None:
+            return None
+        turned = [self.pushed(column) for column in bend]  # k H, column by column, H being symmetric
+        rows = [[(at.m * turned[j][i] + (1 if i == j else 0)).mid() for j in range(d)] + [at.push[i].mid()] for i in range(d)]
+        rows.append([c.mid() for c in at.n] + [0 * at.here])
+        return _solved(flint.arb_mat(rows), [*at.rest, -at.here])
+
+    def _bend(self, x: Vector, here: Any, n: Vector) -> list[Vector] | None:
+        """The Hessian by differences."""
+        d, s = len(x), self.step
+        once = [here + s * c for c in n]
+        rows = [[0 * here] * d for _ in range(d)]
+        for i in range(d):
+            for j in range(i + 1):
+                there = list(x)
+                there[i] = there[i] + s
+                there[j] = there[j] + s
+                rows[i][j] = rows[j][i] = ((self.level(there) - once[i] - once[j] + here) / (s * s)).mid()
+        return rows if _known([c for row in rows for c in row]) else None
+
+    def _confirmed(self, at: _State) -> _Found | None:
+        """The point if g is smooth there, zero, and the way to the trial along its slope, as far as a double can ask."""
+        widest = max(abs(c) for c in at.n)
+        smooth = self._smooth(at.x, at.here, at.n)
+        if smooth and at.m >= 0 and abs(at.here) <= _NOTHING * widest and max(abs(r) for r in at.rest) <= _NOTHING:
+            return at.x, [at.m * c for c in at.n], at.m
+        return None
+
+    def _smooth(self, x: Vector, here: Any, n: Vector) -> bool:
+        """Whether g has one slope at ``x``, from both sides; where pieces tie, differences are the slope of none of them."""
+        back = self.slope(x, here, -1)
+        return _known(back) and max(abs(a - b) for a, b in zip(n, back, strict=True)) <= _SAME * max(abs(c) for c in n)
+
+    # -- where pieces meet ---------------------------------------------------------------------------------------------
+
+    def where_pieces_meet(self, x: Vector) -> _Found | None:
+        """The closest point of half-spaces that support K, found from ``x`` on, if it lies on K."""
+        skew = _any_way(len(x))
+        ways = [[w + s / 4 for w, s in zip(way, skew, strict=True)] for way in beside(len(x)).tolist()]
+        tried = (self._plane([c + _ASIDE * w for c, w in zip(x, way, strict=True)]) for way in ways)
+        pool, pressing = [plane for plane in tried if plane is not None], list[_Plane]()
+        y, weights = self.t, list[Any]()
+        for _ in range(_PLANES):
+            entering = max(pool, key=lambda plane: plane.excess(y), default=None)
+            if entering is None or not entering.excess(y) > _NOTHING:
+                beyond = self.level(y)
+                if not _known([beyond]):
+                    return None
+                if beyond <= _NOTHING:
+                    return self._vouched(y, pressing, weights)
+                entering = self._plane([c + beyond * _ASIDE * w for c, w in zip(y, skew, strict=True)])
+                if entering is None or not entering.excess(y) > 0:
+                    return None
+                pool.append(entering)
+            chosen = self._nearest([*pressing, entering])
+            if chosen is None:
+                return None
+            y, pressing, weights = chosen
+        return None
+
+    def _plane(self, x: Vector) -> _Plane | None:
+        here = self.level(x)
+        n = self.slope(x, here)
+        if not _known([here, *n]) or not any(n) or not self._smooth(x, here, n):
+            return None
+        return _Plane(n, (_dot(n, x) - here).mid(), x, max(abs(c) for c in n))
+
+    def _nearest(self, planes: list[_Plane]) -> tuple[Vector, list[_Plane], Vector] | None:
+        """The closest point of some half-spaces, those that press and their weights."""
+        import flint
+
+        push = [self.pushed(p.normal) for p in planes]
+        for count in range(1, min(len(planes), len(self.t)) + 1):
+            for some in combinations(range(len(planes)), count):
+                gram = flint.arb_mat([[_dot(planes[i].normal, push[j]).mid() for j in some] for i in some])
+                weights = _solved(gram, [(_dot(planes[i].normal, self.t) - planes[i].height).mid() for i in some])
+                if weights is None or not all(w > 0 for w in weights):
+                    continue
+                y = [(t - sum((w * push[j][i] for w, j in zip(weights, some, strict=True)), 0 * t)).mid() for i, t in enumerate(self.t)]
+                if all(p.excess(y) <= _NOTHING for p in planes):
+                    return y, [planes[i] for i in some], weights
+        return None
+
+    def _vouched(self, y: Vector, planes: Sequence[_Plane], weights: Vector) -> _Found | None:
+        """The point if every half-space that presses is one of K's right there, in the sense of where it was found."""
+        for plane in planes:
+            way = [a - b for a, b in zip(plane.touch, y, strict=True)]
+            far = max(abs(c) for c in way)
+            if far > 0:
+                near = [c + _ASIDE * _ASIDE * w / far for c, w in zip(y, way, strict=True)]
+                n = self.slope(near, self.level(near))
+                if not _known(n) or max(abs(a - b) for a, b in zip(n, plane.normal, strict=True)) > _SAME * plane.steep:
+                    return None
+        slip = [sum((w * p.normal[i] for w, p in zip(weights, planes, strict=True)), 0 * c) for i, c in enumerate(y)]
+        return y, slip, sum(weights, 0 * y[0])
+
+
+@dataclass(frozen=True)
+class _State:
+    """A point ``x``, g and its slope ``n`` there, ``push`` = k n, a multiplier ``m``, ``rest`` = t - x - m k n, and one number of these."""
+
+    x: Vector
+    here: Any
+    n: Vector
+    push: Vector
+    m: Any
+    rest: Vector
+    error: Any
+
+
+@dataclass(frozen=True)
+class _Plane:
+    """The half-space normal . x <= height, found at the point ``touch``; ``steep`` the largest component of the normal."""
+
+    normal: Vector
+    height: Any
+    touch: Vector
+    steep: Any
+
+    def excess(self, x: Vector) -> Any:
+        return ((_dot(self.normal, x) - self.height) / self.steep).mid()
+
+
+def _dot(a: Vector, b: Vector) -> Any:
+    return sum((x * y for x, y in zip(a, b, strict=True)), 0 * a[0])
+
+
+def _known(numbers: Vector) -> bool:
+    return all(x.is_finite() for x in numbers)
+
+
+def _solved(matrix: Any, right: Vector) -> Vector | None:
+    import flint
+
+    try:
+        found = matrix.solve(flint.arb_mat([[x.mid()] for x in right]))
+    except ZeroDivisionError:
+        return None
+    numbers = [x.mid() for x in found.entries()]
+    return numbers if _known(numbers) else None
+
+
+def _any_way(d: int) -> list[float]:
+    """A direction along no plane that a formula is likely to hold."""
+    return np.cos(1.0 + np.arange(d)).tolist()

@@ -1,0 +1,140 @@
+"""Where the metric of the stiffness hides a component, answers are right or flagged; what was flagged is found in many digits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem.law.formula_law import Criterion
+from duhem.projection import closed_form, newton
+from duhem.projection.close_look import close_look
+from duhem.projection.many_digits import closest
+from duhem.projection.residuals import residuals
+from duhem.projection.result import ACCURACY, Solution, Status
+from duhem.projection.validation import increment
+from tests.campaigns.number_families import FAMILIES, Question, mp
+from tests.campaigns.numbers import Count, answers, distance, tally
+
+
+def flat(formula: str) -> Criterion:
+    return Criterion("flat", formula, pressure=None)
+
+
+@pytest.mark.parametrize("power", [2, 3, 4, 6])
+@pytest.mark.parametrize("stiff", [1.0, 1e6, 1e12])
+def test_flats_that_join_curves(power: int, stiff: float) -> None:
+    """x = sigma_a - 1 solves  sigma_a trial - 1 - x = k_a lambda p x^(p - 1),  lambda p b^(p - 1) = trial_b - b,  x^p + b^p = 1."""
+    trial = [14.93165762337459, 9.343254542223587]
+    done = duhem.project(flat(f"pos(abs(sigma_a) - 1)**{power} + abs(sigma_b)**{power} - 1"), [trial], None, [stiff, 1.0], method="newton")
+    first, second = map(mp.mpf, trial)
+
+    def missed(x: Any) -> Any:
+        b = (1 - x**power) ** (mp.mpf(1) / power)
+        return (first - 1 - x) - stiff * (second - b) * (x / b) ** (power - 1)
+
+    low, high = mp.mpf(0), mp.mpf(1)
+    for _ in range(400):
+        middle = (low + high) / 2
+        low, high = (middle, high) if missed(middle) > 0 else (low, middle)
+    assert done.status[0] == Status.SLIP
+    assert done.stress[0, 0] == pytest.approx(float(1 + low), rel=ACCURACY)
+    assert done.slip[0] == pytest.approx([float((first - 1 - low) / stiff), 9.343254542223587 - done.stress[0, 1]], rel=1e-6)
+
+
+@pytest.mark.parametrize("ratio", [1e6, 1e8, 1e12])
+def test_an_answer_with_one_component_off_is_inaccurate(ratio: float) -> None:
+    """The stiffer force of a corner 1e-5 off is 1e-8 of the stress and less in the metric."""
+    question = increment(duhem.load("box"), [[2.0, 1.0 + 1e-3]], -1.0, [1.0, ratio], {"mu_a": 1, "mu_b": 1})
+    for off, passes in ((0.0, True), (1e-5, False), (1e-6, False), (1e-9, True)):
+        stress = np.array([[1.0, 1.0 - off]])
+        slip = (question.trial - stress) / [1.0, ratio]
+        answer = Solution(stress, slip, slip.sum(axis=1), np.zeros(1, dtype=bool))
+        assert (residuals(question, answer).worst()[0] <= ACCURACY) == passes
+
+
+def test_a_slip_with_one_component_off_is_inaccurate() -> None:
+    """The softer displacement carries little of the metric's length."""
+    k = np.array([1e12, 1.0])
+    question = increment(duhem.load("orthotropic"), [[3e6, 5.0]], -1.0, k, {"mu_a": 1e6, "mu_b": 1.0})
+    right = closed_form.solve(question)
+    assert residuals(question, right).worst()[0] <= ACCURACY
+    wrong = replace(right, stress=right.stress - [[0.0, 1e-4]], slip=right.slip + np.array([[0.0, 1e-4]]))
+    assert residuals(question, wrong).worst()[0] > ACCURACY
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [1e6, 1e8])
+def test_a_cone_program_is_put_right_in_components(ratio: float) -> None:
+    trial = [[2.0, 3.0], [0.2, 3.0], [2.0, 0.2], [2.0, 1.0000001]]
+    done = duhem.project("box", trial, -1.0, [1.0, ratio], {"mu_a": 1, "mu_b": 1}, method="cvxpy")
+    exact = np.clip(trial, -1.0, 1.0)
+    assert (done.status == Status.SLIP).all()
+    assert np.abs(done.stress - exact).max() <= 1e-7
+    slip = (np.array(trial) - exact) / [1.0, ratio]
+    assert (np.abs(done.slip - slip).max(axis=1) <= 1e-6 * slip.max(axis=1)).all()
+
+
+@pytest.mark.parametrize("name", ["drucker-prager", "drucker-prager-tensor"])
+@pytest.mark.parametrize("aside", [1e-12, 1e-9, 1e-6])
+def test_next_to_the_axis_of_an_apex(name: str, aside: float) -> None:
+    law = duhem.load(name)
+    trial = np.zeros((1, len(law.forces)))
+    trial[0, :3] = 5.0
+    trial[0, 2 if len(law.forces) == 3 else 3] += aside
+    k = np.where(np.arange(len(law.forces)) < 3, 1.0, 0.5)
+    done = duhem.project(law, trial, None, k, {"alpha": 0.2, "k": 1})
+    apex = np.where(np.arange(len(law.forces)) < 3, 5 / 3, 0.0)
+    assert done.status[0] == Status.SLIP
+    assert done.stress[0] == pytest.approx(apex, abs=1e-14)
+    assert done.slip[0] == pytest.approx((trial[0] - apex) / k, rel=1e-9, abs=1e-14)
+
+
+def test_a_wrong_answer_is_not_put_right() -> None:
+    """Only what is the same in the metric: a method that is wrong stays flagged, and from afar nothing is found or it is far."""
+    question = increment(duhem.load("superellipse"), [[2.0, 1.0]], -1.0, 1.0, {"mu_a": 0.3, "mu_b": 0.1, "p": 4})
+    right = newton.solve(question)
+    for off in (1e-6, 1e-3, 0.3):
+        wrong = replace(right, stress=right.stress * [[1.0 - off, 1.0]], slip=right.slip + right.stress * [[off, 0.0]])
+        assert residuals(question, wrong).worst()[0] > ACCURACY
+    for multiplier in (0.5, 1.001, np.nan):
+        assert not residuals(question, replace(right, multiplier=multiplier * right.multiplier)).worst()[0] <= ACCURACY
+
+
+@pytest.mark.parametrize("start", [(0.3, 0.1), (0.299, 0.0999), (0.2, 0.1)])
+def test_the_closest_point_in_many_digits(start: tuple[float, float]) -> None:
+    question = increment(duhem.load("box"), [[2.0, 0.5]], -1.0, [1.0, 3.0], {"mu_a": "3/10", "mu_b": "1/10"})
+    found = closest(close_look(question), question.trial[0], -1.0, question.stiffness, np.array(start), 0.0, 0.25)
+    assert found is not None
+    stress, slip, multiplier = found
+    assert stress.tolist() == [0.3, 0.1]
+    assert slip == pytest.approx([1.7, 0.4 / 3], rel=1e-15)
+    assert multiplier == pytest.approx(0.3 * 1.7 + 0.1 * 0.4 / 3, rel=1e-15)
+
+
+def test_a_number_of_g_beyond_doubles_is_no_hindrance() -> None:
+    """k^6 of Drucker's law is 1e1740; g in units of its own holds k alone."""
+    law, k = {"c": 2}, 7e289
+    trial = np.array([[0.9, -1.1, 0.2]])
+    far = duhem.project("drucker1949", trial * k, None, [1.0, 1e3, 1e6], {**law, "k": k})
+    near = duhem.project("drucker1949", trial, None, [1.0, 1e3, 1e6], {**law, "k": 1})
+    assert far.status[0] == near.status[0] == Status.SLIP
+    assert far.stress[0] / k == pytest.approx(near.stress[0], rel=1e-7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "every", "right"), [("joined", 6, 30), ("stiff", 17, 60), ("slender", 17, 25)])
+def test_families_of_stiffnesses_far_apart(name: str, every: int, right: int) -> None:
+    counts: list[Count] = list(tally(iter(list(FAMILIES[name]())[::every]), ["closed-form", "newton"]).values())
+    assert sum(c.right for c in counts) >= right
+    assert sum(c.wrong_stress + c.wrong_slip + c.right_flagged for c in counts) == 0
+
+
+def test_the_reference_takes_no_piece_that_does_not_hold() -> None:
+    """Where a flat joins a cubic, both pieces vanish to third order, and their corner is none."""
+    law = flat("pos(abs(sigma_a) - 1)**3 + abs(sigma_b)**3 - 1")
+    ((stress, _),) = [a for a in answers(Question(law, {}, np.array([[-1.001, -40.0]]), None, np.array([1e6, 1.0]))) if a]
+    assert distance([-1.0000050508925524, -1.0], stress) <= 1e-12
