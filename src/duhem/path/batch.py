@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import sympy as sp
 from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
@@ -53,8 +54,8 @@ class Share:
 class Batch:
     """A law with numbers in place for each of N points, and their paths.
 
-    ``members`` are the distinct sets of parameters as checked questions, ``own`` (N,) which one each point has; ``stress``
-    (N, d) or (1, d) at the first knot in Pa; ``knots`` (r,) those that are kept.
+    ``members`` are the distinct sets of parameters as checked questions, whose formula may be left out where a shape is declared;
+    ``own`` (N,) which of them each point has; ``stress`` (N, d) or (1, d) at the first knot in Pa; ``knots`` (r,) those that are kept.
     """
 
     paths: Paths
@@ -128,16 +129,19 @@ class Batch:
         each = max(1, min(_POINTS, _NUMBERS // held))
         return [(first, min(first + each, len(self.own))) for first in range(0, len(self.own), each)]
 
+    def start(self, first: int, last: int) -> Share:
+        """The points from ``first`` to before ``last``, at their first knots alone."""
+        return self._share(self.paths.begun().part(first, last), first, last)
+
     def block(self, first: int, last: int, halves: int = 1) -> Share:
         """The points from ``first`` to before ``last``; each step of their paths in ``halves`` parts."""
+        return self._share(self.paths.part(first, last).refined(self.substeps).refined(halves), first, last)
+
+    def _share(self, paths: Paths, first: int, last: int) -> Share:
         used, own = np.unique(self.own[first:last], return_inverse=True)
-        return Share(
-            paths=self.paths.part(first, last).refined(self.substeps).refined(halves),
-            members=tuple(self.members[i] for i in used),
-            own=own,
-            stress=np.broadcast_to(self.stress if len(self.stress) == 1 else self.stress[first:last], (last - first, self.stress.shape[1])),
-            compliance=self.compliance,
-        )
+        stress = self.stress if len(self.stress) == 1 else self.stress[first:last]
+        members = tuple(self.members[i] for i in used)
+        return Share(paths, members, own, np.broadcast_to(stress, (last - first, stress.shape[1])), self.compliance)
 
 
 def _members(
@@ -152,9 +156,16 @@ def _members(
     if not each:
         return (setting(law, stiffness, given),), np.zeros(n, dtype=np.intp)
     sets, own = np.unique(np.stack(list(each.values()), axis=1), axis=0, return_inverse=True)
-    first = setting(law, stiffness, given | dict(zip(each, sets[0].tolist(), strict=True)))
-    others = (setting(law, first.stiffness, given | dict(zip(each, row, strict=True))) for row in sets[1:].tolist())
-    return (first, *others), own.reshape(n)
+    rows = [dict(zip(each, row, strict=True)) for row in sets.tolist()]
+    first = setting(law, stiffness, given | rows[0])
+    # a shape asks for no formula, and ranges of parameters, being intervals, are held by all where they are by the ends
+    every = law.closed_form is None or bool(law.constraints)
+    checked = every | ((sets == sets.min(axis=0)) | (sets == sets.max(axis=0))).any(axis=1)
+    members = (
+        setting(law, first.stiffness, given | row) if whole else replace(first, g=sp.nan, parameters={**first.parameters, **row})
+        for row, whole in zip(rows, checked.tolist(), strict=True)
+    )
+    return tuple(members), own.reshape(n)
 
 
 def _start(law: Criterion, given: ArrayLike | None, n: int) -> Array:

@@ -19,9 +19,8 @@ from duhem.path.ledger import Ledger
 from duhem.path.loading import between
 from duhem.path.plan import Plan
 from duhem.projection.declared_ranges import beyond
-from duhem.projection.projector import project
 from duhem.projection.result import Status
-from duhem.projection.validation import posed
+from duhem.projection.validation import posed, setting
 
 __all__ = ["MOST_KEPT", "TOLERANCE", "check", "histories", "parts"]
 
@@ -82,21 +81,16 @@ def parts(batch: Batch, method: str, threads: int = 1, into: Histories | None = 
 
 def check(batch: Batch) -> None:
     """InputError for a point whose stress at the first knot lies outside K or a declared range."""
-    law = batch.law
     for first, last in batch.blocks():
-        block = batch.block(first, last)
-        pressure = None if law.pressure is None else block.pressure(0)
-        for i, member in enumerate(block.members):
-            mine = np.flatnonzero(block.own == i)
-            given = block.stress[mine]
-            load = None if pressure is None else pressure[mine]
-            found = project(law, given, load, member.stiffness, member.parameters, method=batch.projection).stress
-            size = np.maximum(np.abs(given).max(axis=1), np.abs(found).max(axis=1))
-            bad = ~(np.abs(found - given).max(axis=1) <= TOLERANCE * size) | beyond(law, given)
-            if bad.any():
-                at = int(np.argmax(bad))
-                what = f"the stress at the start {given[at].tolist()} of point {first + mine[at]} lies outside K or a declared range"
-                raise InputError(what, where="stress", remedy="give stress= inside")
+        share = batch.start(first, last)
+        with np.errstate(all="ignore"):  # what is not finite is found
+            found = closest_points(share, batch.projection)[0](share.stress, 0, np.arange(len(share)))[0]
+        size = np.maximum(np.abs(share.stress).max(axis=1), np.abs(found).max(axis=1))
+        bad = ~(np.abs(found - share.stress).max(axis=1) <= TOLERANCE * size) | beyond(batch.law, share.stress)
+        if bad.any():
+            at = int(np.argmax(bad))
+            what = f"the stress at the start {share.stress[at].tolist()} of point {first + at} lies outside K or a declared range"
+            raise InputError(what, where="stress", remedy="give stress= inside")
 
 
 def _abreast(method: str) -> Callable[[Batch, int, int, Histories], str]:
@@ -131,7 +125,8 @@ def _abreast(method: str) -> Callable[[Batch, int, int, Histories], str]:
 def _alone(block: Share, i: int, projection: str, method: str, out: Histories) -> str:
     """One point by its own path, where an integrator takes one at a time."""
     member, path = block.members[block.own[i]], block.paths.path(i)
-    increment = posed(member, path.values, path.pressure)
+    whole = replace(setting(member.law, member.stiffness, member.parameters), convexity=member.convexity)
+    increment = posed(whole, path.values, path.pressure)
     plan = Plan(increment, path, projection, block.compliance)
     integrator = INTEGRATORS[method]
     ledger, status = Ledger.begun(plan, block.stress[i]), None

@@ -90,6 +90,10 @@ class Paths:
 
         return Paths(own(self.values), own(self.factor), None if self.pressure is None else own(self.pressure), self.time)
 
+    def begun(self) -> Paths:
+        """The first knots alone."""
+        return Paths(self.values[:, :1], self.factor, None if self.pressure is None else self.pressure[:, :1], self.time[:1])
+
     def refined(self, substeps: int) -> Paths:
         """The same paths with every step cut into ``substeps`` equal ones."""
         if substeps == 1:
