@@ -24,6 +24,7 @@ from duhem.benchmark.work_precision.text import text
 from duhem.errors import InputError
 from duhem.expression.numpy_ import compiled
 from duhem.law.formula_law import Criterion
+from duhem.projection import conic_solvers
 from duhem.projection.increment import Increment
 from duhem.projection.projector import project
 from duhem.projection.result import ACCURACY, Status
@@ -178,6 +179,13 @@ def test_a_peer_solves_the_same_increment(peer: Peer, found: Specimen) -> None:
     assert other.multiplier == pytest.approx(mine.multiplier, abs=1e-2)
     if np.ptp(np.diagonal(found.stiffness)) > 0.0 and faces(question) is None:
         assert np.abs(project(found.law, question.trial, pressure, 1.0).stress - mine.stress).max() > 2e-2
+
+
+def test_tolerances_of_a_solver_go_where_it_reads_them() -> None:
+    """Moreau's stand among the settings of its interior points, Clarabel's among its own."""
+    ((inside,),), ((plain, *_),) = (conic_solvers.rungs(name, 1e-6) for name in ("MOREAU", "CLARABEL"))
+    assert set(inside) == {"ipm_settings"} and inside["ipm_settings"]["tol_gap_rel"] == 1e-6
+    assert plain["tol_gap_rel"] == 1e-6 and "ipm_settings" not in plain
 
 
 def test_a_tolerance_is_a_positive_number() -> None:

@@ -231,6 +231,8 @@ def test_a_case_without_reference_is_said_and_the_rest_is_kept(name: str, values
 def test_input_that_cannot_be_used() -> None:
     with pytest.raises(InputError, match="unknown axis"):
         stress(flagship(), axes=("sideways",))
+    with pytest.raises(InputError, match="every is 0"):
+        stress(flagship(), every=0)
     law = duhem.load("antoni2007")
     assert isinstance(law, Criterion)
     with pytest.raises(InputError, match="--set mu_a_plus=VALUE"):

@@ -101,6 +101,8 @@ def stress(
     """
     if strange := [axis for axis in axes if axis not in AXES]:
         raise InputError(f"unknown axis {strange[0]!r}", where="axes", remedy=f"choose {', '.join(AXES)}")
+    if every < 1:
+        raise InputError(f"every is {every}", where="every", remedy="give a whole number >= 1")
     specimen = Specimen.of(law, stiffness)
     found, left_out = applicable(specimen.question(np.zeros((1, len(law.forces))), specimen.pressure), peers=peers)
     chosen = list(found if contenders is None else contenders)
