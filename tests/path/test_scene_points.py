@@ -248,3 +248,13 @@ def test_a_signal_ends_a_process_as_ctrl_c_does(folder, sent):
     environment = os.environ | {"PYTHONPATH": str(File(duhem.__file__).parents[1])}
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=folder, env=environment, check=False)
     assert ran.returncode == 130 and "2 of 5 points" in ran.stderr
+
+
+def test_a_parquet_table_holds_the_same_numbers(folder, monkeypatch):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    monkeypatch.setattr(growing_table, "_LINES", 3)
+    assert run(folder / "scene.toml", "--out", folder / "h.parquet").return_value == 0
+    read = parquet.read_table(folder / "h.parquet")
+    right = called()
+    assert tuple(read.column_names) == right.columns() and not list(folder.glob("*.partial*"))
+    assert np.array_equal(np.column_stack([column.to_numpy() for column in read.columns]), right.to_array())
