@@ -108,12 +108,13 @@ def counted(asked: Question, method: str, count: Count, exact: Sequence[_Answer 
             pushed = [sum(mp.mpf(float(x)) * m for x, m in zip(row, missed, strict=True)) for row in k]
             off_slip = 0.0 if max(map(abs, pushed)) <= LEAST * max(map(abs, stress)) else off_slip
         flagged = done.status[i] in (Status.INACCURATE, Status.FAILED)
+        silent = not flagged and done.status[i] != Status.STATIONARY  # for which nobody vouches, right or wrong
         right = off_stress <= ACCURACY and off_slip <= SLIP
         count.points += 1
         count.right += right
         count.right_flagged += right and flagged
-        count.wrong_stress += not flagged and not off_stress <= ACCURACY
-        count.wrong_slip += not flagged and not off_slip <= SLIP
+        count.wrong_stress += silent and not off_stress <= ACCURACY
+        count.wrong_slip += silent and not off_slip <= SLIP
         if verbose and right == flagged:
             name = asked.law if isinstance(asked.law, str) else asked.law.name
             where = f"{name} {method} {asked.trial[i].tolist()} {asked.pressure} k {k.tolist()} {asked.parameters}"
