@@ -23,7 +23,7 @@ from duhem.projection.whitened_body import whitening
 
 __all__ = ["kernel_text", "solved"]
 
-_BLOCK = 16_384
+_BLOCK = 4_096  # so few that threads share batches of some ten thousand
 
 
 def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, NDArray[np.intp]]:
