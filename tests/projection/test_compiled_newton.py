@@ -88,6 +88,17 @@ def test_units_do_not_matter(name: str, size: float) -> None:
     assert there.slip / size == pytest.approx(here.slip, rel=1e-11, abs=1e-13)
 
 
+def test_beyond_a_smooth_seam_the_other_piece_is_followed() -> None:
+    """Where an ellipse of one size goes over into one 879 times as wide, both levels are 0 to rounding, and only one normal is right."""
+    k = np.array([[1.0, -3.162277660168379e-07], [-3.162277660168379e-07, 0.1]])
+    values = {"mu_a_plus": 4.149865190338329, "mu_a_minus": 29.6575966921924, "mu_b_plus": 1.0, "mu_b_minus": 879.5730415567416}
+    question = posed(setting(duhem.load("antoni2007"), k, values), np.array([[-77.36487354333775, 0.0]]), -0.006285992756716055)
+    found, state = _as_text(question)
+    known = newton.solve(question)
+    assert state[0] == SLIP
+    assert found.stress[0] == pytest.approx(known.stress[0], rel=1e-9) and found.slip[0] == pytest.approx(known.slip[0], rel=1e-9)
+
+
 def test_at_a_corner_as_many_pieces_press_as_meet() -> None:
     law = Criterion(name="brick", g="max(abs(a)/2, abs(b), abs(c)/3) - 1", forces=("a", "b", "c"), pressure=None)
     trial = np.array([[5.0, 0.2, 1.0], [5.0, -3.0, 1.0], [-5.0, 3.0, 9.0], [0.1, 0.2, -0.3]])

@@ -9,6 +9,7 @@ from duhem.cli.bench import bench
 from duhem.cli.derive import derive
 from duhem.cli.doctor import doctor
 from duhem.cli.explain import explain
+from duhem.cli.export import export
 from duhem.cli.figures import figures
 from duhem.cli.identify import identify
 from duhem.cli.init import init
@@ -35,5 +36,21 @@ def cli() -> None:
     """
 
 
-for command in (verify, recheck, derive, project, simulate, bench, stress, figures, identify, list_laws, atlas, init, explain, doctor):
+for command in (
+    verify,
+    recheck,
+    derive,
+    project,
+    simulate,
+    export,
+    bench,
+    stress,
+    figures,
+    identify,
+    list_laws,
+    atlas,
+    init,
+    explain,
+    doctor,
+):
     cli.add_command(command)

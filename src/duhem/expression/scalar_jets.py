@@ -19,7 +19,7 @@ from duhem.expression.fold import Table, fold
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["FUNCTIONS", "LEFT_OUT", "TABLE", "ScalarJets", "scalar_jets"]
+__all__ = ["FUNCTIONS", "LEFT_OUT", "TABLE", "ScalarJets", "scalar_jets", "scalar_values"]
 
 FUNCTIONS = ("sqrt", "exp", "log", "sin", "cos", "tan", "tanh", "sinh", "cosh", "arctan", "arcsin", "arccos", "arctan2", "hypot", "nan")
 """What the text calls by NumPy's names."""
@@ -325,6 +325,18 @@ TABLE: Mapping[type, Callable[..., _Jet]] = {
     sp.LessThan: _comparison("<="),
 }
 LEFT_OUT = {EigMax: "an eigenvector takes more than a line"}
+
+
+def scalar_values(name: str, exprs: Sequence[sp.Basic], others: Sequence[sp.Symbol]) -> tuple[str, tuple[float, ...]]:
+    """A function ``name(q, out)`` as text that fills ``out`` with the values of ``exprs``, and its constants.
+
+    ``q``: numbers of the ``others``, then the constants.  A comparison is 1 or 0.  InputError for a word without a row here.
+    """
+    numbers = dict[str, int]()
+    writer = _Writer(0, numbers)
+    found = [fold(recognised(expr), writer.table(), writer.leaf((), others)).value for expr in exprs]
+    lines = [f"def {name}(q, out):", *writer.lines, *(f"    out[{k}] = {value}" for k, value in enumerate(found)), "    return"]
+    return "\n".join(lines), tuple(map(float, numbers))
 
 
 def _number(node: Any) -> str:

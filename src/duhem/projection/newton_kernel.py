@@ -96,21 +96,9 @@ def solve(
 
 
 def solved(
-    trial: Any,
-    data: Any,
-    n: int,
-    degree: float,
-    v: Any,
-    m: Any,
-    a: Any,
-    q: Any,
-    held: Any,
-    root: Any,
-    inverse: Any,
-    stress: Any,
-    slip: Any,
-    multiplier: Any,
-) -> int:
+    trial: Any, data: Any, n: int, degree: float, v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any,
+    stress: Any, slip: Any, multiplier: Any,
+) -> int:  # fmt: skip
     """The same for point ``n``, whose pieces are left in v and m: those that press have ``LENGTHS`` above 0."""
     multiplier[n] = 0.0
     for i in range(D):
@@ -289,9 +277,25 @@ def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any) -> bool:
         deep = max(deep, abs(v[LEVELS, j]))
         if not v[LENGTHS, j] >= -ANGLE * (1.0 + away):
             return False
-    high = piece(v, X, q, True, held, D, RAW, m, RAWBEND) / whitened(v, root) if KINKS > 0 else 0.0
+    fits = KINKS == 0 or followed(v, m, q, held, count, root, DEPTH * reach)
     turned = turn(v, m, count) / (1.0 + away)
-    return turned <= min(max(1e-15 * reach * curved, ANGLE), LOOSE) and max(deep, abs(high)) <= DEPTH * reach
+    return fits and turned <= min(max(1e-15 * reach * curved, ANGLE), LOOSE) and deep <= DEPTH * reach
+
+
+def followed(v: Any, m: Any, q: Any, held: Any, count: int, root: Any, depth: float) -> bool:
+    """Whether the piece that holds at the stress, noted here, is one of those held, or meets them there.
+
+    Two surfaces at an angle part by its share of the way: the smaller it is, the closer their levels must be to say that they meet.
+    """
+    high = piece(v, X, q, True, held, D, RAW, m, RAWBEND)
+    slope, angle = whitened(v, root), 2.0
+    for j in range(count):
+        apart = 0.0
+        for i in range(D):
+            off = v[WHITE, i] / slope - m[NORMALS, j, i]
+            apart += off * off
+        angle = min(angle, sqrt(apart))
+    return abs(high) <= depth * slope * (1.0 if angle <= LOOSE else angle)
 
 
 def snapped(v: Any, q: Any) -> None:

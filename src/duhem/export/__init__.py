@@ -1,0 +1,1 @@
+"""A law's increment as source for other programs: C99, and Fortran on top of it."""

@@ -1,0 +1,142 @@
+"""What calls the C file from Fortran: a module with its interface, and a subroutine as finite-element programs call them.
+
+The subroutines have the arguments of FRIC and UMAT in their order (Abaqus User Subroutines Reference Guide); no file of Abaqus is
+needed to compile them.
+"""
+
+from __future__ import annotations
+
+from duhem.export.c_file import exported
+from duhem.export.header import header, identifier
+from duhem.law.formula_law import Criterion
+from duhem.proof.verification import Verification
+
+__all__ = ["fortran_file"]
+
+_ABAQUS = ("xx", "yy", "zz", "xy", "xz", "yz")  # its order of the components of a stress
+
+_MODULE = """\
+module {name}_law
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  implicit none
+  private
+  public :: {name}_increment
+  interface
+    function {name}_increment(trial, pressure, stiffness, parameters, stress, slip, dissipation, tangent) &
+        bind(c, name="{name}_increment") result(status)
+      import :: c_double, c_int
+      real(c_double), intent(in) :: trial({d}), stiffness({d}, {d}), parameters(*)
+      real(c_double), value :: pressure
+      real(c_double), intent(out) :: stress({d}), slip({d}), dissipation, tangent({d}, {d})
+      integer(c_int) :: status
+    end function
+  end interface
+end module"""
+
+_FRIC = """\
+! PROPS: the stiffness row by row, then the parameters.  PRESS is above 0 in compression; where it is not, nothing is carried.
+! TAU in the order {order}.  DDTDDP is taken by differences.  Where the increment is not solved, PNEWDT asks for half the step.
+subroutine fric(lm, tau, ddtddg, ddtddp, dslip, sed, sfd, ddtddt, pnewdt, statev, dgam, taulm, press, dpress, ddpddh, slip, &
+    kstep, kinc, time, dtime, noel, ciname, slname, msname, npt, node, npatch, coords, rcoord, drot, temp, predef, nfdir, mcrd, &
+    npred, nstatv, chrlnm, props, nprops)
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  use {name}_law, only: {name}_increment
+  implicit none
+  integer :: lm, kstep, kinc, noel, npt, node, npatch, nfdir, mcrd, npred, nstatv, nprops
+  character(len=80) :: ciname, slname, msname, chrlnm
+  real(c_double) :: tau(nfdir), ddtddg(nfdir, nfdir), ddtddp(nfdir), dslip(nfdir), sed, sfd, ddtddt(nfdir, 2), pnewdt, statev(*), &
+    dgam(nfdir), taulm(nfdir), press, dpress, ddpddh, slip(nfdir), time(2), dtime, coords(mcrd), rcoord(mcrd), drot(2, 2), &
+    temp(2), predef(2, *), props(nprops)
+  real(c_double) :: k({d}, {d}), trial({d}), found({d}), step({d}), tangent({d}, {d}), &
+    low({d}), high({d}), unused({d}), slope({d}, {d}), loss, h
+  integer(c_int) :: status, below, above
+  if (nfdir /= {d} .or. nprops < {props}) error stop "{name}: {d} directions, {props} numbers in PROPS"
+  lm = 0
+  k = reshape(props(1:{square}), [{d}, {d}])
+  trial = tau + matmul(k, dgam)
+  ddtddt = 0
+  if (press <= 0) then
+    tau = 0
+    ddtddg = 0
+    ddtddp = 0
+    dslip = dgam
+    sfd = 0
+    return
+  end if
+  status = {name}_increment(trial, -press, k, props({first}:), found, step, loss, tangent)
+  if (status > 1) then
+    pnewdt = 0.5_c_double
+    return
+  end if
+  tau = found
+  dslip = step
+  sfd = loss
+  ddtddg = tangent
+  ddtddp = 0
+  h = 1.0e-6_c_double * press
+  below = {name}_increment(trial, h - press, k, props({first}:), low, unused, loss, slope)
+  above = {name}_increment(trial, -h - press, k, props({first}:), high, unused, loss, slope)
+  if (below <= 1 .and. above <= 1) ddtddp = (high - low) / (2 * h)
+end subroutine"""
+
+_UMAT = """\
+! PROPS: the stiffness row by row, then the parameters; the stress in the order {order}, shear strains those of engineers.
+! SSE and SPD are increased.  Where the increment is not solved, PNEWDT asks for half the step.
+subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
+    predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
+    layer, kspt, jstep, kinc)
+  use, intrinsic :: iso_c_binding, only: c_double, c_int
+  use {name}_law, only: {name}_increment
+  implicit none
+  integer :: ndi, nshr, ntens, nstatv, nprops, noel, npt, layer, kspt, jstep(4), kinc
+  character(len=80) :: cmname
+  real(c_double) :: stress(ntens), statev(*), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens), drpldt, &
+    stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(*), dpred(*), props(nprops), coords(3), drot(3, 3), pnewdt, &
+    celent, dfgrd0(3, 3), dfgrd1(3, 3)
+  integer, parameter :: place({d}) = [{places}]
+  real(c_double) :: k({d}, {d}), trial({d}), found({d}), slip({d}), tangent({d}, {d}), loss
+  integer(c_int) :: status
+  if (ntens /= {d} .or. nprops < {props}) error stop "{name}: {d} components, {props} numbers in PROPS"
+  k = reshape(props(1:{square}), [{d}, {d}])
+  trial = stress + matmul(k, dstran)
+  status = {name}_increment(trial(place), 0.0_c_double, k(place, place), props({first}:), found, slip, loss, tangent)
+  if (status > 1) then
+    pnewdt = 0.5_c_double
+    return
+  end if
+  ddsdde(place, place) = tangent
+  sse = sse + 0.5_c_double * (dot_product(stress(place) + found, dstran(place) - slip))
+  spd = spd + loss
+  stress(place) = found
+end subroutine"""
+
+
+def fortran_file(verification: Verification) -> str:
+    """The Fortran of the law that was verified, to be linked with its C file.  Errors as :func:`duhem.export.c_file.exported`."""
+    law, made = exported(verification)
+    d, name = len(law.forces), identifier(law.name)
+    places = _places(law)
+    order = [law.forces[places.index(i)] for i in range(d)]
+    wrapper = (_FRIC if law.pressure else _UMAT).format(
+        name=name,
+        d=d,
+        square=d * d,
+        first=d * d + 1,
+        props=d * d + len(made.parameters),
+        places=", ".join(str(place + 1) for place in places),
+        order=", ".join(order),
+    )
+    comment = [
+        f"! To be linked with the C file of the same law (duhem export {law.name} --to c), which it calls.",
+        "!",
+        *(f"! {line}".rstrip() for line in header(verification, law, made.parameters)),
+    ]
+    return "\n".join([*comment, "", _MODULE.format(name=name, d=d), "", wrapper]) + "\n"
+
+
+def _places(law: Criterion) -> list[int]:
+    """Where the caller has each force."""
+    if law.stress is None or law.stress.kind == "principal":
+        return list(range(len(law.forces)))
+    ends = [component.removeprefix(f"{law.stress.name}_") for component in law.stress.components]
+    return [[end for end in _ABAQUS if end in ends].index(end) for end in ends]

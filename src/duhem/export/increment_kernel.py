@@ -1,0 +1,308 @@
+"""One increment from the numbers that a finite-element program has: stiffness, pressure and parameters in, stress and tangent out.
+
+Written as :mod:`duhem.projection.newton_kernel` is, and translated together with it (:mod:`duhem.export.c_file`); names without a
+body stand for what is made for one law.  What is not shown to be optimal, and what is no question, leaves nan behind, so that an
+answer without its status is none.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from numpy import nan, sqrt
+
+from duhem.projection.newton_kernel import LEFT, SLIP, STICK, piece, solved
+from duhem.projection.newton_step import (
+    BEND,
+    BEST,
+    LENGTHS,
+    MATRICES,
+    NORMALS,
+    RAW,
+    RAWBEND,
+    ROWS,
+    WHITE,
+    D,
+    U,
+    X,
+    eliminated,
+    length,
+    whitened,
+)  # fmt: skip
+
+__all__ = ["INVALID", "OUTSIDE", "increment"]
+
+KINKS = DATA = PARAMETERS = CONSTANTS = NUMBERS = CONDITIONS = 0  # how many the law has, of each
+CLOSES = 0  # 1 where K is proved to be the point 0 at the pressure 0
+DEGREE = 1.0  # of g in the forces
+
+
+def placed(q: Any, w: Any) -> None:
+    """The fractions of the formula behind data and parameters in ``q``, those of the law's statements in ``w``."""
+    raise NotImplementedError
+
+
+def stated(q: Any, out: Any) -> None:
+    """From pressure and parameters: the data of h, then 1 for each of the declared ranges and constraints that holds."""
+    raise NotImplementedError
+
+
+def beyond(stress: Any, slack: float) -> bool:
+    """Whether a stress lies outside a range that the law declares for it."""
+    raise NotImplementedError
+
+
+# -- compiled from here ----------------------------------------------------------------------------------------
+
+INVALID, OUTSIDE = 3, 4  # after STICK, SLIP and LEFT
+ALIKE, ROUNDING = 8.881784197001252e-16, 1e-12  # four roundings; of a stress, as an end of a range may be where K ends too
+ASIDE, CLEAR = 1e-6, 1e-2  # of the size of K; of a bend
+HOP, AGREE = 1e-5, 1e-6  # of the trial; of the stiffness
+
+
+def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stress: Any, slip: Any, dissipation: Any, tangent: Any) -> int:
+    """The stress of K nearest to the trial in the energy of the stiffness, with its derivative by the displacement."""
+    v, m, a = np.empty((ROWS, D)), np.empty((MATRICES, D, D)), np.empty((2 * D, 2 * D + 1))
+    root, inverse, k = np.empty((D, D)), np.empty((D, D)), np.empty((D, D))
+    q, w, out = np.empty(DATA + PARAMETERS + CONSTANTS + 1), np.empty(1 + PARAMETERS + NUMBERS), np.empty(DATA + CONDITIONS + 1)
+    held, data = np.empty((D + 1, KINKS + 1), np.int8), np.empty((1, DATA + 1))
+    start, found, slips, multiplier = np.empty((1, D)), np.empty((1, D)), np.empty((1, D)), np.empty(1)
+    sound = isfinite(pressure)
+    w[0] = pressure
+    for j in range(PARAMETERS):
+        w[1 + j] = parameters[j]
+        q[DATA + j] = parameters[j]
+        sound = sound and isfinite(parameters[j])
+    for i in range(D):  # all is read before anything is written: the places may be the same
+        start[0, i] = trial[i]
+        sound = sound and isfinite(trial[i])
+        for j in range(D):
+            k[i, j] = stiffness[i * D + j]
+    nothing(stress, slip, dissipation, tangent)
+    placed(q, w)
+    stated(w, out)
+    for j in range(CONDITIONS):
+        sound = sound and out[DATA + j] == 1.0
+    mean = whitening(k, root, inverse)
+    if not (sound and mean > 0.0):
+        return INVALID
+    for j in range(DATA):
+        data[0, j] = out[j]
+    pointed = CLOSES == 1 and pressure == 0.0
+    if pointed:
+        state = ended(start, inverse, found, slips)
+    else:
+        state = solved(start, data, 0, DEGREE, v, m, a, q, held, root, inverse, found, slips, multiplier)
+    if state == LEFT:
+        return LEFT
+    work, most, far = 0.0, 0.0, 0.0
+    for i in range(D):
+        slips[0, i] /= mean
+        work += found[0, i] * slips[0, i]
+        most, far = max(most, abs(found[0, i])), max(far, abs(start[0, i]))
+    if not isfinite(work):
+        return LEFT
+    for i in range(D):
+        stress[i], slip[i] = found[0, i], slips[0, i]
+    dissipation[0] = work
+    for i in range(D):
+        for j in range(D):
+            tangent[i * D + j] = 0.0 if pointed else k[i, j]
+    if state == SLIP and not pointed:
+        slipping(v, m, a, root, mean, tangent)
+        if doubtful(v, m, q, held, root):
+            compared(start, data, v, m, a, q, held, root, inverse, mean, tangent)
+    return OUTSIDE if beyond(stress, ROUNDING * most + ALIKE * far) else state
+
+
+def ended(start: Any, inverse: Any, found: Any, slips: Any) -> int:
+    """Everything slips but the origin; the slip is that of a stiffness of mean 1."""
+    state = STICK
+    for i in range(D):
+        found[0, i], slips[0, i] = 0.0, 0.0
+        if start[0, i] != 0.0:
+            state = SLIP
+    for b in range(D):
+        along = 0.0
+        for i in range(D):
+            along += inverse[b, i] * start[0, i]
+        for i in range(D):
+            slips[0, i] += inverse[b, i] * along
+    return state
+
+
+def nothing(stress: Any, slip: Any, dissipation: Any, tangent: Any) -> None:
+    """No answer yet."""
+    dissipation[0] = nan
+    for i in range(D):
+        stress[i], slip[i] = nan, nan
+        for j in range(D):
+            tangent[i * D + j] = nan
+
+
+def whitening(k: Any, root: Any, inverse: Any) -> float:
+    """kappa, the mean eigenvalue of k = kappa L L^T, with L and its inverse; 0 where k is not symmetric and positive definite."""
+    mean = 0.0
+    for i in range(D):
+        mean += k[i, i] / D
+    if not isfinite(mean):
+        return 0.0
+    for i in range(D):
+        for j in range(i):
+            if not abs(k[i, j] - k[j, i]) <= ALIKE * sqrt(k[i, i]) * sqrt(k[j, j]):
+                return 0.0
+            k[j, i] = k[i, j]
+        for j in range(i + 1):
+            left = k[i, j] / mean
+            for b in range(j):
+                left -= root[i, b] * root[j, b]
+            if i == j and not (left > 0.0 and isfinite(left)):
+                return 0.0
+            root[i, j] = sqrt(left) if i == j else left / root[j, j]
+            root[j, i] = root[i, j] if i == j else 0.0
+    for j in range(D):
+        for i in range(D):
+            left = 1.0 if i == j else 0.0
+            for b in range(j, i):
+                left -= root[i, b] * inverse[b, j]
+            inverse[i, j] = left / root[i, i] if i >= j else 0.0
+    return mean
+
+
+def slipping(v: Any, m: Any, a: Any, root: Any, mean: float, tangent: Any) -> None:
+    """d sigma/d u in the directions that the pressing normals leave free (Simo and Taylor 1985), symmetric; nan where there is none."""
+    free, found = np.empty((D, D)), np.empty((D, D))
+    count = completed(v, m, free)
+    size = D - count
+    for i in range(D):
+        for j in range(D):
+            found[i, j] = 0.0
+    for c in range(size):
+        for r in range(size):
+            a[r, size] = 1.0 if r == c else 0.0
+            for b in range(size):
+                a[r, b] = 1.0 if r == b else 0.0
+                for i in range(D):
+                    for j in range(D):
+                        a[r, b] += free[count + r, i] * m[BEND, i, j] * free[count + b, j]
+        sound = eliminated(a, size)
+        for i in range(D):
+            for j in range(D):
+                for r in range(size):
+                    found[i, j] += free[count + c, i] * (a[r, size] if sound else nan) * free[count + r, j]
+    for i in range(D):
+        for j in range(D):
+            total = 0.0
+            for b in range(D):
+                for c in range(D):
+                    total += root[i, b] * (0.5 * found[b, c] + 0.5 * found[c, b]) * root[j, c]
+            tangent[i * D + j] = mean * total
+
+
+def doubtful(v: Any, m: Any, q: Any, held: Any, root: Any) -> bool:
+    """Whether the normals beside the stress turn otherwise than the pieces that press say.
+
+    On an edge more pieces may meet than press, as at the tip of a pyramid under a push along its axis; and where a root within the
+    formula is 0 its second derivatives are none.  On a seam between two curvatures one side alone is otherwise.
+    """
+    free, count, c = np.empty((D, D)), 0, 0.0
+    for j in range(D):
+        if v[LENGTHS, j] > 0.0:
+            count += 1
+            c = v[LENGTHS, j]
+    if count != 1 or completed(v, m, free) == D:
+        return 1 < count < D
+    for r in range(1, D):
+        wrong = 0
+        for side in range(2):
+            step = ASIDE * (1.0 + length(v, U)) * (1.0 if side == 0 else -1.0)
+            for i in range(D):
+                v[BEST, i] = v[X, i]
+                for k in range(D):
+                    v[BEST, i] += root[i, k] * free[r, k] * step
+            piece(v, BEST, q, True, held, D, RAW, m, RAWBEND)
+            slope, off, most = whitened(v, root), 0.0, 1.0
+            for b in range(1, D):
+                turned, bend = 0.0, 0.0
+                for i in range(D):
+                    turned += free[b, i] * v[WHITE, i] / slope
+                    for k in range(D):
+                        bend += free[b, i] * m[BEND, i, k] * free[r, k]
+                off, most = max(off, abs(turned * c / step - bend)), max(most, abs(bend))
+            if not off <= CLEAR * most:
+                wrong += 1
+        if wrong == 2:
+            return True
+    return False
+
+
+def compared(start: Any, data: Any, v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any, mean: float, tangent: Any) -> None:
+    """The tangent by differences, where they are solved and say otherwise than it."""
+    beside, found, slips, multiplier = np.empty((1, D)), np.empty((1, D)), np.empty((1, D)), np.empty(1)
+    free, k, h, off = np.empty((D, D)), np.empty((D, D)), 0.0, 0.0
+    for i in range(D):
+        along = 0.0
+        for j in range(D):
+            along += inverse[i, j] * start[0, j]
+        h = max(h, HOP * abs(along))
+    for c in range(D):
+        for side in range(2):
+            for i in range(D):
+                beside[0, i] = start[0, i] + (h if side == 0 else -h) * root[i, c]
+            if solved(beside, data, 0, DEGREE, v, m, a, q, held, root, inverse, found, slips, multiplier) == LEFT:
+                return
+            for i in range(D):
+                free[i, c] = found[0, i] if side == 0 else (free[i, c] - found[0, i]) / (2.0 * h)
+    for i in range(D):
+        for j in range(D):
+            k[i, j] = 0.0
+            for c in range(D):
+                k[i, j] += mean * free[i, c] * root[j, c]
+    for i in range(D):
+        for j in range(D):
+            off = max(off, abs(0.5 * k[i, j] + 0.5 * k[j, i] - tangent[i * D + j]))
+    if off > AGREE * mean and isfinite(off):
+        for i in range(D):
+            for j in range(D):
+                tangent[i * D + j] = 0.5 * k[i, j] + 0.5 * k[j, i]
+
+
+def completed(v: Any, m: Any, free: Any) -> int:
+    """How many normals press; they and what is free of them are the rows of an orthonormal ``free``."""
+    count = 0
+    for j in range(D):
+        if v[LENGTHS, j] > 0.0:
+            for i in range(D):
+                free[count, i] = m[NORMALS, j, i]
+            straightened(free, count)
+            count += 1
+    for r in range(count, D):
+        best, most = 0, -1.0
+        for axis in range(D):
+            left = 1.0
+            for b in range(r):
+                left -= free[b, axis] * free[b, axis]
+            if left > most:
+                best, most = axis, left
+        for i in range(D):
+            free[r, i] = 1.0 if i == best else 0.0
+        straightened(free, r)
+    return count
+
+
+def straightened(free: Any, row: int) -> None:
+    """A row, orthogonal to those before and of length 1; twice, against rounding."""
+    for _ in range(2):
+        for b in range(row):
+            along = 0.0
+            for i in range(D):
+                along += free[b, i] * free[row, i]
+            for i in range(D):
+                free[row, i] -= along * free[b, i]
+        size = 0.0
+        for i in range(D):
+            size += free[row, i] * free[row, i]
+        for i in range(D):
+            free[row, i] /= sqrt(size)

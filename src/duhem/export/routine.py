@@ -1,0 +1,135 @@
+"""One law's increment as C functions: what numba compiles for it, and what a finite-element program needs around it, translated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.export import increment_kernel
+from duhem.export.c_expression import Array
+from duhem.export.c_translation import c_functions
+from duhem.export.tip import closes
+from duhem.expression.scalar_jets import LEFT_OUT, scalar_jets, scalar_values
+from duhem.law.formula_law import Criterion
+from duhem.projection import newton_kernel, newton_step
+from duhem.projection.module_text import module_text
+from duhem.projection.scaled_formula import scaled
+
+__all__ = ["Routine", "routine"]
+
+_D, _SQUARE = Array("double", ("D",)), Array("double", ("D", "D"))
+_ARRAYS: Mapping[str, Array] = {
+    "v": Array("double", ("ROWS", "D")),
+    "m": Array("double", ("MATRICES", "D", "D")),
+    "a": Array("double", ("2 * D", "2 * D + 1")),
+    "q": Array("double", ("1",)),
+    "w": Array("double", ("1",)),
+    "out": Array("double", ("1",)),
+    "held": Array("signed char", ("D + 1", "KINKS + 1")),
+    "choices": Array("signed char", ("D + 1", "KINKS + 1")),
+    "data": Array("double", ("1", "DATA + 1")),
+    "trial": Array("double", ("1", "D")),
+    "stress": Array("double", ("1", "D")),
+    "slip": Array("double", ("1", "D")),
+    **dict.fromkeys(("start", "found", "slips"), Array("double", ("1", "D"))),
+    "multiplier": Array("double", ("1",)),
+    "dissipation": Array("double", ("1",)),
+    "tangent": Array("double", ("D * D",)),
+    "increment.trial": Array("double", ("D",), read_only=True),
+    "increment.stiffness": Array("double", ("D * D",), read_only=True),
+    "increment.parameters": Array("double", ("PARAMETERS",), read_only=True),
+    **{f"{where}.{name}": _D for where in ("increment", "nothing", "beyond") for name in ("stress", "slip")},
+    **dict.fromkeys(("root", "inverse", "k", "matrix", "free"), _SQUARE),
+}
+_PLAIN = dict.fromkeys(("x", "c", "n", "slopes", "bends"), "int") | {"natural": "bool", "size": "float"}
+_BELOW = """\
+/* The power of two below, 2^-1022 at least. */
+static double below(double size)
+{
+    return ldexp(1.0, binary_exponent(larger(size, DBL_MIN)) - 1);
+}"""
+
+
+@dataclass(frozen=True)
+class Routine:
+    """The C functions of one law, all static, ``increment`` last; ``parameters`` are those that are arguments, in order."""
+
+    text: str
+    parameters: tuple[str, ...]
+
+
+def routine(law: Criterion) -> Routine:
+    """The increment of ``law``, its open parameters arguments.
+
+    InputError for a law with a flow of its own, one whose formula has no derivatives as text, and for an open exponent: which
+    powers are smooth, and where, is part of the algorithm.
+    """
+    if not law.associated:
+        what = f"{law.name} has a flow of its own, and the closest point is the slip increment of associated laws only"
+        raise InputError(what, where="law", remedy="export the same criterion without its flow")
+    settled, table = law.settled(), law.symbols()
+    g = law.g.xreplace(settled)
+    names = tuple(name for name, domain in law.parameters.items() if domain.value is None)
+    powers = {x.name for power in g.atoms(sp.Pow) for x in power.exp.free_symbols}
+    if open_ := [name for name in names if name in powers]:
+        remedy = f"give {' '.join(f'--set {name}=VALUE' for name in open_)}"
+        raise InputError(f"{', '.join(open_)} stands in an exponent, and is no argument then", where=law.name, remedy=remedy)
+    for word, reason in LEFT_OUT.items():
+        if g.has(word):
+            raise InputError(f"{law.name} has no increment as text: {reason}", where="law", remedy="take duhem.project, which searches")
+    if g.has(sp.zoo, sp.nan, sp.oo, -sp.oo):
+        raise InputError("g is not defined at these parameters", where=law.name, remedy="set others")
+    own, pressure = tuple(table[name] for name in names), table[law.pressure] if law.pressure else None
+    formula = scaled(g, law.force_symbols(), pressure)
+    jets = scalar_jets(formula.expr, law.force_symbols(), (*formula.data, *own))
+    data, conditions = [datum.expr for datum in formula.data.values()], _conditions(law, settled)
+    stated, numbers = scalar_values("stated", [*data, *conditions], (pressure or sp.Dummy("none"), *own))
+    counts = {
+        "PARAMETERS": len(own),
+        "CONSTANTS": len(jets.constants),
+        "NUMBERS": len(numbers),
+        "CONDITIONS": len(conditions),
+        "CLOSES": int(closes(law)),
+        "DEGREE": formula.degree,
+    }
+    behind = [("q", len(data) + len(own), jets.constants), ("w", 1 + len(own), numbers)]
+    functions = [
+        jets.level,
+        jets.piece,
+        "\n".join(f"{name} = {value!r}" for name, value in counts.items()),
+        stated,
+        _function("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
+        _function("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
+    ]
+    text = module_text(formula, len(law.forces), jets.kinks, functions, (newton_step, newton_kernel, increment_kernel))
+    return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
+
+
+def _conditions(law: Criterion, settled: Mapping[sp.Symbol, sp.Expr]) -> list[sp.Basic]:
+    """What must hold of parameters and pressure for the law to say anything."""
+    table = law.symbols()
+    ranges = {name: domain for name, domain in law.parameters.items() if domain.value is None}
+    found = [relation for name, domain in ranges.items() for relation in domain.relations(table[name])]
+    found += [relation.xreplace(settled) for relation in law.constraints]
+    if law.pressure is not None:
+        own = law.domain.get(law.pressure)
+        found += [sp.LessThan(table[law.pressure], 0, evaluate=False), *(own.relations(table[law.pressure]) if own else ())]
+    return [relation for relation in found if relation != sp.true]
+
+
+def _beyond(law: Criterion) -> Iterator[str]:
+    """When a stress lies outside a range."""
+    for i, name in enumerate(law.forces):
+        if name in law.domain:
+            (low, high), own = law.domain[name].ends, law.domain[name]
+            if own.low is not None:
+                yield f"stress[{i}] < {low!r} - slack"
+            if own.high is not None:
+                yield f"stress[{i}] > {high!r} + slack"
+
+
+def _function(head: str, lines: Sequence[str], last: str = "return") -> str:
+    return "\n".join([f"def {head}:", *(f"    {line}" for line in [*lines, last])])

@@ -1,0 +1,131 @@
+"""How good an exported C routine is: python -m tests.campaigns.export
+
+    python -m tests.campaigns.export                    the built-in laws
+    python -m tests.campaigns.export coulomb hill48     these, of the atlas too
+    python -m tests.campaigns.export --group metals     a group of the atlas
+    python -m tests.campaigns.export --no-suite         without the property tests
+
+A row a law, at the simplest admitted values of its parameters; exit code 1 where an answer is wrong.
+
+unsolved   how many of the trial stresses, 1.05 to 10 times beyond K, with three stiffnesses, have the status 2
+apart      how far the stresses are from those of duhem.project, relative to the trial, and the tangents from differences
+suite      the checks of duhem.testing over the whole domain of the parameters but for exponents, with the share that is not solved
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import sympy as sp
+
+import duhem
+from duhem.errors import DuhemError
+from duhem.export.routine import routine
+from duhem.law import catalogue
+from duhem.law.atlas.entry import entries
+from duhem.law.formula_law import Criterion
+from duhem.projection.result import Array, Status
+from duhem.testing import checks_for, conformance, pressures
+from tests.campaigns.increments import at_simplest, pressure_of, trials
+from tests.export.shared_library import Compiled, compiled
+
+__all__ = ["measured"]
+
+_WRONG, _SETTLED, _TURNED = 1e-7, 1e-3, 5e-3
+
+
+def stiffnesses(d: int) -> list[Array]:
+    """One number, one a force, and coupled."""
+    apart = np.geomspace(1.0, 10.0, d)
+    return [np.eye(d), np.diag(apart), np.diag(apart) + 0.3 * (np.ones((d, d)) - np.eye(d))]
+
+
+def measured(name: str, suite: bool, folder: Path) -> tuple[list[str], bool]:
+    """The cells of a law, and whether something in them is wrong."""
+    try:
+        law = at_simplest(name)
+        routine(law)
+        run = compiled(law, folder)
+    except DuhemError as reason:
+        return [str(reason).partition(";")[0], "-", "-"], False
+    asked, pressure = trials(law), pressure_of(law)
+    unsolved = far = turned = 0.0
+    for k in stiffnesses(asked.shape[1]):
+        known = duhem.project(law, asked, pressure, k)
+        given = [run.one(trial, pressure or 0.0, k, ()) for trial in asked]
+        state, stress = (np.array([row[i] for row in given]) for i in (0, 1))
+        unsolved += float((state > 1).sum()) / (3 * len(asked))
+        off = np.abs(stress - known.stress).max(axis=1) / np.abs(asked).max(axis=1)
+        far = max(far, float(off[(known.status <= Status.SLIP) & (state <= 1)].max(initial=0.0)))
+        turned = max(
+            turned, *(_turned(run, trial, pressure or 0.0, k, row[4]) for trial, row in zip(asked, given, strict=True) if row[0] == 1), 0.0
+        )
+    cells = [f"{100 * unsolved:.1f} %", f"{far:.0e}, {turned:.0e}", _suite(name, folder) if suite else "-"]
+    return cells, far > _WRONG or turned > _TURNED or cells[2].startswith("FAILS")
+
+
+def _turned(run: Compiled, trial: Array, pressure: float, k: Array, tangent: Array) -> float:
+    """How far the tangent is from the slope of the answers, over the stiffness, where differences at h and h/2, either way, agree."""
+    h, shares = 1e-5 * np.abs(trial).max(), np.array([1.0, 0.5, -1.0, -0.5])
+    inverse, off = np.linalg.inv(k), 0.0
+    here = run.one(trial, pressure, k, ())[1]
+    for i, axis in enumerate(np.eye(len(trial))):
+        slopes = np.array([(run.one(trial + s * h * axis, pressure, k, ())[1] - here) / (s * h) for s in shares])
+        middle = slopes.mean(axis=0)
+        if np.abs(slopes - middle).max() <= _SETTLED:
+            off = max(off, float(np.nan_to_num(np.abs((tangent @ inverse)[:, i] - middle).max(), nan=9.0)))
+    return off
+
+
+def _suite(name: str, folder: Path) -> str:
+    """Every check, of the tangent those that duhem's own are put to: with a pressure, the slope where differences resolve it."""
+    law = _open(name)
+    try:
+        run = compiled(law, folder)
+    except DuhemError as reason:
+        return str(reason).partition(";")[0]
+    rest = [check for check in checks_for(law) if check.name not in ("slope", "multiplier")]
+    reports = [conformance(law, run, checks=rest, max_examples=20, seconds=5.0)]
+    pressed = pressures().filter(bool) if law.pressure else None
+    reports.append(conformance(law, run, checks=["slope"], pressure=pressed, max_examples=2, rows=40, seconds=5.0))
+    failed = [failure.check.name for report in reports for failure in report.failures]
+    flagged = f"{100 * sum(r.flagged for r in reports) / sum(r.points for r in reports):.1f} % unsolved"
+    return f"FAILS {', '.join(failed)}; {flagged}" if failed else f"{sum(len(r.passed) for r in reports)} pass; {flagged}"
+
+
+def _open(name: str) -> Criterion:
+    """The law with as many parameters left as can be arguments."""
+    law, simple = catalogue.load_formula(duhem.load(name)), at_simplest(name)
+    try:
+        routine(law)
+    except DuhemError:
+        powers = {str(x) for power in law.g.atoms(sp.Pow) for x in power.exp.free_symbols}
+        return law.fix({n: simple.parameters[n].value for n in powers if n in law.parameters})
+    return law
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the campaign; 1 where an answer is wrong."""
+    parser = argparse.ArgumentParser(prog="python -m tests.campaigns.export", description="exported routines, compiled and tested")
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--group")
+    parser.add_argument("--no-suite", action="store_true")
+    asked = parser.parse_args(arguments)
+    names = asked.names or ([each.name for each in entries(asked.group)] if asked.group else catalogue.names())
+    wrong = []
+    for name in names:
+        with tempfile.TemporaryDirectory() as folder:
+            cells, bad = measured(name, not asked.no_suite, Path(folder))
+        wrong += [name] * bad
+        print(f"{name:<22} {cells[0]:<10} {cells[1]:<16} {cells[2]}{'  WRONG' * bad}", flush=True)
+    print(f"{len(names)} laws, wrong: {', '.join(wrong) or 'none'}")
+    return bool(wrong)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

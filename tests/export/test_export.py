@@ -1,0 +1,251 @@
+"""Exported files: compiled without a warning, put to the conformance suite, honest about what they do not solve."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem import Criterion, Domain, InputError
+from duhem.export.c_file import c_file
+from duhem.export.fortran_file import fortran_file
+from duhem.export.header import identifier
+from duhem.export.routine import routine
+from duhem.proof.certificate import certificate
+from duhem.testing import checks_for, conformance, pressures
+from tests.export.shared_library import compiled, compiler, shared
+
+LAWS: dict[str, dict[str, Any]] = {"antoni2007": {}, "coulomb": {}, "superellipse": {"p": 3}, "polygon": {}, "tresca": {}, "von-mises": {}}
+SUITE = tuple(c for c in checks_for("coulomb") if c.name not in ("multiplier", "slope"))
+EYE = np.eye(2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LAWS)
+def test_the_suite_finds_nothing(name: str, tmp_path: Path) -> None:
+    law = duhem.load(name).fix(LAWS[name])
+    run = compiled(law, tmp_path)
+    report = conformance(law, run, checks=SUITE, max_examples=3, rows=20)
+    assert report.ok, str(report)
+    assert report.flagged_share < 0.25 and report.points > 200  # stiffness and friction over six decades each
+    near = conformance(law, run, checks=["slope"], pressure=pressures(-1, 1).filter(bool) if law.pressure else None, max_examples=1)
+    assert near.ok or name == "superellipse", str(near)  # whose flat points are too sharp for differences
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        (r"v\[slopes\]\[0\] = ", "v[slopes][0] = -"),
+        (r"m\[bends\]\[0\]\[0\] = ", "m[bends][0][0] = -"),
+        (r"tangent\[i \* D \+ j\] = mean \* total", "tangent[i * D + j] = -mean * total"),
+        (r"slips\[0\]\[i\] /= mean", "slips[0][i] *= mean"),
+    ],
+)
+def test_a_wrong_sign_is_found(right: str, wrong: str, tmp_path: Path) -> None:
+    law = duhem.load("coulomb")
+    text, count = re.subn(right, wrong, c_file(duhem.verify(law, claims=["convexity"])))
+    assert count == 1
+    report = conformance(law, compiled(law, tmp_path, text=text), checks=SUITE, max_examples=3, rows=20, seconds=0.5)
+    assert not report.ok or report.flagged_share > 0.3
+
+
+def test_answers_are_those_of_the_search(tmp_path: Path) -> None:
+    law = duhem.load("antoni2007")
+    run = compiled(law, tmp_path)
+    values = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+    k = np.array([[3.0, 0.5], [0.5, 1.0]])
+    for trial in np.random.default_rng(0).normal(size=(30, 2)) * 0.4:
+        status, stress, slip, loss, tangent = run.one(trial, -1.0, k, list(values.values()))
+        known = duhem.project(law, trial, -1.0, k, values, method="newton", tangent=True)
+        assert status == known.status[0]
+        assert stress == pytest.approx(known.stress[0], abs=1e-14) and slip == pytest.approx(known.slip[0], abs=1e-14)
+        assert known.tangent is not None
+        assert tangent == pytest.approx(known.tangent[0], abs=1e-12) and loss == pytest.approx(known.dissipation[0], abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("g", "trial", "tangent"),
+    [
+        ("abs(a) + abs(b) + abs(c) - 1", [1.5, 0.0, 0.0], np.zeros((3, 3))),  # four sides meet, and two are enough to press
+        ("abs(a) + abs(b) + abs(c) - 1", [1.5, 0.9, 0.8], np.eye(3) - 1.0 / 3.0),
+        ("max(abs(a), abs(b), abs(c)) - 1", [2.0, 3.0, 0.5], np.diag([0.0, 0.0, 1.0])),
+        ("abs(a + sqrt(b**2 + c**2))**2 + abs(a - sqrt(b**2 + c**2))**2 - 2", [2.0, 0.0, 0.0], np.diag([0.0, 0.5, 0.5])),  # a ball
+    ],
+)
+def test_a_tangent_is_the_slope_where_pieces_and_roots_say_otherwise(g: str, trial: list[float], tangent: Any, tmp_path: Path) -> None:
+    run = compiled(Criterion(name="body", g=g, forces=("a", "b", "c"), pressure=None), tmp_path)
+    status, *_, found = run.one(trial, 0.0, np.eye(3), [])
+    assert status == 1 and found == pytest.approx(tangent, abs=1e-8)
+
+
+def test_where_nothing_presses_only_the_origin_is_left(tmp_path: Path) -> None:
+    run = compiled(duhem.load("coulomb"), tmp_path)
+    k = np.array([[3.0, 0.5], [0.5, 1.0]])
+    status, stress, slip, loss, tangent = run.one([3.0, -4.0], 0.0, k, [0.3])
+    assert (status, loss) == (1, 0.0) and not stress.any() and not tangent.any()
+    assert k @ slip == pytest.approx([3.0, -4.0])
+    assert run.one([0.0, 0.0], 0.0, k, [0.3])[0] == 0
+
+
+def test_with_a_cohesion_more_is_left(tmp_path: Path) -> None:
+    run = compiled(duhem.load("cohesive"), tmp_path)
+    known = duhem.project("cohesive", [3.0, -4.0], 0.0, 1.0, {"mu": 0.3, "cohesion": 0.5})
+    values = {"mu": 0.3, "cohesion": 0.5}
+    status, stress, *_ = run.one([3.0, -4.0], 0.0, EYE, [values[name] for name in run.parameters])
+    assert status == 1 and stress == pytest.approx(known.stress[0], abs=1e-14)
+
+
+RANGED = Criterion(
+    name="ranged",
+    g="norm(sigma_a, sigma_b) - (mu + nu)*abs(sigma_n)",
+    parameters={"mu": Domain(positive=True), "nu": Domain.between(0, 1)},
+    constraints=["nu < mu"],
+    domain={"sigma_n": Domain.between(-10, None), "sigma_a": Domain.between(-1, 1)},
+)
+
+
+def test_what_is_no_question_has_no_answer(tmp_path: Path) -> None:
+    run = compiled(RANGED, tmp_path)
+    good: tuple[Any, ...] = ([0.5, 0.0], -1.0, EYE, [0.3, 0.1])
+    assert run.one(*good)[0] == 1 and run.one([0.1, 0.0], *good[1:])[0] == 0
+    matrices = [[2.0, 1.0], [0.5, 0.4], [np.nan, np.nan], [np.nan, 0.0]]
+    stiff = [-EYE, 0.0 * EYE, *([[1.0, above], [below, 1.0]] for above, below in [(2.0, 2.0), *matrices])]
+    bad: list[tuple[int, Any]] = [
+        *((0, [x, 0.0]) for x in (np.nan, np.inf)),
+        *((1, x) for x in (1e-300, -10.5, np.nan, -np.inf)),
+        *((2, k) for k in stiff),
+        *((3, x) for x in ([0.0, 0.0], [0.3, -0.1], [2.0, 1.5], [0.2, 0.3], [np.nan, 0.1], [np.inf, 0.1])),
+    ]
+    for place, value in bad:
+        status, *answer = run.one(*(value if i == place else x for i, x in enumerate(good)))
+        assert status == 3 and all(np.isnan(x).all() for x in answer), (place, value)
+    status, stress, *_ = run.one([9.0, 0.0], -9.0, EYE, [0.3, 0.1])
+    assert status == 4 and stress == pytest.approx([3.6, 0.0])
+
+
+def test_what_is_not_solved_has_no_answer(tmp_path: Path) -> None:
+    """The origin is no inner point, and no point near it on the way."""
+    law = Criterion(name="off", g="norm(a - 3, b) - 1", forces=("a", "b"), pressure=None)
+    run = compiled(law, tmp_path)
+    status, *answer = run.one([9.0, 0.0], 0.0, EYE, [])
+    assert status == 2 and all(np.isnan(x).all() for x in answer)
+    assert run.one([3.1, 0.0], 0.0, EYE, [])[0] == 0
+
+
+def test_results_may_take_the_places_of_what_is_given(tmp_path: Path) -> None:
+    run = compiled(duhem.load("coulomb"), tmp_path)
+    trial, k, own = np.array([3.0, -4.0]), np.array([[3.0, 0.5], [0.5, 1.0]]), np.array([0.3])
+    expected = run.one(trial, -1.0, k, own)
+    slip, loss = np.empty(2), np.empty(1)
+    status = run.run(*(x.ctypes.data if isinstance(x, np.ndarray) else x for x in (trial, -1.0, k, own, trial, slip, loss, k)))
+    assert status == expected[0] and (trial == expected[1]).all() and (k == expected[4]).all()
+
+
+def test_no_state_and_no_memory_of_its_own() -> None:
+    text = c_file(duhem.verify("antoni2007", claims=["convexity"]))
+    code = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
+    assert not re.search(r"\b(malloc|free|calloc|printf)\(", code)
+    assert all(re.match(r"static (double|int|void) \w+\(", line) for line in code.splitlines() if line.startswith("static"))
+    outside = [line for line in code.splitlines() if re.match(r"\w", line) and not line.startswith("static")]
+    assert [line.split("(")[0] for line in outside if not line.startswith("enum")] == ["int antoni2007_increment"] * 2
+    assert text == c_file(duhem.verify("antoni2007", claims=["convexity"]))
+
+
+def test_the_head_says_what_it_is(tmp_path: Path) -> None:
+    law = Criterion(
+        name="Prévôt */ law",
+        g="norm(sigma_a, sigma_b)/mu - abs(sigma_n)",
+        parameters={"mu": Domain(positive=True)},
+        summary="ends */ #error here /* what??/ and \\",
+        source="A. Prévôt\n*/ (1999)",
+    )
+    done = duhem.verify(law)
+    text = c_file(done)
+    run = compiled(law, tmp_path, text=text)
+    assert run.one([3.0, 4.0], -1.0, EYE, [0.5])[1] == pytest.approx([0.3, 0.4])
+    assert identifier(law.name) == "pr_v_t_law" and identifier("2d") == "law_2d"
+    head = " ".join(text[: text.index("*/")].replace("*", "").split())
+    assert certificate(done)["sha256"] in head
+    assert "convexity proved, checked: all parameters" in head and "parameters[0] is mu positive" in head
+    assert max(map(len, text[: text.index("*/")].splitlines())) <= 104
+    assert "??" not in text
+
+
+@pytest.mark.parametrize(
+    ("law", "why"),
+    [
+        (duhem.load("rotated-flow"), "flow of its own"),
+        (duhem.load("superellipse"), "--set p=VALUE"),
+        (Criterion(name="great", g="principal(1) - 1", stress={"name": "s", "kind": "3d"}, pressure=None), "eigenvector"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value.name,
+)
+def test_what_has_no_routine_is_refused(law: Criterion, why: str) -> None:
+    with pytest.raises(InputError, match=why):
+        routine(law)
+
+
+def test_a_set_that_is_not_convex_is_refused() -> None:
+    done = duhem.verify("quartic", claims=["convexity"])
+    for write in (c_file, fortran_file):
+        with pytest.raises(InputError, match="convexity is refuted"):
+            write(done)
+    with pytest.raises(InputError, match="boundary curve"):
+        c_file(duhem.verify("wedge", claims=["convexity"]))
+
+
+def fortran(law: Criterion, folder: Path) -> ctypes.CDLL:
+    """The subroutine, linked with the C file; skipped without a compiler of Fortran."""
+    with_ = compiler("FC", "gfortran")
+    done = duhem.verify(law, claims=["convexity"])
+    (folder / "own.f90").write_text(fortran_file(done), "utf-8")
+    (folder / "own.c").write_text(c_file(done), "utf-8")
+    apart = [compiler("CC", "cc", "gcc", "clang"), "-c", "-fPIC", str(folder / "own.c"), "-o", str(folder / "own.o")]
+    subprocess.run(apart, check=True)
+    strict = ("-Wall", "-Werror", "-Wno-unused-dummy-argument", "-J", str(folder))
+    return shared([folder / "own.f90", folder / "own.o"], *strict, with_=with_)
+
+
+def call(subroutine: Any, *arguments: Any) -> None:
+    """With a place for each argument: floats and ints as arrays of one."""
+    kept = [x if isinstance(x, np.ndarray) else np.array(x, dtype=np.int32 if isinstance(x, int) else float) for x in arguments]
+    subroutine(*(ctypes.c_void_p(x.ctypes.data) for x in kept))
+
+
+def test_fric_is_the_increment(tmp_path: Path) -> None:
+    law = duhem.load("coulomb")
+    library, run = fortran(law, tmp_path), compiled(law, tmp_path)
+    k, tau, gamma = np.array([[3.0, 0.5], [0.5, 1.0]]), np.array([0.1, 0.2]), np.array([1.0, -2.0])
+    trial = tau + k @ gamma
+    expected = run.one(trial, -2.0, k, [0.3])
+    slope, of_pressure, slip, loss, room = np.empty((2, 2)), np.empty(2), np.empty(2), np.empty(1), np.zeros(80)
+    half = np.ones(1)
+    ends = [room] * 27
+    call(library.fric_, 7, tau, slope, of_pressure, slip, room, loss, room, half, room, gamma, room, 2.0, *ends[:19], 2, 2, 1, 1, room,
+         np.array([*k.ravel(), 0.3]), 5)  # fmt: skip
+    assert half == 1.0
+    for found, known in ((tau, expected[1]), (slip, expected[2]), (loss[0], expected[3]), (slope, expected[4])):
+        assert found == pytest.approx(known, abs=1e-15)
+    known = duhem.project(law, trial, -2.0, k, {"mu": 0.3}, tangent=True)
+    assert known.tangent_pressure is not None and of_pressure == pytest.approx(-known.tangent_pressure[0], rel=1e-8)
+
+
+def test_umat_has_the_order_of_its_caller(tmp_path: Path) -> None:
+    law = Criterion(name="tensor", g="sqrt(3*J2 + sigma_yz**2) - 1", stress={"name": "sigma", "kind": "3d"}, pressure=None)
+    library, run = fortran(law, tmp_path), compiled(law, tmp_path)
+    k = np.diag([3.0, 3.0, 3.0, 1.0, 1.0, 1.0]) + 0.1
+    strain, stress = np.array([0.5, -0.2, 0.1, 0.9, 0.3, -0.7]), np.zeros(6)
+    there = [0, 1, 2, 5, 4, 3]  # xx yy zz yz xz xy among xx yy zz xy xz yz
+    expected = run.one((k @ strain)[there], 0.0, k, [])
+    slope, loss, room, half = np.empty((6, 6)), np.zeros(1), np.zeros(80), np.ones(1)
+    call(library.umat_, stress, room, slope, room, loss, *[room] * 6, strain, *[room] * 7, 3, 3, 6, 1, k.copy(), 36, room, room, half,
+         *[room] * 9)  # fmt: skip
+    assert expected[0] == 1 and half == 1.0
+    assert stress[there] == pytest.approx(expected[1], abs=1e-15) and loss == pytest.approx(expected[3], abs=1e-15)
+    assert slope[np.ix_(there, there)] == pytest.approx(expected[4], abs=1e-15)
