@@ -69,19 +69,45 @@ def test_answers_are_those_of_the_search(tmp_path: Path) -> None:
         assert tangent == pytest.approx(known.tangent[0], abs=1e-12) and loss == pytest.approx(known.dissipation[0], abs=1e-14)
 
 
+PYRAMID, CUBE = "abs(a) + abs(b) + abs(c) - 1", "max(abs(a), abs(b), abs(c)) - 1"
+CAPS = "max(norm(a - 1/2, b, c), norm(a + 1/2, b, c)) - 1"  # a lens, whose edge is a circle
+
+
 @pytest.mark.parametrize(
     ("g", "trial", "tangent"),
     [
-        ("abs(a) + abs(b) + abs(c) - 1", [1.5, 0.0, 0.0], np.zeros((3, 3))),  # four sides meet, and two are enough to press
-        ("abs(a) + abs(b) + abs(c) - 1", [1.5, 0.9, 0.8], np.eye(3) - 1.0 / 3.0),
-        ("max(abs(a), abs(b), abs(c)) - 1", [2.0, 3.0, 0.5], np.diag([0.0, 0.0, 1.0])),
-        ("abs(a + sqrt(b**2 + c**2))**2 + abs(a - sqrt(b**2 + c**2))**2 - 2", [2.0, 0.0, 0.0], np.diag([0.0, 0.5, 0.5])),  # a ball
+        (PYRAMID, [1.5, 0.9, 0.8], np.eye(3) - 1.0 / 3.0),
+        (PYRAMID, [1.5, 0.1, -0.2], np.zeros((3, 3))),
+        (PYRAMID, [1.5, 1.4, 0.1], np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 0.0]]) / 2.0),
+        (CUBE, [2.0, 3.0, 0.5], np.diag([0.0, 0.0, 1.0])),
+        (CUBE, [2.0, 3.0, 1e-9], np.diag([0.0, 0.0, 1.0])),
+        (CUBE, [1e9, 1.0 + 1e-6, 0.5], np.diag([0.0, 0.0, 1.0])),
+        (CUBE, [2.0, 3.0, 4.0], np.zeros((3, 3))),
+        (CAPS, [0.0, 0.0, 3.0], np.diag([0.0, np.sqrt(0.75) / 3.0, 0.0])),
+        (CAPS, [0.5, 0.0, 2.5], np.diag([0.0, np.sqrt(0.75) / 2.5, 0.0])),
     ],
 )
-def test_a_tangent_is_the_slope_where_pieces_and_roots_say_otherwise(g: str, trial: list[float], tangent: Any, tmp_path: Path) -> None:
+def test_a_tangent_is_the_slope_on_faces_and_edges(g: str, trial: list[float], tangent: Any, tmp_path: Path) -> None:
     run = compiled(Criterion(name="body", g=g, forces=("a", "b", "c"), pressure=None), tmp_path)
     status, *_, found = run.one(trial, 0.0, np.eye(3), [])
     assert status == 1 and found == pytest.approx(tangent, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("g", "trial", "stress"),
+    [
+        *((PYRAMID, [size, 0.0, 0.0], [1.0, 0.0, 0.0]) for size in (1.5, 1.0 + 1e-9, 1e6)),  # four sides meet, and two are enough to press
+        ("abs(a + sqrt(b**2 + c**2))**2 + abs(a - sqrt(b**2 + c**2))**2 - 2", [2.0, 0.0, 0.0], [1.0, 0.0, 0.0]),  # a ball
+    ],
+)
+def test_where_the_pieces_that_press_do_not_tell_there_is_no_tangent(
+    g: str, trial: list[float], stress: list[float], tmp_path: Path
+) -> None:
+    run = compiled(Criterion(name="body", g=g, forces=("a", "b", "c"), pressure=None), tmp_path)
+    status, found, slip, loss, tangent = run.one(trial, 0.0, np.eye(3), [])
+    assert status == 5 and np.isnan(tangent).all()
+    assert found == pytest.approx(stress, abs=1e-12) and slip == pytest.approx(np.array(trial) - found, abs=1e-9)
+    assert loss == pytest.approx(found @ slip)
 
 
 def test_where_nothing_presses_only_the_origin_is_left(tmp_path: Path) -> None:

@@ -53,6 +53,13 @@ def test_tangent_at_corners_and_inside():
     np.testing.assert_allclose(of_pressure, [[-0.5, -0.25], [-0.5, 0.0], [0.0, 0.0]], atol=1e-15)
 
 
+def test_a_side_that_hardly_presses_holds_the_corner():
+    """The push is normal to the other side within 1e-9, and yet the stress stays."""
+    question = increment("box", [[1e4, 0.25 + 1e-5], [1e4, -0.25 - 1e-6], [1e4, 0.25 - 1e-6]], -1.0, 1.0, mu_a=R(1, 2), mu_b=R(1, 4))
+    of_u, _ = tangent(question, newton.solve(question))
+    np.testing.assert_allclose(of_u, [np.zeros((2, 2)), np.zeros((2, 2)), np.diag([0.0, 1.0])], atol=1e-15)
+
+
 @pytest.mark.parametrize("name", ["mujoco-pyramidal", "rankine"])
 def test_a_tip_under_more_normals_than_the_push_needs_stays(name: str) -> None:
     """|a| + |b| + |c| <= 1 pushed along an axis: two of the four normals at the tip make the push, and none lets it go."""

@@ -10,6 +10,8 @@ import sympy as sp
 
 import duhem
 from duhem.testing import (
+    Case,
+    Step,
     checks_for,
     conformance,
     violation,
@@ -202,3 +204,44 @@ def test_a_flow_that_is_not_normal_is_refused(law: str) -> None:
     assert not {"feasibility", "idempotence", "dissipation", "path", "homogeneity", "complementarity", "convexity"} & report.failed, str(
         report
     )
+
+
+THIN = {"mu_a": 700.0, "mu_b": 0.003}
+FAR = np.array([[1400.0, 0.001], [1400.0, -0.001], [1400.0, 0.5], [1400.0, 0.0], [300.0, 0.003]])  # the last on an edge
+
+
+def thin_case() -> Case:
+    """Whose differences, at the step that the accuracy asks for, leave K both ways."""
+    rows = len(FAR)
+    nothing, ones = np.zeros((rows, 2)), np.ones(rows)
+    return Case(
+        THIN, np.eye(2), -ones, FAR, FAR, FAR, nothing, nothing, stretch=ones, factor=2.0, path=np.zeros((rows, 2, 2)),
+        loads=np.stack([-ones, -ones], axis=1),
+    )  # fmt: skip
+
+
+def thin_box(change: Callable[[np.ndarray], np.ndarray]) -> Callable[..., Step]:
+    """The exact answers, and a tangent that is changed."""
+
+    def update(trial: np.ndarray, pressure: np.ndarray, _: np.ndarray) -> Step:
+        ends = np.array([THIN["mu_a"], THIN["mu_b"]]) * np.abs(pressure)[:, None]
+        inside = np.abs(trial) < ends
+        return Step(np.clip(trial, -ends, ends), tangent=change(inside[:, :, None] * np.eye(2)))
+
+    return update
+
+
+@pytest.mark.parametrize(
+    ("change", "right"),
+    [
+        (lambda c: c, True),
+        (lambda c: 0.9 * c, False),
+        (lambda c: 0.0 * c, False),
+        (lambda c: 0.0 * c + np.eye(2), False),
+        (lambda c: c[:, ::-1, ::-1], False),
+        (lambda c: c + 1e-2 * np.eye(2), False),
+    ],
+)
+def test_differences_resolve_a_set_that_is_thinner_than_their_step(change: Callable[[np.ndarray], np.ndarray], right: bool) -> None:
+    found = violation("slope", "box", thin_box(change), thin_case(), open_parameters=())
+    assert (found is None) == right

@@ -35,7 +35,8 @@ end module"""
 
 _FRIC = """\
 ! PROPS: the stiffness row by row, then the parameters.  PRESS is above 0 in compression; where it is not, nothing is carried.
-! TAU in the order {order}.  DDTDDP is taken by differences.  Where the increment is not solved, PNEWDT asks for half the step.
+! TAU in the order {order}.  DDTDDP is taken by differences.
+! Where the increment is not solved, or its tangent not known, PNEWDT asks for half the step.
 subroutine fric(lm, tau, ddtddg, ddtddp, dslip, sed, sfd, ddtddt, pnewdt, statev, dgam, taulm, press, dpress, ddpddh, slip, &
     kstep, kinc, time, dtime, noel, ciname, slname, msname, npt, node, npatch, coords, rcoord, drot, temp, predef, nfdir, mcrd, &
     npred, nstatv, chrlnm, props, nprops)
@@ -81,7 +82,7 @@ end subroutine"""
 
 _UMAT = """\
 ! PROPS: the stiffness row by row, then the parameters; the stress in the order {order}, shear strains those of engineers.
-! SSE and SPD are increased.  Where the increment is not solved, PNEWDT asks for half the step.
+! SSE and SPD are increased.  Where the increment is not solved, or its tangent not known, PNEWDT asks for half the step.
 subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, temp, dtemp, &
     predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, celent, dfgrd0, dfgrd1, noel, npt, &
     layer, kspt, jstep, kinc)

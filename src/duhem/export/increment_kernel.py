@@ -32,7 +32,7 @@ from duhem.projection.newton_step import (
     whitened,
 )  # fmt: skip
 
-__all__ = ["INVALID", "OUTSIDE", "increment"]
+__all__ = ["INVALID", "OUTSIDE", "UNKNOWN", "increment"]
 
 KINKS = DATA = PARAMETERS = CONSTANTS = NUMBERS = CONDITIONS = 0  # how many the law has, of each
 CLOSES = 0  # 1 where K is proved to be the point 0 at the pressure 0
@@ -56,10 +56,9 @@ def beyond(stress: Any, slack: float) -> bool:
 
 # -- compiled from here ----------------------------------------------------------------------------------------
 
-INVALID, OUTSIDE = 3, 4  # after STICK, SLIP and LEFT
+INVALID, OUTSIDE, UNKNOWN = 3, 4, 5  # after STICK, SLIP and LEFT
 ALIKE, ROUNDING = 8.881784197001252e-16, 1e-12  # four roundings; of a stress, as an end of a range may be where K ends too
-ASIDE, CLEAR = 1e-6, 1e-2  # of the size of K; of a bend
-HOP, AGREE = 1e-5, 1e-6  # of the trial; of the stiffness
+ASIDE, ARC, CLEAR, SEAM = 1e-6, 1e-3, 1e-2, 1e-5  # of the size of K; of a radius; of a bend; normals this close are those of a seam
 
 
 def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stress: Any, slip: Any, dissipation: Any, tangent: Any) -> int:
@@ -110,10 +109,10 @@ def increment(trial: Any, pressure: float, stiffness: Any, parameters: Any, stre
     for i in range(D):
         for j in range(D):
             tangent[i * D + j] = 0.0 if pointed else k[i, j]
-    if state == SLIP and not pointed:
-        slipping(v, m, a, root, mean, tangent)
-        if doubtful(v, m, q, held, root):
-            compared(start, data, v, m, a, q, held, root, inverse, mean, tangent)
+    if state == SLIP and not pointed and not (known(v, m, q, held, root) and slipping(v, m, a, root, mean, tangent)):
+        state = UNKNOWN
+        for i in range(D * D):
+            tangent[i] = nan
     return OUTSIDE if beyond(stress, ROUNDING * most + ALIKE * far) else state
 
 
@@ -171,8 +170,8 @@ def whitening(k: Any, root: Any, inverse: Any) -> float:
     return mean
 
 
-def slipping(v: Any, m: Any, a: Any, root: Any, mean: float, tangent: Any) -> None:
-    """d sigma/d u in the directions that the pressing normals leave free (Simo and Taylor 1985), symmetric; nan where there is none."""
+def slipping(v: Any, m: Any, a: Any, root: Any, mean: float, tangent: Any) -> bool:
+    """d sigma/d u in the directions that the pressing normals leave free (Simo and Taylor 1985), symmetric; False where there is none."""
     free, found = np.empty((D, D)), np.empty((D, D))
     count = completed(v, m, free)
     size = D - count
@@ -187,11 +186,12 @@ def slipping(v: Any, m: Any, a: Any, root: Any, mean: float, tangent: Any) -> No
                 for i in range(D):
                     for j in range(D):
                         a[r, b] += free[count + r, i] * m[BEND, i, j] * free[count + b, j]
-        sound = eliminated(a, size)
+        if not eliminated(a, size):
+            return False
         for i in range(D):
             for j in range(D):
                 for r in range(size):
-                    found[i, j] += free[count + c, i] * (a[r, size] if sound else nan) * free[count + r, j]
+                    found[i, j] += free[count + c, i] * a[r, size] * free[count + r, j]
     for i in range(D):
         for j in range(D):
             total = 0.0
@@ -199,74 +199,68 @@ def slipping(v: Any, m: Any, a: Any, root: Any, mean: float, tangent: Any) -> No
                 for c in range(D):
                     total += root[i, b] * (0.5 * found[b, c] + 0.5 * found[c, b]) * root[j, c]
             tangent[i * D + j] = mean * total
+    return True
 
 
-def doubtful(v: Any, m: Any, q: Any, held: Any, root: Any) -> bool:
-    """Whether the normals beside the stress turn otherwise than the pieces that press say.
+def known(v: Any, m: Any, q: Any, held: Any, root: Any) -> bool:
+    """Whether the stress moves as the pieces that press say, which hold beside it then and bend as their Hessians do.
 
-    On an edge more pieces may meet than press, as at the tip of a pyramid under a push along its axis; and where a root within the
-    formula is 0 its second derivatives are none.  On a seam between two curvatures one side alone is otherwise.
+    At the tip of a pyramid more pieces may meet than press, and where a root within the formula is 0 its second derivatives are none.
+    In a direction that the normals leave free, either is seen both ways; on a seam between two curvatures, one way alone.
     """
-    free, count, c = np.empty((D, D)), 0, 0.0
+    free, load = np.empty((D, D)), 0.0
+    count = completed(v, m, free)
     for j in range(D):
-        if v[LENGTHS, j] > 0.0:
-            count += 1
-            c = v[LENGTHS, j]
-    if count != 1 or completed(v, m, free) == D:
-        return 1 < count < D
-    for r in range(1, D):
-        wrong = 0
-        for side in range(2):
-            step = ASIDE * (1.0 + length(v, U)) * (1.0 if side == 0 else -1.0)
-            for i in range(D):
-                v[BEST, i] = v[X, i]
-                for k in range(D):
-                    v[BEST, i] += root[i, k] * free[r, k] * step
-            piece(v, BEST, q, True, held, D, RAW, m, RAWBEND)
-            slope, off, most = whitened(v, root), 0.0, 1.0
-            for b in range(1, D):
-                turned, bend = 0.0, 0.0
-                for i in range(D):
-                    turned += free[b, i] * v[WHITE, i] / slope
-                    for k in range(D):
-                        bend += free[b, i] * m[BEND, i, k] * free[r, k]
-                off, most = max(off, abs(turned * c / step - bend)), max(most, abs(bend))
-            if not off <= CLEAR * most:
-                wrong += 1
-        if wrong == 2:
-            return True
-    return False
-
-
-def compared(start: Any, data: Any, v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any, mean: float, tangent: Any) -> None:
-    """The tangent by differences, where they are solved and say otherwise than it."""
-    beside, found, slips, multiplier = np.empty((1, D)), np.empty((1, D)), np.empty((1, D)), np.empty(1)
-    free, k, h, off = np.empty((D, D)), np.empty((D, D)), 0.0, 0.0
-    for i in range(D):
-        along = 0.0
-        for j in range(D):
-            along += inverse[i, j] * start[0, j]
-        h = max(h, HOP * abs(along))
-    for c in range(D):
-        for side in range(2):
-            for i in range(D):
-                beside[0, i] = start[0, i] + (h if side == 0 else -h) * root[i, c]
-            if solved(beside, data, 0, DEGREE, v, m, a, q, held, root, inverse, found, slips, multiplier) == LEFT:
-                return
-            for i in range(D):
-                free[i, c] = found[0, i] if side == 0 else (free[i, c] - found[0, i]) / (2.0 * h)
-    for i in range(D):
-        for j in range(D):
-            k[i, j] = 0.0
-            for c in range(D):
-                k[i, j] += mean * free[i, c] * root[j, c]
-    for i in range(D):
-        for j in range(D):
-            off = max(off, abs(0.5 * k[i, j] + 0.5 * k[j, i] - tangent[i * D + j]))
-    if off > AGREE * mean and isfinite(off):
+        load += v[LENGTHS, j]
+    for r in range(count, D):
+        bend, step = 0.0, ASIDE * (1.0 + length(v, U))
         for i in range(D):
-            for j in range(D):
-                tangent[i * D + j] = 0.5 * k[i, j] + 0.5 * k[j, i]
+            for k in range(D):
+                bend += free[r, i] * m[BEND, i, k] * free[r, k]
+        if abs(bend) * step > ARC * load:
+            step = ARC * load / abs(bend)
+        if not (fits(v, m, q, held, root, free, count, r, step) or fits(v, m, q, held, root, free, count, r, -step)):
+            return False
+    return True
+
+
+def fits(v: Any, m: Any, q: Any, held: Any, root: Any, free: Any, count: int, r: int, step: float) -> bool:
+    """Whether, one step along row ``r`` of ``free``, the normals that press have turned as they should, and the one there is theirs."""
+    there, turned, load, closest = np.empty(D), np.empty(D), 0.0, 2.0
+    for i in range(D):
+        v[BEST, i] = v[X, i]
+        for k in range(D):
+            v[BEST, i] += root[i, k] * free[r, k] * step
+        turned[i] = 0.0
+    piece(v, BEST, q, True, held, D, RAW, m, RAWBEND)
+    slope = whitened(v, root)
+    for i in range(D):
+        there[i] = v[WHITE, i] / slope
+    for j in range(D):
+        c = v[LENGTHS, j]
+        if c > 0.0:
+            load += c
+            piece(v, BEST, q, False, held, j, RAW, m, RAWBEND)
+            slope = whitened(v, root)
+            apart = 0.0
+            for b in range(count, D):
+                own, other = 0.0, 0.0
+                for i in range(D):
+                    own += free[b, i] * (v[WHITE, i] / slope - m[NORMALS, j, i])
+                    other += free[b, i] * (there[i] - v[WHITE, i] / slope)
+                turned[b] += c * own
+                apart += other * other
+            closest = min(closest, sqrt(apart))
+    off, most = 0.0, 1.0
+    for b in range(count, D):
+        bend = 0.0
+        for i in range(D):
+            for k in range(D):
+                bend += free[b, i] * m[BEND, i, k] * free[r, k]
+        wrong = turned[b] / step - bend
+        off += wrong * wrong
+        most = max(most, abs(bend))
+    return closest <= SEAM and sqrt(off) + load * closest / abs(step) <= CLEAR * most
 
 
 def completed(v: Any, m: Any, free: Any) -> int:

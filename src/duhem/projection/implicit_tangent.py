@@ -29,7 +29,8 @@ from duhem.projection.whitened_body import whitening
 
 __all__ = ["tangent"]
 
-_SMOOTH = 1e-8  # a slip this close to the normal of one piece is normal to it
+_SMOOTH = 1e-8  # a slip this close to the normal of one piece is normal to it, if no other piece is there
+_ALONG = 1e-11  # closer, what is left is rounding
 _BESIDE = 1e-6  # relative; pieces that hold this close to a corner may meet in it, and normals this close to a tip are its own
 _MEETS = 1e-9
 _INDEPENDENT = 1e-6  # a unit normal this close to the span of others lies in it
@@ -57,7 +58,8 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     push = stiffness * (solution.slip @ root)  # s - u = sum lambda n, whitened
     length = np.linalg.norm(push, axis=1)
     there = pieces.at(point[slips])
-    along = np.linalg.norm(push[slips] / length[slips, None] - there.normal, axis=1) <= _SMOOTH
+    off = np.linalg.norm(push[slips] / length[slips, None] - there.normal, axis=1)
+    along = off <= (_ALONG if there.choices.shape[1] else _SMOOTH)
     smooth = along & np.isfinite(there.bend).all(axis=(1, 2))
     if increment.g.has(Where):
         smooth[smooth] = _holds_beside(pieces, point[slips[smooth]])
