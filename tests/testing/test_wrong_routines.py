@@ -14,6 +14,7 @@ from duhem.testing import (
     Step,
     checks_for,
     conformance,
+    projection,
     violation,
 )
 from tests.long import mostly_long
@@ -245,3 +246,18 @@ def thin_box(change: Callable[[np.ndarray], np.ndarray]) -> Callable[..., Step]:
 def test_differences_resolve_a_set_that_is_thinner_than_their_step(change: Callable[[np.ndarray], np.ndarray], right: bool) -> None:
     found = violation("slope", "box", thin_box(change), thin_case(), open_parameters=())
     assert (found is None) == right
+
+
+@pytest.mark.parametrize(("share", "right"), [(1.0, True), (4.0, False), (-1.0, False)])
+def test_on_a_kink_of_the_answer_any_side_of_it_will_do(share: float, right: bool) -> None:
+    """On an edge of a pyramid: the tangent of one face, which both differences along the third axis leave, sticking or to the edge."""
+    law, k, slip = duhem.load("mujoco-pyramidal"), np.diag([123.0, 1.0, 1.0]), np.array([[-1.0, -1.0, 1.0 / 628.0]])
+    trial, zero, one = np.array([[-1.0 / 1024.0, 0.0, 628.0 * (1.0 - 1.0 / 1024.0)]]), np.zeros((1, 3)), np.ones(1)
+    face = k - (k @ slip.T) @ (slip @ k) / (slip @ k @ slip.T)
+    exact = projection(law, "newton")
+
+    def update(trial: np.ndarray, pressure: np.ndarray, stiffness: np.ndarray, **values: float) -> Step:
+        return Step(exact(trial, pressure, stiffness, **values).stress, tangent=np.tile(share * face, (len(trial), 1, 1)))
+
+    case = Case({"mu_1": 1.0, "mu_2": 628.0}, k, -one, trial, trial, trial, zero, zero, one, 2.0, np.zeros((1, 2, 3)), -np.ones((1, 2)))
+    assert (violation("slope", law, update, case) is None) == right

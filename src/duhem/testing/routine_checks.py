@@ -296,7 +296,8 @@ def tangent(q: Query) -> Finding:
     formula="C du = d sigma",
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
     tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
-    "|sigma_tr| + |sigma|; or, at smaller steps one way, a tenth of what they are off by there: K may be thinner than h",
+    "|sigma_tr| + |sigma|; what they are off by there, where smaller steps one way come ten times closer (K may be thinner than h), "
+    "or where at all of them the two ways disagree by a quarter of it (no slope)",
 )
 def slope(q: Query) -> Finding:
     here, (c, finite) = q.first[0], _tangent(q)
@@ -310,14 +311,17 @@ def slope(q: Query) -> Finding:
         middle = slopes.mean(axis=0)
         spread = np.linalg.norm(slopes - middle, axis=2).max(axis=0)
         off = np.linalg.norm(c[:, :, i] - middle, axis=1)
-        ratio, step = off / (2.0 * spread + 16.0 * u / h + 8.0 * _EPS), h
+        ratio, step, kink = off / (2.0 * spread + 16.0 * u / h + 8.0 * _EPS), h, np.ones(len(off), dtype=np.bool_)
         for _ in range(_FINER):
             if not (q.sound & ~(ratio <= 1.0)).any():
                 break
             step = step / 4.0
-            apart = np.linalg.norm(_slopes(q, step, axis) - c[:, :, i], axis=2)
+            slopes = _slopes(q, step, axis)
+            apart = np.linalg.norm(slopes - c[:, :, i], axis=2)
             near = np.minimum(apart[:2].max(axis=0), apart[2:].max(axis=0))
             ratio = np.where(near <= off / 10.0, np.minimum(ratio, 1.0), ratio)
+            kink &= np.linalg.norm(slopes[:2].mean(axis=0) - slopes[2:].mean(axis=0), axis=1) >= off / 4.0
+        ratio = np.where(kink, np.minimum(ratio, 1.0), ratio)
         worst = np.maximum(worst, ratio)
     return Finding(worst, np.ones(len(worst)))
 
