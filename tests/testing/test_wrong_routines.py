@@ -248,6 +248,7 @@ def test_differences_resolve_a_set_that_is_thinner_than_their_step(change: Calla
     assert (found is None) == right
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("share", "right"), [(1.0, True), (4.0, False), (-1.0, False)])
 def test_on_a_kink_of_the_answer_any_side_of_it_will_do(share: float, right: bool) -> None:
     """On an edge of a pyramid: the tangent of one face, which both differences along the third axis leave, sticking or to the edge."""
