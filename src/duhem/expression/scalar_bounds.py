@@ -25,9 +25,9 @@ from duhem.expression.vocabulary import EigMax
 
 __all__ = ["FUNCTIONS", "LEFT_OUT", "TABLE", "ScalarBounds", "scalar_bounds"]
 
-FUNCTIONS = ("arccos", "arcsin", "arctan", "arctan2", "cos", "cosh", "exp", "expm1", "hypot", "inf", "isfinite", "isnan", "log", "log1p",
-             "maximum", "minimum", "nan", "sin", "sinh", "sqrt", "tan", "tanh")  # fmt: skip
-"""What the text calls by NumPy's names."""
+FUNCTIONS = ("arccos", "arccosh", "arcsin", "arcsinh", "arctan", "arctan2", "arctanh", "cos", "cosh", "exp", "expm1", "hypot", "inf",
+             "isfinite", "isnan", "log", "log10", "log1p", "maximum", "minimum", "nan", "sin", "sinh", "sqrt", "tan", "tanh")  # fmt: skip
+"""What the text may call by NumPy's names."""
 
 LEFT_OUT = {EigMax: "an eigenvalue takes more than a line"}
 TABLE: Table[Bounded] = {kind: row for kind, row in ON_ARRAYS.items() if kind not in LEFT_OUT}

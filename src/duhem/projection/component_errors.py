@@ -66,7 +66,7 @@ def from_closest(increment: Increment, at: Moves) -> Array:
     look, stiffest = close_look(increment), float(np.max(np.diagonal(increment.stiffness)))
     for i in range(len(found)):
         start = at.stress[i], float(at.multiplier[i]), float(at.units[i])
-        point = closest(look, at.trial[i], float(at.pressure[i]), increment.stiffness, *start)
+        point = closest(look, at.trial[i], float(at.pressure[i]), increment.stiffness, *start, patient=False)
         if point is not None:
             stress, slip, multiplier = point
             largest = np.abs(stress).max()

@@ -37,10 +37,11 @@ _ASIDE = 2.0**-60  # half-spaces are looked for this close to the given stress
 
 
 def closest(
-    look: CloseLook, trial: Array, pressure: float, stiffness: Array, start: Array, multiplier: float, size: float
+    look: CloseLook, trial: Array, pressure: float, stiffness: Array, start: Array, multiplier: float, size: float, *, patient: bool = True
 ) -> tuple[Array, Array, float] | None:
     """Stress (d,), slip (d,) and multiplier of dh/ds of one ``trial`` (d,), looked for from a stress and its multiplier; None if not found.
 
+    ``patient``: steep slopes are damped, which takes a hundred times as long as the rest where nothing is found.
     ``size`` is R, a power of two, in which h and its slopes are meant.  Each number is the double nearest to the one found.
     """
     import flint
@@ -60,7 +61,9 @@ def closest(
         )
         x = [flint.arb(x) / unit for x in start.tolist()]
         m = flint.arb(multiplier) / unit if 0.0 < multiplier < np.inf else None
-        found = point.on_one_piece(x, m, _NEWTON) or point.where_pieces_meet(x) or point.on_one_piece(x, None, _DAMPED, damped=True)
+        found = point.on_one_piece(x, m, _NEWTON) or point.where_pieces_meet(x)
+        if found is None and patient:
+            found = point.on_one_piece(x, None, _DAMPED, damped=True)
         if found is None:
             return None
         stress, pull, m = found

@@ -25,9 +25,9 @@ class Options:
 class Compiling(Options):
     """Those of a method that can be compiled, by numba: ``compiled``, and on how many ``threads``, None for all there are.
 
-    What is returned does not depend on their number.  Residuals and statuses are compiled with it.  The first increment of a law
-    waits for the compiler, some ten to thirty seconds; then the code is kept on disk (DUHEM_CACHE_DIR, else the user's folder for
-    such things), and the next process loads it.  A missing numba raises MissingExtraError.
+    What is returned does not depend on their number.  Residuals and statuses of 4,096 points and more are compiled with it.  The
+    first increment of a law waits for the compiler, some ten to thirty seconds; then the code is kept on disk (DUHEM_CACHE_DIR,
+    else the user's folder for such things), and the next process loads it.  A missing numba raises MissingExtraError.
     """
 
     compiled: bool = False

@@ -27,6 +27,7 @@ from duhem.projection.validation import posed, setting
 __all__ = ["ACCURACY", "Projector", "project"]
 
 _BLOCK = 16_384
+_WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
 
 Block = slice | NDArray[np.intp]
 
@@ -166,7 +167,8 @@ def _named(name: object) -> Method[Any]:
 
 def _told(question: Increment, solution: Solution, judge: Judge, given: Options) -> Told:
     """What compiled code says of the points; where nothing is compiled, nothing."""
-    if isinstance(given, Compiling) and given.compiled and not set(question.law.forces) & set(question.law.domain):
+    many, ranged = len(solution.multiplier) >= _WORTH_COMPILING, set(question.law.forces) & set(question.law.domain)
+    if isinstance(given, Compiling) and given.compiled and many and not ranged:
         from duhem.projection.compiled_judge import told
 
         return told(question, solution, judge, given.threads)

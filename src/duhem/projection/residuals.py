@@ -37,6 +37,7 @@ _NOISE = 1e-13  # less than this, and the slope of g is as good as any
 _ENDS = 2.0**-1018, 2.0**1021  # of the range of doubles, less a few digits
 _SHORT = 10.0  # of a stress: of longer slips its digits are those of the trial
 _UNKNOWN = 10.0 * ACCURACY  # nobody knows how far off a point is
+_CLOSE = 1e-3  # how far the normal at an answer may be off for the closest point to be looked for beside it
 _SLIP = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
 
 
@@ -178,15 +179,24 @@ class Judge:
         if doubt.size:
             cone = np.where(turned <= rounding, turned, np.fmin(turned, off * room))
             open_ = missing[doubt], cone[doubt], (depth + hidden * room)[doubt]
-            self._by_components(at[doubt], moves.of(doubt), open_, near[doubt], balance[doubt], out)
+            self._by_components(at[doubt], moves.of(doubt), open_, near[doubt], balance[doubt], off[doubt] <= _CLOSE, out)
         out.variational[at] = self._excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
         if not self.convex:
             out.variational[at] = np.fmax(out.variational[at], self._beside_excess(pressure, point, moved, size, whole, room)) + 0.0 * whole
 
     def _by_components(
-        self, at: NDArray[np.intp], moves: Moves, lengths: tuple[Array, ...], near: NDArray[np.bool_], balance: Array, out: Residuals
+        self,
+        at: NDArray[np.intp],
+        moves: Moves,
+        lengths: tuple[Array, ...],
+        near: NDArray[np.bool_],
+        balance: Array,
+        close: NDArray[np.bool_],
+        out: Residuals,
     ) -> None:
         """Where what is missing leaves a component open, or something is wrong, the closest point beside tells.
+
+        It is looked for, at some milliseconds a point, where the answer is ``close`` to one: elsewhere it is wrong in the metric already.
 
         ``lengths``, in the metric: what is ``missing`` but for the angle of the slip, the length of boundary that has the slip for a
         normal, and what is missing across the boundary.
@@ -198,7 +208,8 @@ class Judge:
             left = depth[bent] + eased(self.level, self.metric, moves.of(bent), (missing - depth + moves.turned)[bent])
             open_[bent] = ~(left <= good[bent])
         known = np.isfinite(moves.stress).all(axis=1) & np.isfinite(moves.slip).all(axis=1) & moves.stress.any(axis=1)
-        few = np.flatnonzero((open_ | (given > ACCURACY)) & known)
+        out.stationarity[at[open_ & ~close]] = np.maximum(given, _UNKNOWN)[open_ & ~close]
+        few = np.flatnonzero((open_ | (given > ACCURACY)) & known & close)
         if few.size:
             found, given = from_closest(self.increment, moves.of(few)), given[few]
             unknown = np.where((cone + depth)[few] <= good[few], given, np.maximum(given, _UNKNOWN))  # what is more than rounding
