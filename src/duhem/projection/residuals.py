@@ -175,7 +175,8 @@ class Judge:
         if (short := np.flatnonzero(~sure & near)).size:
             gone = lost(self.increment, self.level, self.metric, moves.of(short), room[short], distance[short])
             out.stationarity[at[short]] = np.maximum(out.stationarity[at[short]], _SLIP * gone)
-        doubt = np.flatnonzero(~(missing + turned <= self.metric.certain * room) | (out.stationarity[at] > ACCURACY))
+        unsure = ~(missing + turned <= self.metric.certain * room) | (out.stationarity[at] > ACCURACY)
+        doubt = np.flatnonzero(unsure & ~got.failed[at])
         if doubt.size:
             cone = np.where(turned <= rounding, turned, np.fmin(turned, off * room))
             open_ = missing[doubt], cone[doubt], (depth + hidden * room)[doubt]
