@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
-from duhem.testing import law_checks, routine_checks  # noqa: F401 (they register their checks)
+from duhem.testing import law_checks, routine_checks, tangent_checks  # noqa: F401 (they register their checks)
 from duhem.testing.case import Case
 from duhem.testing.query import NoReply, NothingToCheck, Query
 from duhem.testing.region import Region
