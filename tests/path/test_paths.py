@@ -10,6 +10,7 @@ import duhem
 from duhem import Histories, InputError, Path, Paths, Status, simulate
 from duhem.path import batch as batches
 from duhem.path import batch_run
+from duhem.path.run import Run
 from duhem.path.simulate import Interrupted
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
@@ -203,10 +204,8 @@ def test_the_table_holds_every_digit(tmp_path):
 def test_blocks_are_whole_and_never_empty():
     for n, m in ((1, 2), (4031, 5), (8065, 5), (100, 300_000)):
         paths = Paths.scaled(Path.linear(np.zeros(m)), np.ones(n))
-        made = batches.Batch.of(
-            duhem.Criterion("line", "abs(sigma) - 1", {}, forces=("sigma",), pressure=None), paths, stiffness=1.0, parameters=None,
-            projection="auto", substeps=1, stress=None, keep=1,
-        )  # fmt: skip
+        line = duhem.Criterion("line", "abs(sigma) - 1", {}, forces=("sigma",), pressure=None)
+        made = batches.Batch.of(Run(line, paths, stiffness=1.0))
         blocks = made.blocks()
         assert blocks[0][0] == 0 and blocks[-1][1] == n and all(a[1] == b[0] for a, b in pairwise(blocks))
         assert all((last - first) * made.numbers <= batches._NUMBERS for first, last in blocks)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pathlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,8 +17,9 @@ from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
 from duhem.path.loading import checked_count, given_numbers
 from duhem.path.paths import Paths
+from duhem.path.run import Run
 from duhem.path.table_file import MOST_NUMBERS
-from duhem.projection.increment import Convexity, Increment
+from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import posed, setting
 
@@ -69,45 +69,33 @@ class Batch:
     compliance: Array
 
     @classmethod
-    def of(
-        cls,
-        law: Criterion | str | pathlib.Path,
-        paths: Paths,
-        *,
-        stiffness: ArrayLike,
-        parameters: Mapping[str, Any] | None,
-        projection: str,
-        substeps: int,
-        stress: ArrayLike | None,
-        keep: int | str,
-        compiled: bool = False,
-        convexity: Convexity | None = None,
-    ) -> Batch:
-        """What :func:`duhem.simulate` is given with :class:`Paths`, checked, with what is known of K; InputError for what does not fit."""
-        known, n = load_formula(law), len(paths)
+    def of(cls, run: Run) -> Batch:
+        """The run of many points, checked; InputError for what does not fit."""
+        known, paths, substeps = load_formula(run.law), run.path, run.substeps
+        assert isinstance(paths, Paths)
+        n = len(paths)
         d = len(known.forces)
         if paths.values.shape[2] != d:
             what = f"the paths have {paths.values.shape[2]} columns and {known.name} the {d} forces {', '.join(known.forces)}"
             raise InputError(what, where="paths", remedy="give one column for each force")
-        members, own = _members(known, stiffness, parameters, n)
+        members, own = _members(known, run.stiffness, run.parameters, n)
         load = paths.pressure
         ends = None if load is None else np.array([load.min(), load.max()])
         posed(members[0], np.zeros((1, d)), ends)
         checked_count(substeps, "substeps", 1)
         if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
             raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
-        batch = cls(
+        return cls(
             paths=paths,
             substeps=substeps,
-            members=tuple(replace(member, convexity=convexity) for member in members),
+            members=tuple(replace(member, convexity=run.convexity) for member in members),
             own=own,
-            stress=_start(known, stress, n),
-            knots=_kept(keep, steps),
-            projection=projection,
-            compiled=compiled,
+            stress=_start(known, run.stress, n),
+            knots=_kept(run.keep, steps),
+            projection=run.projection,
+            compiled=run.compiled,
             compliance=np.asarray(np.linalg.inv(members[0].stiffness)),
         )
-        return batch
 
     @property
     def law(self) -> Criterion:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import pathlib
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
-from duhem.law.formula_law import Criterion
 from duhem.path.loading import Path
-from duhem.projection.increment import Convexity, Increment
+from duhem.path.run import Run
+from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import increment as checked
 
@@ -35,23 +31,13 @@ class Plan:
     compliance: Array
 
     @classmethod
-    def of(
-        cls,
-        law: Criterion | str | pathlib.Path,
-        path: Path,
-        *,
-        stiffness: ArrayLike,
-        parameters: Mapping[str, Any] | None = None,
-        projection: str = "auto",
-        substeps: int = 1,
-        convexity: Convexity | None = None,
-    ) -> Plan:
-        """What :func:`duhem.simulate` is given, checked, with what is known of K; InputError for what does not fit."""
-        known = load_formula(law)
+    def of(cls, run: Run) -> Plan:
+        """The run of one path, checked; InputError for what does not fit."""
+        known, path = load_formula(run.law), run.path
         if not isinstance(path, Path):
             what = f"{type(path).__name__} is no loading path"
             raise InputError(what, where="path", remedy="make one with Path.linear(points, pressure=...) or Path.from_csv(file)")
-        fine = path.refined(substeps)
+        fine = path.refined(run.substeps)
         d = len(known.forces)
         if fine.values.shape[1] != d:
             raise InputError(
@@ -59,8 +45,9 @@ class Plan:
                 where="path",
                 remedy="give one column for each force",
             )
-        increment = checked(known, fine.values, fine.pressure, stiffness, parameters)
-        return cls(replace(increment, convexity=convexity), fine, projection, np.asarray(np.linalg.inv(increment.stiffness)))
+        increment = checked(known, fine.values, fine.pressure, run.stiffness, run.parameters)
+        compliance = np.asarray(np.linalg.inv(increment.stiffness))
+        return cls(replace(increment, convexity=run.convexity), fine, run.projection, compliance)
 
     @property
     def stiffness(self) -> Array:

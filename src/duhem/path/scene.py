@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,10 @@ from duhem.law.shapes import Interval
 from duhem.left_out import LeftOut
 from duhem.path.batch import Batch
 from duhem.path.history import History
-from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan
-from duhem.path.simulate import simulate
-from duhem.projection.increment import Convexity
+from duhem.path.run import Run
+from duhem.path.simulate import driven
 
 __all__ = ["Needed", "Scene"]
 
@@ -33,31 +32,20 @@ class Needed:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(Run):
     """A checked scene; ``fingerprint`` tells runs of different scenes apart, ``inputs`` are the files that it names and reads.
 
-    ``path`` is one point's or those of many, with ``parameters`` a number or one a point; the options are those of
-    :func:`duhem.simulate`, and ``checkpoint`` the seconds after which what is done is kept.
+    It is a run, ``parameters`` of many points a number or one a point; ``checkpoint`` the seconds after which what is done is kept.
     ``convex`` is what the scene says of K; ``convexity`` what is known of it once somebody has asked (:mod:`duhem.vouched`).
     """
 
     law: Criterion
-    path: Path | Paths
-    stiffness: Any
-    parameters: Mapping[str, Any]
-    method: str = "implicit"
-    projection: str = "auto"
-    substeps: int = 1
-    stress: tuple[float, ...] | None = None
-    keep: int | str = 1
-    compiled: bool = False
-    threads: int = 1
+    parameters: Mapping[str, Any] = field(default_factory=dict)
     checkpoint: float = 60.0
     table: str | None = None
     plot: str | None = None
     inputs: tuple[str, ...] = ()
     convex: str = "ask"
-    convexity: Convexity | None = None
 
     def run(
         self,
@@ -66,23 +54,11 @@ class Scene:
         keep: Callable[[History], None] | None = None,
     ) -> History:
         """The history of one point; ``start`` and ``on_step`` as in :func:`duhem.simulate`, ``keep`` its checkpoint."""
-        assert isinstance(self.path, Path)
         self.check_asked()
-        return simulate(
-            self.law,
-            self.path,
-            stiffness=self.stiffness,
-            parameters=self.parameters,
-            method=self.method,
-            projection=self.projection,
-            substeps=self.substeps,
-            stress=self.stress,
-            start=start,
-            on_step=on_step,
-            compiled=self.compiled,
-            checkpoint=None if keep is None else (self.checkpoint, keep),
-            convexity=self.convexity,
-        )
+        alone = replace(self, keep=1, threads=1)  # both speak of many points
+        history = driven(alone, start, on_step, None if keep is None else (self.checkpoint, keep))
+        assert isinstance(history, History)
+        return history
 
     def check_asked(self) -> None:
         """InputError where the scene requires what nobody has asked."""
@@ -91,20 +67,8 @@ class Scene:
 
     def batch(self) -> Batch:
         """The checked question of a run of many points."""
-        assert isinstance(self.path, Paths)
         self.check_asked()
-        return Batch.of(
-            self.law,
-            self.path,
-            stiffness=self.stiffness,
-            parameters=self.parameters,
-            projection=self.projection,
-            substeps=self.substeps,
-            stress=self.stress,
-            keep=self.keep,
-            compiled=self.compiled,
-            convexity=self.convexity,
-        )
+        return Batch.of(self)
 
     @property
     def many(self) -> bool:
@@ -113,16 +77,10 @@ class Scene:
 
     def plan(self) -> Plan:
         """The checked question of the run, of the first point where there are many."""
-        many = isinstance(self.path, Paths)
-        first = {name: np.atleast_1d(value)[0].item() for name, value in self.parameters.items()} if many else self.parameters
-        return Plan.of(
-            self.law,
-            self.path.path(0) if isinstance(self.path, Paths) else self.path,
-            stiffness=self.stiffness,
-            parameters=first,
-            projection=self.projection,
-            substeps=self.substeps,
-        )
+        if not isinstance(self.path, Paths):
+            return Plan.of(self)
+        first = {name: np.atleast_1d(value)[0].item() for name, value in self.parameters.items()}
+        return Plan.of(replace(self, path=self.path.path(0), parameters=first))
 
     @property
     def fingerprint(self) -> str:

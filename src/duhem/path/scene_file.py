@@ -51,6 +51,7 @@ from duhem.path.loading import CONTROLS, Path
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan
 from duhem.path.points_table import paths_from_csv, spread
+from duhem.path.run import Run
 from duhem.path.scene import Scene
 from duhem.projection.methods import METHODS
 
@@ -162,11 +163,11 @@ class _SceneReader:
     def fits(self, law: Criterion, path: Path | Paths, parameters: Mapping[str, Any], substeps: int, integrator: str) -> None:
         """Whether law, numbers and path fit each other, by the check that the run itself makes."""
         try:
+            run = Run(law, path, self.document["stiffness"], parameters, substeps=substeps, keep="last")
             if isinstance(path, Paths):
-                made = {"stiffness": self.document["stiffness"], "parameters": parameters, "projection": "auto"}
-                Batch.of(law, path, **made, substeps=substeps, stress=None, keep="last")
+                Batch.of(run)
                 return
-            plan = Plan.of(law, path, stiffness=self.document["stiffness"], parameters=parameters, substeps=substeps)
+            plan = Plan.of(run)
         except InputError as fault:
             key = next((k for k in ("stiffness", "pressure", "parameters", "path") if k in f"{fault.where} {fault.what}"), "path")
             section = "path" if key == "pressure" else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pathlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import Any, overload
 
@@ -22,18 +22,20 @@ from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan
+from duhem.path.run import Run
 from duhem.projection.declared_ranges import beyond, crossed
-from duhem.projection.increment import Convexity
 from duhem.projection.projector import project
 from duhem.projection.result import Array
 
-__all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "simulate"]
+__all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "driven", "simulate"]
+
+Checkpoint = tuple[float, Callable[[History], None]]  # seconds, and who is given what is done
 
 _MOST_THREADS = 256
 
 
 class Interrupted(KeyboardInterrupt):
-    """A run that was stopped; ``history`` is what was done, from which :func:`simulate` goes on.
+    """A run that was stopped; ``history`` is what was done, from which :func:`driven` goes on.
 
     Of many points it is the :class:`Histories` of those that are done, none of which may be there yet.
     """
@@ -69,94 +71,54 @@ class LeftDomain(InputError):
 
 
 @overload
-def simulate(
-    law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
-    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
-    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: tuple[float, Callable[[History], None]] | None = ...,
-    convexity: Convexity | None = ...,
-) -> History: ...  # fmt: skip
+def simulate(law: Criterion | str | pathlib.Path, path: Path, **asked: Any) -> History: ...
 @overload
-def simulate(
-    law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
-    method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
-    on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: tuple[float, Callable[[History], None]] | None = ...,
-    convexity: Convexity | None = ...,
-) -> Histories: ...  # fmt: skip
+def simulate(law: Criterion | str | pathlib.Path, path: Paths, **asked: Any) -> Histories: ...
 def simulate(
     law: Criterion | str | pathlib.Path,
     path: Path | Paths,
     *,
-    stiffness: ArrayLike,
-    parameters: Mapping[str, Any] | None = None,
-    method: str = "implicit",
-    projection: str = "auto",
-    substeps: int = 1,
-    stress: ArrayLike | None = None,
     start: History | None = None,
     on_step: Callable[[int, int], None] | None = None,
-    keep: int | str = 1,
-    threads: int = 1,
-    compiled: bool = False,
-    checkpoint: tuple[float, Callable[[History], None]] | None = None,
-    convexity: Convexity | None = None,
+    checkpoint: Checkpoint | None = None,
+    **asked: Any,
 ) -> History | Histories:
-    """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
+    """:func:`duhem.simulate` where nobody asks whether K is convex: ``asked`` are the other fields of :class:`Run`."""
+    return driven(Run(law, path, **asked), start, on_step, checkpoint)
 
-    ``stiffness`` k in Pa/m: a number, (d,) or symmetric positive definite (d, d); ``parameters`` a number for each the law
-    leaves open.  ``method``: ``implicit`` (first order in the step), ``extrapolated`` (second order) or ``exact`` (each
-    step of the path as one, to rounding; it follows the boundary of a K that is not convex too, and says so in ``why``).
-    ``projection`` is the closest point's method, as in :func:`duhem.project`.
-    ``substeps`` cuts each step of the path, for the accuracy of the first two and for more rows of all.  ``stress`` (d,) at
-    the first knot, inside K; left out, it is zero, or the first knot of a stress path.
-    A stress path must stay inside K: there no slip is determined on the boundary, and none is made.
 
-    ``convexity`` is what is known of K where somebody has asked (:func:`duhem.simulate` does); None where nobody has.
-
-    ``start`` is a part of the same run, to go on from; ``on_step(done, all)`` hears of progress.  Raises InputError for what
-    cannot be used, for a pressure outside the range that the law declares too; :class:`LeftPrecision` and :class:`LeftDomain`,
-    both InputErrors, where numbers grow beyond double precision and where the stress at the end of a step lies outside a declared
-    range; and :class:`Interrupted`, a KeyboardInterrupt, all three with the part that is done.
-
-    ``checkpoint``, seconds and a function of one path's history: it is given what is done, no more often than that and in no more than
-    a tenth of the time.
-
-    Many points: ``path`` is :class:`Paths`, each of ``parameters`` a number or one a point (N,), ``stress`` (d,) or (N, d), and
-    what comes back :class:`Histories`.  The numbers of a point are those of its path by itself, and a point that cannot go on has a
-    status that says so, where one path by itself raises.  ``keep`` is every how many knots are kept of each path, or ``"last"``:
-    N points with r kept knots take 8 N r (3 d + 7) bytes, 2 GiB at most, and the work some 100 MiB a thread besides.
-    ``threads`` share the work and change no number; ``on_step`` hears of points.  ``exact`` takes one point after the other.
-
-    ``compiled`` runs implicit steps on declared shapes through numba (extra ``fast``; some twenty seconds at its first use), whole
-    stretches at once, and the closest points of other steps where there are many points; the last digits may differ.
-    """
+def driven(
+    run: Run,
+    start: History | None = None,
+    on_step: Callable[[int, int], None] | None = None,
+    checkpoint: Checkpoint | None = None,
+) -> History | Histories:
+    """What a run leaves behind: a history of one path, histories of many; arguments and errors are those of :func:`duhem.simulate`."""
+    method = run.method
     if not isinstance(method, str) or method not in INTEGRATORS:
         raise InputError(f"unknown method {method!r}", where="method", remedy=f"choose {', '.join(INTEGRATORS)}")
     if start is not None and not isinstance(start, History):
         raise InputError(f"{type(start).__name__} is no history", where="start", remedy="give what an interrupted run left")
     if on_step is not None and not callable(on_step):
         raise InputError(f"{type(on_step).__name__} cannot be called", where="on_step", remedy="give a function of (done, all)")
-    checked_count(threads, "threads", 1, _MOST_THREADS)
-    if isinstance(path, Paths):
+    checked_count(run.threads, "threads", 1, _MOST_THREADS)
+    if isinstance(run.path, Paths):
         if start is not None:
             raise InputError("a run of many points has no start to go on from", where="start", remedy="run the points that are left")
-        given: dict[str, Any] = {"stiffness": stiffness, "parameters": parameters, "projection": projection}
-        batch = Batch.of(law, path, **given, substeps=substeps, stress=stress, keep=keep, compiled=compiled, convexity=convexity)
-        return _many(batch, method, threads, on_step)
-    if keep != 1:
+        return _many(Batch.of(run), method, run.threads, on_step)
+    if run.keep != 1:
         raise InputError("keep is for many points", where="keep", remedy="leave it out, or give Paths")
-    plan = Plan.of(law, path, stiffness=stiffness, parameters=parameters, projection=projection, substeps=substeps, convexity=convexity)
+    plan = Plan.of(run)
     if plan.path.control == "stress":
         with np.errstate(all="ignore"):  # what is not finite is found
             return _prescribed(plan)
     integrator = INTEGRATORS[method]
     why = integrator.why(plan)
     advance = integrator.advance
-    if compiled:
-        advance, why = _compiled(method, projection), f"{why}, compiled"
+    if run.compiled:
+        advance, why = _compiled(method, run.projection), f"{why}, compiled"
     with np.errstate(all="ignore"):
-        ledger = Ledger.begun(plan, _first(plan, stress))
+        ledger = Ledger.begun(plan, _first(plan, run.stress))
     if start is not None:
         _go_on(ledger, plan, start)
     steps = len(plan.path.time) - 1

@@ -15,12 +15,13 @@ from duhem.law.catalogue import load_formula
 from duhem.law.convex import check_convex
 from duhem.law.domain import by_name
 from duhem.law.formula_law import Criterion
-from duhem.path import simulate as integrated
 from duhem.path.histories import Histories
 from duhem.path.history import History
 from duhem.path.loading import Path
 from duhem.path.paths import Paths
+from duhem.path.run import Run
 from duhem.path.scene import Scene
+from duhem.path.simulate import Checkpoint, driven
 from duhem.projection.increment import Convexity
 from duhem.projection.projector import Projector
 from duhem.vouched.convexity import asked
@@ -33,14 +34,14 @@ def simulate(
     law: Criterion | str | pathlib.Path, path: Path, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: tuple[float, Callable[[History], None]] | None = ..., convex: str = ...,
+    checkpoint: Checkpoint | None = ..., convex: str = ...,
 ) -> History: ...  # fmt: skip
 @overload
 def simulate(
     law: Criterion | str | pathlib.Path, path: Paths, *, stiffness: ArrayLike, parameters: Mapping[str, Any] | None = ...,
     method: str = ..., projection: str = ..., substeps: int = ..., stress: ArrayLike | None = ..., start: History | None = ...,
     on_step: Callable[[int, int], None] | None = ..., keep: int | str = ..., threads: int = ..., compiled: bool = ...,
-    checkpoint: tuple[float, Callable[[History], None]] | None = ..., convex: str = ...,
+    checkpoint: Checkpoint | None = ..., convex: str = ...,
 ) -> Histories: ...  # fmt: skip
 def simulate(
     law: Criterion | str | pathlib.Path,
@@ -57,7 +58,7 @@ def simulate(
     keep: int | str = 1,
     threads: int = 1,
     compiled: bool = False,
-    checkpoint: tuple[float, Callable[[History], None]] | None = None,
+    checkpoint: Checkpoint | None = None,
     convex: str = "ask",
 ) -> History | Histories:
     """Drive ``law`` along ``path``: sigma = k (u - u_in), u_in' = lambda' dg/dsigma (Antoni et al. 2007, Eqs. 25, 36).
@@ -93,36 +94,25 @@ def simulate(
     """
     check_convex(convex)
     known = load_formula(law)
-    given: dict[str, Any] = {"stiffness": stiffness, "parameters": parameters, "projection": projection}
-    convexity = _known(known, path, method, convex, **given)
-    run: dict[str, Any] = {"substeps": substeps, "stress": stress, "start": start, "on_step": on_step}
-    run |= {"keep": keep, "threads": threads, "compiled": compiled, "checkpoint": checkpoint}
-    return integrated(known, path, method=method, convexity=convexity, **given, **run)
+    run = Run(known, path, stiffness, parameters, method, projection, substeps, stress, keep, threads, compiled)
+    return driven(replace(run, convexity=_known(run, convex)), start, on_step, checkpoint)
 
 
 def looked_into(scene: Scene) -> Scene:
     """The scene with what is shown of K, as its key ``convex`` asks; InputError where it requires what is not shown."""
-    given: dict[str, Any] = {"stiffness": scene.stiffness, "parameters": scene.parameters, "projection": scene.projection}
-    return replace(scene, convexity=_known(scene.law, scene.path, scene.method, scene.convex, **given))
+    return replace(scene, convexity=_known(scene, scene.convex))
 
 
-def _known(
-    law: Criterion,
-    path: object,
-    method: str,
-    convex: str,
-    *,
-    stiffness: ArrayLike,
-    parameters: Mapping[str, Any] | None,
-    projection: str,
-) -> Convexity | None:
-    follows = method == "exact" or (isinstance(path, Path) and path.control == "stress")
+def _known(run: Run, convex: str) -> Convexity | None:
+    path, law = run.path, load_formula(run.law)
+    follows = run.method == "exact" or (isinstance(path, Path) and path.control == "stress")
     if not isinstance(path, (Path, Paths)) or (convex == "ask" and follows):
         return None
     try:
-        first = {name: np.ravel(value)[0] if np.ndim(value) and np.size(value) else value for name, value in by_name(parameters).items()}
-        if Projector.of(law, stiffness, first, projection).method.convex:
+        given = by_name(run.parameters)
+        first = {name: np.ravel(value)[0] if np.ndim(value) and np.size(value) else value for name, value in given.items()}
+        if Projector.of(law, run.stiffness, first, run.projection).method.convex:
             return Convexity(loaded=True, unloaded=True)
     except InputError:  # the run itself says what is wrong
         return None
-    return asked(law, parameters, convex, unloaded=path.pressure is not None and bool((path.pressure == 0.0).any()))
+    return asked(law, run.parameters, convex, unloaded=path.pressure is not None and bool((path.pressure == 0.0).any()))
