@@ -14,6 +14,7 @@ from duhem.path.batch import Batch, Share
 from duhem.path.batch_projection import closest_points, name_of, shape_numbers
 from duhem.path.batch_steps import extrapolated, implicit, run
 from duhem.path.histories import Histories
+from duhem.path.history import STATES, SUMS
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import between
@@ -150,7 +151,7 @@ def _write(ledger: Ledger, plan: Plan, out: Histories, i: int, status: Status | 
     """The kept knots of one point's ledger."""
     done, kept = ledger.done, out.knots[out.knots < ledger.done]
     n = len(kept)
-    for name in ("slip", "stress", "multiplier", "psi", "dissipation", "work", "numerical"):
+    for name in ("slip", "stress", *SUMS):
         array = getattr(out, name)
         array[i, :n], array[i, n:] = getattr(ledger, name)[kept], np.nan
     sums = np.add.reduceat(ledger.balance[:done], np.append(0, kept[:-1] + 1)) if n > 1 else np.zeros(1)
@@ -172,10 +173,7 @@ def _room(batch: Batch, first: int, last: int, method: str) -> Histories:
         points=np.arange(first, last),
         knots=batch.knots,
         time=between(batch.paths.time, batch.substeps)[batch.knots],
-        displacement=np.empty((n, r, d)),
-        slip=np.empty((n, r, d)),
-        stress=np.empty((n, r, d)),
-        **{name: np.empty((n, r)) for name in ("pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance")},
+        **{name: np.empty((n, r, d) if name in ("displacement", "slip", "stress") else (n, r)) for name in STATES},
         status=np.empty(n, dtype=np.int8),
         reached=np.empty(n, dtype=np.intp),
         method=method,
@@ -185,11 +183,5 @@ def _room(batch: Batch, first: int, last: int, method: str) -> Histories:
 
 def _view(whole: Histories, first: int, last: int) -> Histories:
     """Some points of ``whole``, in its memory."""
-    each = {name: value[first:last] for name, value in vars(whole).items() if name in _BY_POINT}
+    each = {name: getattr(whole, name)[first:last] for name in ("points", *STATES, "status", "reached")}
     return replace(whole, **each)
-
-
-_BY_POINT: frozenset[str] = frozenset(
-    {"points", "displacement", "slip", "stress", "pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance"}
-    | {"status", "reached"}
-)

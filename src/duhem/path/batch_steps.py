@@ -15,6 +15,7 @@ from duhem.path.batch import Share
 from duhem.path.batch_projection import BatchClosest, Which
 from duhem.path.extrapolated import sums_of
 from duhem.path.histories import Histories
+from duhem.path.history import STATES
 from duhem.path.implicit import energies
 from duhem.path.plan import energy, inner, times
 from duhem.projection.declared_ranges import beyond
@@ -108,7 +109,7 @@ class States:
         self.balance[:] = 0.0
 
 
-_STATES = ("displacement", "slip", "stress", "multiplier", "psi", "dissipation", "work", "numerical", "balance")
+_STATES = tuple(name for name in STATES if name != "pressure")
 
 
 def run(block: Share, out: Histories, halves: int, step: Callable[[States, Which, int], tuple[Array, Step]]) -> None:

@@ -15,6 +15,7 @@ from duhem.path.batch_projection import ShapeNumbers, shape_numbers
 from duhem.path.batch_steps import States
 from duhem.path.compiled_steps import loops
 from duhem.path.histories import Histories
+from duhem.path.history import SUMS
 from duhem.path.ledger import Ledger
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan
@@ -24,7 +25,6 @@ from duhem.projection.result import Array, Status
 __all__ = ["advance", "fill", "reason"]
 
 _STEPS = 65_536  # of one path without looking up, so that it can be interrupted
-_SUMS = ("multiplier", "psi", "dissipation", "work", "numerical", "balance")
 
 
 def reason(share: Share, shape: ShapeNumbers | None) -> str | None:
@@ -67,7 +67,7 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
         raise InputError(f"there is no compiled path: {why}", where="compiled", remedy="leave compiled out")
     begun = States.begun(share)
     anchor, i = ledger.anchor, ledger.done - 1
-    for name in ("slip", "stress", *_SUMS):
+    for name in ("slip", "stress", *SUMS):
         getattr(begun, name)[0] = getattr(ledger, name)[i]
     begun.balance[0] = 0.0
     begun.anchor_stress[0], begun.anchor[0] = ledger.stress[anchor], path.values[anchor]
@@ -82,12 +82,12 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
 
 def _as_of_many(ledger: Ledger) -> Any:
     """The ledger's arrays as those of one point of many."""
-    return replace(ledger, **{name: getattr(ledger, name)[None] for name in ("stress", "slip", *_SUMS)})
+    return replace(ledger, **{name: getattr(ledger, name)[None] for name in ("stress", "slip", *SUMS)})
 
 
 def _packed(states: States) -> Array:
     """The states as the rows that the loops take."""
-    sums = [getattr(states, name)[:, None] for name in _SUMS]
+    sums = [getattr(states, name)[:, None] for name in SUMS]
     return np.concatenate([states.stress, states.slip, states.anchor_stress, states.anchor, *sums], axis=1)
 
 
@@ -104,7 +104,7 @@ def _run(share: Share, shape: ShapeNumbers, state: Array, ends: tuple[Any, Any],
         state,
         *ends,
     )
-    kept = (*knots, row, out.stress, out.slip, tuple(getattr(out, name) for name in _SUMS))
+    kept = (*knots, row, out.stress, out.slip, tuple(getattr(out, name) for name in SUMS))
     made = loops()
     if isinstance(member.law.closed_form, Interval):
         k = float(member.stiffness[0, 0])

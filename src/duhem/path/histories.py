@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.path.history import History, columns
+from duhem.path.history import STATES, History, Recorded
 from duhem.projection.result import Array, Status
 from duhem.show.place import AnyPath, written
 
@@ -19,7 +19,7 @@ _ROWS = 65_536  # of a table, written together
 
 
 @dataclass(frozen=True, eq=False)
-class Histories:
+class Histories(Recorded):
     """The states of a law at N points and the r kept knots of their paths, the first and the last among them.
 
     ``points`` (N,) and ``knots`` (r,) are the numbers of points and knots, ``time`` (r,).  ``displacement``, ``slip``, ``stress``
@@ -30,26 +30,10 @@ class Histories:
     that were not reached are nan.
     """
 
-    law: str
-    forces: tuple[str, ...]
-    pressure_name: str | None
     points: NDArray[np.intp]
     knots: NDArray[np.intp]
-    time: Array
-    displacement: Array
-    slip: Array
-    stress: Array
-    pressure: Array
-    multiplier: Array
-    psi: Array
-    dissipation: Array
-    work: Array
-    numerical: Array
-    balance: Array
     status: NDArray[np.int8]
     reached: NDArray[np.intp]
-    method: str
-    why: str
 
     def __len__(self) -> int:
         return len(self.points)
@@ -61,21 +45,18 @@ class Histories:
     def history(self, point: int) -> History:
         """One point by itself, by its place among ``points``: the kept knots that it reached."""
         done = self.knots <= self.reached[point]
-        states = {name: getattr(self, name)[point][done] for name in _STATES}
+        states = {name: getattr(self, name)[point][done] for name in STATES}
         return History(self.law, self.forces, self.pressure_name, self.time[done], **states, method=self.method, why=self.why)
 
     def columns(self) -> tuple[str, ...]:
         """The names of the table's columns, in order."""
-        return ("point", *columns(self.forces, self.pressure_name))
+        return ("point", *super().columns())
 
     def to_array(self, points: slice = slice(None)) -> Array:
         """The table as one array (N r, columns), point by point and knot by knot; nan at knots that were not reached."""
         n, r = self.multiplier[points].shape
-        load = [self.pressure] if self.pressure_name else []
-        wide = [self.displacement, self.slip, self.stress]
-        single = [*load, self.multiplier, self.psi, self.dissipation, self.work, self.numerical, self.balance]
         labels = [np.repeat(self.points[points], r).astype(np.float64), np.tile(self.time, n)]
-        return np.column_stack([*labels, *(a[points].reshape(n * r, -1) for a in wide), *(a[points].reshape(n * r) for a in single)])
+        return np.column_stack([*labels, *(states[points].reshape(n * r, -1) for states in self.tabled())])
 
     def rows(self) -> Iterator[str]:
         """The lines of the table below its header, some at a time; knots that were not reached have none."""
@@ -93,6 +74,3 @@ class Histories:
         with written(file) as beside, open(beside, "w", encoding="utf-8", newline="") as stream:
             stream.write(",".join(self.columns()) + "\n")
             stream.writelines(self.rows())
-
-
-_STATES = ("displacement", "slip", "stress", "pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance")

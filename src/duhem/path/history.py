@@ -14,20 +14,18 @@ from duhem.projection.result import Array
 from duhem.show.place import write, written
 from duhem.show.printing import draw
 
-__all__ = ["History", "columns"]
+__all__ = ["STATES", "SUMS", "History", "Recorded", "columns"]
+
+SUMS = ("multiplier", "psi", "dissipation", "work", "numerical", "balance")
+STATES = ("displacement", "slip", "stress", "pressure", *SUMS)  # in the order of the tables' columns
 
 
 @dataclass(frozen=True, eq=False)
-class History:
-    """The states of a law at the m knots of a path, knot 0 being the start.
+class Recorded:
+    """What is written down of a law at the knots of one path or of many: ``displacement``, ``slip`` and ``stress`` (..., d), others (...).
 
-    ``displacement`` u, ``slip`` u_in (m, d) in m; ``stress`` sigma (m, d), ``pressure`` sigma_n (m,) in Pa;
-    ``multiplier`` lambda >= 0 (m,), accumulated; ``psi`` = u_e . k u_e / 2 (m,) in Pa m, u_e = u - u_in;
-    ``dissipation`` the integral of sigma . du_in, ``work`` that of sigma . du, ``numerical`` the sum of du_e . k du_e / 2,
-    the energy an implicit step loses, all accumulated from knot 0; ``balance`` the residual of each step,
-    d work - d psi - d dissipation - d numerical (Antoni et al. 2007, Eqs. 22-31, isothermal).
-    ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated; ``plan`` is
-    the question that was answered, from which :func:`duhem.path.trajectory.trajectory` finds what lies between the knots.
+    ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated.  The states and their
+    units are those of :class:`History`.
     """
 
     law: str
@@ -46,20 +44,37 @@ class History:
     balance: Array
     method: str
     why: str
-    plan: Plan | None = field(default=None, repr=False)
-
-    def __len__(self) -> int:
-        return len(self.time)
 
     def columns(self) -> tuple[str, ...]:
         """The names of the table's columns, in order."""
         return columns(self.forces, self.pressure_name)
 
+    def tabled(self) -> list[Array]:
+        """The states of which the table has columns, in order."""
+        return [getattr(self, name) for name in STATES if name != "pressure" or self.pressure_name]
+
+
+@dataclass(frozen=True, eq=False)
+class History(Recorded):
+    """The states of a law at the m knots of a path, knot 0 being the start.
+
+    ``displacement`` u, ``slip`` u_in (m, d) in m; ``stress`` sigma (m, d), ``pressure`` sigma_n (m,) in Pa;
+    ``multiplier`` lambda >= 0 (m,), accumulated; ``psi`` = u_e . k u_e / 2 (m,) in Pa m, u_e = u - u_in;
+    ``dissipation`` the integral of sigma . du_in, ``work`` that of sigma . du, ``numerical`` the sum of du_e . k du_e / 2,
+    the energy an implicit step loses, all accumulated from knot 0; ``balance`` the residual of each step,
+    d work - d psi - d dissipation - d numerical (Antoni et al. 2007, Eqs. 22-31, isothermal).
+    ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated; ``plan`` is
+    the question that was answered, from which :func:`duhem.path.trajectory.trajectory` finds what lies between the knots.
+    """
+
+    plan: Plan | None = field(default=None, repr=False)
+
+    def __len__(self) -> int:
+        return len(self.time)
+
     def to_array(self) -> Array:
         """The table as one array (m, columns)."""
-        load = [self.pressure] if self.pressure_name else []
-        sums = [self.multiplier, self.psi, self.dissipation, self.work, self.numerical, self.balance]
-        return np.column_stack([self.time, self.displacement, self.slip, self.stress, *load, *sums])
+        return np.column_stack([self.time, *self.tabled()])
 
     def to_dict(self) -> dict[str, Array]:
         """Columns by name, as ``pandas.DataFrame`` takes them."""

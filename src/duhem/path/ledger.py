@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from duhem.path.history import History
+from duhem.path.history import SUMS, History
 from duhem.path.plan import Plan, inner, times
 from duhem.projection.result import Array
 
@@ -79,12 +79,7 @@ class Ledger:
             slip=slip,
             stress=stress,
             pressure=plan.increment.pressure[:n],
-            multiplier=self.multiplier[:n],
-            psi=self.psi[:n],
-            dissipation=self.dissipation[:n],
-            work=self.work[:n],
-            numerical=self.numerical[:n],
-            balance=self.balance[:n],
+            **{name: getattr(self, name)[:n] for name in SUMS},
             method=method,
             why=why,
             plan=plan,
@@ -92,7 +87,7 @@ class Ledger:
 
     def finite(self) -> Ledger:
         """This ledger, done up to the first row that holds a number beyond double precision."""
-        rows = [self.stress, self.slip, self.psi, self.multiplier, self.dissipation, self.work, self.numerical, self.balance]
+        rows = [getattr(self, name) for name in ("stress", "slip", *SUMS)]
         bad = ~np.isfinite(np.column_stack(rows)[: self.done]).all(axis=1)
         self.done = int(np.argmax(bad)) if bad.any() else self.done
         return self
@@ -100,6 +95,6 @@ class Ledger:
     def resume(self, start: History) -> None:
         """The rows of an earlier part of the same run."""
         n = len(start)
-        for name in ("stress", "slip", "psi", "multiplier", "dissipation", "work", "numerical", "balance"):
+        for name in ("stress", "slip", *SUMS):
             getattr(self, name)[:n] = getattr(start, name)
         self.done = n

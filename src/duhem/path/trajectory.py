@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.path.exact import Piece, Reached
-from duhem.path.history import History
+from duhem.path.history import STATES, History
 from duhem.path.integrators import INTEGRATORS
 from duhem.path.plan import Plan
 from duhem.path.straight_step import Move
@@ -143,7 +143,7 @@ def _wanted(history: History, plan: Plan, i: int, parts: Array, found: list[Reac
     return wanted
 
 
-_COLUMNS = ("time", "displacement", "slip", "stress", "pressure", "multiplier", "psi", "dissipation", "work", "numerical", "balance")
+_COLUMNS = ("time", *STATES)
 
 
 def _row(history: History, i: int) -> tuple[Array | float, ...]:
