@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 from click.shell_completion import CompletionItem
 
 from duhem.errors import InputError
+from duhem.law.convex import CONVEX
 
 if TYPE_CHECKING:
     from duhem.law.curve_law import Law
     from duhem.law.formula_law import Criterion
 
+_Command = TypeVar("_Command", bound=Callable[..., Any])
+
 __all__ = [
     "Vectors",
     "check_names",
+    "convex_option",
     "law_argument",
     "read_claims",
     "read_fixed_formula",
@@ -45,6 +49,11 @@ law_argument = click.argument("law", shell_complete=_complete_law)
 settings_option = click.option(
     "--set", "settings", metavar="NAME=VALUE", multiple=True, help="Fix a parameter, exactly: mu_a=0.15 or mu_a=3/20. Repeatable."
 )
+
+
+def convex_option(says: str) -> Callable[[_Command], _Command]:
+    """``--convex``, which ``says`` what is asked of K."""
+    return click.option("--convex", type=click.Choice(CONVEX), default="ask", show_default=True, help=says)
 
 
 def read_law(text: str) -> Law:

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import read_fixed_formula, settings_option
+from duhem.cli.arguments import convex_option, read_fixed_formula, settings_option
 from duhem.cli.exit_code import HELD
 from duhem.cli.output import Progress, page, say
-from duhem.law.convex import CONVEX
 from duhem.show.place import check_places
 
 __all__ = ["identify"]
@@ -21,13 +20,7 @@ __all__ = ["identify"]
 @click.option("--law", default="antoni2007", show_default=True, help="The family to fit: a name, a criterion file, or module:attribute.")
 @settings_option
 @click.option("--robust", is_flag=True, help="Minimise Huber's loss, which outliers hardly move, in place of squares.")
-@click.option(
-    "--convex",
-    type=click.Choice(CONVEX),
-    default="ask",
-    show_default=True,
-    help="Refuse a fit refuted to be convex, one not proved to be, or none.",
-)
+@convex_option("Refuse a fit refuted to be convex, one not proved to be, or none.")
 @click.option("--bootstrap", type=click.IntRange(0), default=0, metavar="N", help="Draws for percentile intervals; 0: from the covariance.")
 @click.option("--seed", type=click.IntRange(0), default=0, metavar="S", show_default=True, help="Seed of the bootstrap.")
 @click.option("--out", metavar="FILE", help="Write the fitted law as a criterion file for duhem verify.")

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 
 import click
 
-from duhem.cli.arguments import Vectors, law_argument, read_fixed_formula, read_number, read_numbers, settings_option
+from duhem.cli.arguments import Vectors, convex_option, law_argument, read_fixed_formula, read_number, read_numbers, settings_option
 from duhem.cli.exit_code import FAILED, HELD
 from duhem.cli.output import page, say
 from duhem.errors import InputError
-from duhem.law.convex import CONVEX
 from duhem.projection.methods import METHODS
 
 __all__ = ["project"]
@@ -23,13 +22,7 @@ __all__ = ["project"]
 @click.option("--pressure", metavar="N", help="Normal stress sigma_n <= 0 in compression.")
 @click.option("--stiffness", metavar="K ...", default="1", show_default=True, help="One number, one a force, or the matrix row by row.")
 @click.option("--method", type=click.Choice(["auto", *METHODS]), default="auto", show_default=True, help="How to solve.")
-@click.option(
-    "--convex",
-    type=click.Choice(CONVEX),
-    default="ask",
-    show_default=True,
-    help="Look for a proof that K is convex, require it, or do without.",
-)
+@convex_option("Look for a proof that K is convex, require it, or do without.")
 @click.option("--tangent", is_flag=True, help="Add the consistent tangents.")
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
