@@ -22,27 +22,14 @@ from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
 from duhem.projection.told import Told
 from duhem.projection.validation import posed, setting
-
-LAWS: dict[str, dict[str, float]] = {
-    "antoni2007": {"mu_a_plus": 0.3, "mu_a_minus": 0.2, "mu_b_plus": 0.1, "mu_b_minus": 0.4}, "coulomb": {"mu": 0.3},
-    "superellipse": {"mu_a": 0.3, "mu_b": 0.2, "p": 3}, "limacon": {"mu": 0.3, "e": 0.4}, "hosford": {"yield_stress": 0.3, "m": 8},
-    "drucker1949": {"k": 0.3, "c": 2}, "von-mises": {"yield_stress": 0.3}, "box": {"mu_a": 0.3, "mu_b": 0.2},
-    "tresca": {"yield_stress": 0.3}, "regularised": {"mu": 0.3, "c": 0.1}, "capped": {"mu": 0.3, "tau_max": 0.2},
-    "matchstick": {"mu_a": 0.3, "mu_b": 0.25}, "antoni2007-1d": {"mu_plus": 0.3, "mu_minus": 0.1},
-}  # fmt: skip
-
+from tests.projection.drawn_questions import LAWS, drawn
 
 N = 16
 
 
 def _question(name: str, n: int, seed: int = 0, full: bool = False) -> Increment:
-    law = duhem.load(name)
-    rng, d = np.random.default_rng(seed), len(law.forces)
-    stiffness: Any = np.array([1.0, 2.0, 1.5])[:d]
-    if full:
-        root = rng.normal(size=(d, d))
-        stiffness = root @ root.T + 0.3 * np.eye(d)
-    trial = rng.normal(size=(n, d)) * 10.0 ** rng.uniform(-1.0, 1.0, n)[:, None]
+    law, rng, stiffness = drawn(name, seed, full)
+    trial = rng.normal(size=(n, len(law.forces))) * 10.0 ** rng.uniform(-1.0, 1.0, n)[:, None]
     return posed(setting(law, stiffness, LAWS[name]), 0.4 * trial, -rng.uniform(0.2, 1.2, n) if law.pressure else None)
 
 
@@ -127,14 +114,15 @@ def test_a_stationary_point_that_is_not_the_closest_is_left(monkeypatch: pytest.
     law = Criterion(name="two", g="min(norm(a - 3, b), norm(a + 3, b)) - 1", forces=("a", "b"), pressure=None)
     question = posed(setting(law, 1.0, {}), np.array([[0.5, 0.0]]), None)
     far = Solution(np.array([[-2.0, 0.0]]), np.array([[2.5, 0.0]]), np.array([2.5]), np.zeros(1, dtype=bool))
-    assert _as_text(monkeypatch, question, far, convex=False).left is not None
-    assert _as_text(monkeypatch, question, far, convex=False).left.tolist() == [0]  # type: ignore[union-attr]
+    told = _as_text(monkeypatch, question, far, convex=False)
+    assert told.left is not None and told.left.tolist() == [0]
 
 
 def test_what_a_method_gave_up_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     question = _question("coulomb", 4)
     solution = replace(newton.solve(question), failed=np.array([True, False, True, False]))
-    assert {0, 2} <= set(_as_text(monkeypatch, question, solution, convex=False).left.tolist())  # type: ignore[union-attr]
+    told = _as_text(monkeypatch, question, solution, convex=False)
+    assert told.left is not None and {0, 2} <= set(told.left.tolist())
 
 
 def test_a_word_without_text_leaves_all_to_the_judge() -> None:

@@ -21,29 +21,16 @@ from duhem.projection.result import Solution, Status
 from duhem.projection.scaled_formula import scaled
 from duhem.projection.validation import posed, setting
 from duhem.projection.whitened_body import whitening
+from tests.projection.drawn_questions import LAWS, drawn
 
-LAWS: dict[str, dict[str, float]] = {
-    "superellipse": {"mu_a": 0.3, "mu_b": 0.2, "p": 4}, "limacon": {"mu": 0.3, "e": 0.4}, "hosford": {"yield_stress": 0.3, "m": 8},
-    "drucker1949": {"k": 0.3, "c": 2}, "von-mises": {"yield_stress": 0.3}, "box": {"mu_a": 0.3, "mu_b": 0.2}, 
-    "tresca": {"yield_stress": 0.3}, "antoni2007": {"mu_a_plus": 0.3, "mu_a_minus": 0.2, "mu_b_plus": 0.1, "mu_b_minus": 0.4},
-    "regularised": {"mu": 0.3, "c": 0.1}, "polygon": {"mu": 0.3},
-    "capped": {"mu": 0.3, "tau_max": 0.2}, "matchstick": {"mu_a": 0.3, "mu_b": 0.25}, "antoni2007-1d": {"mu_plus": 0.3, "mu_minus": 0.1},
-}  # fmt: skip
+STRESSES = ("yield_stress", "c")  # the parameters in Pa of the laws that are put in other units
 
 
 def _question(name: str, n: int, seed: int, size: float = 1.0, full: bool = False) -> Increment:
-    law = duhem.load(name)
-    rng, d = np.random.default_rng(seed), len(law.forces)
-    stiffness: Any = np.array([1.0, 2.0, 1.5])[:d]
-    if full:
-        root = rng.normal(size=(d, d))
-        stiffness = root @ root.T + 0.3 * np.eye(d)
+    law, rng, stiffness = drawn(name, seed, full)
     pressure = -size * rng.uniform(0.2, 1.2, n) if law.pressure else None
-    parameters = {name: (value * size if name in ("yield_stress", "k", "c", "tau_max") and law.name != "drucker1949" else value)
-                  for name, value in LAWS[name].items()}  # fmt: skip
-    if law.name == "drucker1949":
-        parameters["k"] *= size
-    return posed(setting(law, stiffness, parameters), size * rng.normal(size=(n, d)) * 0.5, pressure)
+    parameters = {own: value * size if own in STRESSES else value for own, value in LAWS[name].items()}
+    return posed(setting(law, stiffness, parameters), size * rng.normal(size=(n, len(law.forces))) * 0.5, pressure)
 
 
 def _as_text(question: Increment) -> tuple[Solution, np.ndarray]:
