@@ -84,7 +84,6 @@ def test_what_is_not_compiled_says_so_or_runs_as_it_did():
     ranged = Criterion("ranged", ranged.g, ranged.parameters, closed_form=ranged.closed_form, domain={"sigma_a": Domain.between(-2, 1)})
     for law, mu, method, words in [
         ("coulomb", {"mu": 0.3}, "exact", "one exact path"),
-        ("box", {"mu_a": 0.2, "mu_b": 0.1}, "implicit", "box declares no closed form"),
         (ranged, {}, "implicit", "a range of stresses"),
     ]:
         with pytest.raises(InputError, match=words) as fault:

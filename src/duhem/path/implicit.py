@@ -15,7 +15,7 @@ from duhem.path.plan import Plan, energy, inner, times
 from duhem.path.prepared_projection import Closest, closest
 from duhem.projection.result import Array
 
-__all__ = ["advance", "why"]
+__all__ = ["advance", "energies", "single", "stretch", "why"]
 
 _MOST_AHEAD = 4096
 
@@ -32,25 +32,31 @@ def advance(plan: Plan, ledger: Ledger) -> Iterator[int]:
     as long as no row before it slips.
     """
     at, _ = closest(plan.increment, plan.projection)
-    values, k, m = plan.path.values, plan.stiffness, len(plan.path.values)
-    ahead, anchor = 1, ledger.anchor
-    while ledger.done < m:
-        first, last = ledger.done, min(ledger.done + ahead, m)
-        trial = ledger.stress[anchor] + times(values[first:last] - values[anchor], k)
-        rows = np.arange(first, last)
-        stress, slip, multiplier = at(trial, rows)
-        slips = np.flatnonzero((slip != 0.0).any(axis=1) | (multiplier > 0.0))
-        free = int(slips[0]) if slips.size else last - first
-        if free:
-            ledger.sticks(plan, first, first + free, trial[:free])
-        if slips.size:
-            i = first + free
-            du = values[i] - values[i - 1]
-            lost, work, numerical = map(float, energies(k, stress[free], slip[free], du))
-            ledger.step(plan, stress[free], slip[free], (float(multiplier[free]), lost, work, numerical))
-            anchor = i
-        ahead = 1 if slips.size else min(2 * ahead, _MOST_AHEAD)
+    anchor, ahead = ledger.anchor, 1
+    while ledger.done < len(plan.path.values):
+        if stretch(plan, ledger, at, anchor, ahead):
+            anchor, ahead = ledger.done - 1, 1
+        else:
+            ahead = min(2 * ahead, _MOST_AHEAD)
         yield ledger.done
+
+
+def stretch(plan: Plan, ledger: Ledger, at: Closest, anchor: int, ahead: int) -> bool:
+    """The next rows up to the first that slips, no more than ``ahead``, from the row ``anchor`` that last slipped; whether one does."""
+    values, k = plan.path.values, plan.stiffness
+    first, last = ledger.done, min(ledger.done + ahead, len(values))
+    trial = ledger.stress[anchor] + times(values[first:last] - values[anchor], k)
+    stress, slip, multiplier = at(trial, np.arange(first, last))
+    slips = np.flatnonzero((slip != 0.0).any(axis=1) | (multiplier > 0.0))
+    free = int(slips[0]) if slips.size else last - first
+    if free:
+        ledger.sticks(plan, first, first + free, trial[:free])
+    if slips.size:
+        i = first + free
+        du = values[i] - values[i - 1]
+        lost, work, numerical = map(float, energies(k, stress[free], slip[free], du))
+        ledger.step(plan, stress[free], slip[free], (float(multiplier[free]), lost, work, numerical))
+    return bool(slips.size)
 
 
 def energies(k: Array, stress: Array, slip: Array, du: Array) -> tuple[Array, Array, Array]:

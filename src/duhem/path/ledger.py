@@ -47,15 +47,10 @@ class Ledger:
 
     def sticks(self, plan: Plan, first: int, last: int, stress: Array) -> None:
         """Rows ``first`` to ``last`` - 1 without slip, at ``stress`` (n, d)."""
-        block, i = slice(first, last), first - 1
-        before = np.vstack([self.stress[i], stress[:-1]])
-        self.stress[block], self.slip[block], self.psi[block] = stress, self.slip[i], plan.psi(stress)
+        before = np.vstack([self.stress[first - 1], stress[:-1]])
         gained = inner(0.5 * (before + stress), times(stress - before, plan.compliance))
-        self.work[block] = np.cumsum(np.concatenate([self.work[i : i + 1], gained]))[1:]
-        self.balance[block] = gained - np.diff(self.psi[i:last])
-        for sums in (self.multiplier, self.dissipation, self.numerical):
-            sums[block] = sums[i]
-        self.done = last
+        none = np.zeros(last - first)
+        self.rows(plan, stress, np.zeros_like(stress), (none, none, gained, none))
 
     def step(self, plan: Plan, stress: Array, slip: Array, gains: tuple[float, float, float, float]) -> None:
         """One more row, from what its step adds: slip, and multiplier, dissipation, work and numerical loss."""
@@ -65,6 +60,17 @@ class Ledger:
             sums[i] = sums[i - 1] + gain
         self.balance[i] = gains[2] - (self.psi[i] - self.psi[i - 1]) - gains[1] - gains[3]
         self.done = i + 1
+
+    def rows(self, plan: Plan, stress: Array, slip: Array, gains: tuple[Array, Array, Array, Array]) -> None:
+        """As :meth:`step` for many rows (n, ...) at once, added one after the other."""
+        i, last = self.done - 1, self.done + len(stress)
+        block = slice(i + 1, last)
+        self.stress[block], self.psi[block] = stress, plan.psi(stress)
+        self.slip[block] = np.cumsum(np.vstack([self.slip[i], slip]), axis=0)[1:]
+        for sums, gain in zip((self.multiplier, self.dissipation, self.work, self.numerical), gains, strict=True):
+            sums[block] = np.cumsum(np.concatenate([sums[i : i + 1], gain]))[1:]
+        self.balance[block] = gains[2] - np.diff(self.psi[i:last]) - gains[1] - gains[3]
+        self.done = last
 
     def history(self, plan: Plan, method: str, why: str) -> History:
         """The rows done."""

@@ -16,7 +16,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Status
 
-__all__ = ["LOST", "Closest", "Numbers", "closest", "named", "numbers"]
+__all__ = ["LOST", "Answer", "Closest", "Numbers", "closest", "named", "numbers"]
 
 LOST = (Status.INACCURATE, Status.FAILED)
 

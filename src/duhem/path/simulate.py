@@ -22,6 +22,7 @@ from duhem.path.ledger import Ledger
 from duhem.path.loading import Path, checked_count
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan
+from duhem.path.prepared_projection import numbers
 from duhem.path.run import Run
 from duhem.projection.declared_ranges import beyond, crossed
 from duhem.projection.projector import project
@@ -116,7 +117,7 @@ def driven(
     why = integrator.why(plan)
     advance = integrator.advance
     if run.compiled:
-        advance, why = _compiled(method, run.projection), f"{why}, compiled"
+        advance, why = _compiled(plan, method), f"{why}, compiled"
     with np.errstate(all="ignore"):
         ledger = Ledger.begun(plan, _first(plan, run.stress))
     if start is not None:
@@ -139,13 +140,14 @@ def driven(
     return _whole(ledger, plan, method, why)
 
 
-def _compiled(method: str, projection: str) -> Callable[[Plan, Ledger], Iterator[int]]:
-    if method != "implicit" or projection not in ("auto", "closed-form"):
-        what = f"one {method} path by projection {projection} is not compiled"
-        raise InputError(what, where="compiled", remedy='leave it out, or take method="implicit" and projection="auto"')
-    from duhem.path.compiled_run import advance
+def _compiled(plan: Plan, method: str) -> Callable[[Plan, Ledger], Iterator[int]]:
+    if method != "implicit":
+        what = f"one {method} path is not compiled"
+        raise InputError(what, where="compiled", remedy='leave it out, or take method="implicit"')
+    from duhem.path import compiled_run, newton_run
 
-    return advance
+    shaped = plan.projection in ("auto", "closed-form") and numbers(plan.increment) is not None
+    return compiled_run.advance if shaped else newton_run.advance
 
 
 def _many(batch: Batch, method: str, threads: int, on_step: Callable[[int, int], None] | None) -> Histories:

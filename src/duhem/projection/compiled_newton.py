@@ -6,7 +6,13 @@ The functions of the law are its scaled formula and its jets as text (:mod:`duhe
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from types import ModuleType
+
 import numpy as np
+import sympy as sp
 from numpy.typing import NDArray
 
 from duhem.errors import InputError
@@ -17,46 +23,85 @@ from duhem.projection.increment import Increment
 from duhem.projection.kept_code import compiled_text
 from duhem.projection.module_text import module_text
 from duhem.projection.newton_kernel import LEFT
-from duhem.projection.result import Solution
+from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.whitened_body import whitening
 
-__all__ = ["kernel_text", "solved"]
+__all__ = ["Loop", "kernel_text", "solved"]
 
 _BLOCK = 4_096  # so few that threads share batches of some ten thousand
 
 
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A compiled function and what it takes of the law: numbers of the ``formula``, the stiffness's ``root`` and its inverse.
+
+    What it finds of slips and multipliers is for a stiffness of mean 1, and is divided by ``mean``.
+    """
+
+    run: Callable[..., None]
+    formula: ScaledFormula
+    constants: Array
+    root: Array
+    inverse: Array
+    mean: float
+
+    @classmethod
+    def of(cls, increment: Increment, entry: str = "solve", *sources: ModuleType) -> Loop | None:
+        """``entry`` of the kernel or of further ``sources``; None for a law with a word that has no derivatives as text.
+
+        MissingExtraError without numba.
+        """
+        law = increment.law
+        symbol = law.symbols()[law.pressure] if law.pressure else None
+        if (made := _made(increment.g, law.force_symbols(), symbol, sources)) is None:
+            return None
+        text, formula, constants = made
+        mean, root = whitening(increment)
+        inverse = np.ascontiguousarray(np.linalg.inv(root))
+        return cls(compiled_text(text, entry), formula, constants, np.ascontiguousarray(root), inverse, mean)
+
+    def data(self, pressure: Array) -> Array:
+        """What the formula holds besides the forces at each pressure (n, data)."""
+        values = self.formula.values(pressure, np.ones(len(pressure)))
+        return np.stack([values[q] for q in self.formula.data], axis=1) if values else np.zeros((len(pressure), 0))
+
+
 def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, NDArray[np.intp]]:
     """The solution, and the points of it that are left to the search.  MissingExtraError without numba."""
-    law = increment.law
-    symbol = law.symbols()[law.pressure] if law.pressure else None
-    formula = scaled(increment.g, law.force_symbols(), symbol)
     n, d = increment.trial.shape
     every = np.arange(n)
     found = Solution(np.empty((n, d)), np.zeros((n, d)), np.zeros(n), np.zeros(n, dtype=bool))
-    try:
-        jets = scalar_jets(formula.expr, law.force_symbols(), tuple(formula.data))
-        run = compiled_text(kernel_text(formula, jets, d), "solve")
-    except InputError:  # a word without derivatives as text
+    loop = Loop.of(increment)
+    if loop is None:
         return found, every
     state = np.empty(n, dtype=np.int8)
-    mean, root = whitening(increment)
-    root, inverse = np.ascontiguousarray(root), np.ascontiguousarray(np.linalg.inv(root))
 
     def fill(block: slice) -> None:
-        trial = np.ascontiguousarray(increment.trial[block])
-        values = formula.values(increment.pressure[block], np.ones(len(trial)))
-        data = np.stack([values[q] for q in formula.data], axis=1) if values else np.zeros((len(trial), 0))
+        given = np.ascontiguousarray(increment.trial[block]), np.ascontiguousarray(loop.data(increment.pressure[block]))
         out = found.stress[block], found.slip[block], found.multiplier[block], state[block]
-        run(trial, np.ascontiguousarray(data), np.array(jets.constants), root, inverse, formula.degree, *out)
+        loop.run(*given, loop.constants, loop.root, loop.inverse, loop.formula.degree, *out)
 
     in_blocks(n, _BLOCK, fill, threads)
     with np.errstate(over="ignore", invalid="ignore"):
-        found.slip[:] /= mean
-        found.multiplier[:] /= mean
+        found.slip[:] /= loop.mean
+        found.multiplier[:] /= loop.mean
     return found, every[state == LEFT]
 
 
-def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int) -> str:
+@lru_cache(maxsize=256)
+def _made(
+    g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None, sources: tuple[ModuleType, ...]
+) -> tuple[str, ScaledFormula, Array] | None:
+    """The text to compile, the formula in units of its own size and its constants; None for a word without derivatives as text."""
+    formula = scaled(g, forces, pressure)
+    try:
+        jets = scalar_jets(formula.expr, forces, tuple(formula.data))
+    except InputError:
+        return None
+    return kernel_text(formula, jets, len(forces), *sources), formula, np.array(jets.constants)
+
+
+def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType) -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
-    return module_text(formula, d, jets.kinks, (jets.level, jets.piece), (newton_step, newton_kernel))
+    return module_text(formula, d, jets.kinks, (jets.level, jets.piece), (newton_step, newton_kernel, *sources))
