@@ -20,7 +20,7 @@ import duhem
 from duhem.benchmark.contenders import Contender, applicable
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
 from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.work_precision import bench, whole_calls
+from duhem.benchmark.work_precision import bench, many_paths, whole_calls
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
 from duhem.benchmark.work_precision.text import duration, text
 from duhem.errors import InputError
@@ -321,6 +321,31 @@ def test_whole_calls_set_a_law_without_closed_form_other_ratios() -> None:
     rows.append(Measurement("project", "newton", "N = 2000", seconds=spread[30.0]))
     found = whole_calls.targets(rows, [LeftOut("closed-form", "declares none")])
     assert [(target.value, target.holds) for target in found] == [(60.0, True), (2.0, True)]
+
+
+def test_steps_of_many_points_are_held_to_the_kernel(monkeypatch: pytest.MonkeyPatch) -> None:
+    seconds = {"kernel alone": 2e-8, "one path, numba": 3e-7, "many points, numba, one thread": 5e-8, "many points, numba": 4e-8}
+    rows = [Measurement("paths", name, "", seconds=Spread.of([s])) for name, s in seconds.items()]
+    found = many_paths.targets(rows, [])
+    assert [target.holds for target in found] == [True, True, False]
+    assert [target.value for target in found] == pytest.approx([2.5, 0.3, 1.25])
+    lost = many_paths.targets([*rows[:1], Measurement("paths", "one path, numba", "", failure="no")], [])
+    assert [(target.holds, target.reason[:11]) for target in lost] == [(None, "many points"), (None, "failed: no"), (None, "many points")]
+    monkeypatch.setattr(many_paths, "find_spec", lambda name: None)
+    without = bench(coulomb(), scenes=("paths",), repeats=1, points=200, contenders=[])
+    assert [(row.method, row.setting) for row in without.rows] == [("one path", "200 steps")] and not without.failed
+    assert [target.holds for target in without.targets] == [None] * 3 and "wall time a step" in text(without)
+
+
+@pytest.mark.long
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["coulomb", "box"])
+def test_steps_of_many_points_are_measured(name: str) -> None:
+    pytest.importorskip("numba")
+    law = coulomb() if name == "coulomb" else duhem.load("box").fix({"mu_a": "1/5", "mu_b": "1/10"})
+    result = bench(law, scenes=("paths",), repeats=1, points=20_000)
+    assert [row.failure for row in result.rows if row.failure] == [] and len(result.rows) == 6
+    assert all(target.value is not None for target in result.targets)
 
 
 def test_targets_and_spreads() -> None:

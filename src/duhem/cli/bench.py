@@ -22,15 +22,20 @@ __all__ = ["bench"]
 @settings_option
 @click.option(
     "--scene",
-    type=click.Choice(["increment", "path", "throughput", "project", "all"]),
+    type=click.Choice(["increment", "path", "throughput", "project", "paths", "all"]),
     default="all",
     show_default=True,
-    help="One increment alone, a loading path, many increments at once, the same through duhem.project, or all of these.",
+    help="One increment alone, a loading path, many increments at once, the same through duhem.project, many steps through "
+    "duhem.simulate, or all of these.",
 )
 @stiffness_option
 @click.option("--repeats", type=click.IntRange(1), default=5, show_default=True, help="Runs of each measurement; slow ones take fewer.")
 @click.option(
-    "--points", type=click.IntRange(1), default=1_000_000, show_default=True, help="Increments of the scenes throughput and project."
+    "--points",
+    type=click.IntRange(1),
+    default=1_000_000,
+    show_default=True,
+    help="Increments of the scenes throughput and project, steps of a path in paths.",
 )
 @peers_option
 @json_option

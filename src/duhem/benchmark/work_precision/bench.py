@@ -11,8 +11,8 @@ from duhem.benchmark.machine import machine
 from duhem.benchmark.reference import NoReference
 from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision import increments as increment
+from duhem.benchmark.work_precision import many_paths, throughput, whole_calls
 from duhem.benchmark.work_precision import paths as path
-from duhem.benchmark.work_precision import throughput, whole_calls
 from duhem.benchmark.work_precision.result import Measurement, WorkPrecision
 from duhem.benchmark.work_precision.targets import beside_peers, targets
 from duhem.errors import InputError
@@ -21,7 +21,7 @@ from duhem.left_out import LeftOut
 
 __all__ = ["SCENES", "bench"]
 
-SCENES = (increment.SCENE, path.SCENE, throughput.SCENE, whole_calls.SCENE)
+SCENES = (increment.SCENE, path.SCENE, throughput.SCENE, whole_calls.SCENE, many_paths.SCENE)
 
 
 def bench(
@@ -40,7 +40,8 @@ def bench(
 
     ``stiffness`` (d,) diagonal in Pa/m, left out 1, 2, ...; the pressure is -1.  ``scenes``: ``increment`` (each method and
     conic solver over its tolerances), ``path`` (each integrator over ``steps`` a segment), ``throughput`` (``points``
-    increments at once), ``project`` (the same through :func:`duhem.project`, by the wall clock).  Each measurement runs
+    increments at once), ``project`` (the same through :func:`duhem.project`, by the wall clock), ``paths`` (a tenth as many
+    points over 1,000 implicit steps each, and ``points`` steps of one).  Each measurement runs
     ``repeats`` times, fewer where it is slow, and says so.  ``contenders`` in place of all methods; ``peers``: other programs
     beside duhem's, those that are installed.  One that raises is a row with its failure.  KeyboardInterrupt ends it with what is
     done.
@@ -75,7 +76,10 @@ def bench(
     def calls() -> Iterator[Measurement]:
         yield from whole_calls.rows(throughput.Load.of(specimen, points), chosen, repeats)
 
-    runs = {whole_calls.SCENE: calls, increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
+    def histories() -> Iterator[Measurement]:
+        yield from many_paths.rows(many_paths.Drive.of(specimen, points), chosen, repeats)
+
+    runs = {many_paths.SCENE: histories, whole_calls.SCENE: calls, increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
     interrupted = False
     try:
         for scene in scenes:
@@ -98,6 +102,7 @@ def bench(
         targets=(
             *targets(rows, left_out),
             *whole_calls.targets(rows, left_out),
+            *many_paths.targets(rows, left_out),
             *beside_peers(rows, _names(chosen, False), _names(chosen, True)),
         ),
         reference=reference,

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from duhem.benchmark.study_text import report
 from duhem.benchmark.work_precision import increments as increment
+from duhem.benchmark.work_precision import many_paths, throughput, whole_calls
 from duhem.benchmark.work_precision import paths as path
-from duhem.benchmark.work_precision import throughput, whole_calls
 from duhem.benchmark.work_precision.result import Measurement, Spread, WorkPrecision
 from duhem.show.page import PAGE, Page, tied
 
@@ -17,6 +17,7 @@ _TITLES = {
     increment.SCENE: "One increment: four trial stresses, each solved alone; largest relative error, time an increment",
     path.SCENE: "A loading path of four straight steps: largest error of the stress at the corners, time of the whole path",
     whole_calls.SCENE: "Many increments through duhem.project: wall time a point",
+    many_paths.SCENE: "Many implicit steps through duhem.simulate: wall time a step of one point",
     throughput.SCENE: "Many increments at once: processor time a point; errors of some points, flags of the first 100, first call by the "
     "clock on the wall, what it compiles included",
 }
@@ -47,7 +48,7 @@ def _own_error(result: WorkPrecision, scene: str, page: Page) -> list[str]:
 
 def _table(rows: Sequence[Measurement], scene: str, page: Page) -> list[str]:
     names = _ERRORS.get(scene, ())
-    judged = ["flagged"] if scene not in (path.SCENE, whole_calls.SCENE) else []
+    judged = ["flagged"] if scene not in (path.SCENE, whole_calls.SCENE, many_paths.SCENE) else []
     called = ["first call"] if scene == throughput.SCENE else []
     head = ("method", "setting", *(f"error in {n}" for n in names), *judged, *called, "time", "least", "most", "runs")
     body: list[tuple[str, ...]] = [head]
