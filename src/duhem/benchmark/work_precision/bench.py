@@ -77,7 +77,7 @@ def bench(
         yield from whole_calls.rows(throughput.Load.of(specimen, points), chosen, repeats)
 
     def histories() -> Iterator[Measurement]:
-        yield from many_paths.rows(many_paths.Drive.of(specimen, points), chosen, repeats)
+        yield from many_paths.rows(many_paths.LongPaths.of(specimen, points), chosen, repeats)
 
     runs = {many_paths.SCENE: histories, whole_calls.SCENE: calls, increment.SCENE: increments, path.SCENE: paths, throughput.SCENE: loads}
     interrupted = False

@@ -24,7 +24,7 @@ from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.path.simulate import simulate
 
-__all__ = ["SCENE", "Drive", "rows", "targets"]
+__all__ = ["SCENE", "LongPaths", "rows", "targets"]
 
 SCENE = "paths"
 KERNEL, ONE, MANY, ALONE = "kernel alone", "one path", "many points", ", one thread"
@@ -37,7 +37,7 @@ _LIMIT = 6.0
 
 
 @dataclass(frozen=True)
-class Drive:
+class LongPaths:
     """A path of ``size`` steps and more; many points, multiples of it, take a thousand steps each, and ``size`` / 10 is their number."""
 
     specimen: Specimen
@@ -45,7 +45,7 @@ class Drive:
     size: int
 
     @classmethod
-    def of(cls, specimen: Specimen, size: int) -> Drive:
+    def of(cls, specimen: Specimen, size: int) -> LongPaths:
         """Turns of chance, each a few times the reach of K, under constant pressure."""
         d = len(specimen.law.forces)
         draw = np.random.default_rng(1)
@@ -66,7 +66,7 @@ class Drive:
         return Paths.scaled(self.path, factor), 1_000 if self.shaped else _FEW
 
 
-def rows(drive: Drive, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
+def rows(drive: LongPaths, contenders: Sequence[Contender], repeats: int) -> Iterator[Measurement]:
     """Seconds a step of one point: the kernel, one path and many, with and without the compiler, on one thread and on all."""
     given = {"stiffness": drive.specimen.stiffness}
     slow = max(1, min(_SLOW, drive.size) // _TURNS)
@@ -88,7 +88,7 @@ def rows(drive: Drive, contenders: Sequence[Contender], repeats: int) -> Iterato
     yield _memory(MANY + NUMBA, partial(many, threads=_cores()))
 
 
-def _kernel(drive: Drive, contender: Contender, repeats: int) -> Measurement:
+def _kernel(drive: LongPaths, contender: Contender, repeats: int) -> Measurement:
     d = len(drive.specimen.law.forces)
     reach = np.abs(drive.path.values).max() * np.diagonal(drive.specimen.stiffness)
     trial = np.random.default_rng(3).normal(size=(_KERNEL, d)) * (0.3 * reach)
