@@ -22,7 +22,7 @@ from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import compiled_text
 from duhem.projection.module_text import module_text
-from duhem.projection.newton_kernel import LEFT
+from duhem.projection.newton_kernel import INLINED, LEFT
 from duhem.projection.result import Array, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.whitened_body import whitening
@@ -56,10 +56,10 @@ class Loop:
         symbol = law.symbols()[law.pressure] if law.pressure else None
         if (made := _made(increment.g, law.force_symbols(), symbol, sources)) is None:
             return None
-        text, formula, constants = made
+        text, inlined, formula, constants = made
         mean, root = whitening(increment)
         inverse = np.ascontiguousarray(np.linalg.inv(root))
-        return cls(compiled_text(text, entry), formula, constants, np.ascontiguousarray(root), inverse, mean)
+        return cls(compiled_text(text, entry, inlined), formula, constants, np.ascontiguousarray(root), inverse, mean)
 
     def data(self, pressure: Array) -> Array:
         """What the formula holds besides the forces at each pressure (n, data)."""
@@ -92,14 +92,18 @@ def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, 
 @lru_cache(maxsize=256)
 def _made(
     g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None, sources: tuple[ModuleType, ...]
-) -> tuple[str, ScaledFormula, Array] | None:
-    """The text to compile, the formula in units of its own size and its constants; None for a word without derivatives as text."""
+) -> tuple[str, tuple[str, ...], ScaledFormula, Array] | None:
+    """The text to compile, what is put where it is called, the formula in units of its own size and its constants.
+
+    None for a word without derivatives as text.
+    """
     formula = scaled(g, forces, pressure)
     try:
         jets = scalar_jets(formula.expr, forces, tuple(formula.data))
     except InputError:
         return None
-    return kernel_text(formula, jets, len(forces), *sources), formula, np.array(jets.constants)
+    smooth = () if jets.kinks else ("piece",)  # of a smooth law it is called in one place
+    return kernel_text(formula, jets, len(forces), *sources), (*INLINED, *smooth), formula, np.array(jets.constants)
 
 
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType) -> str:

@@ -48,7 +48,7 @@ from duhem.projection.newton_step import (
     whitened,
 )  # fmt: skip
 
-__all__ = ["LEFT", "SLIP", "STICK", "solve"]
+__all__ = ["INLINED", "LEFT", "SLIP", "STICK", "solve"]
 
 KINKS = DATA = 0  # how many kinks and data the law has
 
@@ -68,14 +68,20 @@ def resized(data: Any, n: int, size: float, q: Any) -> None:
     raise NotImplementedError
 
 
+INLINED = (
+    "begun", "below", "bent", "bordered", "crossed", "directed", "length", "newton", "optimal", "pressed", "resized", "searched", "shared",
+    "snapped", "solved", "state_of", "times", "turn", "whitened",
+)  # fmt: skip
+"""Functions that every slip goes through, each called in few places."""
+
 # -- compiled from here ----------------------------------------------------------------------------------------
 
 STICK, SLIP, LEFT = 0, 1, 2
 ANGLE, LOOSE, DEPTH, TIP = 1e-12, 1e-10, 1e-14, 1e-14  # as in the search
 STEPS, HALVINGS, ROUNDS, BRACKETS = 40, 7, 8, 200
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
-SETTLED, ROUNDED = 1e-15, 2e-16
-START = 1e-2  # how closely the way to the trial is cut, relative
+SETTLED = 1e-15
+START = 1e-1  # how closely the way to the trial is cut, relative
 NEAR = 2.0**-40  # of the way: where the origin has no value, K is looked for this close to it
 
 
@@ -154,8 +160,11 @@ def begun(trial: Any, data: Any, n: int, v: Any, q: Any) -> float:
 
 
 def crossed(v: Any, q: Any, out: float) -> float:
-    """The share of the way from the origin to the trial that lies in K, a little less of it; 0 where the origin is no inner point."""
-    low, high = 0.0, 1.0
+    """The share of the way from the origin to the trial that lies in K, a little less of it; 0 where the origin is no inner point.
+
+    Regula falsi; the level at an end that stays is halved (M. Dowell and P. Jarratt 1971), and every third step halves the way.
+    """
+    low, high, stayed = 0.0, 1.0, 0
     for i in range(D):
         v[X, i] = 0.0
     deep = level(v, X, q)
@@ -175,10 +184,14 @@ def crossed(v: Any, q: Any, out: float) -> float:
         found = level(v, X, q)
         if found <= 0.0:
             low, deep = middle, found
+            out *= 0.5 if stayed > 0 else 1.0
+            stayed = 1
             if found == 0.0:
                 break
         else:
             high, out = middle, (found if isfinite(found) else 1e300)
+            deep *= 0.5 if stayed < 0 else 1.0
+            stayed = -1
         if high - low <= START * low:
             break
     return low
@@ -206,7 +219,8 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
 def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
     """How many pieces press on the optimum, which is then in v; 0 where it is not found."""
     count = 1
-    piece(v, X, q, True, held, 0, RAW, m, RAWBEND)
+    if KINKS > 0:
+        piece(v, X, q, True, held, 0, RAW, m, RAWBEND)
     for _ in range(ROUNDS):
         if not isfinite(newton(v, m, a, q, held, count, False, root, inverse)):
             return 0
@@ -277,6 +291,13 @@ def optimal(v: Any, m: Any, q: Any, held: Any, count: int, root: Any) -> bool:
         deep = max(deep, abs(v[LEVELS, j]))
         if not v[LENGTHS, j] >= -ANGLE * (1.0 + away):
             return False
+        for b in range(j):  # the smaller the angle at which they meet, the closer their levels must be
+            apart = 0.0
+            for i in range(D):
+                off = m[NORMALS, j, i] - m[NORMALS, b, i]
+                apart += off * off
+            if not abs(v[LEVELS, j] - v[LEVELS, b]) <= DEPTH * reach * min(sqrt(apart), 1.0):
+                return False
     fits = KINKS == 0 or followed(v, m, q, held, count, root, DEPTH * reach)
     turned = turn(v, m, count) / (1.0 + away)
     return fits and turned <= min(max(1e-15 * reach * curved, ANGLE), LOOSE) and deep <= DEPTH * reach
@@ -314,32 +335,23 @@ def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool,
 
     The error at the stress where it ends, whose state is left in v and m; inf where there is none.
     """
-    error, part = state_of(v, m, a, q, held, count, natural, root, inverse), 0.0
-    before, tries, steps = error, 0, 0
-    while isfinite(error) and steps < STEPS:
-        if part == 0.0:  # a new step from here
-            if error <= ROUNDED or not directed(v, m, a, count, root):
-                break
+    before, part, tries, steps = np.inf, 1.0, 0, 0
+    while True:
+        error = state_of(v, m, a, q, held, count, natural, root, inverse)
+        if error < before:
+            slow = not error < PROGRESS * before and error < CLOSE
+            if error <= SETTLED or slow or steps == STEPS or not directed(v, m, a, count, root):
+                return error
             for i in range(D):
                 v[BEST, i] = v[X, i]
             before, part, tries, steps = error, 1.0, 0, steps + 1
+        elif part == 0.0 or before == np.inf:  # the best there is
+            return error
+        else:
+            tries += 1
+            part = 0.0 if tries == HALVINGS else part * (0.5 if part > 0.2 else 0.1)
         for i in range(D):
             v[X, i] = v[BEST, i] + part * v[STEP, i]
-        error = state_of(v, m, a, q, held, count, natural, root, inverse)
-        if error < before:
-            if not error < PROGRESS * before and error < CLOSE:
-                break
-            part = 0.0
-            continue
-        if error < SETTLED and before < SETTLED:  # rounding alone
-            break
-        tries += 1
-        part *= 0.5 if part > 0.2 else 0.1
-        if tries == HALVINGS:
-            for i in range(D):
-                v[X, i] = v[BEST, i]
-            return state_of(v, m, a, q, held, count, natural, root, inverse)
-    return error
 
 
 def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool, root: Any, inverse: Any) -> float:
@@ -351,21 +363,20 @@ def state_of(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: boo
             m[BEND, i, k] = 0.0
     deep = 0.0
     for j in range(count):
-        high = piece(v, X, q, natural, held, j, RAW, m, RAWBEND)
+        high = piece(v, X, q, natural, held, j, RAW, m, RAWBEND + j)
         slope = whitened(v, root)
         if not slope > 0.0 or not isfinite(high):
             return np.inf
-        v[SLOPES, j], v[LEVELS, j] = slope, high / slope
+        per = 1.0 / slope
+        v[SLOPES, j], v[LEVELS, j] = slope, high * per
         deep = max(deep, abs(v[LEVELS, j]))
         for i in range(D):
-            m[NORMALS, j, i] = v[WHITE, i] / slope
+            m[NORMALS, j, i] = v[WHITE, i] * per
     if not shared(v, m, a, count):
         return np.inf
     for j in range(count):
         if v[LENGTHS, j] > 0.0:
-            if count > 1:
-                piece(v, X, q, False, held, j, RAW, m, RAWBEND)
-            bent(m, root, v[LENGTHS, j] / v[SLOPES, j])
+            bent(m, RAWBEND + j, root, v[LENGTHS, j] / v[SLOPES, j])
     turned = turn(v, m, count) / (1.0 + length(v, REST))
     error = sqrt(turned * turned + deep * deep)
     return error if isfinite(error) else np.inf

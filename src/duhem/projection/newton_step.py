@@ -48,17 +48,20 @@ D = 0  # how many forces the law has
 # Rows of v: trial, whitened trial, where the search begins, stress, whitened stress, the best stress, the rest of the way, Newton's
 # step, a gradient and its whitened one; lengths of the gradients, levels and multipliers of the pieces.
 T, S, FIRST, X, U, BEST, REST, STEP, RAW, WHITE, SLOPES, LEVELS, LENGTHS, ROWS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13
-NORMALS, BEND, RAWBEND, MATRICES = 0, 1, 2, 3  # matrices of m: normals by rows, the sum of the bends, a Hessian
+NORMALS, BEND, RAWBEND, MATRICES = 0, 1, 2, 2 + D  # matrices of m: normals by rows, the sum of the bends, a Hessian a piece
 
 
-def bent(m: Any, root: Any, factor: float) -> None:
-    """Adds a Hessian, whitened, to the bends."""
+def bent(m: Any, own: int, root: Any, factor: float) -> None:
+    """Adds the Hessian ``own``, whitened, to the bends."""
     for i in range(D):
-        for k in range(D):
+        for k in range(i + 1):
+            total = 0.0
             for b in range(D):
                 if root[b, i] != 0.0:
                     for c in range(D):
-                        m[BEND, i, k] += root[b, i] * m[RAWBEND, b, c] * root[c, k] * factor
+                        total += root[b, i] * m[own, b, c] * root[c, k]
+            m[BEND, i, k] += total * factor
+            m[BEND, k, i] = m[BEND, i, k]
 
 
 def turn(v: Any, m: Any, count: int) -> float:
@@ -107,13 +110,13 @@ def bordered(v: Any, m: Any, a: Any, count: int) -> bool:
     if count > 1:
         return False
     rest, own = D + 1, D  # columns: the rest of the way, then the normal, both through the inverse of the matrix
-    for i in range(D):  # L below the diagonal, 1/E on it
+    for i in range(D):  # L below the diagonal, 1/E on it, E L^T above
         deep = 1.0 + m[BEND, i, i]
         for k in range(i):
             full = m[BEND, i, k]
             for b in range(k):
-                full -= a[i, b] * a[k, b] / a[b, b]
-            a[i, k] = full * a[k, k]
+                full -= a[i, b] * a[b, k]
+            a[k, i], a[i, k] = full, full * a[k, k]
             deep -= full * a[i, k]
         if not deep > 0.0:
             return False

@@ -22,7 +22,7 @@ __all__ = ["SCENE", "rows", "targets"]
 
 SCENE = "project"
 COPY, ONE = "copy of 24 bytes a point", ", one thread"
-_SMALL, _FEW = 10_000, 2_000  # points of a small batch; of newton without a compiler
+_SMALL, _FEW = 10_000, 2_000  # points of a small batch; of newton without a compiler beside many
 _LIMIT = 6.0
 
 
@@ -37,8 +37,7 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
             if "compiled" not in options:
                 continue
             if not options["compiled"] and name == "newton":
-                if many == n:
-                    yield _called(load, contender, contender.name, min(many, _FEW), repeats)
+                yield _called(load, contender, contender.name, min(many, _FEW) if many == n else many, repeats)
                 continue
             yield _called(load, contender, contender.name, many, repeats)
             if options["compiled"]:
@@ -85,6 +84,9 @@ def targets(rows: Sequence[Measurement], left_out: Sequence[LeftOut]) -> tuple[T
         target("newton / newton (numba)", ("newton", min(n, _FEW)), ("newton, numba", n), ">=", 15.0),
         target("newton (numba), one thread / all", ("newton, numba" + ONE, n), ("newton, numba", n), ">=", 1.6),
     ]
+    if small < n:
+        both = f"newton / newton (numba), both at N = {small}"
+        newton.insert(1, target(both, ("newton", small), ("newton, numba", small), ">=", 15.0))
     return tuple(newton if "closed-form" in absent else fast)
 
 
