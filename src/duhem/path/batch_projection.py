@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.law.shapes import Disk, Interval
+from duhem.law.shapes import Interval
 from duhem.path.batch import Share
-from duhem.path.prepared_projection import LOST, named, numbers
-from duhem.projection import compiled, quadrants
+from duhem.path.prepared_projection import LOST, named, numbers, on_interval, on_quarters, shape_name
+from duhem.projection import quadrants
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 
@@ -64,19 +64,9 @@ def closest_points(block: Share, method: str, compiled: bool = False) -> tuple[B
     shape = shape_numbers(block) if method in ("auto", "closed-form") else None
     if shape is None:
         return _by_projection(block, method, compiled)
-    if isinstance(block.members[0].law.closed_form, Interval):
-        return _on_intervals(block, shape), name_of(block)
-    return _on_quarters(block, shape, compiled), name_of(block)
-
-
-def name_of(block: Share) -> str:
-    """How the closest point of a declared shape is found."""
-    match block.members[0].law.closed_form:
-        case Interval():
-            return "closed form on an interval"
-        case Disk():
-            return "closed form on a disk"
-    return "closed form on four quarter ellipses"
+    law = block.members[0].law
+    at = _on_intervals(block, shape) if isinstance(law.closed_form, Interval) else _on_quarters(block, shape, compiled)
+    return at, shape_name(law)
 
 
 def _at(array: Array, knot: int, which: Which) -> Array:
@@ -86,40 +76,29 @@ def _at(array: Array, knot: int, which: Which) -> Array:
 
 def _on_quarters(block: Share, shape: ShapeNumbers, fast: bool) -> BatchClosest:
     quarters = quadrants.stacked([quadrants.Quarters.of(mu, block.members[0].stiffness) for mu in shape.coefficients.tolist()])
-    moved = bool(shape.centre.any())
+    moved, several = bool(shape.centre.any()), len(block.members) > 1
 
     def at(trial: Array, knot: int, which: Which) -> Found:
-        stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
-        centre = _at(shape.centre, knot, which)
-        own = block.own[which] if len(block.members) > 1 else None
-        about = trial - centre if moved else trial
-        load = _at(shape.load, knot, which)
-        if fast and own is None:
-            compiled.project(about, load, quarters, stress, slip, multiplier)
-        else:
-            quadrants.project(about, load, quarters, stress, slip, multiplier, own)
-        if moved:
-            stress = np.where((multiplier > 0.0)[:, None], stress + centre, trial)
-        return stress, slip, *_judged(multiplier * _at(shape.share, knot, which))
+        load, share = _at(shape.load, knot, which), _at(shape.share, knot, which)
+        centre, own = _at(shape.centre, knot, which) if moved else None, block.own[which] if several else None
+        return _judged(*on_quarters(trial, quarters, load, share, centre, own, fast))
 
     return at
 
 
 def _on_intervals(block: Share, shape: ShapeNumbers) -> BatchClosest:
     plus, minus = shape.coefficients.T
-    k = float(block.members[0].stiffness[0, 0])
+    k = block.members[0].stiffness
 
     def at(trial: Array, knot: int, which: Which) -> Found:
-        own = block.own[which]
-        mu = np.where(trial[:, 0] < 0.0, minus[own], plus[own])
-        stress, slip, multiplier = quadrants.clamped(trial[:, 0], mu, _at(shape.load, knot, which), k)
-        return stress[:, None], slip[:, None], *_judged(multiplier * _at(shape.share, knot, which))
+        own, load, share = block.own[which], _at(shape.load, knot, which), _at(shape.share, knot, which)
+        return _judged(*on_interval(trial, plus[own], minus[own], load, share, k))
 
     return at
 
 
-def _judged(multiplier: Array) -> tuple[Array, NDArray[np.int8]]:
-    return multiplier, np.where(np.isfinite(multiplier), 0, Status.FAILED).astype(np.int8)
+def _judged(stress: Array, slip: Array, multiplier: Array) -> Found:
+    return stress, slip, multiplier, np.where(np.isfinite(multiplier), 0, Status.FAILED).astype(np.int8)
 
 
 def _pressures(block: Share) -> Array:
@@ -128,7 +107,6 @@ def _pressures(block: Share) -> Array:
 
 def _by_projection(block: Share, method: str, fast: bool) -> tuple[BatchClosest, str]:
     prepared = [Projector.of(member.law, member.stiffness, member.parameters, method) for member in block.members]
-
     options = {"compiled": True} if fast and prepared[0].method.name in ("closed-form", "newton") else {}
 
     def at(trial: Array, knot: int, which: Which) -> Found:

@@ -11,7 +11,7 @@ import numpy as np
 
 from duhem.errors import DuhemError, InputError
 from duhem.path.batch import Batch, Share
-from duhem.path.batch_projection import closest_points, name_of, shape_numbers
+from duhem.path.batch_projection import closest_points, shape_numbers
 from duhem.path.batch_steps import extrapolated, implicit, run
 from duhem.path.histories import Histories
 from duhem.path.history import STATES, SUMS
@@ -19,6 +19,7 @@ from duhem.path.integrators import INTEGRATORS
 from duhem.path.ledger import Ledger
 from duhem.path.loading import between
 from duhem.path.plan import Plan
+from duhem.path.prepared_projection import shape_name
 from duhem.projection.declared_ranges import beyond
 from duhem.projection.result import Status
 from duhem.projection.validation import posed, setting
@@ -105,7 +106,7 @@ def _abreast(method: str) -> Callable[[Batch, int, int, Histories], str]:
             shape = shape_numbers(block)
             if shape is not None and compiled_run.reason(block, shape) is None:
                 compiled_run.fill(block, shape, out)
-                return f"{name_of(block)}, compiled"
+                return f"{shape_name(batch.law)}, compiled"
         at, why = closest_points(block, batch.projection, batch.compiled)
         run(block, out, 1, implicit(block, at))
         return why

@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.errors import DuhemError
+from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Disk, Interval, Quadrants
-from duhem.projection import closed_form, quadrants
+from duhem.projection import closed_form, compiled, quadrants
 from duhem.projection.coefficients import coefficients, of_pressure
 from duhem.projection.increment import Increment
 from duhem.projection.projector import Projector
 from duhem.projection.result import NOT_CLOSEST, NOT_SHOWN, Array, Status
 
-__all__ = ["LOST", "Answer", "Closest", "Numbers", "closest", "named", "numbers"]
+__all__ = ["LOST", "Answer", "Closest", "Numbers", "closest", "named", "numbers", "on_interval", "on_quarters", "shape_name"]
 
 LOST = (Status.INACCURATE, Status.FAILED)
 
@@ -65,37 +66,58 @@ def closest(increment: Increment, method: str) -> tuple[Closest, str]:
     shape = numbers(increment) if method in ("auto", "closed-form") else None
     if shape is None:
         return _by_projection(increment, method)
-    kind = increment.law.closed_form
-    if isinstance(kind, Interval):
-        return _on_interval(shape, increment), "closed form on an interval"
-    name = "a disk" if isinstance(kind, Disk) else "four quarter ellipses"
-    return _on_quarters(shape, quadrants.Quarters.of(shape.coefficients, increment.stiffness)), f"closed form on {name}"
-
-
-def _on_quarters(shape: Numbers, quarters: quadrants.Quarters) -> Closest:
-    moved = bool(shape.centre.any())
+    k, load, share = increment.stiffness, shape.load, shape.share
+    if isinstance(increment.law.closed_form, Interval):
+        plus, minus = shape.coefficients
+        return lambda trial, rows: on_interval(trial, plus, minus, load[rows], share[rows], k), shape_name(increment.law)
+    quarters = quadrants.Quarters.of(shape.coefficients, k)
+    centre = shape.centre if shape.centre.any() else None
 
     def at(trial: Array, rows: Rows) -> Answer:
-        stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
-        centre = shape.centre[rows]
-        quadrants.project(trial - centre if moved else trial, shape.load[rows], quarters, stress, slip, multiplier)
-        if moved:
-            stress = np.where((multiplier > 0.0)[:, None], stress + centre, trial)
-        return stress, slip, multiplier * shape.share[rows]
+        return on_quarters(trial, quarters, load[rows], share[rows], None if centre is None else centre[rows])
 
-    return at
+    return at, shape_name(increment.law)
 
 
-def _on_interval(shape: Numbers, increment: Increment) -> Closest:
-    plus, minus = shape.coefficients
-    k = float(increment.stiffness[0, 0])
+def shape_name(law: Criterion) -> str:
+    """How the closest point of a declared shape is found."""
+    match law.closed_form:
+        case Interval():
+            return "closed form on an interval"
+        case Disk():
+            return "closed form on a disk"
+    return "closed form on four quarter ellipses"
 
-    def at(trial: Array, rows: Rows) -> Answer:
-        mu = np.where(trial[:, 0] < 0.0, minus, plus)
-        stress, slip, multiplier = quadrants.clamped(trial[:, 0], mu, shape.load[rows], k)
-        return stress[:, None], slip[:, None], multiplier * shape.share[rows]
 
-    return at
+def on_quarters(
+    trial: Array,
+    quarters: quadrants.Quarters,
+    load: Array,
+    share: Array,
+    centre: Array | None,
+    own: Rows | None = None,
+    fast: bool = False,
+) -> Answer:
+    """Closest points on quarter ellipses of each row's ``load`` about its ``centre``, if that is not zero for all.
+
+    ``own`` (n,) is which of several stacked quarters each row has; ``fast`` asks compiled code, for one of them.
+    """
+    stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
+    about = trial if centre is None else trial - centre
+    if fast and own is None:
+        compiled.project(about, load, quarters, stress, slip, multiplier)
+    else:
+        quadrants.project(about, load, quarters, stress, slip, multiplier, own)
+    if centre is not None:
+        stress = np.where((multiplier > 0.0)[:, None], stress + centre, trial)
+    return stress, slip, multiplier * share
+
+
+def on_interval(trial: Array, plus: Array | float, minus: Array | float, load: Array, share: Array, k: Array) -> Answer:
+    """Closest points of one force between - ``minus`` and ``plus`` times each row's ``load``."""
+    mu = np.where(trial[:, 0] < 0.0, minus, plus)
+    stress, slip, multiplier = quadrants.clamped(trial[:, 0], mu, load, float(k[0, 0]))
+    return stress[:, None], slip[:, None], multiplier * share
 
 
 def _by_projection(increment: Increment, method: str) -> tuple[Closest, str]:
