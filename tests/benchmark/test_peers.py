@@ -26,7 +26,7 @@ from duhem.expression.numpy_ import compiled
 from duhem.law.formula_law import Criterion
 from duhem.projection import conic_solvers
 from duhem.projection.increment import Increment
-from duhem.projection.projector import project
+from duhem.projection.projector import Projector
 from duhem.projection.result import ACCURACY, Status
 
 SLSQP_ALONE = Contender("scipy SLSQP", SLSQP, PeerOptions())
@@ -172,13 +172,13 @@ def test_a_peer_solves_the_same_increment(peer: Peer, found: Specimen) -> None:
     if peer.load().applies(question) is not None:
         return
     pressure = None if found.pressure is None else question.pressure
-    mine = project(found.law, question.trial, pressure, found.stiffness)
-    other = project(found.law, question.trial, pressure, found.stiffness, method=peer.load())
+    mine = Projector.of(found.law, found.stiffness)(question.trial, pressure)
+    other = Projector.of(found.law, found.stiffness, method=peer.load())(question.trial, pressure)
     assert not (other.status == Status.FAILED).any()
     assert np.abs(other.stress - mine.stress).max() <= 1e-2
     assert other.multiplier == pytest.approx(mine.multiplier, abs=1e-2)
     if np.ptp(np.diagonal(found.stiffness)) > 0.0 and faces(question) is None:
-        assert np.abs(project(found.law, question.trial, pressure, 1.0).stress - mine.stress).max() > 2e-2
+        assert np.abs(Projector.of(found.law)(question.trial, pressure).stress - mine.stress).max() > 2e-2
 
 
 def test_tolerances_of_a_solver_go_where_it_reads_them() -> None:
@@ -194,7 +194,7 @@ def test_a_tolerance_is_a_positive_number() -> None:
             PeerOptions(tolerance=bad)
     question = asked(specimen("coulomb", mu="0.3"), 6)
     loose, tight = (SLSQP.solve(question, PeerOptions(tolerance=t)).stress for t in (1e-3, 1e-12))
-    right = project(question.law, question.trial, question.pressure, question.stiffness).stress
+    right = Projector.of(question.law, question.stiffness)(question.trial, question.pressure).stress
     assert np.abs(tight - right).max() <= 1e-9 and np.abs(tight - right).max() <= np.abs(loose - right).max()
 
 

@@ -5,16 +5,23 @@ What is closest is read off fine grids of boundaries that are known as curves.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection.projector import project
+from duhem.projection.projector import Projector
 from duhem.projection.residuals import residuals
-from duhem.projection.result import ACCURACY, Residuals, Solution, Status
+from duhem.projection.result import ACCURACY, Projection, Residuals, Solution, Status
 from duhem.projection.validation import increment
 from tests.oracles.drawn_sets import CONVEX, GRID, NOT_CONVEX, law, oval_of
+
+
+def project(of: Criterion | str, trial: Any, pressure: Any = None, stiffness: Any = 1.0, parameters: Any = None) -> Projection:
+    """Where nobody asks whether K is convex."""
+    return Projector.of(of, stiffness, parameters)(trial, pressure)
 
 
 @pytest.mark.parametrize("family", NOT_CONVEX)

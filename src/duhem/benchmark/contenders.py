@@ -14,7 +14,7 @@ from duhem.projection import conic_solvers
 from duhem.projection.increment import Increment
 from duhem.projection.method import Method, Options
 from duhem.projection.methods import METHODS
-from duhem.projection.projector import project
+from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Projection, Solution
 
 __all__ = ["Contender", "applicable"]
@@ -47,7 +47,7 @@ class Contender:
     def project(self, specimen: Specimen, trial: Array, pressure: Any, stiffness: Array | None = None) -> Projection:
         """The increment with statuses and residuals, as users get it."""
         k = specimen.stiffness if stiffness is None else stiffness
-        return project(specimen.law, trial, pressure, k, method=self.method, **vars(self.options))
+        return Projector.of(specimen.law, k, method=self.method)(trial, pressure, **vars(self.options))
 
     @property
     def peer(self) -> bool:

@@ -25,7 +25,7 @@ from duhem.path.plan import Plan
 from duhem.path.prepared_projection import numbers
 from duhem.path.run import Run
 from duhem.projection.declared_ranges import beyond, crossed
-from duhem.projection.projector import project
+from duhem.projection.projector import Projector
 from duhem.projection.result import Array
 
 __all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "driven", "simulate"]
@@ -181,7 +181,7 @@ def _inside(plan: Plan, stress: Array, rows: slice) -> int | None:
     """The first of ``stress`` (n, d) that lies outside K under the pressures of ``rows``."""
     question = plan.increment
     pressure = None if question.law.pressure is None else question.pressure[rows]
-    found = project(question.law, stress, pressure, plan.stiffness, question.parameters, method=plan.projection)
+    found = Projector.of(question.law, plan.stiffness, question.parameters, plan.projection)(stress, pressure)
     size = np.maximum(np.abs(stress).max(axis=1), np.abs(found.stress).max(axis=1))
     outside = np.flatnonzero(~(np.abs(found.stress - stress).max(axis=1) <= TOLERANCE * size))
     return int(outside[0]) if outside.size else None

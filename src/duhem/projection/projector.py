@@ -24,7 +24,7 @@ from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solu
 from duhem.projection.told import Told
 from duhem.projection.validation import posed, setting
 
-__all__ = ["ACCURACY", "Projector", "project"]
+__all__ = ["ACCURACY", "Projector"]
 
 _BLOCK = 16_384
 _WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
@@ -32,46 +32,13 @@ _WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is l
 Block = slice | NDArray[np.intp]
 
 
-def project(
-    law: Criterion | str | Path,
-    trial: ArrayLike,
-    pressure: ArrayLike | None = None,
-    stiffness: ArrayLike = 1.0,
-    parameters: Mapping[str, Any] | None = None,
-    method: str | Method[Any] = "auto",
-    tangent: bool = False,
-    **options: Any,
-) -> Projection:
-    """One slip increment: sigma = argmin over K(sigma_n) of (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2.
-
-    The implicit step of u_in' = lambda' dg/dsigma, lambda' >= 0, g <= 0, lambda' g = 0 (Antoni et al. 2007, Eq. 36), with
-    sigma_tr = k (u - u_in) of the end of the step.  ``trial`` (N, d) or (d,) in Pa; ``pressure`` sigma_n <= 0 in
-    compression, one number or (N,), in Pa; ``stiffness`` k > 0 in Pa/m, one number, (d,) or symmetric (d, d).  Of a declared
-    stress one number means k times the strain tensor: a shear stress is k/2 times its conjugate, the engineering strain.
-    ``parameters`` a number for each parameter that the law leaves open; an increment is that of the law with every parameter at
-    the double nearest to it, so that a slip 1e-12 from the boundary of mu = 3/10 is measured from the double 0.3.
-    ``method``: ``closed-form``, ``newton``, ``cvxpy``, ``auto`` for the first of these that applies, or a
-    :class:`duhem.projection.method.Method` of your own.  ``tangent`` adds d sigma/d u and d sigma/d sigma_n.  ``options`` are the
-    method's.  Points are taken in blocks: with a closed form the work needs some 20 MB beyond what it returns, however many points
-    there are.
-
-    Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
-    returned as if it were.  The methods find the closest point of a convex K.  Where K is not convex they find a
-    stationary one, which counts as not solved (``inaccurate``) where a known point of K lies beyond the plane through it
-    across the slip; whether K is convex is asked by :func:`duhem.project`, not here.  What is tried:
-    :class:`duhem.projection.result.Projection`.  A stress beyond the range that the law
-    declares for a force (its ``domain``) is ``outside``; the trial may lie anywhere.  Raises InputError for input that
-    cannot be used, naming the first bad entry, for a pressure outside its range, and for a law with a flow of its own, which
-    the closest point does not integrate.
-    """
-    return Projector.of(law, stiffness, parameters, method)(trial, pressure, tangent, **options)
-
-
 @dataclass(frozen=True)
 class Projector:
-    """:func:`project` for one law, stiffness and set of parameters, checked once; ``why`` the method was taken.
+    """:func:`duhem.project` for one law, stiffness and set of parameters, checked once; ``why`` the method was taken.
 
-    Call it with ``trial``, ``pressure``, ``tangent`` and the method's options, as often as there are steps.
+    Call it with ``trial``, ``pressure``, ``tangent`` and the method's options, as often as there are steps.  It asks nobody
+    whether K is convex: where that is not ``setting.convexity``, a stationary point counts as the closest one unless a known point
+    of K lies beyond the plane through it across the slip (:class:`duhem.projection.result.Projection`).
     """
 
     setting: Increment
@@ -86,7 +53,7 @@ class Projector:
         parameters: Mapping[str, Any] | None = None,
         method: str | Method[Any] = "auto",
     ) -> Projector:
-        """What :func:`project` checks and chooses before it sees a stress; arguments, units and errors are the same."""
+        """What :func:`duhem.project` checks and chooses before it sees a stress; arguments, units and errors are the same."""
         question = setting(load_formula(law), stiffness, parameters)
         return cls(question, *_chosen(question, method))
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
-from duhem.projection.projector import project
+from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
 
@@ -80,7 +80,7 @@ def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bo
     check_associated(load(law))
 
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: Any) -> Step:
-        found = project(law, trial, pressure, stiffness, parameters, method=method, tangent=tangent)
+        found = Projector.of(law, stiffness, parameters, method)(trial, pressure, tangent)
         solved: NDArray[np.bool_] = found.status <= Status.SLIP
         return Step(found.stress, found.slip, found.multiplier, found.tangent, solved)
 

@@ -38,9 +38,12 @@ def project(
     sigma_tr = k (u - u_in) of the end of the step.  ``trial`` (N, d) or (d,) in Pa; ``pressure`` sigma_n <= 0 in
     compression, one number or (N,), in Pa; ``stiffness`` k > 0 in Pa/m, one number, (d,) or symmetric (d, d).  Of a declared
     stress one number means k times the strain tensor: a shear stress is k/2 times its conjugate, the engineering strain.
-    ``parameters`` a number for each parameter that the law leaves open.  ``method``: ``closed-form``, ``newton``,
-    ``cvxpy``, ``auto`` for the first of these that applies, or a :class:`duhem.projection.method.Method` of your own.
-    ``tangent`` adds d sigma/d u and d sigma/d sigma_n.  ``options`` are the method's.
+    ``parameters`` a number for each parameter that the law leaves open; an increment is that of the law with every parameter at
+    the double nearest to it, so that a slip 1e-12 from the boundary of mu = 3/10 is measured from the double 0.3.
+    ``method``: ``closed-form``, ``newton``, ``cvxpy``, ``auto`` for the first of these that applies, or a
+    :class:`duhem.projection.method.Method` of your own.  ``tangent`` adds d sigma/d u and d sigma/d sigma_n.  ``options`` are the
+    method's.  Points are taken in blocks: with a closed form the work needs some 20 MB beyond what it returns, however many points
+    there are.
 
     Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
     returned as if it were.  The methods find the closest point of a convex K.  ``convex``: what is known of K, unless the

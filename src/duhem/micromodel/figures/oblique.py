@@ -93,10 +93,10 @@ def _fitted_slip(law: Criterion, fit: Mapping[str, float], points: Array, theta:
 
     The wedges' tractions ``points`` have the directions ``theta``, increasing, and the slips ``phi``, all in rad.
     """
-    from duhem.projection.projector import project
+    from duhem.projection.projector import Projector
 
     # The closest point of K to a stress outside moves along the normal there: the fitted law's slip.
-    predicted = project(law, 1.5 * points, -1.0, 1.0, fit)
+    predicted = Projector.of(law, 1.0, fit)(1.5 * points, -1.0)
     at = np.arctan2(predicted.stress[:, 1], predicted.stress[:, 0])
     wedges = slip_direction(at + np.interp(at, theta, phi - theta, period=2.0 * np.pi))
     order = np.argsort(at % (2.0 * np.pi))

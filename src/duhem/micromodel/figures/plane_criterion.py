@@ -23,7 +23,7 @@ def criterion(
     """
     from duhem.law.catalogue import load
     from duhem.micromodel.figures.boundary import boundary
-    from duhem.projection.projector import project
+    from duhem.projection.projector import Projector
 
     law = load("antoni2007")
     parameters = {"mu_a_plus": mu_a_plus, "mu_a_minus": mu_a_minus, "mu_b_plus": mu_b_plus, "mu_b_minus": mu_b_minus}
@@ -33,7 +33,7 @@ def criterion(
     reach = float(np.abs(asymmetric).max())
     around = np.linspace(0.0, 2.0 * np.pi, _SLIPS, endpoint=False)
     outside = boundary(law, parameters, around) * 1.5
-    slipped = project(law, outside, -1.0, 1.0, parameters, method="newton")
+    slipped = Projector.of(law, 1.0, parameters, "newton")(outside, -1.0)
     direction = slipped.slip / np.linalg.norm(slipped.slip, axis=1, keepdims=True)
     panel = Panel(
         Axis("sigma_a/|sigma_n|", r"$\sigma_a\,/\,|\sigma_n|$"),
