@@ -16,48 +16,21 @@ from pathlib import Path
 
 import numpy as np
 
-ONE = """\
-law = "{law}"
-stiffness = [1.0, 2.0]
-[parameters]
-{parameters}
-[path]
-kind = "random"
-seed = 3
-points = 40
-scale = 0.3
-pressure = -1.0
-[method]
-integrator = "{integrator}"
-substeps = {substeps}
-[output]
-checkpoint = 0.5
-"""
-MANY = """\
-law = "antoni2007"
-stiffness = [1.0, 2.0]
-[parameters]
-mu_a_minus = 0.08
-mu_b_plus = 0.12
-mu_b_minus = 0.15
-[points]
-table = "points.csv"
-[path]
-kind = "random"
-seed = 3
-points = 60
-scale = 0.3
-[method]
-substeps = 2
-[output]
-keep = 20
-"""
-ELLIPSE = "mu_a_plus = 0.2\nmu_a_minus = 0.08\nmu_b_plus = 0.12\nmu_b_minus = 0.15"
+from tests.path.scenes import TABLE, walk
+
+MU = {"mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+
+
+def one(integrator: str, substeps: int, law: str = "antoni2007", **parameters: float) -> str:
+    method = f'[method]\nintegrator = "{integrator}"\nsubsteps = {substeps}\n'
+    return f"{walk(40, law=law, **parameters)}pressure = -1.0\n{method}[output]\ncheckpoint = 0.5\n"
+
+
 SCENES = {
-    "implicit": ONE.format(law="antoni2007", parameters=ELLIPSE, integrator="implicit", substeps=120),
-    "extrapolated": ONE.format(law="antoni2007", parameters=ELLIPSE, integrator="extrapolated", substeps=35),
-    "exact": ONE.format(law="orthotropic", parameters="mu_a = 0.2\nmu_b = 0.1", integrator="exact", substeps=250),
-    "many points": MANY,
+    "implicit": one("implicit", 120, mu_a_plus=0.2, **MU),
+    "extrapolated": one("extrapolated", 35, mu_a_plus=0.2, **MU),
+    "exact": one("exact", 250, law="orthotropic", mu_a=0.2, mu_b=0.1),
+    "many points": f"{walk(60, TABLE, **MU)}[method]\nsubsteps = 2\n[output]\nkeep = 20\n",
 }
 SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)
 

@@ -16,6 +16,7 @@ from duhem import InputError
 from duhem.cli import cli
 from duhem.path import kept_part, scene_file, scene_run
 from duhem.path.integrators import INTEGRATORS
+from tests.path.scenes import walk
 
 LINE = """\
 law = "antoni2007-1d"
@@ -35,26 +36,8 @@ pressure = -1.0
 substeps = 50
 """
 
-PLANE = """\
-law = "antoni2007"
-stiffness = [1.0, 2.0]
-
-[parameters]
-mu_a_plus = 0.2
-mu_a_minus = 0.08
-mu_b_plus = 0.12
-mu_b_minus = 0.15
-
-[path]
-kind = "random"
-seed = 3
-points = 40
-scale = 0.3
-pressure = -1.0
-
-[method]
-integrator = "exact"
-"""
+MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+PLANE = f'{walk(40, **MU)}pressure = -1.0\n\n[method]\nintegrator = "exact"\n'
 
 
 @pytest.fixture
@@ -69,9 +52,8 @@ def run(*arguments):
 
 
 def test_a_scene_is_the_call_it_stands_for():
-    mu = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
     path = duhem.Path.random(seed=3, points=40, scale=0.3, pressure=-1.0)
-    called = duhem.simulate("antoni2007", path, stiffness=[1.0, 2.0], parameters=mu, method="exact")
+    called = duhem.simulate("antoni2007", path, stiffness=[1.0, 2.0], parameters=MU, method="exact")
     assert np.array_equal(scene_file.reads(PLANE).run().to_array(), called.to_array())
 
 

@@ -16,28 +16,10 @@ from duhem.cli import cli
 from duhem.path import batch as batches
 from duhem.path import growing_table, kept_part, scene_file
 from duhem.path.kept_part import beside
+from tests.path.scenes import TABLE, walk
 
-SCENE = """\
-law = "antoni2007"
-stiffness = [1.0, 2.0]
-
-[parameters]
-mu_a_minus = 0.08
-mu_b_plus = 0.12
-mu_b_minus = 0.15
-
-[points]
-table = "points.csv"
-
-[path]
-kind = "random"
-seed = 3
-points = 9
-scale = 0.3
-
-[output]
-keep = 4
-"""
+MU = {"mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+SCENE = f"{walk(9, TABLE, **MU)}\n[output]\nkeep = 4\n"
 POINTS = "scale,mu_a_plus,sigma_n,scale_b\n1,0.2,-1.0,2\n-1,0.1,-1.5,1\n0.5,0.2,-0.5,-1\n2,0.3,0.0,1\n1.5,0.2,-2,0.25\n"
 OWN = "point,time,u_a,u_b,sigma_n\n7,0,0,0,-1\n7,1,0.5,0.1,-2\n3,0,0,0,-1\n3,1,-0.2,0.4,-1\n"
 
@@ -58,7 +40,7 @@ def called():
     rows = np.array([[float(x) for x in line.split(",")] for line in POINTS.splitlines()[1:]])
     path = duhem.Path.random(seed=3, points=9, scale=0.3)
     by = np.stack([rows[:, 0], rows[:, 0] * rows[:, 3]], axis=1)
-    mu = {"mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15, "mu_a_plus": rows[:, 1]}
+    mu = {**MU, "mu_a_plus": rows[:, 1]}
     return duhem.simulate("antoni2007", Paths.scaled(path, by, pressure=rows[:, 2:3]), stiffness=[1.0, 2.0], parameters=mu, keep=4)
 
 
