@@ -34,8 +34,9 @@ def test_the_suite_finds_nothing(name: str, tmp_path: Path) -> None:
     report = conformance(law, run, checks=SUITE, max_examples=3, rows=20)
     assert report.ok, str(report)
     assert report.flagged_share < 0.25 and report.points > 200  # stiffness and friction over six decades each
-    near = conformance(law, run, checks=["slope"], pressure=pressures(-1, 1).filter(bool) if law.pressure else None, max_examples=1)
-    assert near.ok or name == "superellipse", str(near)  # whose flat points are too sharp for differences
+    if name != "superellipse":  # whose flat points are too sharp for differences
+        near = conformance(law, run, checks=["slope"], pressure=pressures(-1, 1).filter(bool) if law.pressure else None, max_examples=1)
+        assert near.ok, str(near)
 
 
 @pytest.mark.parametrize(

@@ -100,7 +100,7 @@ def test_a_superellipse_with_hollow_sides() -> None:
     nearest = np.array([np.linalg.norm(edge - u, axis=1).min() for u in trial])
     assert not (done.status == Status.SLIP).any()
     stationary = done.status == Status.STATIONARY
-    assert (away[stationary] <= nearest[stationary] + 1e-3).all()
+    assert stationary.any() and (away[stationary] <= nearest[stationary] + 1e-3).all()
 
 
 def test_a_point_is_told_alike_alone_and_among_others() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import sympy as sp
 
@@ -61,6 +62,7 @@ class Routine:
     parameters: tuple[str, ...]
 
 
+@lru_cache(maxsize=16)
 def routine(law: Criterion) -> Routine:
     """The increment of ``law``, its open parameters arguments.
 

