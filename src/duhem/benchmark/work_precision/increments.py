@@ -87,7 +87,7 @@ def _row(work: Exercise, contender: Contender, repeats: int) -> Measurement:
         note = f"{missing} of {len(found)} increments without an answer" if missing else ""
         return Measurement(SCENE, contender.name, setting, errors, timed(run, repeats, 1.0 / len(work.trial)), flagged, None, note)
     except Exception as fault:  # whatever a solver raises is its result
-        return Measurement(SCENE, contender.name, setting, failure=f"{type(fault).__name__}: {fault}")
+        return Measurement.failing(SCENE, contender.name, setting, fault)
 
 
 def _errors(work: Exercise, found: Sequence[Solution]) -> dict[str, float]:

@@ -80,7 +80,7 @@ def _row(work: Route, method: str, count: int, repeats: int) -> Measurement:
     except DuhemError as fault:
         return Measurement(SCENE, method, setting, failure=str(fault))
     except Exception as fault:  # whatever an integrator raises is its result
-        return Measurement(SCENE, method, setting, failure=f"{type(fault).__name__}: {fault}")
+        return Measurement.failing(SCENE, method, setting, fault)
     assert history is not None
     unit = max(abs(x) for stress in work.driven.stress for x in stress)
     knots = history.stress[::count].tolist()

@@ -49,6 +49,11 @@ class Measurement:
     note: str = ""
     first: float | None = None
 
+    @classmethod
+    def failing(cls, scene: str, method: str, setting: str, fault: Exception) -> Measurement:
+        """No answer: whatever a method raises is its result."""
+        return cls(scene, method, setting, failure=f"{type(fault).__name__}: {fault}")
+
 
 @dataclass(frozen=True)
 class Target:

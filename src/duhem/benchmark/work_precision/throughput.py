@@ -24,7 +24,7 @@ from duhem.benchmark.contenders import Contender
 from duhem.benchmark.reference import NoReference, ReferenceIncrement, distance
 from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision.result import Measurement, Spread
-from duhem.benchmark.work_precision.timing import timed
+from duhem.benchmark.work_precision.timing import measured, timed
 from duhem.left_out import LeftOut
 from duhem.projection.increment import Increment
 from duhem.projection.projector import ACCURACY
@@ -149,8 +149,8 @@ def _judged(load: Load, name: str, n: int, solve: Callable[[Increment], Solution
         seconds = timed(partial(solve, part), repeats, 1.0 / n, _LIMIT, process_time)
         flagged = int(np.count_nonzero(head.failed | ~(worst <= ACCURACY)))
         return Measurement(SCENE, name, f"N = {n}", _errors(load, head), seconds, flagged, None, note, first)
-    except Exception as fault:  # whatever a method raises is its result
-        return Measurement(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
+    except Exception as fault:
+        return Measurement.failing(SCENE, name, f"N = {n}", fault)
 
 
 def _errors(load: Load, found: Solution) -> dict[str, float]:
@@ -180,11 +180,7 @@ def _cvxpy(load: Load, count: int, repeats: int) -> Iterator[Measurement]:
 
 
 def _measured(name: str, n: int, run: Callable[[], object], repeats: int, note: str) -> Measurement:
-    try:
-        run()  # what is compiled on first use is compiled here
-        return Measurement(SCENE, name, f"N = {n}", seconds=timed(run, repeats, 1.0 / n, _LIMIT, process_time), note=note)
-    except Exception as fault:  # whatever a method raises is its result
-        return Measurement(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
+    return measured(SCENE, name, f"N = {n}", run, repeats, 1.0 / n, _LIMIT, process_time, note)
 
 
 def _reused(contender: Contender, question: Increment, repeats: int) -> Measurement:
@@ -193,7 +189,7 @@ def _reused(contender: Contender, question: Increment, repeats: int) -> Measurem
     try:
         room = contender.solve(question)
     except Exception as fault:
-        return Measurement(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
+        return Measurement.failing(SCENE, name, f"N = {n}", fault)
     return _measured(name, n, lambda: contender.again(question, room), repeats, "")
 
 
@@ -205,7 +201,7 @@ def _memory(name: str, run: Callable[[], object]) -> Measurement:
         now, peak = tracemalloc.get_traced_memory()
         del kept
     except Exception as fault:
-        return Measurement(SCENE, name, "extra memory", failure=f"{type(fault).__name__}: {fault}")
+        return Measurement.failing(SCENE, name, "extra memory", fault)
     finally:
         tracemalloc.stop()
     return Measurement(SCENE, name, "extra memory", {"megabytes": (peak - now) / 1e6})

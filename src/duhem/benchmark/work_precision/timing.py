@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import perf_counter
 
-from duhem.benchmark.work_precision.result import Spread
+from duhem.benchmark.work_precision.result import Measurement, Spread
 
-__all__ = ["timed"]
+__all__ = ["measured", "timed"]
 
 
 def timed(
@@ -23,3 +23,22 @@ def timed(
         run()
         seconds.append(clock() - began)
     return Spread.of(seconds, share)
+
+
+def measured(
+    scene: str,
+    name: str,
+    setting: str,
+    run: Callable[[], object],
+    repeats: int,
+    share: float,
+    limit: float,
+    clock: Callable[[], float] = perf_counter,
+    note: str = "",
+) -> Measurement:
+    """The row of a run by :func:`timed`, after a first one: what is compiled on first use is compiled there."""
+    try:
+        run()
+        return Measurement(scene, name, setting, seconds=timed(run, repeats, share, limit, clock), note=note)
+    except Exception as fault:
+        return Measurement.failing(scene, name, setting, fault)

@@ -15,7 +15,7 @@ import numpy as np
 from duhem.benchmark.contenders import Contender
 from duhem.benchmark.work_precision.result import Measurement, Target
 from duhem.benchmark.work_precision.throughput import Load
-from duhem.benchmark.work_precision.timing import timed
+from duhem.benchmark.work_precision.timing import measured
 from duhem.left_out import LeftOut
 
 __all__ = ["SCENE", "rows", "targets"]
@@ -52,11 +52,7 @@ def _called(load: Load, contender: Contender, name: str, count: int, repeats: in
 
 
 def _measured(name: str, n: int, run: Callable[[], object], repeats: int, note: str) -> Measurement:
-    try:
-        run()
-        return Measurement(SCENE, name, f"N = {n}", seconds=timed(run, repeats, 1.0 / n, _LIMIT), note=note)
-    except Exception as fault:  # whatever a method raises is its result
-        return Measurement(SCENE, name, f"N = {n}", failure=f"{type(fault).__name__}: {fault}")
+    return measured(SCENE, name, f"N = {n}", run, repeats, 1.0 / n, _LIMIT, note=note)
 
 
 def targets(rows: Sequence[Measurement], left_out: Sequence[LeftOut]) -> tuple[Target, ...]:
