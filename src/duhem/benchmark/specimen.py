@@ -77,6 +77,12 @@ class Specimen:
         (last,), (first,) = Rays(level, np.zeros(len(direction)), direction[None]).left(_RADII)
         return 0.0 if last < _RADII[0] else float("inf") if last == first else float(last)
 
+    def width(self) -> float:
+        """How far K reaches along the axes, either way: the median of where it ends, 1 where it does nowhere."""
+        axes = np.eye(len(self.law.forces))
+        reach = [self.radius(way, self.pressure) for axis in axes for way in (axis, -axis)]
+        return float(np.median([r for r in reach if 0.0 < r < 1e300] or [1.0]))
+
     def describe(self) -> str:
         """The law's parameters and the stiffness in words."""
         values = ", ".join(f"{name} = {float(domain.value):g}" for name, domain in self.law.parameters.items() if domain.value is not None)

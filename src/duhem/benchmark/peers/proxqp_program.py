@@ -8,10 +8,9 @@ without a look at the duality gap; where a tolerance is given, the gap has to me
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 
+from duhem.benchmark.machine import cores
 from duhem.benchmark.peers.peer import PeerOptions, answered
 from duhem.benchmark.peers.polygon_faces import faces
 from duhem.projection.increment import Increment
@@ -45,7 +44,7 @@ def _solve(question: Increment, options: PeerOptions) -> Solution:
                 program.settings.eps_abs = program.settings.eps_duality_gap_abs = options.tolerance
                 program.settings.check_duality_gap = True
             program.init(compliance, linear[i], None, None, found.normals, below, found.offsets[i])
-        proxqp.dense.solve_in_parallel(programs, os.cpu_count() or 1)
+        proxqp.dense.solve_in_parallel(programs, cores())
         for i in block:
             results = programs.get(i - start).results
             stress[i], failed[i] = results.x, results.info.status != proxqp.PROXQP_SOLVED

@@ -6,7 +6,6 @@ run takes at its peak, results included, beyond what it was given.  What is comp
 
 from __future__ import annotations
 
-import os
 import tracemalloc
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -16,9 +15,10 @@ from importlib.util import find_spec
 import numpy as np
 
 from duhem.benchmark.contenders import Contender
+from duhem.benchmark.machine import cores
 from duhem.benchmark.specimen import Specimen
 from duhem.benchmark.work_precision.result import Measurement, Target
-from duhem.benchmark.work_precision.timing import timed
+from duhem.benchmark.work_precision.timing import measured
 from duhem.left_out import LeftOut
 from duhem.path.loading import Path
 from duhem.path.paths import Paths
@@ -49,8 +49,7 @@ class LongPaths:
         """Turns of chance, each a few times the reach of K, under constant pressure."""
         d = len(specimen.law.forces)
         draw = np.random.default_rng(1)
-        reach = [specimen.radius(s * axis, specimen.pressure) for axis in np.eye(d) for s in (1.0, -1.0)]
-        width = float(np.median([r for r in reach if 0.0 < r < 1e300] or [1.0])) / np.diagonal(specimen.stiffness)
+        width = specimen.width() / np.diagonal(specimen.stiffness)
         points = np.vstack([np.zeros(d), np.cumsum(draw.normal(size=(_TURNS, d)) * 1.5 * width, axis=0)])
         return cls(specimen, Path.linear(points, pressure=specimen.pressure), size)
 
@@ -83,9 +82,9 @@ def rows(drive: LongPaths, contenders: Sequence[Contender], repeats: int) -> Ite
     points, steps = drive.many()
     setting, count = f"N = {len(points)}, {steps} steps", len(points) * steps
     many = partial(simulate, drive.specimen.declared, points, substeps=steps // _TURNS, keep="last", compiled=True, **given)
-    for label, threads in ((MANY + NUMBA + ALONE, 1), (MANY + NUMBA, _cores())):
+    for label, threads in ((MANY + NUMBA + ALONE, 1), (MANY + NUMBA, cores())):
         yield _measured(label, setting, count, partial(many, threads=threads), repeats)
-    yield _memory(MANY + NUMBA, partial(many, threads=_cores()))
+    yield _memory(MANY + NUMBA, partial(many, threads=cores()))
 
 
 def _kernel(drive: LongPaths, contender: Contender, repeats: int) -> Measurement:
@@ -100,11 +99,7 @@ def _kernel(drive: LongPaths, contender: Contender, repeats: int) -> Measurement
 
 
 def _measured(name: str, setting: str, steps: int, run: Callable[[], object], repeats: int) -> Measurement:
-    try:
-        run()
-        return Measurement(SCENE, name, setting, seconds=timed(run, repeats, 1.0 / steps, _LIMIT))
-    except Exception as fault:  # whatever an integrator raises is its result
-        return Measurement(SCENE, name, setting, failure=f"{type(fault).__name__}: {fault}")
+    return measured(SCENE, name, setting, run, repeats, 1.0 / steps, _LIMIT)
 
 
 def _memory(name: str, run: Callable[[], object]) -> Measurement:
@@ -113,7 +108,7 @@ def _memory(name: str, run: Callable[[], object]) -> Measurement:
         run()
         return Measurement(SCENE, name, "peak memory", {"megabytes": tracemalloc.get_traced_memory()[1] / 1e6})
     except Exception as fault:
-        return Measurement(SCENE, name, "peak memory", failure=f"{type(fault).__name__}: {fault}")
+        return Measurement.failing(SCENE, name, "peak memory", fault)
     finally:
         tracemalloc.stop()
 
@@ -140,7 +135,3 @@ def targets(rows: Sequence[Measurement], left_out: Sequence[LeftOut]) -> tuple[T
         one,
         target("implicit steps of many points (numba), one thread / all", MANY + NUMBA + ALONE, MANY + NUMBA, ">=", 1.6),
     )
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -57,9 +57,7 @@ class Load:
         """``left_out`` takes the reason where there are no answers."""
         d = len(specimen.law.forces)
         draw = np.random.default_rng(1)
-        reach = [specimen.radius(s * axis, specimen.pressure) for axis in np.eye(d) for s in (1.0, -1.0)]
-        size = float(np.median([r for r in reach if 0.0 < r < 1e300] or [1.0]))
-        trial = draw.normal(size=(points, d)) * (0.9 * size)
+        trial = draw.normal(size=(points, d)) * (0.9 * specimen.width())
         pressure = None if specimen.pressure is None else -draw.uniform(0.5, 1.5, points)
         answers: dict[int, ReferenceIncrement] = {}
         try:
