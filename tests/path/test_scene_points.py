@@ -100,7 +100,12 @@ def test_what_is_wrong_in_a_table_of_paths_is_said(folder, table, words):
 
 
 @pytest.mark.parametrize(
-    "line", ["keep = 0", 'keep = ""', "keep = 1.5", "checkpoint = 0", "checkpoint = true", 'compiled = "yes"', "threads = true"]
+    "line",
+    [
+        *("keep = 0", "keep = -1", 'keep = ""', "keep = 1.5"),
+        *("checkpoint = 0", "checkpoint = nan", "checkpoint = true"),
+        *('compiled = "yes"', "threads = true", "threads = -2"),
+    ],
 )
 def test_options_of_the_wrong_kind_are_said_at_their_line(folder, line):
     section = "method" if line.startswith(("compiled", "threads")) else "output"

@@ -23,7 +23,9 @@ from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import posed, setting
 
-__all__ = ["Batch", "Share"]
+__all__ = ["MOST_THREADS", "Batch", "Share"]
+
+MOST_THREADS = 256
 
 _POINTS = 4032  # of a block: their states stay in the second cache, and a whole number of the compiled kernel's chunks
 _NUMBERS = 1 << 25  # that a block holds of its own paths and results: 256 MiB
@@ -83,6 +85,7 @@ class Batch:
         ends = None if load is None else np.array([load.min(), load.max()])
         posed(members[0], np.zeros((1, d)), ends)
         checked_count(substeps, "substeps", 1)
+        checked_count(run.threads, "threads", 1, MOST_THREADS)
         if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
             raise InputError(f"{steps} steps are too many", where="substeps", remedy=f"take at most {MOST_NUMBERS // d} in all")
         return cls(

@@ -70,6 +70,13 @@ _KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # what each kind
     "random": (("seed", "points"), ("scale",)),
     "table": (("file",), ("columns", "time", "control", "point")),
 }
+_VALUES: Mapping[str, tuple[Any, str]] = {
+    "compiled": (bool, "write true or false"),
+    "substeps": (int, "give a whole number from 1 on"),
+    "threads": (int, "give a whole number from 1 on"),
+    "keep": ((int, str), 'give every how many knots are kept, or "last"'),
+    "checkpoint": ((int, float), "give seconds, above 0"),
+}
 _PROJECTIONS = ("auto", *METHODS)
 MOST_BYTES = 1_000_000
 
@@ -116,13 +123,10 @@ class _SceneReader:
         integrator = self.choice("method", method, "integrator", tuple(INTEGRATORS), "implicit")
         projection = self.choice("method", method, "projection", _PROJECTIONS, "auto")
         convex = self.choice("method", method, "convex", CONVEX, "ask")
+        self.holds("method", method, "substeps", "compiled", "threads")
         substeps = method.get("substeps", 1)
-        if isinstance(substeps, bool) or not isinstance(substeps, int) or substeps < 1:
-            self.fault(f"substeps = {substeps!r}", "method", "substeps", "give a whole number from 1 on")
-            substeps = 1
-        self.holds("method", method, compiled=bool, threads=int)
         output = self.section("output")
-        self.holds("output", output, keep=(int, str), checkpoint=(int, float))
+        self.holds("output", output, "keep", "checkpoint")
         self.known("output", output, _SECTIONS["output"])
         table, plot = (self.file(output, key) for key in ("table", "plot"))
         if table is not None and not table.endswith((".csv", ".parquet")):
@@ -131,7 +135,7 @@ class _SceneReader:
             self.fault("there is no stiffness", "", "stiffness", "write for example stiffness = 1e9, in Pa/m, above the first [section]")
         stress = self.stress()
         if law is not None and path is not None and parameters is not None and "stiffness" in self.document:
-            self.fits(law, path, parameters, substeps, integrator)
+            self.fits(law, path, parameters, substeps if _is(substeps, int) else 1, integrator)
         if self.faults or law is None or path is None:
             raise SceneFaults(self.faults)
         return Scene(
@@ -153,12 +157,12 @@ class _SceneReader:
             convex=convex,
         )
 
-    def holds(self, section: str, given: Mapping[str, Any], **kinds: Any) -> None:
-        """Whether the values of some keys are of their kinds, and numbers above zero."""
-        for key, kind in kinds.items():
-            value = given.get(key, 1)
-            if key in given and (not isinstance(value, kind) or (kind is not bool and (isinstance(value, bool) or value in ("", 0)))):
-                self.fault(f"{key} = {str(value)[:40]!r}", section, key, "see duhem simulate --help, and the README")
+    def holds(self, section: str, given: Mapping[str, Any], *keys: str) -> None:
+        """Whether the values of some keys are what they are to be."""
+        for key in keys:
+            kind, remedy = _VALUES[key]
+            if key in given and not _is(given[key], kind):
+                self.fault(f"{key} = {repr(given[key])[:40]}", section, key, remedy)
 
     def fits(self, law: Criterion, path: Path | Paths, parameters: Mapping[str, Any], substeps: int, integrator: str) -> None:
         """Whether law, numbers and path fit each other, by the check that the run itself makes."""
@@ -343,3 +347,10 @@ class _SceneReader:
     def place(self, section: str, key: str) -> str:
         """file:line:column of a key (or of the section it names), or the file where it is not written."""
         return self.toml.place(*filter(None, (section, key)))
+
+
+def _is(value: Any, kind: Any) -> bool:
+    """Whether a value is of a kind; a number above 0, a text not empty."""
+    if isinstance(value, bool) or not isinstance(value, kind):
+        return isinstance(value, bool) and kind is bool
+    return bool(value) if isinstance(value, str) else bool(value > 0)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.expression.given_array import in_order
 from duhem.law.formula_law import Criterion
-from duhem.path.batch import Batch
+from duhem.path.batch import MOST_THREADS, Batch
 from duhem.path.batch_run import TOLERANCE, histories
 from duhem.path.histories import Histories
 from duhem.path.history import History
@@ -31,8 +31,6 @@ from duhem.projection.result import Array
 __all__ = ["Interrupted", "LeftDomain", "LeftPrecision", "driven", "simulate"]
 
 Checkpoint = tuple[float, Callable[[History], None]]  # seconds, and who is given what is done
-
-_MOST_THREADS = 256
 
 
 class Interrupted(KeyboardInterrupt):
@@ -102,11 +100,11 @@ def driven(
         raise InputError(f"{type(start).__name__} is no history", where="start", remedy="give what an interrupted run left")
     if on_step is not None and not callable(on_step):
         raise InputError(f"{type(on_step).__name__} cannot be called", where="on_step", remedy="give a function of (done, all)")
-    checked_count(run.threads, "threads", 1, _MOST_THREADS)
     if isinstance(run.path, Paths):
         if start is not None:
             raise InputError("a run of many points has no start to go on from", where="start", remedy="run the points that are left")
         return _many(Batch.of(run), method, run.threads, on_step)
+    checked_count(run.threads, "threads", 1, MOST_THREADS)
     if run.keep != 1:
         raise InputError("keep is for many points", where="keep", remedy="leave it out, or give Paths")
     plan = Plan.of(run)
