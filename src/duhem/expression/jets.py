@@ -26,6 +26,7 @@ from duhem.errors import InputError
 from duhem.expression import numpy_
 from duhem.expression.fold import Table
 from duhem.expression.jet import Array, Jet, added, chain, least_order, outer, times
+from duhem.expression.length import length
 from duhem.expression.limits import filled
 from duhem.expression.numpy_ import Program
 from duhem.expression.pnorm import PNorm, recognised
@@ -47,14 +48,15 @@ class _Met:
 
     def __init__(self, given: Choices | None, size: int, kinks: int, shifts: int) -> None:
         self.given = given
-        self.taken = np.zeros((size, kinks), dtype=np.int8) if given is None else given
+        self.taken = np.zeros((kinks, size), dtype=np.int8).T if given is None else given
         self.shifts = shifts
         self.shifted: dict[int, Shifted] = {}
 
     def choose(self, index: int, natural: NDArray[Any]) -> NDArray[Any]:
-        if self.given is None:
-            self.taken[:, index] = natural
-        return self.taken[:, index]
+        if self.given is not None:
+            return self.given[:, index]
+        self.taken[:, index] = natural
+        return np.broadcast_to(natural, len(self.taken))
 
 
 @dataclass(frozen=True)
@@ -71,9 +73,11 @@ class JetProgram:
         n, d = forces.shape
         size = d + self.shifts if second else d
         noted = _Met(choices, n, self.kinks, self.shifts)
-        unit = np.eye(size)
         order = 2 if second else 1
-        given = [Jet(forces[:, i], np.broadcast_to(unit[i], (n, size)), None, order) for i in range(d)]
+        columns, units = np.ascontiguousarray(forces.T), np.zeros((d, size, n))
+        for i in range(d):
+            units[i, i] = 1.0
+        given = [Jet(columns[i], units[i].T, None, order) for i in range(d)]  # column by column in memory, and so is what comes of them
         given += [Jet(v, order=order) for v in others]
         with np.errstate(all="ignore"):
             last = self.recording.run(given, noted)[self.recording.last]
@@ -262,14 +266,17 @@ def _pnorm_at_zero(node: Any, index: int, noted: _Met, p: Jet, *args: Jet) -> Je
 
 
 def _length(args: Sequence[Jet]) -> Any:
-    return reduce(np.hypot, [a.value for a in args], np.zeros(()))
+    return length(*(a.value for a in args))
 
 
 def _p_norm(p: float, value: Any, args: tuple[Jet, ...], turning: bool = True) -> Jet:
     """(sum |a_i|^p)^(1/p) of value P: slopes (|a_i|/P)^(p-1), second derivatives by pairs, so that they keep their sign."""
     unit = np.where(value > 0.0, value, 1.0)
     shares = [np.minimum(np.abs(a.value) / unit, 1.0) for a in args]
-    slopes = [np.sign(a.value) * np.power(s, p - 1) for a, s in zip(args, shares, strict=True)]
+    if p == 2.0:
+        slopes = [np.copysign(s, a.value) for a, s in zip(args, shares, strict=True)]
+    else:
+        slopes = [np.sign(a.value) * np.power(s, p - 1) for a, s in zip(args, shares, strict=True)]
     gradient: Array | None = None
     hessian: Array | None = None
     for a, slope in zip(args, slopes, strict=True):
@@ -296,7 +303,8 @@ def _ramp(node: Any, index: int, noted: _Met, x: Jet) -> Jet:
     # at 0 the piece beyond it, for pos and neg alike: where both took the zero piece, their law would lose its curvature
     rising = x.value >= 0 if node.slope > 0 else x.value < 0
     side = noted.choose(index, rising)
-    return _chain_linear(x, node.slope * side.astype(np.float64))
+    slope = side.astype(np.float64)
+    return _chain_linear(x, slope if node.slope == 1 else node.slope * slope)
 
 
 def _chain_linear(x: Jet, slope: Array) -> Jet:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from duhem.expression import UNDEFINED, numpy_
 from duhem.expression.fold import Table
+from duhem.expression.length import length, positive_part
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, bound, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
@@ -48,11 +49,17 @@ class BoundedProgram:
 
     def __call__(self, values: Sequence[Array], bounds: Sequence[Array | float]) -> tuple[Array, Array]:
         """Value and bound (N,) at one array and its own bound for each symbol."""
+        found = self.found(values, bounds)
+        shapes = {v.shape for v in values}
+        shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
+        value, bound = (x if np.shape(x) == shape else np.broadcast_to(x, shape) for x in found)
+        return value, bound
+
+    def found(self, values: Sequence[Array], bounds: Sequence[Array | float]) -> Bounded:
+        """The same, numbers where nothing differs from point to point."""
         with np.errstate(all="ignore"):
             registers = self.recording.run([Bounded(v, b) for v, b in zip(values, bounds, strict=True)])
-        last = registers[self.recording.last]
-        shape = np.broadcast_shapes(*(v.shape for v in values))
-        return np.broadcast_to(last.value, shape), np.broadcast_to(last.bound, shape)
+        return Bounded(*registers[self.recording.last])
 
 
 @lru_cache(maxsize=256)
@@ -73,13 +80,22 @@ def constant(node: Any) -> Callable[[], Bounded]:
 def _add(_: Any, *terms: Bounded) -> Bounded:
     def two(a: Bounded, b: Bounded) -> Bounded:
         value = np.add(a.value, b.value)
-        return Bounded(value, a.bound + b.bound + _UNIT * np.abs(value))
+        return Bounded(value, _sum(_sum(a.bound, b.bound), _UNIT * np.abs(value)))
 
     return reduce(two, terms)
 
 
+def _sum(a: Any, b: Any) -> Any:
+    """a + b of bounds, where one may be known to be nothing."""
+    return b if isinstance(a, float) and a == 0.0 else a if isinstance(b, float) and b == 0.0 else a + b
+
+
 def _product(a: Bounded, b: Bounded) -> Bounded:
     value = np.multiply(a.value, b.value)
+    for c, x in ((a, b), (b, a)):
+        if isinstance(c.value, float) and isinstance(c.bound, float) and 0.0 < abs(c.value) < np.inf:  # a number: as shares of the product
+            off = (_UNIT + c.bound / abs(c.value)) * np.abs(value) + _LEAST
+            return Bounded(value, off if _exact(x) else off + (abs(c.value) + c.bound) * x.bound)
     off = _UNIT * np.abs(value) + _LEAST
     if not _exact(b):
         off = off + np.abs(a.value) * b.bound
@@ -129,7 +145,7 @@ def _times(slope: Any, off: Any) -> Any:
 
 
 def _norm(_: Any, *args: Bounded) -> Bounded:
-    value = numpy_.TABLE[Norm](_, *(a.value for a in args))
+    value = length(*(a.value for a in args))
     off = reduce(np.add, [a.bound for a in args])
     return Bounded(value, off + (2 * len(args) * _UNIT) * value)
 
@@ -224,7 +240,7 @@ def _extreme(most: Callable[[Any, Any], Any]) -> Callable[..., Bounded]:
 
 
 def _ramp(node: Any, x: Bounded) -> Bounded:
-    value = np.maximum(x.value if isinstance(node, Pos) else np.negative(x.value), 0.0)
+    value = positive_part(x.value if isinstance(node, Pos) else np.negative(x.value))
     if _exact(x):
         return Bounded(value, 0.0)
     return Bounded(value, np.where((value > 0.0) | (np.abs(x.value) <= x.bound), x.bound, 0.0))

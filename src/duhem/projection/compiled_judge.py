@@ -54,19 +54,21 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
     keep_freed_memory(n)
     dissipation, status, residuals = np.empty(n), np.empty(n, dtype=np.int8), np.empty((5, n))
     with np.errstate(all="ignore"):  # the origin has no way
-        ways, reaches = map(np.nan_to_num, unit(judge.tips @ metric.of_stress))
+        ways, reaches = map(np.nan_to_num, unit(judge.known.reaches))
     matrices = [np.ascontiguousarray(m) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
     around = beside(increment.trial.shape[1])
-    figures = metric.blur, metric.good, metric.certain, formula.degree, judge.convex
+    figures = metric.blur, metric.good, metric.certain, formula.degree, judge.known.convex
 
     def fill(block: slice) -> None:
         pressure = increment.pressure[block]
-        part = np.ones(pressure.size) if judge.largest == 0.0 else pressure / judge.largest
+        part = np.ones(pressure.size) if judge.known.largest == 0.0 else pressure / judge.known.largest
         known = formula.bounded(pressure, np.ones(pressure.size)).values()
-        data, offs = (np.stack([x[i] for x in known], axis=1) if known else np.zeros((pressure.size, 0)) for i in (0, 1))
+        data, offs = np.zeros((2, pressure.size, len(known)))
+        for k, (value, off) in enumerate(known):
+            data[:, k], offs[:, k] = value, off
         got = solution.stress[block], solution.slip[block], solution.multiplier[block]
         given = (np.ascontiguousarray(increment.trial[block]), part, data, offs, loop.constants, loop.off)
-        tips = around, np.ascontiguousarray(judge.tips), np.ascontiguousarray(ways), reaches
+        tips = around, np.ascontiguousarray(judge.known.tips), np.ascontiguousarray(ways), reaches
         loop.run(*given, *matrices, *tips, *figures, *got, dissipation[block], status[block], residuals[:, block])
 
     in_blocks(n, _BLOCK, fill, threads)

@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices, Jet, JetProgram, formula, program
 from duhem.expression.numpy_ import Program
@@ -46,9 +47,14 @@ class Level:
 
     def bounded(self, stress: Array, pressure: Array, size: Array) -> tuple[Array, Array]:
         """h at stresses (N, d) and a bound of its rounding; R = ``size`` (N,), powers of two."""
-        data = self.scaled.bounded(pressure, size).values()
-        s = (stress / size[:, None]).T
-        return self.bounds([*s, *(v for v, _ in data)], [*[0.0] * self.forces, *(b for _, b in data)])
+        return self.placed(stress, pressure, size).bounded()
+
+    def placed(self, stress: Array, pressure: Array, size: Array) -> Placed:
+        """Stresses (N, d) and the data there, in units of R = ``size`` (N,), powers of two."""
+        s = np.empty(stress.shape[::-1])
+        for row, force in zip(s, stress.T, strict=True):
+            np.divide(force, size, out=row)
+        return Placed(self, s, tuple(self.scaled.bounded(pressure, size).values()))
 
     def slopes(self, stress: Array, pressure: Array, size: Array, choices: Choices | None = None) -> tuple[Jet, Choices]:
         """h and its gradient dh/ds (N, d) = R^(1 - degree) dg/dsigma."""
@@ -75,6 +81,29 @@ class Level:
     def own(self, multiplier: Array, size: Array) -> Array:
         """The other way."""
         return multiplier if self.scaled.degree == 1.0 else grown(multiplier, size, 1.0 - self.scaled.degree)
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """Points of one level in units of their own: forces ``s`` (d, N), and each of the ``data`` (N,) with a bound of its rounding."""
+
+    level: Level
+    s: Array
+    data: tuple[tuple[Array, Array | float], ...]
+
+    def of(self, at: NDArray[np.intp]) -> Placed:
+        """Some of the points."""
+        return Placed(self.level, np.stack([x.take(at) for x in self.s]), tuple((v.take(at), b if isinstance(b, float) else b.take(at)) for v, b in self.data))
+
+    def bounded(self) -> tuple[Array, Array]:
+        """h (N,) and a bound of its rounding."""
+        return self.level.bounds([*self.s, *(v for v, _ in self.data)], [*[0.0] * len(self.s), *(b for _, b in self.data)])
+
+    def slopes(self) -> Array:
+        """dh/ds (d, N)."""
+        found = self.level.jets(self.s.T, [v for v, _ in self.data], None, second=False)[0].gradient
+        assert found is not None
+        return found.T
 
 
 @lru_cache(maxsize=256)

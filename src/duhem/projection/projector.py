@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from duhem.projection.nearer_points import nearness
 from duhem.projection.recovered_slip import recovered
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Array, Projection, Residuals, Solution, Status
+from duhem.projection.row_by_row import dot
 from duhem.projection.told import Told
 from duhem.projection.validation import posed, setting
 
@@ -28,8 +30,6 @@ __all__ = ["ACCURACY", "Projector"]
 
 _BLOCK = 16_384
 _WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
-
-Block = slice | NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -145,14 +145,22 @@ def _told(question: Increment, solution: Solution, judge: Judge, given: Options)
 def _complete(question: Increment, solution: Solution, found: Residuals, told: Told, vouched: NDArray[np.bool_]) -> None:
     """Dissipation and status of the points that are left, block by block; ``vouched`` (N,) where to be stationary is to be closest."""
     left = told.left
-    for start in range(0, len(told.status) if left is None else left.size, _BLOCK):
-        block = slice(start, start + _BLOCK) if left is None else left[start : start + _BLOCK]
-        told.dissipation[block] = np.einsum("ij,ij->i", solution.stress[block], solution.slip[block])
-        told.status[block] = _status(question, solution, found, block, vouched[block])
+    with np.errstate(all="ignore"):
+        for start in range(0, len(told.status) if left is None else left.size, _BLOCK):
+            block = slice(start, start + _BLOCK) if left is None else left[start : start + _BLOCK]
+            stress, slip = solution.stress[block], solution.slip[block]
+            told.dissipation[block] = dot(stress, slip)
+            slips = reduce(np.logical_or, (slip != 0.0).T, solution.multiplier[block] > 0.0)
+            told.status[block] = slips  # STICK and SLIP are 0 and 1
+            plain = reduce(np.logical_and, [getattr(found, f.name)[block] <= ACCURACY for f in fields(Residuals)], vouched[block])
+            plain = plain & ~solution.failed[block] & (not question.law.domain)
+            if not plain.all():
+                some = np.arange(len(told.status))[block][~plain]
+                told.status[some] = _status(question, solution, found, some, vouched[some])
 
 
-def _status(question: Increment, solution: Solution, found: Residuals, block: Block, vouched: NDArray[np.bool_]) -> NDArray[np.int8]:
-    """What each point of a block counts as."""
+def _status(question: Increment, solution: Solution, found: Residuals, block: NDArray[np.intp], vouched: NDArray[np.bool_]) -> NDArray[np.int8]:
+    """What each point of a block counts as: the same for those that are plainly right as above, and for all others."""
     slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
     worst = _worst(found, block)
     finite = np.isfinite(solution.stress[block]).all(axis=1) & np.isfinite(solution.slip[block]).all(axis=1)
@@ -164,7 +172,7 @@ def _status(question: Increment, solution: Solution, found: Residuals, block: Bl
     return np.where(solution.failed[block] | ~finite, Status.FAILED, judged).astype(np.int8)
 
 
-def _worst(found: Residuals, block: Block) -> Array:
+def _worst(found: Residuals, block: NDArray[np.intp]) -> Array:
     """The largest residual, nan where one is."""
     each = [getattr(found, name)[block] for name in Residuals.__dataclass_fields__]
     return np.asarray(np.maximum.reduce(each))

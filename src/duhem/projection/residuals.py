@@ -18,19 +18,19 @@ from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.close_look import as_pairs, close_look
 from duhem.projection.component_errors import allowed, eased, from_closest
 from duhem.projection.increment import Increment
-from duhem.projection.known_points import beyond_tangents, raised, tips
+from duhem.projection.first_look import FirstLook
 from duhem.projection.level import Level, level
 from duhem.projection.lost_slip import LEAST, Moves, exact_angles, lost
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import off_cone
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
-from duhem.projection.row_by_row import dot, length, share, unit, widest
+from duhem.projection.row_by_row import dot, length, share, widest
 from duhem.projection.scaled_formula import power_of_two
+from duhem.projection.variational import Variational
 
 __all__ = ["Judge", "residuals"]
 
 _BLOCK = 16_384
-_QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that occur
 _SUSPECT = 1e-9  # a normal farther off than this is looked at again, as the normal of a corner
 _HIDDEN = 1e-9  # of a stress: where rounding of g hides as much of the boundary, its slope is not known either
 _NOISE = 1e-13  # less than this, and the slope of g is as good as any
@@ -61,14 +61,9 @@ class Judge:
         law = increment.law
         self.increment, self.stiffness = increment, increment.stiffness
         self.level: Level = level(increment.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
-        d = len(law.forces)
         self.metric = Metric.of(increment.stiffness)
-        self.largest = float(increment.pressure.min(initial=0.0))
-        self.tips = tips(self.level, d, self.largest if law.pressure else None)
-        self.convex = convex
-        if not convex:
-            pressures = np.quantile(increment.pressure, _QUANTILES, method="nearest") if law.pressure else None
-            self.tips = np.vstack([self.tips, beyond_tangents(self.level, d, None if pressures is None else np.unique(pressures))])
+        self.known = Variational.of(increment, self.level, self.metric, convex)
+        self.first = FirstLook(self.level, self.stiffness, self.metric, self.known)
 
     @classmethod
     def of(cls, increment: Increment, solution: Solution, convex: bool) -> Judge:
@@ -84,20 +79,22 @@ class Judge:
                 block = slice(start, start + _BLOCK) if at is None else at[start : start + _BLOCK]
                 got = Solution(*(getattr(solution, name)[block] for name in Solution.__dataclass_fields__))
                 into = Residuals(*(getattr(out, name)[block] for name in Residuals.__dataclass_fields__))
-                self._fill(self.increment.trial[block], self.increment.pressure[block], got, into)
+                self._fill(self.increment.trial[block], self.increment.pressure[block], got, into, first=at is None)
                 if at is not None:
                     for name in Residuals.__dataclass_fields__:
                         getattr(out, name)[block] = getattr(into, name)
 
-    def _fill(self, trial: Array, pressure: Array, got: Solution, out: Residuals) -> None:
-        """The residuals of one block."""
-        moved = (got.multiplier != 0.0) | (widest(got.slip) != 0.0) | (widest(got.stress - trial) != 0.0)
-        still = np.flatnonzero(~moved)
+    def _fill(self, trial: Array, pressure: Array, got: Solution, out: Residuals, first: bool) -> None:
+        """The residuals of one block; ``first``: nothing has been looked at, and ``out`` is zero."""
+        if first:
+            still, at = self.first(trial, pressure, got, out)
+        else:
+            moved = (got.multiplier != 0.0) | (widest(got.slip) != 0.0) | (widest(got.stress - trial) != 0.0)
+            still, at = np.flatnonzero(~moved), np.flatnonzero(moved)
         if still.size:
-            self._still(still, got.stress[still], pressure[still], out)
-        at = np.flatnonzero(moved)
+            self._still(still, got.stress.take(still, axis=0), pressure[still], out)
         if at.size:
-            self._moved(at, trial[at], pressure[at], got, out)
+            self._moved(at, trial.take(at, axis=0), pressure[at], got, out)
 
     def _still(self, at: NDArray[np.intp], stress: Array, pressure: Array, out: Residuals) -> None:
         size = power_of_two(widest(stress))
@@ -181,9 +178,9 @@ class Judge:
             cone = np.where(turned <= rounding, turned, np.fmin(turned, off * room))
             open_ = missing[doubt], cone[doubt], (depth + hidden * room)[doubt]
             self._by_components(at[doubt], moves.of(doubt), open_, near[doubt], balance[doubt], off[doubt] <= _CLOSE, out)
-        out.variational[at] = self._excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
-        if not self.convex:
-            out.variational[at] = np.fmax(out.variational[at], self._beside_excess(pressure, point, moved, size, whole, room)) + 0.0 * whole
+        out.variational[at] = self.known.excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
+        if not self.known.convex:
+            out.variational[at] = np.fmax(out.variational[at], self.known.beside(pressure, point, moved, size, whole, room)) + 0.0 * whole
 
     def _by_components(
         self,
@@ -225,33 +222,6 @@ class Judge:
         own = self.level.own(expected, units)
         beyond = np.where(own > 1.0, (own >= _ENDS[1]) & (given >= _ENDS[1]), (own <= _ENDS[0]) & (given >= 0.0) & (given <= _ENDS[0]))
         return np.where(beyond, expected, self.level.multiplier(given, units))
-
-    def _excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, reach: Array) -> Array:
-        """The largest (sigma_tr - sigma) . k^-1 (tau - sigma) over known points tau of K, relative; lengths are over ``size``."""
-        worst, work = np.zeros(len(whole)), dot(point, moved)
-        part = np.ones(pressure.size) if self.largest == 0.0 else pressure / self.largest
-        for tip, way, far in zip(
-            self.tips, *map(np.nan_to_num, unit(self.tips @ self.metric.of_stress)), strict=True
-        ):  # the origin has no way
-            away = part * (far / size)
-            excess = away * (moved @ way) - work
-            if (beyond := np.flatnonzero(excess > 0.0)).size:
-                inside = self._inside(part[beyond, None] * tip, pressure[beyond])
-                relative = share(excess[beyond], whole[beyond] * (away[beyond] + reach[beyond]))
-                worst[beyond] = np.fmax(worst[beyond], np.where(inside, relative, 0.0))
-        return worst
-
-    def _beside_excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, room: Array) -> Array:
-        """The same over points tau close to the stress."""
-
-        def inside(points: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
-            return self._inside(size[rows, None] * (points @ self.metric.to_stress), pressure[rows])
-
-        normal, distance = map(np.nan_to_num, unit(moved))
-        return np.asarray(share(distance * raised(inside, point, normal, room), whole * 2.0 * room))
-
-    def _inside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
-        return np.asarray(self.level(*stress.T, pressure) < 0.0)  # at = 0 it may be rounding alone
 
     def _unbalanced(self, trial: Array, stress: Array, slip: Array) -> Array:
         """trial - k slip - stress, beyond what the rounding of each explains, component by component."""

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import reduce
 
 import numpy as np
 
 from duhem.projection.result import Array
 
-__all__ = ["dot", "length", "share", "unit", "widest"]
+__all__ = ["columns_times", "dot", "length", "share", "unit", "widest"]
+
+
+def columns_times(columns: Iterable[Array], matrix: Array) -> Array:
+    """Vectors times a matrix (d, m), as columns (m, N): products with its zeros are left out, and each sum is taken in order."""
+    given = list(columns)
+    found = np.empty((matrix.shape[1], len(given[0])))
+    for into, weights in zip(found, matrix.T.tolist(), strict=True):
+        (first, weight), *others = [(x, w) for x, w in zip(given, weights, strict=True) if w != 0.0] or [(given[0], 0.0)]
+        np.multiply(weight, first, out=into)
+        for x, w in others:
+            into += w * x
+    return found
 
 
 def dot(first: Array, second: Array) -> Array:

@@ -25,6 +25,7 @@ from duhem.projection.result import Array
 __all__ = ["Datum", "ScaledFormula", "grown", "power_of_two", "scaled"]
 
 _DIGITS = 40  # of a root of a number
+_EXPONENT = np.int64(0x7FF << 52)  # of a double, in its bits
 
 
 @dataclass(frozen=True)
@@ -50,21 +51,26 @@ class ScaledFormula:
         with np.errstate(all="ignore"):
             for q, d in self.data.items():
                 value = _datum_value(d.expr, tuple(given))(*given.values()) / _unit(d, scale)
-                found[q] = np.broadcast_to(value, scale.shape)
+                found[q] = _each(value, scale)
         return found
 
-    def bounded(self, pressure: Array, scale: Array) -> dict[sp.Symbol, tuple[Array, Array]]:
-        """The same, each with a bound of its rounding."""
+    def bounded(self, pressure: Array, scale: Array) -> dict[sp.Symbol, tuple[Array, Array | float]]:
+        """The same, each with a bound of its rounding, 0.0 where there is none."""
         given, found = self._known(pressure), {}
         with np.errstate(all="ignore"):
             for q, d in self.data.items():
-                value, off = bounded(d.expr, tuple(given))(list(given.values()), [0.0] * len(given))
+                value, off = bounded(d.expr, tuple(given)).found(list(given.values()), [0.0] * len(given))
                 unit = _unit(d, scale)
-                found[q] = np.broadcast_to(value / unit, scale.shape), np.broadcast_to(off / unit, scale.shape)
+                exact = isinstance(off, float) and off == 0.0
+                found[q] = _each(value / unit, scale), 0.0 if exact else _each(off / unit, scale)
         return found
 
     def _known(self, pressure: Array) -> dict[sp.Symbol, Array]:
         return {} if self.pressure is None else {self.pressure: pressure}
+
+
+def _each(value: Any, scale: Array) -> Array:
+    return value if np.shape(value) == scale.shape else np.broadcast_to(value, scale.shape)
 
 
 def _unit(datum: Datum, scale: Array) -> Array | float:
@@ -77,9 +83,12 @@ def _datum_value(expr: sp.Expr, known: tuple[sp.Symbol, ...]) -> Program:
 
 
 def power_of_two(size: Array) -> Array:
-    """The power of two below: scaling by it is exact."""
-    sound = np.isfinite(size) & (size > 0)
-    return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)
+    """The power of two below, 1 of what is not a positive number: scaling by it is exact."""
+    found = np.asarray((np.ascontiguousarray(size).view(np.int64) & _EXPONENT).view(np.float64))  # a number without its digits
+    if not (found.min(initial=1.0) > 0.0 and size.min(initial=1.0) > 0.0 and found.max(initial=1.0) < np.inf):
+        sound = np.isfinite(size) & (size > 0.0)
+        return np.where(sound, np.ldexp(1.0, np.frexp(np.where(sound, size, 1.0))[1] - 1), 1.0)
+    return found
 
 
 def grown(number: Array, size: Array, power: float) -> Array:

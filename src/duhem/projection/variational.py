@@ -1,0 +1,81 @@
+"""The variational inequality of answers, tried on known points of K: (sigma_tr - sigma) . k^-1 (tau - sigma) <= 0 for all tau of K.
+
+Which points are known: :mod:`duhem.projection.known_points`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.increment import Increment
+from duhem.projection.known_points import beyond_tangents, raised, tips
+from duhem.projection.level import Level
+from duhem.projection.metric import Metric
+from duhem.projection.result import Array
+from duhem.projection.row_by_row import columns_times, dot, share, unit
+
+__all__ = ["Variational"]
+
+_QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that occur
+
+
+@dataclass(frozen=True, eq=False)
+class Variational:
+    """``tips`` (T, d) are points of K at the pressure ``largest``, ``reaches`` (T, d) they in the metric of k.
+
+    ``convex``: K need not be looked at close to each answer.
+    """
+
+    level: Level
+    metric: Metric
+    tips: Array
+    reaches: Array
+    largest: float
+    convex: bool
+
+    @classmethod
+    def of(cls, increment: Increment, level: Level, metric: Metric, convex: bool) -> Variational:
+        d, pressed = level.forces, increment.law.pressure is not None
+        largest = float(increment.pressure.min(initial=0.0))
+        known = tips(level, d, largest if pressed else None)
+        if not convex:
+            pressures = np.quantile(increment.pressure, _QUANTILES, method="nearest") if pressed else None
+            known = np.vstack([known, beyond_tangents(level, d, None if pressures is None else np.unique(pressures))])
+        return cls(level, metric, known, known @ metric.of_stress, largest, convex)
+
+    def part(self, pressure: Array) -> Array:
+        """The pressures as parts of the one at which the tips are known."""
+        return np.ones(pressure.size) if self.largest == 0.0 else pressure / self.largest
+
+    def beyond(self, pressure: Array, point: Array, moved: Array) -> NDArray[np.intp]:
+        """The points (d, N) with one of the tips beyond the plane across the slip, whether or not it lies in K."""
+        most = reduce(np.maximum, columns_times(moved, self.reaches.T))
+        return np.flatnonzero(~(self.part(pressure) * most <= dot(point.T, moved.T)))
+
+    def excess(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, reach: Array) -> Array:
+        """The largest (sigma_tr - sigma) . k^-1 (tau - sigma) over known points tau of K, relative; lengths are over ``size``."""
+        worst, work, part = np.zeros(len(whole)), dot(point, moved), self.part(pressure)
+        for tip, way, far in zip(self.tips, *map(np.nan_to_num, unit(self.reaches)), strict=True):  # the origin has no way
+            away = part * (far / size)
+            excess = away * (moved @ way) - work
+            if (beyond := np.flatnonzero(excess > 0.0)).size:
+                inside = self._inside(part[beyond, None] * tip, pressure[beyond])
+                relative = share(excess[beyond], whole[beyond] * (away[beyond] + reach[beyond]))
+                worst[beyond] = np.fmax(worst[beyond], np.where(inside, relative, 0.0))
+        return worst
+
+    def beside(self, pressure: Array, point: Array, moved: Array, size: Array, whole: Array, room: Array) -> Array:
+        """The same over points tau close to the stress."""
+
+        def inside(points: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+            return self._inside(size[rows, None] * (points @ self.metric.to_stress), pressure[rows])
+
+        normal, distance = map(np.nan_to_num, unit(moved))
+        return np.asarray(share(distance * raised(inside, point, normal, room), whole * 2.0 * room))
+
+    def _inside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
+        return np.asarray(self.level(*stress.T, pressure) < 0.0)  # at = 0 it may be rounding alone
