@@ -9,12 +9,14 @@ to a compiler, a point at a time.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.expression.length import positive_part
+from duhem.projection.in_blocks import in_blocks
+from duhem.projection.increment import Increment
 from duhem.projection.level import Level, Placed
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
@@ -24,10 +26,28 @@ from duhem.projection.variational import Variational
 
 __all__ = ["FirstLook"]
 
+_BLOCK = 16_384
 _HALF = 0.5  # of a threshold of the judge
 _OFF = _HALF * 1e-9  # of a stress: what rounding of g hides of the boundary, or a slip is off its normal
 _SQUARES = 2.0**-900, 2.0**900  # squares of lengths that have all their digits
 _MULTIPLIERS = 2.0**-1017, 2.0**1020  # well within the range of doubles
+_NONE = np.empty(0, dtype=np.intp)
+
+
+@dataclass(frozen=True, eq=False)
+class _Moved:
+    """Points ``at`` (M,) of a block that move; ``size`` the unit of ``there``, ``value`` h and ``hidden`` a bound of its rounding."""
+
+    at: NDArray[np.intp]
+    trial: Array
+    pressure: Array
+    stress: Array
+    slip: Array
+    multiplier: Array
+    size: Array
+    there: Placed
+    value: Array
+    hidden: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +59,28 @@ class FirstLook:
     metric: Metric
     known: Variational
 
-    def __call__(self, trial: Array, pressure: Array, got: Solution, out: Residuals) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    def left(
+        self, increment: Increment, solution: Solution, out: Residuals, threads: int | None = 1
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """The points that stick, and those that move, of which nothing is said yet; of the others ``out`` has the residuals.
 
         ``out`` is all zero before; what it has of points that move and are left counts for nothing.
         """
+        found = dict[int, tuple[NDArray[np.intp], NDArray[np.intp]]]()
+
+        def look(block: slice) -> None:
+            with np.errstate(all="ignore"):
+                part = Solution(*(getattr(solution, f.name)[block] for f in fields(Solution)))
+                into = Residuals(*(getattr(out, f.name)[block] for f in fields(Residuals)))
+                still, moved = self._block(increment.trial[block], increment.pressure[block], part, into)
+                found[block.start] = still + block.start, moved + block.start
+
+        in_blocks(len(solution.multiplier), _BLOCK, look, threads)
+        stills, moves = zip(*(found[start] for start in sorted(found)), strict=True) if found else ((_NONE,), (_NONE,))
+        return np.concatenate(stills), np.concatenate(moves)
+
+    def _block(self, trial: Array, pressure: Array, got: Solution, out: Residuals) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """The same of one block."""
         moved = got.multiplier != 0.0
         for t, s, d in zip(trial.T, got.stress.T, got.slip.T, strict=True):
             moved |= (s != t) | (d != 0.0)
@@ -54,32 +91,21 @@ class FirstLook:
         at = np.flatnonzero(moved)
         if not at.size:
             return still, at
-        some = Solution(*(x.take(at, axis=0) for x in (got.stress, got.slip, got.multiplier, got.failed)))
-        parts = (x.take(at, axis=0) for x in (trial, pressure, size, value, hidden))
-        plain = self._moved(at, some, there.of(at), *parts, out)
+        some = _Moved(at, trial.take(at, axis=0), pressure.take(at), got.stress.take(at, axis=0), got.slip.take(at, axis=0),
+                      got.multiplier.take(at), size.take(at), there.of(at), value.take(at), hidden.take(at))  # fmt: skip
+        plain = self._moved(some, out)
         return still, at[:0] if plain.all() else at[~plain]
 
-    def _moved(
-        self,
-        at: NDArray[np.intp],
-        got: Solution,
-        there: Placed,
-        trial: Array,
-        pressure: Array,
-        size: Array,
-        value: Array,
-        hidden: Array,
-        out: Residuals,
-    ) -> NDArray[np.bool_]:
-        """Whether the points ``at`` (M,), which move, are plainly right.  ``room`` and ``far``: the lengths of stress and slip in the metric."""
-        metric, slopes = self.metric, there.slopes()
-        point, moved = columns_times(got.stress.T, metric.of_stress), columns_times(got.slip.T, metric.of_slip)
-        normal, aim = columns_times(slopes, metric.of_slip), columns_times(trial.T, metric.of_stress)
-        multiplier, (missed, plain) = self.level.multiplier(got.multiplier, size), self._missed(trial, got)
+    def _moved(self, of: _Moved, out: Residuals) -> NDArray[np.bool_]:
+        """Whether each of the points (M,) is plainly right; ``room`` and ``far`` are the lengths of stress and slip in the metric."""
+        metric, slopes = self.metric, of.there.slopes()
+        point, moved = columns_times(of.stress.T, metric.of_stress), columns_times(of.slip.T, metric.of_slip)
+        normal, aim = columns_times(slopes, metric.of_slip), columns_times(of.trial.T, metric.of_stress)
+        multiplier, (missed, plain) = self.level.multiplier(of.multiplier, of.size), self._missed(of)
         squares = room2, far2, steep2 = _squared(point), _squared(moved), _squared(normal)
         room, far = np.sqrt(room2), np.sqrt(far2)
-        unit = size / (room * np.sqrt(steep2))  # of h, as a share of the stress
-        depth, sunk, ratio = np.abs(value) * unit, hidden * unit, far / room
+        unit = of.size / (room * np.sqrt(steep2))  # of h, as a share of the stress
+        depth, sunk, ratio = np.abs(of.value) * unit, of.hidden * unit, far / room
         gap = np.sqrt(_squared(columns_times(missed, metric.of_stress)))
         turned = np.sqrt(_squared(moved - multiplier * normal))
         off = turned / (room + far * (turned <= (_HALF * ROUNDING) * far).astype(np.float64))  # where it is rounding, of the whole way
@@ -87,25 +113,28 @@ class FirstLook:
         left = depth + sunk + (gap + turned) / room + metric.blur * (1.0 + ratio)
         plain &= left <= (_HALF * metric.certain) * np.minimum(ratio, np.ones_like(ratio))
         plain &= (sunk * (1.0 + ratio) <= _OFF) & (stationarity <= _OFF)
-        plain &= (got.multiplier >= _MULTIPLIERS[0]) & (got.multiplier <= _MULTIPLIERS[1])
+        plain &= (of.multiplier >= _MULTIPLIERS[0]) & (of.multiplier <= _MULTIPLIERS[1])
         for square in squares:
             plain &= (square >= _SQUARES[0]) & (square <= _SQUARES[1])
-        above = positive_part(value) * unit
+        above = positive_part(of.value) * unit
         if (high := np.flatnonzero(above > _HALF * ROUNDING)).size:
-            above[high] = value[high] / dot(np.abs(slopes.T[high]), np.abs(there.s.T[high]))
+            above[high] = of.value[high] / dot(np.abs(slopes.T[high]), np.abs(of.there.s.T[high]))
             plain &= ~(above > _HALF * ACCURACY)
-        out.feasibility[at], out.complementarity[at], out.stationarity[at] = above, depth, stationarity
-        excess = self._excess(pressure, point, moved, room, far)
-        out.variational[at] = excess
+        out.feasibility[of.at], out.complementarity[of.at], out.stationarity[of.at] = above, depth, stationarity
+        excess = self._excess(of.pressure, point, moved, room, far)
+        out.variational[of.at] = excess
         return plain & (excess <= _HALF * ACCURACY)
 
-    def _missed(self, trial: Array, got: Solution) -> tuple[Array, NDArray[np.bool_]]:
+    def _missed(self, of: _Moved) -> tuple[Array, NDArray[np.bool_]]:
         """trial - k slip - stress (d, M), and the points where all of it is rounding."""
-        missed, rounding = columns_times(got.slip.T, self.stiffness), np.ones(len(trial), dtype=np.bool_)
-        for t, moved, s in zip(trial.T, missed, got.stress.T, strict=True):
+        missed, rounding = columns_times(of.slip.T, self.stiffness), np.ones(len(of.at), dtype=np.bool_)
+        for t, moved, s in zip(of.trial.T, missed, of.stress.T, strict=True):
             np.subtract(t, moved, out=moved)
             moved -= s
             rounding &= np.abs(moved) <= (_HALF * ROUNDING) * (np.abs(t) + np.abs(s))
+        if (more := np.flatnonzero(~rounding)).size:  # where parts of k slip cancel
+            whole = np.abs(of.slip[more]) @ np.abs(self.stiffness) + np.abs(of.trial[more]) + np.abs(of.stress[more])
+            rounding[more] = (np.abs(missed.T[more]) <= (_HALF * ROUNDING) * whole).all(axis=1)
         return missed, rounding
 
     def _excess(self, pressure: Array, point: Array, moved: Array, room: Array, far: Array) -> Array:

@@ -93,7 +93,8 @@ class Placed:
 
     def of(self, at: NDArray[np.intp]) -> Placed:
         """Some of the points."""
-        return Placed(self.level, np.stack([x.take(at) for x in self.s]), tuple((v.take(at), b if isinstance(b, float) else b.take(at)) for v, b in self.data))
+        data = tuple((v.take(at), b if isinstance(b, float) else b.take(at)) for v, b in self.data)
+        return Placed(self.level, np.stack([x.take(at) for x in self.s]), data)
 
     def bounded(self) -> tuple[Array, Array]:
         """h (N,) and a bound of its rounding."""

@@ -15,6 +15,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import beyond
+from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
@@ -70,10 +71,11 @@ class Projector:
         solution, vouched = method.solve(question, given), self._vouched(question)
         judge = Judge.of(question, solution, self._taken_as_convex(question))
         told = _told(question, solution, judge, given) if vouched.all() else Told.nothing(len(vouched))
-        judge.look(solution, told.residuals, told.left)
+        threads = given.threads if isinstance(given, Compiling) else 1
+        judge.look(solution, told.residuals, told.left, threads)
         self._held(question, solution, told.residuals)
         solution, found = recovered(question, solution, told.residuals, self._judged)
-        _complete(question, solution, found, told, vouched)
+        _complete(question, solution, found, told, vouched, threads)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
@@ -142,24 +144,30 @@ def _told(question: Increment, solution: Solution, judge: Judge, given: Options)
     return Told.nothing(len(solution.multiplier))
 
 
-def _complete(question: Increment, solution: Solution, found: Residuals, told: Told, vouched: NDArray[np.bool_]) -> None:
+def _complete(
+    question: Increment, solution: Solution, found: Residuals, told: Told, vouched: NDArray[np.bool_], threads: int | None
+) -> None:
     """Dissipation and status of the points that are left, block by block; ``vouched`` (N,) where to be stationary is to be closest."""
-    left = told.left
-    with np.errstate(all="ignore"):
-        for start in range(0, len(told.status) if left is None else left.size, _BLOCK):
-            block = slice(start, start + _BLOCK) if left is None else left[start : start + _BLOCK]
-            stress, slip = solution.stress[block], solution.slip[block]
+    each = [getattr(found, field.name) for field in fields(Residuals)]
+
+    def fill(part: slice) -> None:
+        block = part if told.left is None else told.left[part]
+        stress, slip = solution.stress[block], solution.slip[block]
+        with np.errstate(all="ignore"):
             told.dissipation[block] = dot(stress, slip)
-            slips = reduce(np.logical_or, (slip != 0.0).T, solution.multiplier[block] > 0.0)
-            told.status[block] = slips  # STICK and SLIP are 0 and 1
-            plain = reduce(np.logical_and, [getattr(found, f.name)[block] <= ACCURACY for f in fields(Residuals)], vouched[block])
-            plain = plain & ~solution.failed[block] & (not question.law.domain)
-            if not plain.all():
-                some = np.arange(len(told.status))[block][~plain]
-                told.status[some] = _status(question, solution, found, some, vouched[some])
+            told.status[block] = reduce(np.logical_or, (slip != 0.0).T, solution.multiplier[block] > 0.0)  # to stick is 0, to slip 1
+            right = reduce(np.logical_and, [x[block] <= ACCURACY for x in each], vouched[block] & ~solution.failed[block])
+            if question.law.domain or not right.all():
+                others = np.arange(len(told.status))[block]
+                others = others if question.law.domain else others[~right]
+                told.status[others] = _status(question, solution, found, others, vouched[others])
+
+    in_blocks(len(told.status) if told.left is None else told.left.size, _BLOCK, fill, threads)
 
 
-def _status(question: Increment, solution: Solution, found: Residuals, block: NDArray[np.intp], vouched: NDArray[np.bool_]) -> NDArray[np.int8]:
+def _status(
+    question: Increment, solution: Solution, found: Residuals, block: NDArray[np.intp], vouched: NDArray[np.bool_]
+) -> NDArray[np.int8]:
     """What each point of a block counts as: the same for those that are plainly right as above, and for all others."""
     slips = (solution.multiplier[block] > 0.0) | (solution.slip[block] != 0.0).any(axis=1)
     worst = _worst(found, block)

@@ -11,14 +11,16 @@ stress; where that bound hides what is asked, g and its slope are looked up in a
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.close_look import as_pairs, close_look
 from duhem.projection.component_errors import allowed, eased, from_closest
-from duhem.projection.increment import Increment
 from duhem.projection.first_look import FirstLook
+from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
 from duhem.projection.lost_slip import LEAST, Moves, exact_angles, lost
 from duhem.projection.metric import ROUNDING, Metric
@@ -70,31 +72,24 @@ class Judge:
         """That of a solution of as many points; ``convex`` as for :func:`residuals`."""
         return cls(increment, convex or not (solution.slip.any() or solution.multiplier.any()))  # to stick is to be closest
 
-    def look(self, solution: Solution, out: Residuals, at: NDArray[np.intp] | None = None) -> None:
-        """The residuals, of the points ``at`` alone where these are given."""
-        n = len(solution.multiplier) if at is None else at.size
-        keep_freed_memory(n)
-        with np.errstate(all="ignore"):
-            for start in range(0, n, _BLOCK):
-                block = slice(start, start + _BLOCK) if at is None else at[start : start + _BLOCK]
-                got = Solution(*(getattr(solution, name)[block] for name in Solution.__dataclass_fields__))
-                into = Residuals(*(getattr(out, name)[block] for name in Residuals.__dataclass_fields__))
-                self._fill(self.increment.trial[block], self.increment.pressure[block], got, into, first=at is None)
-                if at is not None:
-                    for name in Residuals.__dataclass_fields__:
-                        getattr(out, name)[block] = getattr(into, name)
+    def look(self, solution: Solution, out: Residuals, at: NDArray[np.intp] | None = None, threads: int | None = 1) -> None:
+        """The residuals into ``out``, which is zero; where points ``at`` are given, of these alone, and each of them closely.
 
-    def _fill(self, trial: Array, pressure: Array, got: Solution, out: Residuals, first: bool) -> None:
-        """The residuals of one block; ``first``: nothing has been looked at, and ``out`` is zero."""
-        if first:
-            still, at = self.first(trial, pressure, got, out)
-        else:
-            moved = (got.multiplier != 0.0) | (widest(got.slip) != 0.0) | (widest(got.stress - trial) != 0.0)
-            still, at = np.flatnonzero(~moved), np.flatnonzero(moved)
-        if still.size:
-            self._still(still, got.stress.take(still, axis=0), pressure[still], out)
-        if at.size:
-            self._moved(at, trial.take(at, axis=0), pressure[at], got, out)
+        ``threads`` share the first look at all points; None for as many as there are.
+        """
+        keep_freed_memory(len(solution.multiplier) if at is None else at.size)
+        with np.errstate(all="ignore"):
+            still, moved = self.first.left(self.increment, solution, out, threads) if at is None else self._sorted(solution, at)
+            for some in _in_parts(still):
+                self._still(some, solution.stress.take(some, axis=0), self.increment.pressure[some], out)
+            for some in _in_parts(moved):
+                self._moved(some, self.increment.trial.take(some, axis=0), self.increment.pressure[some], solution, out)
+
+    def _sorted(self, solution: Solution, at: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Those that stick and those that move."""
+        away = solution.stress.take(at, axis=0) - self.increment.trial.take(at, axis=0)
+        moved = (solution.multiplier[at] != 0.0) | (widest(solution.slip.take(at, axis=0)) != 0.0) | (widest(away) != 0.0)
+        return at[~moved], at[moved]
 
     def _still(self, at: NDArray[np.intp], stress: Array, pressure: Array, out: Residuals) -> None:
         size = power_of_two(widest(stress))
@@ -118,7 +113,7 @@ class Judge:
         return np.where(np.abs(value) <= bound, 0.0, value)
 
     def _moved(self, at: NDArray[np.intp], trial: Array, pressure: Array, got: Solution, out: Residuals) -> None:
-        stress, slip = got.stress[at], got.slip[at]
+        stress, slip = got.stress.take(at, axis=0), got.slip.take(at, axis=0)
         units = power_of_two(np.where(widest(stress) > 0.0, widest(stress), widest(trial)))
         g, hidden = self.level.bounded(stress, pressure, units)
         slope = self.level.gradient(stress, pressure, units)
@@ -228,3 +223,9 @@ class Judge:
         k = self.stiffness
         missed = trial - slip @ k - stress
         return np.sign(missed) * np.maximum(np.abs(missed) - ROUNDING * (np.abs(slip) @ np.abs(k) + np.abs(trial) + np.abs(stress)), 0.0)
+
+
+def _in_parts(points: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
+    """No more of them at once than the cache holds."""
+    for start in range(0, points.size, _BLOCK):
+        yield points[start : start + _BLOCK]
