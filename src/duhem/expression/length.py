@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["length", "positive_part"]
+__all__ = ["length"]
 
 _SQUARES = 2.0**-900, 2.0**900  # of lengths whose squares are good to the last digits: no part that counts has vanished
 
@@ -25,8 +25,3 @@ def length(first: Any, *others: Any) -> Any:
         found = np.array(found)
         found[far] = reduce(np.hypot, each[1:], np.abs(each[0]))
     return found
-
-
-def positive_part(x: Any) -> Any:
-    """max(x, 0): of an array with an array, for which NumPy has a loop on vectors."""
-    return np.maximum(x, np.zeros_like(x) if isinstance(x, np.ndarray) else 0.0)

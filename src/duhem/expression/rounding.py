@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from duhem.expression import UNDEFINED, numpy_
 from duhem.expression.fold import Table
-from duhem.expression.length import length, positive_part
+from duhem.expression.length import length
 from duhem.expression.pnorm import PNorm, recognised
 from duhem.expression.recording import Recording, bound, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
@@ -240,10 +240,15 @@ def _extreme(most: Callable[[Any, Any], Any]) -> Callable[..., Bounded]:
 
 
 def _ramp(node: Any, x: Bounded) -> Bounded:
-    value = positive_part(x.value if isinstance(node, Pos) else np.negative(x.value))
+    value = _positive_part(x.value if isinstance(node, Pos) else np.negative(x.value))
     if _exact(x):
         return Bounded(value, 0.0)
     return Bounded(value, np.where((value > 0.0) | (np.abs(x.value) <= x.bound), x.bound, 0.0))
+
+
+def _positive_part(x: Any) -> Any:
+    """max(x, 0), of an array with an array: for that NumPy has a loop on vectors."""
+    return np.maximum(x, np.zeros_like(x) if isinstance(x, np.ndarray) else 0.0)
 
 
 def _comparison(kind: type) -> Callable[..., Bounded]:

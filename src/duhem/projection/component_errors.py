@@ -8,6 +8,8 @@ is as far off as it is from there.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,10 +22,53 @@ from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array
 from duhem.projection.row_by_row import dot, unit, widest
 
-__all__ = ["allowed", "eased", "from_closest"]
+__all__ = ["Doubt", "by_components"]
 
 _BEYOND = 30.0  # times as far as a point is off, its curvature is looked at again
 _SLIP = 0.1  # what a relative error of a slip counts
+_UNKNOWN = 10.0 * ACCURACY  # nobody knows how far off a point is
+
+
+@dataclass(frozen=True, eq=False)
+class Doubt:
+    """Points (M,) with something missing that may leave a component open, or something wrong.
+
+    Lengths in the metric, over the sizes of the ``moves``: ``missing`` but for the angle of the slip, ``cone`` the length of boundary
+    that has the slip for a normal, ``depth`` what is missing across the boundary.  ``near``: the slip is short; ``balance``: the
+    residual of the sum of trial, slip and stress, ``given`` that of stationarity so far; ``close``: the normal is nearly right.
+    """
+
+    moves: Moves
+    missing: Array
+    cone: Array
+    depth: Array
+    near: NDArray[np.bool_]
+    balance: Array
+    close: NDArray[np.bool_]
+    given: Array
+
+
+def by_components(increment: Increment, level: Level, metric: Metric, doubt: Doubt) -> Array:
+    """The residual of stationarity (M,): that ``given`` where no component is open, else how far off the closest point beside is.
+
+    It is looked for, at some milliseconds a point, where the answer is ``close`` to one: elsewhere it is wrong in the metric already.
+    """
+    moves, cone, depth, found = doubt.moves, doubt.cone, doubt.depth, doubt.given.copy()
+    good = allowed(metric, moves.stress, moves.slip, doubt.near) / moves.size
+    open_ = ~(doubt.missing + cone <= good)
+    if (bent := np.flatnonzero(open_)).size:
+        left = depth[bent] + eased(level, metric, moves.of(bent), (doubt.missing - depth + moves.turned)[bent])
+        open_[bent] = ~(left <= good[bent])
+    known = np.isfinite(moves.stress).all(axis=1) & np.isfinite(moves.slip).all(axis=1) & moves.stress.any(axis=1)
+    far = open_ & ~doubt.close
+    found[far] = np.maximum(found, _UNKNOWN)[far]
+    few = np.flatnonzero((open_ | (doubt.given > ACCURACY)) & known & doubt.close)
+    if few.size:
+        off, given = from_closest(increment, moves.of(few)), doubt.given[few]
+        unknown = np.where((cone + depth)[few] <= good[few], given, np.maximum(given, _UNKNOWN))  # what is more than rounding
+        told = np.where(np.isnan(off), given, np.maximum(off, doubt.balance[few]))
+        found[few] = np.where(np.isinf(off), unknown, told)
+    return found
 
 
 def allowed(metric: Metric, stress: Array, slip: Array, short: NDArray[np.bool_]) -> Array:

@@ -14,7 +14,6 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.expression.length import positive_part
 from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, Placed
@@ -116,7 +115,7 @@ class FirstLook:
         plain &= (of.multiplier >= _MULTIPLIERS[0]) & (of.multiplier <= _MULTIPLIERS[1])
         for square in squares:
             plain &= (square >= _SQUARES[0]) & (square <= _SQUARES[1])
-        above = positive_part(of.value) * unit
+        above = np.maximum(of.value, np.zeros_like(unit)) * unit
         if (high := np.flatnonzero(above > _HALF * ROUNDING)).size:
             above[high] = of.value[high] / dot(np.abs(slopes.T[high]), np.abs(of.there.s.T[high]))
             plain &= ~(above > _HALF * ACCURACY)

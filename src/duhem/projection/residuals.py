@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.close_look import as_pairs, close_look
-from duhem.projection.component_errors import allowed, eased, from_closest
+from duhem.projection.component_errors import Doubt, by_components
 from duhem.projection.first_look import FirstLook
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
@@ -38,7 +38,6 @@ _HIDDEN = 1e-9  # of a stress: where rounding of g hides as much of the boundary
 _NOISE = 1e-13  # less than this, and the slope of g is as good as any
 _ENDS = 2.0**-1018, 2.0**1021  # of the range of doubles, less a few digits
 _SHORT = 10.0  # of a stress: of longer slips its digits are those of the trial
-_UNKNOWN = 10.0 * ACCURACY  # nobody knows how far off a point is
 _CLOSE = 1e-3  # how far the normal at an answer may be off for the closest point to be looked for beside it
 _SLIP = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
 
@@ -171,43 +170,12 @@ class Judge:
         doubt = np.flatnonzero(unsure & ~got.failed[at])
         if doubt.size:
             cone = np.where(turned <= rounding, turned, np.fmin(turned, off * room))
-            open_ = missing[doubt], cone[doubt], (depth + hidden * room)[doubt]
-            self._by_components(at[doubt], moves.of(doubt), open_, near[doubt], balance[doubt], off[doubt] <= _CLOSE, out)
+            across, beside = (depth + hidden * room)[doubt], (near[doubt], balance[doubt], off[doubt] <= _CLOSE)
+            some = Doubt(moves.of(doubt), missing[doubt], cone[doubt], across, *beside, out.stationarity[at[doubt]])
+            out.stationarity[at[doubt]] = by_components(self.increment, self.level, self.metric, some)
         out.variational[at] = self.known.excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
         if not self.known.convex:
             out.variational[at] = np.fmax(out.variational[at], self.known.beside(pressure, point, moved, size, whole, room)) + 0.0 * whole
-
-    def _by_components(
-        self,
-        at: NDArray[np.intp],
-        moves: Moves,
-        lengths: tuple[Array, ...],
-        near: NDArray[np.bool_],
-        balance: Array,
-        close: NDArray[np.bool_],
-        out: Residuals,
-    ) -> None:
-        """Where what is missing leaves a component open, or something is wrong, the closest point beside tells.
-
-        It is looked for, at some milliseconds a point, where the answer is ``close`` to one: elsewhere it is wrong in the metric already.
-
-        ``lengths``, in the metric: what is ``missing`` but for the angle of the slip, the length of boundary that has the slip for a
-        normal, and what is missing across the boundary.
-        """
-        missing, cone, depth = lengths
-        good, given = allowed(self.metric, moves.stress, moves.slip, near) / moves.size, out.stationarity[at]
-        open_ = ~(missing + cone <= good)
-        if (bent := np.flatnonzero(open_)).size:
-            left = depth[bent] + eased(self.level, self.metric, moves.of(bent), (missing - depth + moves.turned)[bent])
-            open_[bent] = ~(left <= good[bent])
-        known = np.isfinite(moves.stress).all(axis=1) & np.isfinite(moves.slip).all(axis=1) & moves.stress.any(axis=1)
-        out.stationarity[at[open_ & ~close]] = np.maximum(given, _UNKNOWN)[open_ & ~close]
-        few = np.flatnonzero((open_ | (given > ACCURACY)) & known & close)
-        if few.size:
-            found, given = from_closest(self.increment, moves.of(few)), given[few]
-            unknown = np.where((cone + depth)[few] <= good[few], given, np.maximum(given, _UNKNOWN))  # what is more than rounding
-            told = np.where(np.isnan(found), given, np.maximum(found, balance[few]))
-            out.stationarity[at[few]] = np.where(np.isinf(found), unknown, told)
 
     def _multiplier(self, given: Array, slip: Array, steep: Array, units: Array) -> Array:
         """Multipliers of h for those of g, which at large and small stresses may be beyond doubles: there the slip's own."""
