@@ -47,8 +47,6 @@ class GrowingTable:
         self._sum = hashlib.sha256()
         self._bytes = 0
         if not (resume and self._recalled(fingerprint)):
-            self.points = self.ended = self._bytes = 0
-            self._sum = hashlib.sha256()
             beside(file).write_text(f"{MARK}{fingerprint}\n", encoding="utf-8")
             _rows(file).write_bytes(b"")
         self._stream: BinaryIO = open(_rows(file), "r+b")  # noqa: SIM115 (closed by __exit__)
@@ -96,10 +94,8 @@ class GrowingTable:
         try:
             mark, *lines = place.read_text(encoding="utf-8").split("\n")[:-1]  # what no end of line follows was cut off
             rows = open(_rows(self.file), "rb")  # noqa: SIM115 (closed below)
-        except (FileNotFoundError, IndexError):
-            return False
-        except ValueError:
-            return False  # not even the mark was whole
+        except (FileNotFoundError, ValueError):
+            return False  # nothing there, or not even the mark was whole
         except OSError:
             raise InputError("the part of a run cannot be read", where=f"{place}", remedy=UNREADABLE) from None
         with rows:

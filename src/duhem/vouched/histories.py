@@ -86,7 +86,8 @@ def simulate(
     Many points: ``path`` is :class:`Paths`, each of ``parameters`` a number or one a point (N,), ``stress`` (d,) or (N, d), and
     what comes back :class:`Histories`.  The numbers of a point are those of its path by itself, and a point that cannot go on has a
     status that says so, where one path by itself raises.  ``keep`` is every how many knots are kept of each path, or ``"last"``:
-    N points with r kept knots take 8 N r (3 d + 7) bytes, 2 GiB at most, and the work some 100 MiB a thread besides.
+    N points with r kept knots take 8 N r (3 d + 7) bytes, 2 GiB at most, and the work besides some 50 MB a thread, or up to
+    300 where long paths are each point's own.
     ``threads`` share the work and change no number; ``on_step`` hears of points.  ``exact`` takes one point after the other.
 
     ``compiled`` runs implicit steps through numba (extra ``fast``; it compiles for ten to thirty seconds at its first use), whole
