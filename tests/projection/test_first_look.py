@@ -11,7 +11,7 @@ import pytest
 import duhem
 from duhem.projection import closed_form, newton
 from duhem.projection.increment import Increment
-from duhem.projection.projector import project
+from duhem.projection.projector import Projector
 from duhem.projection.residuals import Judge
 from duhem.projection.result import ACCURACY, Residuals, Solution
 from duhem.projection.validation import posed, setting
@@ -151,10 +151,10 @@ def test_what_cannot_be_squared_is_left(scale: float) -> None:
 def test_a_point_has_the_same_answer_alone_in_a_batch_and_on_any_number_of_threads() -> None:
     rng = np.random.default_rng(0)
     trial, pressure = rng.normal(size=(40_000, 2)) * 0.3, -rng.uniform(0.5, 1.5, 40_000)
-    one, two = (project("antoni2007", trial, pressure, 1.0, FLAGSHIP, threads=threads) for threads in (1, 2))
+    increments = Projector.of("antoni2007", 1.0, FLAGSHIP)
+    one, two = (increments(trial, pressure, threads=threads) for threads in (1, 2))
     few = np.arange(3, 40_000, 1999)
-    part = project("antoni2007", trial[few], pressure[few], 1.0, FLAGSHIP)
-    alone = [project("antoni2007", trial[i], pressure[i], 1.0, FLAGSHIP) for i in few[:4]]
+    part, alone = increments(trial[few], pressure[few]), [increments(trial[i], pressure[i]) for i in few[:4]]
     for found in (lambda x: x.stress, lambda x: x.status, lambda x: x.dissipation, lambda x: x.residuals.worst()):
         assert (found(one) == found(two)).all()
         assert (found(one)[few] == found(part)).all()
