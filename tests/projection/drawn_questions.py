@@ -1,13 +1,15 @@
-"""Laws with formulas of every kind and drawn stiffnesses, as the tests of compiled loops put their questions."""
+"""Laws with formulas of every kind, drawn stiffnesses and spoilt answers, as the tests of loops and filters put their questions."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 import duhem
 from duhem import Criterion
+from duhem.projection.result import Solution
 
-__all__ = ["LAWS", "drawn"]
+__all__ = ["LAWS", "drawn", "spoilt"]
 
 LAWS: dict[str, dict[str, float]] = {
     "antoni2007": {"mu_a_plus": 0.3, "mu_a_minus": 0.2, "mu_b_plus": 0.1, "mu_b_minus": 0.4}, "coulomb": {"mu": 0.3},
@@ -26,3 +28,32 @@ def drawn(name: str, seed: int, full: bool) -> tuple[Criterion, np.random.Genera
         return law, rng, np.array([1.0, 2.0, 1.5])[:d]
     root = rng.normal(size=(d, d))
     return law, rng, root @ root.T + 0.3 * np.eye(d)
+
+
+def spoilt(how: str, size: float, got: Solution) -> Solution:
+    """A solution with one thing wrong in it, by ``size`` where that says how much."""
+    stress, slip, multiplier = got.stress.copy(), got.slip.copy(), got.multiplier.copy()
+    match how:
+        case "stress out":
+            stress *= 1.0 + size
+        case "stress in":
+            stress *= 1.0 - size
+        case "slip turned":
+            slip = slip + size * np.roll(slip, 1, axis=1) * np.where(np.arange(slip.shape[1]) % 2, 1.0, -1.0)
+        case "slip longer":
+            slip *= 1.0 + size
+        case "multiplier":
+            multiplier *= 1.0 + size
+        case "negative":
+            multiplier, slip = -multiplier, -slip
+        case "stick that slips":
+            stress, slip, multiplier = stress + size * np.abs(stress), 0.0 * slip, 0.0 * multiplier
+        case "stick":
+            slip, multiplier = 0.0 * slip, 0.0 * multiplier
+        case "nan":
+            slip[:, 0] = np.nan
+        case "inf":
+            stress[:, 0] = np.inf
+        case _:
+            slip[:] = np.nan
+    return replace(got, stress=stress, slip=slip, multiplier=multiplier)

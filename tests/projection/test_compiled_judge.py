@@ -22,7 +22,7 @@ from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
 from duhem.projection.told import Told
 from duhem.projection.validation import posed, setting
-from tests.projection.drawn_questions import LAWS, drawn
+from tests.projection.drawn_questions import LAWS, drawn, spoilt
 
 N = 16
 
@@ -70,28 +70,6 @@ def test_what_it_calls_right_the_judge_does_too(name: str, full: bool, monkeypat
 SPOILT = ["stress out", "stress in", "slip turned", "slip longer", "multiplier", "negative", "stick that slips", "no number"]
 
 
-def _spoilt(how: str, size: float, got: Solution) -> Solution:
-    stress, slip, multiplier = got.stress.copy(), got.slip.copy(), got.multiplier.copy()
-    match how:
-        case "stress out":
-            stress *= 1.0 + size
-        case "stress in":
-            stress *= 1.0 - size
-        case "slip turned":
-            slip = slip + size * np.roll(slip, 1, axis=1) * np.where(np.arange(slip.shape[1]) % 2, 1.0, -1.0)
-        case "slip longer":
-            slip *= 1.0 + size
-        case "multiplier":
-            multiplier *= 1.0 + size
-        case "negative":
-            multiplier, slip = -multiplier, -slip
-        case "stick that slips":
-            stress, slip, multiplier = stress + size * np.abs(stress), 0.0 * slip, 0.0 * multiplier
-        case _:
-            slip[:] = np.nan
-    return replace(got, stress=stress, slip=slip, multiplier=multiplier)
-
-
 @pytest.mark.parametrize("how", SPOILT)
 @pytest.mark.parametrize("name", ["antoni2007", "superellipse", "hosford", "box", "tresca", "limacon"])
 def test_what_is_wrong_is_left_to_the_judge(name: str, how: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,7 +79,7 @@ def test_what_is_wrong_is_left_to_the_judge(name: str, how: str, monkeypatch: py
     question = replace(question, trial=question.trial[slips], pressure=question.pressure[slips])
     right = Solution(*(getattr(right, f.name)[slips] for f in fields(Solution)))
     for size in (1e-3, 1e-6, 1.5e-7):
-        solution = _spoilt(how, size, right)
+        solution = spoilt(how, size, right)
         told, known = _as_text(monkeypatch, question, solution, convex=False), residuals(question, solution)
         assert told.left is not None
         judged = np.setdiff1d(np.arange(len(slips)), told.left)

@@ -15,6 +15,7 @@ from duhem.projection.projector import Projector
 from duhem.projection.residuals import Judge
 from duhem.projection.result import ACCURACY, Residuals, Solution
 from duhem.projection.validation import posed, setting
+from tests.projection.drawn_questions import drawn, spoilt
 
 LAWS: dict[str, dict[str, float]] = {
     "antoni2007": {"mu_a_plus": 0.3, "mu_a_minus": 0.2, "mu_b_plus": 0.1, "mu_b_minus": 0.4}, "regularised": {"mu": 0.3, "c": 0.1},
@@ -27,13 +28,8 @@ FLAGSHIP = LAWS["antoni2007"]
 
 
 def _question(name: str, n: int, full: bool) -> Increment:
-    law = duhem.load(name)
-    rng, d = np.random.default_rng(3), len(law.forces)
-    stiffness: Any = np.array([1.0, 2.0, 1.5])[:d]
-    if full:
-        root = rng.normal(size=(d, d))
-        stiffness = root @ root.T + 0.3 * np.eye(d)
-    trial = rng.normal(size=(n, d)) * 10.0 ** rng.uniform(-1.0, 1.0, n)[:, None]
+    law, rng, stiffness = drawn(name, 3, full)
+    trial = rng.normal(size=(n, len(law.forces))) * 10.0 ** rng.uniform(-1.0, 1.0, n)[:, None]
     return posed(setting(law, stiffness, LAWS[name]), 0.4 * trial, -rng.uniform(0.2, 1.2, n) if law.pressure else None)
 
 
@@ -60,31 +56,7 @@ def test_it_says_what_the_judge_says(name: str, full: bool) -> None:
             assert getattr(first, field.name) == pytest.approx(getattr(close, field.name), abs=2e-13), field.name
 
 
-SPOILT = ["stress out", "stress in", "slip turned", "slip longer", "multiplier", "negative", "stick that slips", "nan", "inf"]
-
-
-def _spoilt(how: str, size: float, got: Solution) -> Solution:
-    stress, slip, multiplier = got.stress.copy(), got.slip.copy(), got.multiplier.copy()
-    match how:
-        case "stress out":
-            stress *= 1.0 + size
-        case "stress in":
-            stress *= 1.0 - size
-        case "slip turned":
-            slip = slip + size * np.roll(slip, 1, axis=1) * np.where(np.arange(slip.shape[1]) % 2, 1.0, -1.0)
-        case "slip longer":
-            slip *= 1.0 + size
-        case "multiplier":
-            multiplier *= 1.0 + size
-        case "negative":
-            multiplier, slip = -multiplier, -slip
-        case "stick that slips":
-            slip, multiplier = np.zeros_like(slip), np.zeros_like(multiplier)
-        case "nan":
-            slip[:, 0] = np.nan
-        case _:
-            stress[:, 0] = np.inf
-    return replace(got, stress=stress, slip=slip, multiplier=multiplier)
+SPOILT = ["stress out", "stress in", "slip turned", "slip longer", "multiplier", "negative", "stick", "nan", "inf"]
 
 
 @pytest.mark.parametrize("name", ["antoni2007", "superellipse", "hosford"])
@@ -96,7 +68,7 @@ def test_what_is_spoilt_is_left_or_has_the_same_residuals(name: str, how: str) -
     question = replace(question, trial=question.trial[moves], pressure=question.pressure[moves])
     right = Solution(*(getattr(right, f.name)[moves] for f in fields(Solution)))
     for size in (1e-6, 1e-8, 1e-12):
-        first, close, left = _both(question, _spoilt(how, size, right))
+        first, close, left = _both(question, spoilt(how, size, right))
         assert ((first.worst() <= ACCURACY) == (close.worst() <= ACCURACY)).all()
         said = np.setdiff1d(np.arange(len(moves)), left)
         assert (close.worst()[said] <= ACCURACY).all()
