@@ -62,8 +62,10 @@ class ScalarBounds:
     off: tuple[float, ...]
 
 
-def scalar_bounds(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol], first: int) -> ScalarBounds:
-    """``expr`` over ``forces``, taken as exact, and ``others``; its constants are ``q[first]`` and following.
+def scalar_bounds(
+    expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[sp.Symbol], first: int, name: str = "bounded"
+) -> ScalarBounds:
+    """``expr`` over ``forces``, taken as exact, and ``others``; its constants are ``q[first]`` and following, ``name`` is the function's.
 
     InputError for a word whose rows need more than lines (``eigmax``).
     """
@@ -86,7 +88,7 @@ def scalar_bounds(expr: sp.Expr, forces: Sequence[sp.Symbol], others: Sequence[s
             value, off = recording.run(given)[recording.last]
     except TypeError:
         raise InputError(f"the rounding of {expr} takes more than lines") from None
-    text = ["def bounded(v, x, q, b):", *lines, f"    return {_text(value)}, {_text(off)}"]
+    text = [f"def {name}(v, x, q, b):", *lines, f"    return {_text(value)}, {_text(off)}"]
     return ScalarBounds("\n".join(text), tuple(c.value for c in constants.values()), tuple(c.bound for c in constants.values()))
 
 

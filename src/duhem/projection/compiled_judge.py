@@ -13,67 +13,69 @@ import numpy as np
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression.rounding import bounded
 from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
-from duhem.projection import corner_kernel, judge_kernel
+from duhem.projection import corner_kernel, judge_kernel, known_points_kernel
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.kept_code import compiled_text
 from duhem.projection.level import Level
-from duhem.projection.module_text import module_text
+from duhem.projection.module_text import module_text, over_unit
 from duhem.projection.newton_step import below, eliminated, grown, length
 from duhem.projection.normal_cones import beside
 from duhem.projection.residuals import Judge
 from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.row_by_row import unit
+from duhem.projection.scaled_formula import ScaledFormula
 from duhem.projection.told import Told
 
 __all__ = ["told"]
 
 _BLOCK = 16_384
 
+Numbers = tuple[float, ...]
+
 
 @dataclass(frozen=True, eq=False)
 class _Loop:
-    """The compiled loop of a formula with its constants, and what these are off by."""
+    """The compiled loop of a formula; the constants of its data and its own, each with what they are off by."""
 
     run: Callable[..., None]
-    constants: Array
-    off: Array
+    constants: tuple[Numbers, Numbers, Numbers, Numbers]
 
 
 def told(increment: Increment, solution: Solution, judge: Judge, threads: int | None = None) -> Told:
     """What the loop says; nothing for a law with a word that it lacks.  MissingExtraError without numba."""
-    formula = judge.level.scaled
     loop = _loop(judge.level, increment.law.force_symbols())
     if loop is None:
         return Told.nothing(len(solution.multiplier))
     n, metric = len(solution.multiplier), judge.metric
     keep_freed_memory(n)
-    dissipation, status, residuals = np.empty(n), np.empty(n, dtype=np.int8), np.empty((5, n))
+    dissipation, status, residuals = np.empty(n), np.empty(n, dtype=np.int8), np.zeros((5, n))  # a page of zeros costs nothing till written
     with np.errstate(all="ignore"):  # the origin has no way
         ways, reaches = map(np.nan_to_num, unit(judge.known.reaches))
     matrices = [np.ascontiguousarray(m) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
-    around = beside(increment.trial.shape[1])
-    figures = metric.blur, metric.good, metric.certain, formula.degree, judge.known.convex
+    tips = beside(increment.trial.shape[1]), np.ascontiguousarray(judge.known.tips), np.ascontiguousarray(ways), reaches
+    figures = metric.blur, metric.good, metric.certain, judge.level.scaled.degree, judge.known.convex
 
     def fill(block: slice) -> None:
-        pressure = increment.pressure[block]
-        part = np.ones(pressure.size) if judge.known.largest == 0.0 else pressure / judge.known.largest
-        known = formula.bounded(pressure, np.ones(pressure.size)).values()
-        data, offs = np.zeros((2, pressure.size, len(known)))
-        for k, (value, off) in enumerate(known):
-            data[:, k], offs[:, k] = value, off
+        given = _read(increment.trial[block]), _read(increment.pressure[block]), judge.known.largest
         got = solution.stress[block], solution.slip[block], solution.multiplier[block]
-        given = (np.ascontiguousarray(increment.trial[block]), part, data, offs, loop.constants, loop.off)
-        tips = around, np.ascontiguousarray(judge.known.tips), np.ascontiguousarray(ways), reaches
-        loop.run(*given, *matrices, *tips, *figures, *got, dissipation[block], status[block], residuals[:, block])
+        loop.run(*given, *loop.constants, *matrices, *tips, *figures, *got, dissipation[block], status[block], residuals[:, block])
 
     in_blocks(n, _BLOCK, fill, threads)
     status[solution.failed] = UNJUDGED
     return Told(dissipation, status, Residuals(*residuals), np.flatnonzero(status == UNJUDGED))
+
+
+def _read(given: Array) -> Array:
+    """Whole, and not to be written to, as most are: each kind of array is compiled for by itself."""
+    whole = np.ascontiguousarray(given).view()
+    whole.flags.writeable = False
+    return whole
 
 
 @lru_cache(maxsize=256)
@@ -82,11 +84,33 @@ def _loop(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
     try:
         jets = scalar_jets(formula.expr, forces, others)
         bounds = scalar_bounds(formula.expr, forces, others, len(others) + len(jets.constants))
+        data = _data(formula)
     except InputError:  # a word without text
         return None
-    functions = jets.level, jets.gradient, bounds.text
-    text = module_text(formula, len(forces), jets.kinks, functions, (below, grown, length, eliminated, corner_kernel, judge_kernel))
+    sources = (below, grown, length, eliminated, corner_kernel, known_points_kernel, judge_kernel)
+    text = module_text(formula, len(forces), jets.kinks, (jets.level, jets.gradient, bounds.text, data[0]), sources)
     none = (0.0,) * len(jets.constants)
-    return _Loop(
-        compiled_text(text, "judge", judge_kernel.INLINED), np.array(jets.constants + bounds.constants), np.array(none + bounds.off)
-    )
+    own = jets.constants + bounds.constants, none + bounds.off
+    return _Loop(compiled_text(text, "judge", judge_kernel.INLINED), (*data[1:], *own))
+
+
+def _data(formula: ScaledFormula) -> tuple[str, Numbers, Numbers]:
+    """``known`` and ``sized`` as text, the data at a pressure and over a unit; the constants in them and what these are off by."""
+    functions: list[str] = []
+    entries: list[str] = []
+    constants, off = Numbers(), Numbers()
+    for k, datum in enumerate(formula.data.values()):
+        if formula.pressure is not None and datum.expr.has(formula.pressure):
+            found = scalar_bounds(datum.expr, (), (formula.pressure,), 1 + len(constants), f"datum{k}")
+            functions.append(found.text)
+            entries.append(f"datum{k}(0, 0, q, b)")
+            constants, off = constants + found.constants, off + found.off
+        else:
+            entries.append(f"(q[{1 + len(constants)}], b[{1 + len(constants)}])")
+            value, bound = bounded(datum.expr, ())([], [])
+            constants, off = (*constants, float(value)), (*off, float(bound))
+    lines = [f"    v{k}, b{k} = {entry}" for k, entry in enumerate(entries)]
+    values, bounds = ("".join(f"{name}{k}, " for k in range(len(entries))) for name in "vb")
+    known = ["def known(p, q, b):", "    q, b = (p,) + q, (0.0,) + b", *lines, f"    return ({values}), ({bounds})"]
+    over = "".join(f"{over_unit(f'data[{k}]', datum.weight)}, " for k, datum in enumerate(formula.data.values()))
+    return "\n\n\n".join([*functions, "\n".join(known), f"def sized(data, size):\n    return ({over})"]), constants, off

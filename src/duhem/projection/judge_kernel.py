@@ -1,29 +1,42 @@
-"""One point at a time: what the judge says of a point that is plainly right, and which points it has to look at itself.
+"""Chunks of points: what the judge says of those that are plainly right, and which points it has to look at itself.
 
 The conditions and formulas are those of :mod:`duhem.projection.residuals`.  Every threshold beyond which that looks closer is halved
 here, and a point that passes none of them, or has a residual of more than half of what is accurate, is left to it: so both say the
 same of every point, whatever the last digits of either.  Compiled with the functions of one law, whose names stand
 below without a body, as :mod:`duhem.projection.newton_kernel` is.
+
+Short loops over the points of a chunk run on vectors: they have no branch, and pass on what they find in rows of ``seen``.  Corners
+and known points are looked at one by one, where a slip asks for it.
 """
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy import sqrt
 
 from duhem.projection.corner_kernel import CORNER, cornered
-from duhem.projection.newton_step import below, grown, length
+from duhem.projection.known_points_kernel import excess, raised
+from duhem.projection.newton_step import below, grown
 
 __all__ = ["INLINED", "SLIP", "STICK", "UNJUDGED", "judge"]
 
-D = DATA = 0  # how many forces and data the law has
+D = 0  # how many forces the law has
 
 
-def level(v: Any, x: int, q: Any) -> float:
-    """h at row ``x`` of ``v``."""
+def known(p: float, q: Any, b: Any) -> Any:
+    """The data at a pressure and what they are off by, from constants and what these are off by."""
+    raise NotImplementedError
+
+
+def sized(data: Any, size: float) -> Any:
+    """The data in units of another size."""
+    raise NotImplementedError
+
+
+def bounded(v: Any, x: int, q: Any, b: Any) -> tuple[float, float]:
+    """h at row ``x`` of ``v`` and a bound of its rounding; ``b`` bounds what ``q`` is off by."""
     raise NotImplementedError
 
 
@@ -32,253 +45,274 @@ def gradient(v: Any, x: int, q: Any, slopes: int) -> None:
     raise NotImplementedError
 
 
-def bounded(v: Any, x: int, q: Any, b: Any) -> tuple[float, float]:
-    """h there and a bound of its rounding; ``b`` bounds what ``q`` is off by."""
-    raise NotImplementedError
-
-
-def resized(data: Any, n: int, size: float, q: Any) -> None:
-    """The data of point ``n`` in units of another size."""
-    raise NotImplementedError
-
-
-INLINED = ("balance", "below", "bounded", "gradient", "length", "placed", "resized", "slid", "stuck", "turned_share", "unit_of")
-"""Functions that every slip goes through, most of them once."""
+INLINED = ("below", "bounded", "gradient", "hypot", "known", "levels", "lengths", "looked", "seen_in_metric", "shares", "sized", "sorted_",
+           "taken", "tried")  # fmt: skip
+"""Functions that every point goes through, so that the compiler knows the rows they work on apart."""
 
 # -- compiled from here ----------------------------------------------------------------------------------------
 
 STICK, SLIP, UNJUDGED = 0, 1, -1
-ROUNDING, NOISE, HIDDEN, SUSPECT, SHORT, ACCURACY = 4e-15, 0.5e-13, 0.5e-9, 0.5e-9, 20.0, 0.5e-7
+ROUNDING, NOISE, HIDDEN_SHARE, SUSPECT, SHORT, ACCURACY = 4e-15, 0.5e-13, 0.5e-9, 0.5e-9, 20.0, 0.5e-7
 ENDS = 2.0**-1017, 2.0**1020
-RAISE, ASIDE = 4e-7, (0.3, 0.03, 0.003)  # as of known points beside a stress
-# Rows of v: stress over its unit, gradient of h; trial, stress, k slip and lambda k n in the metric over their size; a known point;
-# a way across the slip, the slip's direction; room.
-S, SLOPE, AIM, POINT, MOVED, PULL, TAU, WAY, NORMAL, HERE, ROWS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10
+CHUNK = 128  # points: so few that their rows stay in the nearest cache
+# Rows of seen: of every point its unit, level and what rounding hides of it; of the slips the same, then pressure and multiplier,
+# the length of the gradient, the unit of lengths and the lengths over it, what is off in them, residuals, whether a known point
+# may be beyond, and what to think of it; by components trial, stress and slip, then aim, stress, k slip and lambda k n in the metric.
+EVERY = 0
+UNIT, LEVEL, HIDDEN, PRESSURE, GIVEN, STEEP, SIZE, AIM, ROOM, DISTANCE, GAP, TURNED, SHALLOW = 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15
+OFF, BALANCE, FEASIBLE, COMPLETE, OVER, WORK, FAR, STATE, TRIAL = 16, 17, 18, 19, 20, 21, 22, 23, 24
+STRESS, SLIPPED, AIMS, POINTS, MOVES, PULLS, ROWS = D + 24, 2 * D + 24, 3 * D + 24, 4 * D + 24, 5 * D + 24, 6 * D + 24, 7 * D + 24
+LEFT, PLAIN, BENT = 0.0, 1.0, 2.0
+S, POINT, MOVED, ROOMS = 0, 3, 4, 10  # rows of v, for one slip
+
+
+def hypot(a: float, b: float) -> float:
+    """On vectors; nan where the square of both is out of range and one of them is not 0."""
+    square = a * a + b * b
+    fine = ((square > 2.0**-960) & (square < np.inf)) | ((a == 0.0) & (b == 0.0))
+    return float(sqrt(square if fine else np.nan))
 
 
 def judge(
-    trial: Any, part: Any, data: Any, offs: Any, constants: Any, constants_off: Any, stiffness: Any, of_slip: Any, of_stress: Any,
-    to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float, certain: float, degree: float, convex: bool,
-    stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
+    trial: Any, pressure: Any, largest: float, pressed: Any, pressed_off: Any, constants: Any, constants_off: Any, stiffness: Any,
+    of_slip: Any, of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float,
+    certain: float, degree: float, convex: bool, stress: Any, slip: Any, multiplier: Any, dissipation: Any, status: Any, found: Any,
 ) -> None:  # fmt: skip
     """Dissipation, status (``UNJUDGED`` where it is left open) and residuals, a row of ``found`` each, of every point.
 
-    Lengths are taken over powers of two, ``unit`` of a stress and ``size`` of all of the metric; ``per`` is 1/size.  ``part`` (N,)
-    the pressures as parts of the one at which the ``tips`` of K are known, ``ways`` and ``reaches`` their directions and lengths in
+    ``found`` is full of zeros, and what is zero is not written.  The constants of the ``pressed`` data, then those of h, and what they
+    are off by.  Lengths are taken over powers of two, ``unit`` of a stress and ``size`` of all of the metric; ``per`` is 1/size.
+    ``largest`` the pressure at which the ``tips`` of K are known, ``ways`` and ``reaches`` their directions and lengths in
     the metric; ``beside`` ways off a point, where the normals of a corner are looked for; the matrices as in
     :class:`duhem.projection.metric.Metric`.
     """
-    v, a, q, b = np.empty((ROWS, D)), np.empty((CORNER, 2 * D + 1)), np.empty(DATA + len(constants)), np.empty(DATA + len(constants))
-    for k in range(len(constants)):
-        q[DATA + k], b[DATA + k] = constants[k], constants_off[k]
-    for n in range(trial.shape[0]):
-        work, moved = 0.0, multiplier[n] != 0.0
+    v, a = np.empty((ROOMS, D)), np.empty((CORNER, 2 * D + 1))
+    at, seen, which = np.empty((D, 3 * CHUNK)).T, np.zeros((ROWS, CHUNK)), np.empty(CHUNK + 1, np.int64)
+    for begin in range(0, trial.shape[0], CHUNK):
+        here = slice(begin, min(begin + CHUNK, trial.shape[0]))
+        levels(pressure[here], pressed, pressed_off, constants, constants_off, stress[here], at, seen)
+        count = sorted_(trial[here], stress[here], slip[here], multiplier[here], seen, dissipation[here], status[here], which)
+        if count == 0:
+            continue
+        taken(count, which, trial[here], pressure[here], stress[here], slip[here], multiplier[here], at, seen)
+        seen_in_metric(count, pressed, pressed_off, constants, of_slip, of_stress, at, seen)
+        if degree != 1.0:
+            regrown(count, degree, seen)
+        lengths(count, seen)
+        shares(count, blur, good, certain, of_slip, at, seen)
+        looked(count, stiffness, of_stress, seen)
+        tried(count, largest, ways, reaches, seen)
+        for j in range(count):
+            n, state = begin + which[j], seen[STATE, j]
+            if state == LEFT:
+                continue
+            other = 0.0
+            if state == BENT or seen[OVER, j] > 0.0 or not convex:
+                fine, other = one_slip(
+                    j, v, a, at, seen, largest, pressed, pressed_off, constants, of_slip, to_stress, beside, tips, ways, reaches, good,
+                    certain, convex,
+                )  # fmt: skip
+                if not fine:
+                    continue
+            off = max(seen[OFF, j], seen[BALANCE, j])
+            if off <= ACCURACY and seen[FEASIBLE, j] <= ACCURACY and seen[COMPLETE, j] <= ACCURACY and other <= ACCURACY:
+                status[n] = SLIP
+                found[2, n], found[3, n] = seen[COMPLETE, j], off
+                if seen[FEASIBLE, j] != 0.0:
+                    found[0, n] = seen[FEASIBLE, j]
+                if other != 0.0:
+                    found[4, n] = other
+
+
+def levels(pressure: Any, pressed: Any, pressed_off: Any, constants: Any, constants_off: Any, stress: Any, at: Any, seen: Any) -> None:
+    """Unit and level of every point, and its stress over the unit."""
+    for x in range(pressure.shape[0]):
+        big = 0.0
         for i in range(D):
-            work += stress[n, i] * slip[n, i]
-            moved = moved or slip[n, i] != 0.0 or stress[n, i] != trial[n, i]
-        dissipation[n] = work
-        for k in range(5):
-            found[k, n] = 0.0
-        unit = unit_of(stress, n)
-        status[n] = UNJUDGED
-        if not moved:
-            if stuck(v, data, offs, n, unit, stress, q, b):
-                status[n] = STICK
-        elif slid(v, a, n, unit, trial, part, data, offs, q, b, stiffness, of_slip, of_stress, to_stress, beside, tips, ways, reaches,
-                  blur, good, certain, degree, convex, stress, slip, multiplier, found):  # fmt: skip
-            status[n] = SLIP
-
-
-def unit_of(stress: Any, n: int) -> float:
-    """The power of two below the largest component, 1 of a zero."""
-    big = 0.0
-    for i in range(D):
-        big = max(big, abs(stress[n, i]))
-    return below(big) if isfinite(big) and big > 0.0 else 1.0
-
-
-def placed(v: Any, data: Any, offs: Any, n: int, unit: float, stress: Any, q: Any, b: Any) -> None:
-    """The stress and the data over their unit, with what the data are off by."""
-    per = 1.0 / unit  # exact, and a product is sooner done
-    for i in range(D):
-        v[S, i] = stress[n, i] * per
-    resized(data, n, unit, q)
-    resized(offs, n, unit, b)
-
-
-def stuck(v: Any, data: Any, offs: Any, n: int, unit: float, stress: Any, q: Any, b: Any) -> bool:
-    """Whether the stress lies in K for sure."""
-    placed(v, data, offs, n, unit, stress, q, b)
-    value, hidden = bounded(v, S, q, b)
-    return isfinite(value) and value < -2.0 * hidden
-
-
-def slid(
-    v: Any, a: Any, n: int, unit: float, trial: Any, part: Any, data: Any, offs: Any, q: Any, b: Any, stiffness: Any, of_slip: Any,
-    of_stress: Any, to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, blur: float, good: float, certain: float,
-    degree: float, convex: bool, stress: Any, slip: Any, multiplier: Any, found: Any,
-) -> bool:  # fmt: skip
-    """Whether the residuals of a slip are plainly fine; they are written down."""
-    placed(v, data, offs, n, unit, stress, q, b)
-    value, hidden = bounded(v, S, q, b)
-    gradient(v, S, q, SLOPE)
-    size = 0.0
-    for i in range(D):
-        v[AIM, i] = v[POINT, i] = v[MOVED, i] = v[PULL, i] = 0.0
-        for k in range(D):
-            v[AIM, i] += trial[n, k] * of_stress[k, i]
-            v[POINT, i] += stress[n, k] * of_stress[k, i]
-            v[MOVED, i] += slip[n, k] * of_slip[k, i]
-            v[PULL, i] += v[SLOPE, k] * of_slip[k, i]
-        size = max(size, abs(v[AIM, i]), abs(v[POINT, i]))
-    steep = length(v, PULL)
-    if not (size > 0.0 and isfinite(size) and steep > 0.0 and isfinite(steep)):
-        return False
-    size = below(size)
-    per, far = 1.0 / size, unit / size
-    gap = turned = 0.0
-    given = multiplier[n]
-    if degree != 1.0:
-        own = grown(length(v, MOVED) / steep, unit, 1.0 - degree)
-        if not ENDS[0] < own < ENDS[1]:
-            return False
-        given = grown(given, unit, degree - 1.0)
-    given *= per
-    for i in range(D):
-        v[AIM, i], v[POINT, i], v[MOVED, i] = v[AIM, i] * per, v[POINT, i] * per, v[MOVED, i] * per
-        v[PULL, i] *= given
-        rest, across = v[AIM, i] - v[MOVED, i] - v[POINT, i], v[MOVED, i] - v[PULL, i]
-        gap += rest * rest
-        turned += across * across
-    gap, turned = sqrt(gap), sqrt(turned)
-    distance, room, aim = length(v, MOVED), length(v, POINT), length(v, AIM)
-    if not (room > 0.0 and distance > 0.0 and given >= 0.0):
-        return False
-    whole = distance + room
-    hidden *= far / (steep * room)
-    if not (hidden <= NOISE or hidden * max(distance / room, 1.0) <= HIDDEN):
-        return False
-    depth = abs(value) / steep * far
-    shallow = depth + gap + hidden * room + blur * whole
-    if not (2.0 * shallow <= good * distance or distance > SHORT * room):
-        return False
-    astray, off = turned, turned_share(v, n, slip, of_slip, per, turned, whole, room)
-    if not (off <= SUSPECT and (2.0 * turned <= good * distance or distance > SHORT * room)):
-        off = cornered(v, a, q, beside, of_slip, to_stress, given, size / unit, distance, room, good)
-        astray = off * room
-    if not (off <= SUSPECT and 2.0 * (shallow + astray) <= certain * room):  # else a component of it may be off
-        return False
-    found[3, n] = max(off, balance(v, n, trial, stress, slip, stiffness, of_stress, gap, aim, room, unit, per))
-    if value > 0.0:
-        inner = 0.0
+            at[x, i] = stress[x, i]
+            big = max(big, abs(at[x, i]))
+        unit = below(big) if (big > 0.0) & (big < np.inf) else 1.0
+        per = 1.0 / unit  # exact, and a product is sooner done
         for i in range(D):
-            inner += abs(v[SLOPE, i]) * abs(v[S, i])
-        found[0, n] = depth / room if 2.0 * depth <= ROUNDING * room else value / inner
-    found[2, n] = min(distance, depth) / room
-    found[4, n] = excess(v, n, part, tips, ways, reaches, data, q, per, whole, room)
-    for k in range(5):
-        if not found[k, n] <= ACCURACY:
-            return False
-    return convex or not raised(v, data, q, n, to_stress, size, distance, room)
+            at[x, i] *= per
+        seen[EVERY, x] = unit
+    for x in range(pressure.shape[0]):
+        unit = seen[EVERY, x]
+        data, offs = known(pressure[x], pressed, pressed_off)
+        seen[EVERY + 1, x], seen[EVERY + 2, x] = bounded(at, x, sized(data, unit) + constants, sized(offs, unit) + constants_off)
 
 
-def turned_share(v: Any, n: int, slip: Any, of_slip: Any, per: float, turned: float, whole: float, room: float) -> float:
-    """What the slip is off the normal by, as a share of slip and stress where it is rounding, else of the stress."""
-    rounding = 0.0
-    for i in range(D):
-        one = 0.0
-        for k in range(D):
-            one += abs(slip[n, k]) * abs(of_slip[k, i])
-        rounding += (one * per) * (one * per)
-    return turned / (whole if 2.0 * turned <= ROUNDING * sqrt(rounding) else room)
+def sorted_(trial: Any, stress: Any, slip: Any, multiplier: Any, seen: Any, dissipation: Any, status: Any, which: Any) -> int:
+    """Dissipation of every point and status of those that stick for sure; how many moved, and which."""
+    count = 0
+    for x in range(multiplier.shape[0]):
+        work, moved = 0.0, multiplier[x] != 0.0
+        for i in range(D):
+            work += stress[x, i] * slip[x, i]
+            moved = moved | (slip[x, i] != 0.0) | (stress[x, i] != trial[x, i])
+        dissipation[x] = work
+        value, hidden = seen[EVERY + 1, x], seen[EVERY + 2, x]
+        within = (value > -np.inf) & (value < -2.0 * hidden)
+        status[x] = STICK if within & (not moved) else UNJUDGED
+        which[count] = x
+        count += 1 if moved else 0
+    return count
 
 
-def balance(
-    v: Any, n: int, trial: Any, stress: Any, slip: Any, stiffness: Any, of_stress: Any, gap: float, aim: float, room: float, unit: float,
-    per: float,
-) -> float:  # fmt: skip
-    """How far trial, k slip and stress are from adding up, in the metric and, beyond their rounding, component by component."""
-    widest = away = 0.0
-    for i in range(D):
-        back = sum_ = 0.0
-        for k in range(D):
-            back += slip[n, k] * stiffness[k, i]
-            sum_ += abs(slip[n, k]) * abs(stiffness[k, i])
-        missed = trial[n, i] - back - stress[n, i]
-        much = max(abs(missed) - ROUNDING * (sum_ + abs(trial[n, i]) + abs(stress[n, i])), 0.0)
-        if not isfinite(missed):
-            return np.inf
-        v[TAU, i] = much if missed > 0.0 else -much
-        widest = max(widest, much)
-    if widest > 0.0:
+def taken(count: int, which: Any, trial: Any, pressure: Any, stress: Any, slip: Any, multiplier: Any, at: Any, seen: Any) -> None:
+    """The slips side by side."""
+    for j in range(count):
+        x = which[j]
+        for i in range(D):
+            at[CHUNK + j, i] = at[x, i]
+            seen[TRIAL + i, j], seen[STRESS + i, j], seen[SLIPPED + i, j] = trial[x, i], stress[x, i], slip[x, i]
+        seen[UNIT, j], seen[LEVEL, j], seen[HIDDEN, j] = seen[EVERY, x], seen[EVERY + 1, x], seen[EVERY + 2, x]
+        seen[PRESSURE, j], seen[GIVEN, j] = pressure[x], multiplier[x]
+
+
+def seen_in_metric(
+    count: int, pressed: Any, pressed_off: Any, constants: Any, of_slip: Any, of_stress: Any, at: Any, seen: Any
+) -> None:  # fmt: skip
+    """Gradients, and all vectors in the metric."""
+    for j in range(count):
+        data, _ = known(seen[PRESSURE, j], pressed, pressed_off)
+        gradient(at, CHUNK + j, sized(data, seen[UNIT, j]) + constants, 2 * CHUNK + j)
+    for j in range(count):
+        size = steep = 0.0
+        for i in range(D):
+            aim = point = moved = pull = 0.0
+            for k in range(D):
+                aim += seen[TRIAL + k, j] * of_stress[k, i]
+                point += seen[STRESS + k, j] * of_stress[k, i]
+                moved += seen[SLIPPED + k, j] * of_slip[k, i]
+                pull += at[2 * CHUNK + j, k] * of_slip[k, i]
+            seen[AIMS + i, j], seen[POINTS + i, j], seen[MOVES + i, j], seen[PULLS + i, j] = aim, point, moved, pull
+            size = max(size, abs(aim), abs(point))
+            steep += pull * pull
+        seen[SIZE, j], seen[STEEP, j] = size, sqrt(steep)
+
+
+def regrown(count: int, degree: float, seen: Any) -> None:
+    """Multipliers of h for those of g; nan where these may be beyond doubles."""
+    for j in range(count):
+        unit, moved = seen[UNIT, j], 0.0
+        for i in range(D):
+            moved += seen[MOVES + i, j] * seen[MOVES + i, j]
+        own = grown(sqrt(moved) / seen[STEEP, j], unit, 1.0 - degree)
+        seen[GIVEN, j] = grown(seen[GIVEN, j], unit, degree - 1.0) if ENDS[0] < own < ENDS[1] else np.nan
+
+
+def lengths(count: int, seen: Any) -> None:
+    """All over one power of two, and the lengths of it; what trial, k slip and stress leave, and how far the slip is off the normal."""
+    for j in range(count):
+        size, steep = seen[SIZE, j], seen[STEEP, j]
+        fine = (size > 0.0) & (size < np.inf) & (steep > 0.0) & (steep < np.inf)
+        size = below(size) if fine else 1.0
+        per = 1.0 / size
+        given = seen[GIVEN, j] * per
+        gap = turned = distance = room = aim = 0.0
+        for i in range(D):
+            a, p, m = seen[AIMS + i, j] * per, seen[POINTS + i, j] * per, seen[MOVES + i, j] * per
+            rest, across = a - m - p, m - seen[PULLS + i, j] * given
+            seen[POINTS + i, j], seen[MOVES + i, j] = p, m
+            gap += rest * rest
+            turned += across * across
+            distance += m * m
+            room += p * p
+            aim += a * a
+        seen[SIZE, j], seen[GIVEN, j] = size, given if fine else np.nan
+        seen[GAP, j], seen[TURNED, j], seen[AIM, j] = sqrt(gap), sqrt(turned), sqrt(aim)
+        seen[DISTANCE, j], seen[ROOM, j] = sqrt(distance), sqrt(room)
+
+
+def shares(count: int, blur: float, good: float, certain: float, of_slip: Any, at: Any, seen: Any) -> None:
+    """Residuals of the level and of the slip's direction, and whether the slip is plainly right."""
+    for j in range(count):
+        distance, room, turned, steep = seen[DISTANCE, j], seen[ROOM, j], seen[TURNED, j], seen[STEEP, j]
+        size, value = seen[SIZE, j], seen[LEVEL, j]
+        per, far, whole = 1.0 / size, seen[UNIT, j] / size, distance + room
+        hidden = seen[HIDDEN, j] * (far / (steep * room))
+        depth = abs(value) / steep * far
+        shallow = depth + seen[GAP, j] + hidden * room + blur * whole
+        rounding = inner = 0.0
         for i in range(D):
             one = 0.0
             for k in range(D):
-                one += v[TAU, k] * of_stress[k, i]
+                one += abs(seen[SLIPPED + k, j]) * abs(of_slip[k, i])
+            rounding += (one * per) * (one * per)
+            inner += abs(at[2 * CHUNK + j, i]) * abs(at[CHUNK + j, i])
+        off = turned / (whole if 2.0 * turned <= ROUNDING * sqrt(rounding) else room)
+        long = distance > SHORT * room
+        sound = (room > 0.0) & (distance > 0.0) & (seen[GIVEN, j] >= 0.0)
+        sound = sound & ((hidden <= NOISE) | (hidden * max(distance / room, 1.0) <= HIDDEN_SHARE))
+        sound = sound & ((2.0 * shallow <= good * distance) | long)
+        straight = (off <= SUSPECT) & ((2.0 * turned <= good * distance) | long)
+        plain = 2.0 * (shallow + turned) <= certain * room  # else a component of it may be off
+        beyond = depth / room if 2.0 * depth <= ROUNDING * room else value / inner
+        seen[STATE, j] = (PLAIN if plain else LEFT) if sound & straight else (BENT if sound else LEFT)
+        seen[OFF, j], seen[SHALLOW, j] = off, shallow
+        seen[FEASIBLE, j], seen[COMPLETE, j] = beyond if value > 0.0 else 0.0, min(distance, depth) / room
+
+
+def looked(count: int, stiffness: Any, of_stress: Any, seen: Any) -> None:
+    """How far trial, k slip and stress are from adding up, in the metric and, beyond their rounding, component by component."""
+    for j in range(count):
+        per, widest, away, fine = 1.0 / seen[SIZE, j], 0.0, 0.0, True
+        for i in range(D):
+            back = total = 0.0
+            for k in range(D):
+                back += seen[SLIPPED + k, j] * stiffness[k, i]
+                total += abs(seen[SLIPPED + k, j]) * abs(stiffness[k, i])
+            missed = seen[TRIAL + i, j] - back - seen[STRESS + i, j]
+            much = max(abs(missed) - ROUNDING * (total + abs(seen[TRIAL + i, j]) + abs(seen[STRESS + i, j])), 0.0)
+            fine = fine & (abs(missed) < np.inf)
+            seen[AIMS + i, j] = much if missed > 0.0 else -much
+            widest = max(widest, much)
+        for i in range(D):
+            one = 0.0
+            for k in range(D):
+                one += seen[AIMS + k, j] * of_stress[k, i]
             away += (one * per) * (one * per)
-    return max(gap / (aim + room), widest / unit, sqrt(away) / room)
+        room = seen[ROOM, j]
+        off = max(seen[GAP, j] / (seen[AIM, j] + room), widest / seen[UNIT, j], sqrt(away) / room)
+        seen[BALANCE, j] = off if fine else np.inf
 
 
-def excess(
-    v: Any, n: int, part: Any, tips: Any, ways: Any, reaches: Any, data: Any, q: Any, per: float, whole: float, room: float
-) -> float:
-    """The largest (sigma_tr - sigma) . k^-1 (tau - sigma) over the known points tau that lie in K at this pressure, relative."""
-    worst = work = 0.0
-    for i in range(D):
-        work += v[POINT, i] * v[MOVED, i]
-    for j in range(tips.shape[0]):
-        away = part[n] * (reaches[j] * per)
-        along = 0.0
+def tried(count: int, largest: float, ways: Any, reaches: Any, seen: Any) -> None:
+    """Whether one of the known points of K may lie beyond the plane through the stress across the slip."""
+    for j in range(count):
+        part = seen[PRESSURE, j] / largest if largest != 0.0 else 1.0
+        work = 0.0
         for i in range(D):
-            along += v[MOVED, i] * ways[j, i]
-        over = away * along - work
-        if over > 0.0:
-            relative = over / (whole * (away + room))
-            if relative > worst:
-                big = 0.0
-                for i in range(D):
-                    big = max(big, abs(part[n] * tips[j, i]))
-                if not isfinite(big):
-                    return np.inf
-                unit = below(big) if big > 0.0 else 1.0
-                for i in range(D):
-                    v[TAU, i] = part[n] * tips[j, i] / unit
-                resized(data, n, unit, q)
-                high = level(v, TAU, q)
-                if not high > 0.0 or (relative > ACCURACY and not high > 1e-6):  # near the boundary: not for a filter to say
-                    worst = relative
-    return worst
+            work += seen[POINTS + i, j] * seen[MOVES + i, j]
+        seen[OVER, j], seen[WORK, j], seen[FAR, j] = 0.0, work, part / seen[SIZE, j]
+    for t in range(reaches.shape[0]):
+        reach = reaches[t]
+        for j in range(count):
+            along = 0.0
+            for i in range(D):
+                along += seen[MOVES + i, j] * ways[t, i]
+            within = seen[FAR, j] * reach * along <= seen[WORK, j]
+            seen[OVER, j] = seen[OVER, j] if within else 1.0
 
 
-def raised(v: Any, data: Any, q: Any, n: int, to_stress: Any, size: float, distance: float, room: float) -> bool:
-    """Whether K goes beyond the plane through the stress across the slip, somewhere close to it, or may."""
+def one_slip(
+    j: int, v: Any, a: Any, at: Any, seen: Any, largest: float, pressed: Any, pressed_off: Any, constants: Any, of_slip: Any,
+    to_stress: Any, beside: Any, tips: Any, ways: Any, reaches: Any, good: float, certain: float, convex: bool,
+) -> tuple[bool, float]:  # fmt: skip
+    """Whether corners and known points let a slip pass, and the residual of the latter; what it is off the cone is written down."""
+    unit, size, distance, room = seen[UNIT, j], seen[SIZE, j], seen[DISTANCE, j], seen[ROOM, j]
+    pressure, over = seen[PRESSURE, j], 0.0
+    data, _ = known(pressure, pressed, pressed_off)
     for i in range(D):
-        v[NORMAL, i] = v[MOVED, i] / distance
-    for axis in range(D if D > 2 else D - 1):
-        across = 0.0
-        for i in range(D):
-            v[WAY, i] = (1.0 if i == axis else 0.0) - v[NORMAL, axis] * v[NORMAL, i]
-            if D == 2:
-                v[WAY, i] = v[NORMAL, 0] if i == 1 else -v[NORMAL, 1]
-            across += v[WAY, i] * v[WAY, i]
-        across = sqrt(across) if across > 0.0 else 1.0
-        for sense in (-1.0, 1.0):
-            for share in ASIDE:
-                big = 0.0
-                for i in range(D):
-                    v[HERE, i] = v[POINT, i] + share * room * sense * v[WAY, i] / across + RAISE * room * v[NORMAL, i]
-                for i in range(D):
-                    one = 0.0
-                    for k in range(D):
-                        one += v[HERE, k] * to_stress[k, i]
-                    v[TAU, i] = size * one
-                    big = max(big, abs(v[TAU, i]))
-                if not (isfinite(big) and big > 0.0):
-                    return True
-                unit = below(big)
-                for i in range(D):
-                    v[TAU, i] /= unit
-                resized(data, n, unit, q)
-                if not level(v, TAU, q) > 0.0:
-                    return True
-    return False
+        v[S, i], v[POINT, i], v[MOVED, i] = at[CHUNK + j, i], seen[POINTS + i, j], seen[MOVES + i, j]
+    if seen[STATE, j] == BENT:
+        q = sized(data, unit) + constants
+        off = cornered(v, a, q, beside, of_slip, to_stress, seen[GIVEN, j], size / unit, distance, room, good)
+        if not (off <= SUSPECT and 2.0 * (seen[SHALLOW, j] + off * room) <= certain * room):
+            return False, 0.0
+        seen[OFF, j] = off
+    if seen[OVER, j] > 0.0:
+        part = pressure / largest if largest != 0.0 else 1.0
+        over = excess(v, POINT, MOVED, part, tips, ways, reaches, data, constants, 1.0 / size, distance + room, room)
+    return convex or not raised(v, POINT, MOVED, data, constants, to_stress, size, distance, room), over

@@ -12,7 +12,7 @@ import sympy as sp
 from duhem.expression import scalar_bounds, scalar_jets
 from duhem.projection.scaled_formula import ScaledFormula
 
-__all__ = ["module_text"]
+__all__ = ["module_text", "over_unit"]
 
 MARK = "# -- compiled from here"
 
@@ -31,7 +31,7 @@ def module_text(
         f"from numpy import {', '.join(sorted({*scalar_jets.FUNCTIONS, *scalar_bounds.FUNCTIONS} - {'isfinite'}))}",
         f"D, KINKS, DATA = {d}, {kinks}, {len(formula.data)}",
     ]
-    lines = [f"    q[{k}] = {_sized(k, datum.weight)}" for k, datum in enumerate(formula.data.values())]
+    lines = [f"    q[{k}] = {over_unit(f'data[n, {k}]', datum.weight)}" for k, datum in enumerate(formula.data.values())]
     resized = "\n".join(["def resized(data, n, size, q):", *lines, "    return"])
     return "\n\n\n".join(["\n".join(head), *functions, resized, *map(_source, sources)])
 
@@ -41,6 +41,7 @@ def _source(given: ModuleType | Callable[..., Any]) -> str:
     return text.partition(MARK)[2].partition("\n")[2] if inspect.ismodule(given) else text
 
 
-def _sized(k: int, weight: sp.Expr) -> str:
+def over_unit(name: str, weight: sp.Expr) -> str:
+    """A datum of this weight in units of another ``size``, as text."""
     power = float(weight)
-    return {0.0: f"data[n, {k}]", 1.0: f"data[n, {k}] / size", -1.0: f"data[n, {k}] * size"}.get(power, f"data[n, {k}] / size ** {power!r}")
+    return {0.0: name, 1.0: f"{name} / size", -1.0: f"{name} * size"}.get(power, f"{name} / size ** {power!r}")
