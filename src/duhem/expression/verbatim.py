@@ -14,14 +14,16 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.matrices.matrixbase import MatrixBase
 
-__all__ = ["Verbatim"]
+__all__ = ["HASH", "Verbatim"]
+
+HASH = "_hash"  # where a value may keep its own, which is another in each process
 
 
 class Verbatim:
     """A frozen value with expressions, tuples of expressions or tables of them in its fields; it equals its copies."""
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: _recorded(value) for name, value in vars(self).items()}
+        return {name: _recorded(value) for name, value in vars(self).items() if name != HASH}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         vars(self).update((name, _restored(value)) for name, value in state.items())

@@ -23,7 +23,7 @@ from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
 from duhem.expression.parse import parse_expression, parse_relation
 from duhem.expression.spelling import spelled
-from duhem.expression.verbatim import Verbatim
+from duhem.expression.verbatim import HASH, Verbatim
 from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
 from duhem.law.registry import register
@@ -103,7 +103,11 @@ class Criterion(Verbatim):
         self._check_content()
 
     def __hash__(self) -> int:
-        return hash((self.name, self.g, self.forces, self.pressure, self.parameters, self.constraints, self.flow, self.surfaces))
+        """Found once: what is kept by law is looked up some times in each increment."""
+        if (known := vars(self).get(HASH)) is None:
+            known = hash((self.name, self.g, self.forces, self.pressure, self.parameters, self.constraints, self.flow, self.surfaces))
+            object.__setattr__(self, HASH, known)
+        return int(known)
 
     def _read_bounds(self, known: Mapping[str, sp.Symbol], short: Abbreviations) -> None:
         """g and what else is said of K's boundary; from the surfaces, where there are several."""

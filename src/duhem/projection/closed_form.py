@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
 from duhem.law.shapes import Interval
 from duhem.projection import quadrants
 from duhem.projection.allocation import keep_freed_memory
@@ -22,7 +24,7 @@ from duhem.projection.result import Array, Solution
 
 __all__ = ["CLOSED_FORM", "ClosedFormOptions", "applies", "solve"]
 
-_COMPILED_BLOCK = 65_536  # the kernel has blocks of its own; these are for what NumPy does before and after it
+_COMPILED_BLOCK = 32_768  # the kernel has blocks of its own; these are for what NumPy does before and after it
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,17 @@ _DEFAULTS = ClosedFormOptions()
 
 def applies(increment: Increment) -> str | None:
     """None where the law declares a shape this method projects onto, else why not, with the remedy."""
-    law, shape = increment.law, increment.law.closed_form
+    if (reason := _unfit(increment.law)) is not None:
+        return reason
+    if 0.0 in coefficients(increment).mu and not increment.diagonal:
+        return "a zero coefficient and a stiffness that couples the forces: give a diagonal stiffness"
+    return None
+
+
+@lru_cache(maxsize=256)
+def _unfit(law: Criterion) -> str | None:
+    """Why a law has no closed form, whatever its numbers."""
+    shape = law.closed_form
     if shape is None:
         return f"{law.name} declares no closed form: use method newton or cvxpy"
     if len(law.forces) != (1 if isinstance(shape, Interval) else 2):
@@ -49,8 +61,6 @@ def applies(increment: Increment) -> str | None:
     pressure = law.symbols().get(law.pressure or "")
     if any(pressure in sp.sympify(entry).free_symbols for entry in own_entries(shape)):
         return f"a coefficient in the closed form of {law.name} depends on the pressure: write that part in its load"
-    if 0.0 in coefficients(increment).mu and not increment.diagonal:
-        return "a zero coefficient and a stiffness that couples the forces: give a diagonal stiffness"
     return None
 
 
@@ -122,13 +132,19 @@ Project = Callable[[Array, Array, Array, Array, Array], None]
 
 
 def _on_quarters(found: Coefficients, increment: Increment, compiled: bool) -> Project:
-    quarters = Quarters.of(found.mu, increment.stiffness)
+    quarters = _quarters(found.mu, increment.stiffness.tobytes())
     if compiled:
         from duhem.projection.compiled import project
     else:
         from duhem.projection.quadrants import project
 
     return lambda trial, load, *out: project(trial, load, quarters, *out)
+
+
+@lru_cache(maxsize=256)
+def _quarters(mu: tuple[float, ...], stiffness: bytes) -> Quarters:
+    """Once for increments that follow one another."""
+    return Quarters.of(mu, np.frombuffer(stiffness).reshape(2, 2))
 
 
 def _on_interval(found: Coefficients, increment: Increment) -> Project:

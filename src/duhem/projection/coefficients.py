@@ -39,13 +39,17 @@ def declared(increment: Increment) -> Shape:
 
 def coefficients(increment: Increment) -> Coefficients:
     """The coefficients of the declared shape at the parameter values."""
+    return _coefficients(increment.law, declared(increment), _values(increment))
 
+
+@lru_cache(maxsize=256)
+def _coefficients(law: Criterion, shape: Shape, values: tuple[float, ...]) -> Coefficients:
     def number(entry: object) -> float:
-        value = uniform(increment, entry)
-        assert value is not None, entry  # refused by applies
+        value = _at(law, entry, values)
+        assert isinstance(value, float), entry  # refused by applies
         return value
 
-    match shape := declared(increment):
+    match shape:
         case Interval():
             return Coefficients((number(shape.plus), number(shape.minus)))
         case Disk():

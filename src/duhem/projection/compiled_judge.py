@@ -55,10 +55,8 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
     n, metric = len(solution.multiplier), judge.metric
     keep_freed_memory(n)
     dissipation, status, residuals = np.empty(n), np.empty(n, dtype=np.int8), np.zeros((5, n))  # a page of zeros costs nothing till written
-    with np.errstate(all="ignore"):  # the origin has no way
-        ways, reaches = map(np.nan_to_num, unit(judge.known.reaches))
-    matrices = [np.ascontiguousarray(m) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
-    tips = beside(increment.trial.shape[1]), np.ascontiguousarray(judge.known.tips), np.ascontiguousarray(ways), reaches
+    matrices = [_read(m) for m in (increment.stiffness, metric.of_slip, metric.of_stress, metric.to_stress)]
+    tips = _read(beside(len(metric.of_stress))), *_seen(judge.known.tips.tobytes(), metric.of_stress.tobytes(), len(metric.of_stress))
     figures = metric.blur, metric.good, metric.certain, judge.level.scaled.degree, judge.known.convex
 
     def fill(block: slice) -> None:
@@ -76,6 +74,15 @@ def _read(given: Array) -> Array:
     whole = np.ascontiguousarray(given).view()
     whole.flags.writeable = False
     return whole
+
+
+@lru_cache(maxsize=256)
+def _seen(tips: bytes, of_stress: bytes, d: int) -> tuple[Array, Array, Array]:
+    """Points (n, d) with their directions and lengths in the metric."""
+    points = np.frombuffer(tips).reshape(-1, d)
+    with np.errstate(all="ignore"):  # the origin has no way
+        ways, reaches = map(np.nan_to_num, unit(points @ np.frombuffer(of_stress).reshape(d, d)))
+    return points, _read(ways), _read(reaches)
 
 
 @lru_cache(maxsize=256)

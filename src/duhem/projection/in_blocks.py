@@ -10,19 +10,18 @@ __all__ = ["in_blocks"]
 
 
 def in_blocks(n: int, size: int, fill: Callable[[slice], None], threads: int | None = None) -> None:
-    """``fill`` for each block of ``n`` points; the first alone, because what it needs is compiled there.
+    """``fill`` for each block of ``n`` points; on several threads an empty one before them, because what it needs is compiled there.
 
     ``threads``: None for as many as this process may use cores.  More than one is of use to what lets go of the interpreter.
     """
     blocks = [slice(start, min(start + size, n)) for start in range(0, n, size)]
-    for block in blocks[:1]:
-        fill(block)
-    many = min(len(blocks) - 1, threads or _cores())
+    many = min(len(blocks), threads or _cores())
     if many > 1:
+        fill(slice(0, 0))
         with ThreadPoolExecutor(many) as pool:
-            list(pool.map(fill, blocks[1:]))
+            list(pool.map(fill, blocks))
     else:
-        for block in blocks[1:]:
+        for block in blocks:
             fill(block)
 
 

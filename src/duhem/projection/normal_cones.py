@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from functools import reduce
+from functools import lru_cache, reduce
 from itertools import combinations
 
 import numpy as np
@@ -158,6 +158,7 @@ def _choices(many: int, d: int, most: int) -> Iterator[NDArray[np.intp]]:
         yield from (sets[start : start + most] for start in range(0, len(sets), most))
 
 
+@lru_cache(maxsize=16)
 def beside(d: int) -> Array:
     """Ways off a point: the axes both ways, and in few dimensions what lies between them."""
     grid = np.stack(np.meshgrid(*([[-1.0, 0.0, 1.0]] * min(d, 3)), indexing="ij"), axis=-1).reshape(-1, min(d, 3))

@@ -74,7 +74,9 @@ class Projector:
         threads = given.threads if isinstance(given, Compiling) else 1
         judge.look(solution, told.residuals, told.left, threads)
         self._held(question, solution, told.residuals)
-        solution, found = recovered(question, solution, told.residuals, self._judged)
+        found = told.residuals
+        if told.left is None or told.left.size:
+            solution, found = recovered(question, solution, found, self._judged)
         _complete(question, solution, found, told, vouched, threads)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(

@@ -49,7 +49,8 @@ def recovered(question: Increment, solution: Solution, found: Residuals, judge: 
 
 def _lost(question: Increment, solution: Solution, found: Residuals) -> NDArray[np.intp]:
     """The points next to the boundary that nothing but the slip speaks against."""
-    suspect = np.flatnonzero((found.stationarity > ACCURACY) & (found.feasibility <= ACCURACY) & ~solution.failed)
+    suspect = np.flatnonzero(found.stationarity > ACCURACY)
+    suspect = suspect[(found.feasibility[suspect] <= ACCURACY) & ~solution.failed[suspect]]
     stress = solution.stress[suspect]
     return suspect[widest(question.trial[suspect] - stress) <= _NEXT * widest(stress)]
 

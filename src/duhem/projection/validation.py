@@ -45,14 +45,14 @@ def setting(law: Criterion, stiffness: ArrayLike, parameters: Mapping[str, Any] 
     """The checked question but for its points: no trial stress yet."""
     check_associated(law)
     values, g = _settled(law, _exact(parameters))
-    k = _stiffness(stiffness, law)
+    k, diagonal = _stiffness(stiffness, law)
     return Increment(
         law=law,
         g=g,
         trial=np.empty((0, len(law.forces))),
         pressure=np.empty(0),
         stiffness=k,
-        diagonal=bool((k == np.diag(np.diagonal(k))).all()),
+        diagonal=diagonal,
         parameters={name: int(value.p) / int(value.q) for name, value in values},
     )
 
@@ -137,7 +137,8 @@ def _array(given: Any, where: str) -> Array:
         array = raw.astype(np.float64, copy=False)
     except (ValueError, TypeError):
         raise InputError("these are not real numbers of a rectangular shape", where=where, remedy="give a NumPy array of floats") from None
-    if (at := _first(~np.isfinite(array))) is not None:
+    if not (finite := np.isfinite(array)).all():
+        at = _first(~finite) or ()
         raise InputError(f"{_at(where, at)} is {array[at]}", remedy="give finite numbers")
     return array
 
@@ -177,7 +178,7 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
             f"{_at('pressure', at)} is {pressure[at]} > 0",
             remedy=f"{law.pressure} <= 0 in compression; an open contact carries no friction",
         )
-    if (at := _first(refused(law, pressure))) is not None:
+    if law.pressure in law.domain and (at := _first(refused(law, pressure))) is not None:
         raise InputError(
             f"{_at('pressure', at)} is {pressure[at]}, outside the range of {law.domain[law.pressure].stated(law.pressure)}",
             remedy=f"{law.name} says nothing there: keep to the range, or declare a wider one in its domain",
@@ -185,13 +186,22 @@ def _pressure(given: ArrayLike | None, law: Criterion) -> Array:
     return np.atleast_1d(pressure)
 
 
-def _stiffness(given: ArrayLike, law: Criterion) -> Array:
+def _stiffness(given: ArrayLike, law: Criterion) -> tuple[Array, bool]:
+    """The matrix, not to be written to, and whether it is diagonal."""
     d = len(law.forces)
     remedy = f"give one number, ({d},) or ({d}, {d})"
     k = _array(unlabelled(given, "stiffness", f"{remedy}, in the order of {', '.join(law.forces)}"), "stiffness")
     if k.shape not in ((), (d,), (d, d)):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
-    alike = np.ones(d) if law.stress is None else np.where(law.stress.shears, 0.5, 1.0)  # one number is meant of the tensors
+    shears = () if law.stress is None else tuple(law.stress.shears)
+    return _matrix(k.tobytes(), k.shape, d, shears)
+
+
+@lru_cache(maxsize=256)
+def _matrix(given: bytes, shape: tuple[int, ...], d: int, shears: tuple[bool, ...]) -> tuple[Array, bool]:
+    """Once for increments that follow one another."""
+    k = np.frombuffer(given).reshape(shape)
+    alike = np.where(shears, 0.5, 1.0) if shears else np.ones(d)  # one number is meant of the tensors
     matrix = k if k.ndim == 2 else np.diag(k if k.ndim else k * alike)
     if (bad := _first(np.diagonal(matrix) <= 0.0)) is not None:
         i = bad[0]
@@ -208,4 +218,5 @@ def _stiffness(given: ArrayLike, law: Criterion) -> Array:
         )
     symmetric = np.tril(matrix) + np.tril(matrix, -1).T
     factors(symmetric)  # exact, so that it tells a singular matrix from an ill-conditioned one
-    return symmetric
+    symmetric.flags.writeable = False
+    return symmetric, bool((symmetric == np.diag(np.diagonal(symmetric))).all())
