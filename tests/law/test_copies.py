@@ -38,6 +38,12 @@ def expressions(law):
     return [sp.srepr(part) for part in parts] + [repr(getattr(law, "closed_form", None))]
 
 
+def test_the_hash_a_law_keeps_is_not_handed_to_another_process():
+    law = duhem.load("coulomb")
+    assert hash(law) == hash(law) and "_hash" in vars(law)
+    assert "_hash" not in law.__getstate__() and hash(pickled(law)) == hash(law)
+
+
 @pytest.mark.parametrize("copied", [pickled, copy.deepcopy], ids=["pickle", "deepcopy"])
 @pytest.mark.parametrize("name", catalogue.names())
 def test_every_law_equals_its_copies(name, copied):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -13,7 +14,8 @@ import pytest
 
 import duhem
 from duhem import Criterion, InputError
-from duhem.projection import compiled_judge, newton
+from duhem.projection import compiled_judge, judge_kernel, newton
+from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling
 from duhem.projection.methods import METHODS
@@ -33,13 +35,13 @@ def _question(name: str, n: int, seed: int = 0, full: bool = False) -> Increment
     return posed(setting(law, stiffness, LAWS[name]), 0.4 * trial, -rng.uniform(0.2, 1.2, n) if law.pressure else None)
 
 
-def _as_text(monkeypatch: pytest.MonkeyPatch, question: Increment, solution: Solution, convex: bool) -> Told:
+def _as_text(monkeypatch: pytest.MonkeyPatch, question: Increment, solution: Solution, convex: bool, chunk: int = 128) -> Told:
     """The loop, not compiled."""
 
     def run(text: str, entry: str, inlined: tuple[str, ...]) -> Any:
-        assert all(f"def {name}(" in text for name in inlined)
+        assert all(f"def {name}(" in text for name in inlined) and "CHUNK = 128" in text
         space: dict[str, Any] = {}
-        exec(text, space)
+        exec(text.replace("CHUNK = 128", f"CHUNK = {chunk}"), space)
         return space[entry]
 
     monkeypatch.setattr(compiled_judge, "compiled_text", run)
@@ -86,6 +88,49 @@ def test_what_is_wrong_is_left_to_the_judge(name: str, how: str, monkeypatch: py
         assert (known.worst()[judged] <= ACCURACY).all()
         if size == 1e-3 and how != "slip turned":  # at a corner a slip may turn
             assert not judged.size
+
+
+@pytest.mark.parametrize("name", ["antoni2007", "box"])
+def test_a_point_is_told_the_same_in_any_chunk(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    question = _question(name, 8)
+    solution = newton.solve(question)
+    together, apart = (_as_text(monkeypatch, question, solution, True, chunk) for chunk in (128, 3))
+    assert together.dissipation.tobytes() == apart.dissipation.tobytes() and together.status.tobytes() == apart.status.tobytes()
+    for field in fields(Residuals):
+        assert getattr(together.residuals, field.name).tobytes() == getattr(apart.residuals, field.name).tobytes(), field.name
+
+
+@pytest.mark.parametrize("load", ["abs(p)/3", "abs(p)**(1/3)/3 + 1/7", "tanh(abs(p)/3) + 1/5"])
+def test_what_depends_on_the_pressure_is_told_like_the_judge_says(load: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    law = Criterion(name="loaded", g=f"norm(a, 2*b) - ({load})", forces=("a", "b"), pressure="p")
+    rng = np.random.default_rng(3)
+    sizes = np.where(np.arange(N) % 3, 1.0, 0.01)[:, None]
+    question = posed(setting(law, [1.0, 2.0], {}), sizes * rng.normal(size=(N, 2)), -rng.uniform(0.1, 2.0, N))
+    solution = newton.solve(question)
+    told, known = _as_text(monkeypatch, question, solution, convex=True), residuals(question, solution, convex=True)
+    assert told.left is not None and not told.left.size and set(told.status) == {Status.STICK, Status.SLIP}
+    assert told.residuals.worst() == pytest.approx(known.worst(), abs=2e-13)
+    elsewhere = replace(question, pressure=question.pressure * np.where(solution.multiplier > 0.0, 1.0 + 1e-5, 1.0))
+    left = _as_text(monkeypatch, elsewhere, solution, convex=True).left
+    assert left is not None and set(left) == set(np.flatnonzero(solution.multiplier > 0.0))
+
+
+@pytest.mark.parametrize("sides", [(3.0, 4.0), (-1e-140, 1e-150), (0.0, -2.0), (0.0, 0.0), (1e150, 1.0)])
+def test_a_hypotenuse_in_range_is_right(sides: tuple[float, float]) -> None:
+    assert abs(judge_kernel.hypot(*sides) - math.hypot(*sides)) <= 2.0**-51 * math.hypot(*sides)
+
+
+@pytest.mark.parametrize("sides", [(1e-160, 0.0), (1e155, 1.0), (np.inf, 1.0), (np.nan, 1.0)])
+def test_a_hypotenuse_out_of_range_is_none(sides: tuple[float, float]) -> None:
+    with np.errstate(over="ignore"):
+        assert np.isnan(judge_kernel.hypot(*map(np.float64, sides)))
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_blocks_are_done_once_each(threads: int) -> None:
+    done: list[int] = []
+    in_blocks(10, 3, lambda block: done.extend(range(block.start, block.stop)), threads)
+    assert sorted(done) == list(range(10))
 
 
 def test_a_stationary_point_that_is_not_the_closest_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
