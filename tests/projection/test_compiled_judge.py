@@ -115,6 +115,36 @@ def test_what_depends_on_the_pressure_is_told_like_the_judge_says(load: str, mon
     assert left is not None and set(left) == set(np.flatnonzero(solution.multiplier > 0.0))
 
 
+@pytest.mark.parametrize("past", [1.0, 1.0 + 1e-9, 1.0 - 3e-16])
+def test_a_stick_on_the_boundary_or_beyond_is_left(past: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    question = posed(setting(duhem.load("antoni2007"), 1.0, LAWS["antoni2007"]), np.array([[0.3 * past, 0.0], [0.29, 0.0]]), -1.0)
+    still = Solution(question.trial, np.zeros((2, 2)), np.zeros(2), np.zeros(2, dtype=bool))
+    told = _as_text(monkeypatch, question, still, convex=True)
+    assert told.left is not None and told.left.tolist() == [0] and told.status[1] == Status.STICK
+
+
+def _on_a_side(stress: tuple[float, float], slip: float, multiplier: float = 1.0) -> tuple[Increment, Solution]:
+    """A box of half widths 0.3 and 0.2 that slips across its upper side, the second stiffness a hundred times the first."""
+    slips, k = np.array([[0.0, slip]]), np.array([1.0, 100.0])
+    question = posed(setting(duhem.load("box"), k, LAWS["box"]), np.array([stress]) + slips * k, -1.0)
+    return question, Solution(np.array([stress]), slips, np.array([multiplier * slip * 0.2]), np.zeros(1, dtype=bool))
+
+
+@pytest.mark.parametrize("past", [0.8, 1.2])
+def test_it_stays_within_the_thresholds_of_the_judge(past: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Next to each of them, on either side, a point is left: they are halved."""
+
+    def left(question: Increment, solution: Solution) -> bool:
+        found = _as_text(monkeypatch, question, solution, convex=True).left
+        return found is not None and bool(found.size)
+
+    assert not left(*_on_a_side((0.19, 0.2), 0.01))
+    assert left(*_on_a_side((0.19, 0.2 * (1.0 - past * 7e-8)), 0.01))  # 1e-8/sqrt(2) of the stress in the metric, the first threshold
+    assert left(*_on_a_side((0.1, 0.2), 0.1, 1.0 + past * 1e-8))  # multiplier and slip apart by 1e-7 of the stress
+    question, got = _on_a_side((0.1, 0.2), 0.1)
+    assert left(replace(question, trial=question.trial * (1.0 + past * 1e-7)), got)  # and what does not add up
+
+
 @pytest.mark.parametrize("sides", [(3.0, 4.0), (-1e-140, 1e-150), (0.0, -2.0), (0.0, 0.0), (1e150, 1.0)])
 def test_a_hypotenuse_in_range_is_right(sides: tuple[float, float]) -> None:
     assert abs(judge_kernel.hypot(*sides) - math.hypot(*sides)) <= 2.0**-51 * math.hypot(*sides)

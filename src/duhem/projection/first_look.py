@@ -3,7 +3,7 @@
 The conditions and formulas are those of :mod:`duhem.projection.residuals`.  Every threshold beyond which that looks closer is halved
 here, and where it asks for one of two things the stricter is asked, so that both say the same of every point, whatever the last digits
 of either.  What does not pass, or is too large or too small to be squared, is left.  :mod:`duhem.projection.judge_kernel` says the same
-to a compiler, a point at a time.
+to a compiler.
 """
 
 from __future__ import annotations
