@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.law.shapes import Interval
+from duhem.law.shapes import Disk, Interval, Quadrants
 from duhem.path.batch import Share
-from duhem.path.prepared_projection import LOST, named, numbers, on_interval, on_quarters, shape_name
-from duhem.projection import quadrants
+from duhem.path.prepared_projection import LOST, named, on_interval, on_quarters, shape_name
+from duhem.projection import closed_form, quadrants
+from duhem.projection.coefficients import centre, in_columns
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 
@@ -38,25 +39,43 @@ class ShapeNumbers:
 
 def shape_numbers(block: Share) -> ShapeNumbers | None:
     """The numbers of a block; None where the law declares no shape that fits."""
-    pressure = block.paths.pressure
-    load = np.zeros((1, 1)) if pressure is None else pressure
-    if len(block.members) > 1:
-        load = np.broadcast_to(load, (len(block), load.shape[1]))
-    parts, coefficients = [], []
-    for i, member in enumerate(block.members):
-        own = load[block.own == i] if len(block.members) > 1 else load
-        found = numbers(replace(member, pressure=np.ascontiguousarray(own).ravel()))
-        if found is None:
-            return None
-        coefficients.append(found.coefficients)
-        parts.append((found.load.reshape(own.shape), found.share.reshape(own.shape), found.centre.reshape(*own.shape, -1)))
-    if len(parts) == 1:
-        return ShapeNumbers(np.array(coefficients), *parts[0])
-    whole = tuple(np.empty((len(block), *part.shape[1:])) for part in parts[0])
-    for i, part in enumerate(parts):
-        for array, own in zip(whole, part, strict=True):
-            array[block.own == i] = own
-    return ShapeNumbers(np.array(coefficients), *whole)
+    first, law = block.members[0], block.members[0].law
+    if law.closed_form is None or closed_form.applies(first) is not None:
+        return None
+    load = np.zeros((1, 1)) if block.paths.pressure is None else block.paths.pressure
+    own = block.own if len(block.members) > 1 else np.zeros(1, dtype=np.intp)
+    load = np.broadcast_to(load, (max(len(own), len(load)), load.shape[1]))
+    parameters = [np.array([member.parameters[name] for member in block.members]) for name in law.parameters]
+    at_points = [values[own, None] for values in parameters]
+    none = np.zeros(len(block.members))
+
+    def alone(*entries: object) -> Array:
+        return np.stack([in_columns(law, entry, parameters, none) for entry in entries], axis=1)
+
+    scale, empty = np.ones(len(block.members)), np.zeros(len(block.members), dtype=np.bool_)
+    match shape := law.closed_form:
+        case Interval():
+            coefficients = alone(shape.plus, shape.minus)
+        case Disk():
+            found = alone(shape.coefficient)
+            empty = ~(found[:, 0] > 0.0)  # K is a point
+            coefficients = np.repeat(np.where(empty[:, None], 1.0, found), 4, axis=1)
+            scale = coefficients[:, 0]
+        case Quadrants():
+            coefficients = alone(shape.a_plus, shape.a_minus, shape.b_plus, shape.b_minus)
+    if not first.diagonal and (coefficients == 0.0).any():
+        return None
+
+    def along(entry: object) -> Array:
+        return in_columns(law, entry, at_points, load)
+
+    slope, middles = along(shape.slope), centre(shape)
+    return ShapeNumbers(
+        coefficients=coefficients,
+        load=along(shape.load) * ~empty[own, None],
+        share=1.0 / (np.where(slope > 0.0, slope, 1.0) * scale[own, None]),
+        centre=np.stack([along(entry) for entry in middles], axis=2) if middles else np.zeros((1, 1, len(law.forces))),
+    )
 
 
 def closest_points(block: Share, method: str, compiled: bool = False) -> tuple[BatchClosest, str]:

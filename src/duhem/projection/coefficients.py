@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -15,7 +15,7 @@ from duhem.law.shapes import Disk, Interval, Quadrants, Shape
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 
-__all__ = ["Coefficients", "centre", "coefficients", "declared", "of_pressure", "own_entries", "uniform"]
+__all__ = ["Coefficients", "centre", "coefficients", "declared", "in_columns", "of_pressure", "own_entries", "uniform"]
 
 
 @dataclass(frozen=True)
@@ -92,6 +92,20 @@ def _at(law: Criterion, entry: object, values: tuple[float, ...]) -> float | Pro
     if law.pressure is not None and symbols[law.pressure] in formula.free_symbols:
         return compiled(formula, [symbols[law.pressure], *own])
     return float(compiled(formula, own)(*values)) + 0.0
+
+
+def in_columns(law: Criterion, entry: object, parameters: Sequence[Array], pressure: Array) -> Array:
+    """An entry of the shape where points have parameters of their own, in the law's order: an array of the common shape."""
+    found = _program(law, entry)(pressure, *parameters)
+    found += 0.0  # no -0
+    return found
+
+
+@lru_cache(maxsize=256)
+def _program(law: Criterion, entry: object) -> Program:
+    symbols = law.symbols()
+    load = sp.Dummy() if law.pressure is None else symbols[law.pressure]
+    return compiled(sp.sympify(entry), [load, *(symbols[name] for name in law.parameters)])
 
 
 def own_entries(shape: Shape) -> tuple[object, ...]:
