@@ -1,8 +1,9 @@
 """Runs killed at moments of chance, and gone on with until they end: the table is that of a run left alone, to the last byte.
 
 python -m tests.campaigns.killed 20 kills each kind of run 20 times, by SIGTERM, SIGINT and SIGKILL in turn.  What SIGKILL loses
-is the time since the last checkpoint of the process, which is printed: at most half a second for one point, as its scene says, or
-nine times what writing one takes; a share of the points where there are many.
+is told by the run itself, which notes each step with its time: the seconds that the steps took which are not kept.  One path may
+lose those since its last checkpoint, due half a second after the one before as its scene says, or nine times what writing one takes;
+many points those of the shares under way, and nothing that was noted as done.
 """
 
 import os
@@ -16,28 +17,70 @@ from pathlib import Path
 
 import numpy as np
 
+from duhem.path import scene_file, scene_run
+from duhem.vouched.histories import looked_into
 from tests.path.scenes import TABLE, walk
 
 MU = {"mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+BOX = {"mu_a": 0.2, "mu_b": 0.1}
 
 
-def one(integrator: str, substeps: int, law: str = "antoni2007", **parameters: float) -> str:
-    method = f'[method]\nintegrator = "{integrator}"\nsubsteps = {substeps}\n'
+def one(integrator: str, substeps: int, law: str = "antoni2007", compiled: bool = False, **parameters: float) -> str:
+    method = f'[method]\nintegrator = "{integrator}"\nsubsteps = {substeps}\n{"compiled = true" if compiled else ""}\n'
     return f"{walk(40, law=law, **parameters)}pressure = -1.0\n{method}[output]\ncheckpoint = 0.5\n"
 
 
 SCENES = {
     "implicit": one("implicit", 120, mu_a_plus=0.2, **MU),
     "extrapolated": one("extrapolated", 35, mu_a_plus=0.2, **MU),
-    "exact": one("exact", 250, law="orthotropic", mu_a=0.2, mu_b=0.1),
+    "exact": one("exact", 250, law="orthotropic", **BOX),
+    "compiled": one("implicit", 800, law="box", compiled=True, **BOX),
     "many points": f"{walk(60, TABLE, **MU)}[method]\nsubsteps = 2\n[output]\nkeep = 20\n",
 }
 SIGNALS = (signal.SIGTERM, signal.SIGINT, signal.SIGKILL)
 
 
+STEPS = "steps.txt"
+LONGEST = 1.0  # seconds of steps that may be lost: half a second, one step and what writing a checkpoint takes on a busy machine
+
+
 def run(folder: Path, *options: str) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "duhem", "simulate", "scene.toml", "--out", "h.csv", *options]
     return subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=dict(os.environ))
+
+
+def noted(folder: Path) -> subprocess.Popen[bytes]:
+    """The same run, gone on with, that notes what is done and when."""
+    (folder / STEPS).unlink(missing_ok=True)
+    command = [sys.executable, "-m", "tests.campaigns.killed", "--noting"]
+    return subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, env=dict(os.environ))
+
+
+def noting() -> None:
+    """What :func:`noted` runs."""
+    scene = looked_into(scene_file.read("scene.toml"))
+    notes = os.open(STEPS, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+
+    def on_step(done: int, steps: int) -> None:
+        os.write(notes, f"{done} {time.monotonic()}\n".encode())
+
+    if scene.many:
+        scene_run.perform_many(scene, "h.csv", True, print, on_step)
+    else:
+        scene_run.perform(scene, "h.csv", True, on_step)
+
+
+def lost(folder: Path, many: bool) -> float:
+    """The seconds that the steps took which the killed run had done and did not keep; of many points, whether any is missing."""
+    notes = (folder / STEPS).read_text().splitlines() if (folder / STEPS).exists() else []
+    done = [(int(n), float(t)) for n, t in (line.split() for line in notes if line.count(" ") == 1)]
+    part = folder / "h.csv.partial"
+    lines = part.read_text().splitlines() if part.exists() else []
+    kept = (int(lines[-1].split()[0]) if len(lines) > 1 else 0) if many else max(len(lines) - 3, 0)  # mark, header, the start
+    missing = [i for i, (n, _) in enumerate(done) if n > kept]
+    if not missing:
+        return 0.0
+    return float("inf") if many else done[-1][1] - done[max(missing[0] - 1, 0)][1]
 
 
 def prepared(scene: str) -> Path:
@@ -56,42 +99,45 @@ def ended(process: subprocess.Popen[bytes]) -> int:
     return process.returncode
 
 
-def campaign(kind: str, kills: int, chance: random.Random) -> tuple[int, int, float]:
-    """How often it was killed before its end, how many tables differ, and the seconds that SIGKILL lost at most."""
+def campaign(kind: str, kills: int, chance: random.Random) -> tuple[int, int, list[float]]:
+    """How often it was killed before its end, how many tables differ, and the seconds of steps that each SIGKILL lost."""
     folder = prepared(SCENES[kind])
     began = time.monotonic()
     assert ended(run(folder)) == 0
     took = time.monotonic() - began
     right = (folder / "h.csv").read_bytes()
-    done, wrong, lost = 0, 0, 0.0
+    done, wrong, losses = 0, 0, list[float]()
     while done < kills:
         (folder / "h.csv").unlink()
         for _ in range(3):
-            process, sent, started = run(folder, "--resume"), SIGNALS[done % 3], time.time()
+            sent = SIGNALS[done % 3]
+            process = noted(folder) if sent == signal.SIGKILL else run(folder, "--resume")
             time.sleep(chance.uniform(0.05, 0.95) * took)
-            kept = folder / "h.csv.partial"
-            before = kept.stat().st_mtime if kept.exists() else None
             process.send_signal(sent)
-            moment = time.time()
             if ended(process) == 0:
                 break
             done += 1
-            if sent == signal.SIGKILL and before is not None and before > started:  # kept by this very process
-                lost = max(lost, moment - before)
+            if sent == signal.SIGKILL:
+                losses.append(lost(folder, kind == "many points"))
         else:
             assert ended(run(folder, "--resume")) == 0
         wrong += (folder / "h.csv").read_bytes() != right or bool(list(folder.glob("h.csv.partial*")))
-    return done, wrong, lost
+    return done, wrong, losses
 
 
-def main(kills: int, seed: int = 1) -> int:
+def main(kills: int, seed: int = 1, *kinds: str) -> int:
     bad = 0
-    for kind in SCENES:
-        done, wrong, lost = campaign(kind, kills, random.Random(f"{seed} {kind}"))
-        bad += wrong
-        print(f"{kind}: killed {done} times, {wrong} tables differ; SIGKILL came at most {lost:.2f} s after a checkpoint", flush=True)
+    for kind in kinds or SCENES:
+        done, wrong, losses = campaign(kind, kills, random.Random(f"{seed} {kind}"))
+        bad += wrong + sum(loss > LONGEST for loss in losses)
+        each = ", ".join(f"{loss:.2f}" for loss in losses)
+        print(f"{kind}: killed {done} times, {wrong} tables differ; SIGKILL lost {each} s of steps", flush=True)
     return bad
 
 
 if __name__ == "__main__":
-    sys.exit(main(*map(int, sys.argv[1:] or ["20"])) > 0)
+    if sys.argv[1:] == ["--noting"]:
+        noting()
+    else:
+        count, *rest = sys.argv[1:] or ["20"]
+        sys.exit(main(int(count), *map(int, rest[:1]), *rest[1:]) > 0)
