@@ -8,10 +8,12 @@ import pytest
 
 import duhem
 from duhem import Histories, InputError, Path, Paths, Status, simulate
+from duhem.law.shapes import Disk
 from duhem.path import batch as batches
 from duhem.path import batch_run
 from duhem.path.run import Run
 from duhem.path.simulate import Interrupted
+from duhem.path.simulate import simulate as simulated
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 LAWS = {
@@ -122,6 +124,30 @@ def test_numbers_beyond_double_precision_and_ranges_end_a_point_alone(method):
     assert np.isnan(found.work[1:, 2]).all() and np.isfinite(found.work[:, :2]).all()
 
 
+DISK = duhem.Criterion("disk", "norm(sigma_a, sigma_b) + mu*sigma_n", {"mu": duhem.Domain.between(0, 1)}, closed_form=Disk("mu"))
+
+
+@pytest.mark.parametrize(
+    ("law", "given"),
+    [
+        (DISK, {"mu": [0.3, 0.0, 0.5]}),  # one of them a point
+        ("capped", {"mu": [0.3, 0.2, 0.5], "tau_max": [0.4, 0.1, 0.2]}),
+        ("shifted-ellipse", {"mu_a": [0.2, 0.3, 0.1], "mu_b": 0.15, "shift": [0.05, 0.0, -0.05]}),
+        ("antoni2007-1d", {"mu_plus": [0.3, 0.2, 0.1], "mu_minus": 0.2}),
+    ],
+)
+def test_shapes_of_their_own_are_those_of_each_point_by_itself(law, given):
+    draw = np.random.default_rng(6)
+    d = len(duhem.load(law).forces)
+    points, load = np.cumsum(draw.normal(size=(3, 6, d)) * 0.3, axis=1) * np.arange(6)[:, None], -draw.uniform(0.5, 2.0, (3, 6))
+    load[:, 3] = 0.0
+    found = simulated(law, Paths.linear(points, pressure=load), stiffness=1.5, parameters=given)
+    for i in range(3):
+        own = {name: np.broadcast_to(value, 3)[i] for name, value in given.items()}
+        alone = simulated(law, Path.linear(points[i], pressure=load[i]), stiffness=1.5, parameters=own)
+        assert np.array_equal(found.history(i).to_array(), alone.to_array())
+
+
 # -- arguments ---------------------------------------------------------------------------------------------------------
 
 WRONG = {
@@ -132,7 +158,9 @@ WRONG = {
     "no multiples": (lambda: Paths.scaled(Path.linear([0, 1]), np.ones((2, 2, 2))), "give (N,) or (N, 1)"),
     "a path in their place": (lambda: Paths.scaled([[0, 1]], [1.0]), "Path.linear"),
     "parameters for others": (lambda: _run(parameters={"mu": np.ones(4)}), "give one number, or (3,)"),
-    "a parameter out of its domain": (lambda: _run(parameters={"mu": np.array([1.0, -1.0, 1.0])}), "mu"),
+    "a parameter out of its domain": (lambda: _run(parameters={"mu": [1.0, -1.0, -2.0]}), "point 1, coulomb: mu = -1 "),
+    "a parameter that no point has": (lambda: _run(parameters={"nu": [1.0, -1.0, -2.0]}), "coulomb: unknown parameter"),
+    "a pressure out of its range": (lambda: _ranged([[-1, -2, -1], [-1, -3, -4]]), "pressure[1, 1] is -3.0, outside the range"),
     "a stress outside": (lambda: _run(stress=[9.0, 0.0]), "lies outside K"),
     "a stress for others": (lambda: _run(stress=np.zeros((2, 2))), "(3, 2)"),
     "no keep": (lambda: _run(keep="first"), '"last"'),
@@ -147,6 +175,11 @@ LINE = Path.linear([[0, 0], [1, 1]], pressure=-1.0)
 
 def _run(**given):
     return simulate("coulomb", Paths.scaled(LINE, [1.0, 2.0, 3.0]), **({"stiffness": 1.0, "parameters": {"mu": 0.3}} | given))
+
+
+def _ranged(pressure):
+    law = duhem.Criterion("ranged", "sigma_n + abs(a)", {}, forces=("a",), domain={"sigma_n": duhem.Domain.between(-2, 0)})
+    return simulated(law, Paths.linear(np.zeros((2, 3)), pressure=pressure), stiffness=1.0)
 
 
 @pytest.mark.parametrize("case", WRONG)

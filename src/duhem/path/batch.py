@@ -19,6 +19,7 @@ from duhem.path.loading import checked_count, given_numbers
 from duhem.path.paths import Paths
 from duhem.path.run import Run
 from duhem.path.table_file import MOST_NUMBERS
+from duhem.projection.declared_ranges import refused
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
 from duhem.projection.validation import posed, setting
@@ -82,8 +83,12 @@ class Batch:
             raise InputError(what, where="paths", remedy="give one column for each force")
         members, own = _members(known, run.stiffness, run.parameters, n)
         load = paths.pressure
-        ends = None if load is None else np.array([load.min(), load.max()])
-        posed(members[0], np.zeros((1, d)), ends)
+        if load is not None and (out := np.argwhere(refused(known, load))).size:
+            point, knot = out[0].tolist()
+            name = known.pressure or ""
+            what = f"pressure[{point}, {knot}] is {load[point, knot]}, outside the range of {known.domain[name].stated(name)}"
+            raise InputError(what, where="paths", remedy="keep to the range, or declare a wider one in the law's domain")
+        posed(members[0], np.zeros((1, d)), None if load is None else load[0, :1])
         checked_count(substeps, "substeps", 1)
         checked_count(run.threads, "threads", 1, MOST_THREADS)
         if (steps := (len(paths.time) - 1) * substeps) > MOST_NUMBERS // d:
@@ -148,15 +153,32 @@ def _members(
         return (setting(law, stiffness, given),), np.zeros(n, dtype=np.intp)
     sets, own = np.unique(np.stack(list(each.values()), axis=1), axis=0, return_inverse=True)
     rows = [dict(zip(each, row, strict=True)) for row in sets.tolist()]
-    first = setting(law, stiffness, given | rows[0])
     # a shape asks for no formula, and ranges of parameters, being intervals, are held by all where they are by the ends
     every = law.closed_form is None or bool(law.constraints)
     checked = every | ((sets == sets.min(axis=0)) | (sets == sets.max(axis=0))).any(axis=1)
-    members = (
-        setting(law, first.stiffness, given | row) if whole else replace(first, g=sp.nan, parameters={**first.parameters, **row})
-        for row, whole in zip(rows, checked.tolist(), strict=True)
-    )
-    return tuple(members), own.reshape(n)
+    try:
+        first = setting(law, stiffness, given | rows[0])
+        members = tuple(
+            setting(law, first.stiffness, given | row) if whole else replace(first, g=sp.nan, parameters={**first.parameters, **row})
+            for row, whole in zip(rows, checked.tolist(), strict=True)
+        )
+    except InputError as fault:
+        raise _first_bad(law, stiffness, given, each) or fault from None
+    return members, own.reshape(n)
+
+
+def _first_bad(law: Criterion, stiffness: ArrayLike, given: Mapping[str, Any], each: Mapping[str, Array]) -> InputError | None:
+    """The fault of the first point with a value outside its domain, or in a law of constraints with values that break one."""
+    doubtful = np.full(len(next(iter(each.values()))), bool(law.constraints))
+    for name in law.parameters.keys() & each.keys():
+        low, high = law.parameters[name].ends
+        doubtful |= ~((each[name] > low) & (each[name] < high))
+    for point in np.flatnonzero(doubtful).tolist():
+        try:
+            setting(law, stiffness, {**given, **{name: float(values[point]) for name, values in each.items()}})
+        except InputError as fault:
+            return InputError(fault.what, where=f"point {point}, {fault.where}", remedy=fault.remedy)
+    return None
 
 
 def _start(law: Criterion, given: ArrayLike | None, n: int) -> Array:
