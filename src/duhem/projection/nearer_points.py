@@ -23,12 +23,11 @@ from duhem.projection.known_points import looks, points_seen, tangents
 from duhem.projection.level import Level, level
 from duhem.projection.metric import Metric
 from duhem.projection.result import Array, Solution
-from duhem.projection.row_by_row import dot, length, unit, widest
+from duhem.projection.row_by_row import dot, length, products, times, unit, widest
 from duhem.projection.scaled_formula import power_of_two
 
 __all__ = ["nearness"]
 
-_QUANTILES = (0.0, 0.25, 0.5, 0.75, 1.0)  # pressures at which K is looked at, of those that occur
 _NEARER = 4e-7  # of the length of a stress: an answer that passes may be off by a quarter of this
 _FAR = 1e6  # lengths of a stress: from farther off the ball of a nearer trial is looked into, which lies within
 _ASIDE = (0.3, 0.03, 0.003)  # of it
@@ -101,17 +100,16 @@ class _NearerSearch:
     pressed: bool
 
     def looked_at(self, rows: NDArray[np.intp], pressure: Array) -> Iterator[tuple[NDArray[np.intp], float | None]]:
-        """The ``rows`` a few at a time, with the pressure at which to look at K: that of the nearest look."""
-        d = self.g.forces
+        """The ``rows`` a few at a time, with the pressure at which to look at K: the power of two below their own, whatever others have."""
         if not self.pressed:
             yield from self._few(rows, None)
             return
-        some = np.unique(np.quantile(pressure[rows], _QUANTILES, method="nearest"))
-        seen = np.array(looks(self.g, d, some))
-        apart = np.abs(np.log(-pressure[rows][:, None]) - np.log(-seen)) if seen.size > 1 else np.zeros((rows.size, 1))
-        apart[np.isnan(apart)] = 0.0  # no pressure, looked at without
-        for i, chosen in enumerate(seen.tolist()):
-            yield from self._few(rows[np.argmin(apart, axis=1) == i], chosen)
+        below = np.where(pressure[rows] < 0.0, -power_of_two(-pressure[rows]), 0.0)
+        seen = np.empty(rows.size)
+        for size in np.unique(below).tolist():
+            (seen[below == size],) = looks(self.g, self.g.forces, np.array([size]))
+        for look in np.unique(seen).tolist():
+            yield from self._few(rows[seen == look], look)
 
     def _few(self, rows: NDArray[np.intp], look: float | None) -> Iterator[tuple[NDArray[np.intp], float | None]]:
         count = max(1, _AT_ONCE // max(1, len(_seen(self.g, self.g.forces, look)[0])))
@@ -135,16 +133,16 @@ class _NearerSearch:
         return np.asarray(height / answers.room)
 
     def _answers(self, stress: Array, slip: Array, pressure: Array) -> _Answers:
-        point, moved = stress @ self.metric.of_stress, slip @ self.metric.of_slip
+        point, moved = times(stress, self.metric.of_stress), times(slip, self.metric.of_slip)
         size = power_of_two(np.maximum(widest(point), np.where(widest(point) > 0.0, 0.0, widest(moved))))
         point, (way, far) = point / size[:, None], unit(moved)
         room = np.where(widest(point) > 0.0, length(point), 1.0)
         far = np.minimum(far / size, _FAR * room)
-        reach = np.where(widest(stress) > 0.0, widest(stress), widest((size * far)[:, None] * way @ self.metric.to_stress))
+        reach = np.where(widest(stress) > 0.0, widest(stress), widest(times((size * far)[:, None] * way, self.metric.to_stress)))
         return _Answers(size, power_of_two(reach), pressure, point, way, far, room)
 
     def _stress(self, points: Array, answers: _Answers, rows: NDArray[np.intp]) -> Array:
-        return np.asarray(answers.size[rows, None] * (points @ self.metric.to_stress))
+        return np.asarray(answers.size[rows, None] * times(points, self.metric.to_stress))
 
     def _try(self, height: Array, answers: _Answers, points: Array, rows: NDArray[np.intp]) -> None:
         """Enter what the points (m, d) are nearer by that lie in K."""
@@ -181,12 +179,12 @@ class _NearerSearch:
         self, answers: _Answers, points: Array, around: NDArray[np.intp], part: Array
     ) -> Iterator[tuple[Array, NDArray[np.intp], Array]]:
         """Points of K nearer to the trial than those around them, one a row at a time, the best first; and how far those around are."""
-        known = points @ self.metric.of_stress
+        known = times(points, self.metric.of_stress)
         apart = np.linalg.norm(known[:, None] - known[around], axis=2)
         spacing, close = apart.max(axis=1, initial=0.0), apart.min(axis=1, initial=np.inf)
         by, far = (part / answers.size)[:, None], answers.far[:, None]
-        square = by * by * dot(known, known) + dot(answers.point, answers.point)[:, None] - 2.0 * by * (answers.point @ known.T)
-        rise = by * (answers.way @ known.T) - dot(answers.way, answers.point)[:, None] - square / (2.0 * far)
+        square = by * by * dot(known, known) + dot(answers.point, answers.point)[:, None] - 2.0 * by * products(answers.point, known)
+        rise = by * products(answers.way, known) - dot(answers.way, answers.point)[:, None] - square / (2.0 * far)
         best = rise > -by * spacing
         if answers.point.shape[1] == 2:  # rays are close there, and the answer's own place has been looked at
             best &= (rise > 0.0) | (square > (_OWN * by * close) ** 2)
@@ -227,4 +225,4 @@ class _NearerSearch:
         """g and its slope in the metric, in one unit a row."""
         jet, _ = self.g.slopes(self._stress(points, answers, rows), answers.pressure[rows], answers.units[rows])
         assert jet.gradient is not None
-        return jet.value * answers.units[rows] / answers.size[rows], jet.gradient @ self.metric.of_slip
+        return jet.value * answers.units[rows] / answers.size[rows], times(jet.gradient, self.metric.of_slip)

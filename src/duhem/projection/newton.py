@@ -26,6 +26,7 @@ from duhem.projection.inner_points import inner_points
 from duhem.projection.many_digits import closest
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.result import Array, Solution
+from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
 from duhem.projection.stationarity import Stationary, refine
 from duhem.projection.stiffness_factors import too_far_apart
@@ -111,7 +112,7 @@ def _solve(increment: Increment) -> Solution:
         _snap(inner, found.x)
     with np.errstate(over="ignore", invalid="ignore"):
         stress[who] = found.x * size[:, None]
-        slip[who] = (found.normal @ np.linalg.inv(root)) * (size / stiffness)[:, None]
+        slip[who] = times(found.normal, np.linalg.inv(root)) * (size / stiffness)[:, None]
         multiplier[who] = grown(found.weight / stiffness, size, 2.0 - formula.degree)
     failed[who] |= found.failed
     solution = Solution(stress, slip, multiplier, failed)
@@ -183,7 +184,7 @@ def _project(k: Body, trial: Array, centre: Array) -> _Found:
     endless = lineality(k)
     if not endless.shape[1]:
         return _search(k, trial, centre)
-    along = k.whitened(trial - centre) @ endless @ endless.T @ k.root.T
+    along = times(times(k.whitened(trial - centre), endless), endless.T @ k.root.T)
     found = _search(k, trial - along, centre)
     x = found.x + along
     level = k.piece(x, np.arange(len(x)), second=False).level
@@ -214,7 +215,7 @@ def _search(k: Body, trial: Array, centre: Array) -> _Found:
     for round_ in range(_ROUNDS):
         if not left.size:
             break
-        y = outer.point[left] @ k.root.T
+        y = times(outer.point[left], k.root.T)
         x = _pulled(k, y, centre[left], left)
         found.x[left] = x
         gap = np.linalg.norm(k.whitened(x - y), axis=1)
@@ -369,7 +370,7 @@ def _try_meets(found: _Found, k: Body, s: Array, at: Index, outer: HalfSpaces, c
     for members in groups.values():
         who = np.array([p for p, _ in members])
         choices = np.stack([cuts.choices[p, slots] for p, slots in members])
-        _accept(found, k, refine(k, s[who], outer.point[who] @ k.root.T, who, choices), who, outer, cuts)
+        _accept(found, k, refine(k, s[who], times(outer.point[who], k.root.T), who, choices), who, outer, cuts)
 
 
 NEWTON = Method("newton", applies, solve, NewtonOptions, tangent)

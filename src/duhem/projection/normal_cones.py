@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from duhem.projection.level import Level
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import Array
-from duhem.projection.row_by_row import dot, length, unit
+from duhem.projection.row_by_row import dot, length, times, unit
 
 __all__ = ["Suspect", "beside", "off_cone", "off_normals"]
 
@@ -98,13 +98,13 @@ def _sides(level: Level, metric: Metric, at: Suspect, ways: Array) -> tuple[_Sid
     """The sides of K these ``ways`` (W, d) (in lengths of the stress) from it, and at the boundary from there, (W, M) of them."""
     many, d = ways.shape
     at, way = at.of(np.tile(np.arange(len(at.slip)), many)), np.repeat(ways, len(at.slip), axis=0)
-    there = at.stress + at.scale[:, None] * (way @ metric.to_stress)
+    there = at.stress + at.scale[:, None] * times(way, metric.to_stress)
     jet, _ = level.slopes(there, at.pressure, at.size)
     assert jet.gradient is not None
-    normal, steep = unit(jet.gradient @ metric.of_slip)
+    normal, steep = unit(times(jet.gradient, metric.of_slip))
     fall = (jet.value / steep * (at.size / at.scale))[:, None] * normal
-    on = level.gradient(there - at.scale[:, None] * (fall @ metric.to_stress), at.pressure, at.size)
-    beyond, rate = unit(on @ metric.of_slip)
+    on = level.gradient(there - at.scale[:, None] * times(fall, metric.to_stress), at.pressure, at.size)
+    beyond, rate = unit(times(on, metric.of_slip))
     close = length(fall) <= _CLOSE * length(way)
 
     def sides(normal: Array, steep: Array) -> _Sides:

@@ -22,7 +22,7 @@ from duhem.projection.level import Level, level
 from duhem.projection.many_digits import closest
 from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
-from duhem.projection.row_by_row import dot, length, widest
+from duhem.projection.row_by_row import dot, length, times, widest
 from duhem.projection.scaled_formula import power_of_two
 
 __all__ = ["recovered"]
@@ -72,9 +72,9 @@ def _from_normals(asked: Increment, got: Solution) -> Solution:
         for _ in range(_STEPS):
             normal = g.gradient(stress, pressure, size)
             beyond, _bound = look.level(pushed_back(trial, multiplier[:, None] * normal, k, size), pressure, size)
-            multiplier = np.maximum(multiplier + beyond * size / dot(normal, normal @ k), 0.0)
+            multiplier = np.maximum(multiplier + beyond * size / dot(normal, times(normal, k)), 0.0)
             slip = multiplier[:, None] * normal
-            stress = trial - slip @ k
+            stress = trial - times(slip, k)
     return _slipped(asked, slip, g.own(multiplier, size), multiplier == 0.0)
 
 
@@ -107,8 +107,8 @@ def _same(metric: Metric, g: Level, asked: Increment, new: Solution, old: Soluti
     """Where two answers agree as seen in the metric of k; multipliers, where the slope of g does not tell the stresses apart."""
     size, far = power_of_two(widest(new.stress)), power_of_two(widest(asked.trial))
     largest = metric.of_slip.max()
-    reach, moved = (length(x / far[:, None] @ metric.of_stress) for x in (new.stress, new.stress - old.stress))
-    way, lost = (length(x @ (metric.of_slip / largest) * (largest / far)[:, None]) for x in (new.slip, new.slip - old.slip))
+    reach, moved = (length(times(x / far[:, None], metric.of_stress)) for x in (new.stress, new.stress - old.stress))
+    way, lost = (length(times(x, metric.of_slip / largest) * (largest / far)[:, None]) for x in (new.slip, new.slip - old.slip))
     slope = g.gradient(new.stress, asked.pressure, size)
     turned = widest(slope - g.gradient(old.stress, asked.pressure, size)) > ACCURACY * widest(slope)
     same = np.abs(new.multiplier - old.multiplier) <= ACCURACY * new.multiplier
@@ -122,7 +122,7 @@ def _level(asked: Increment) -> Level:
 
 def _slipped(asked: Increment, slip: Array, multiplier: Array, sticks: NDArray[np.bool_]) -> Solution:
     trial = asked.trial
-    stress = trial - slip @ asked.stiffness
+    stress = trial - times(slip, asked.stiffness)
     stress = np.where(sticks[:, None], trial, stress)
     slip = np.where(sticks[:, None], 0.0, slip)
     return Solution(stress, slip, multiplier, np.zeros(len(sticks), dtype=np.bool_))

@@ -1,4 +1,4 @@
-"""Products, lengths and shares of many short vectors, a row each."""
+"""Products, lengths and shares of many short vectors, a row each, whose digits do not depend on the other rows."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from duhem.projection.result import Array
 
-__all__ = ["columns_times", "dot", "length", "share", "unit", "widest"]
+__all__ = ["columns_times", "dot", "length", "products", "share", "times", "unit", "widest"]
 
 
 def columns_times(columns: Iterable[Array], matrix: Array) -> Array:
@@ -32,6 +32,16 @@ def dot(first: Array, second: Array) -> Array:
 def length(vectors: Array) -> Array:
     """Euclidean lengths (N,)."""
     return np.asarray(np.sqrt(dot(vectors, vectors)))
+
+
+def times(vectors: Array, matrix: Array) -> Array:
+    """Rows (N, d) times a matrix (d, m): a library's product sums in an order that changes with N."""
+    return np.ascontiguousarray(columns_times(vectors.T, matrix).T)
+
+
+def products(first: Array, second: Array) -> Array:
+    """Scalar products (N, M) of rows (N, d) with rows (M, d)."""
+    return reduce(np.add, (a[:, None] * b for a, b in zip(first.T, second.T, strict=True)))
 
 
 def unit(vectors: Array) -> tuple[Array, Array]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from duhem.expression.jets import Choices
 from duhem.projection.result import Array
+from duhem.projection.row_by_row import times
 from duhem.projection.whitened_body import Body, Index
 
 __all__ = ["Stationary", "refine", "stationary"]
@@ -93,7 +94,7 @@ def refine(body: Body, trial: Array, x: Array, at: Index, choices: Choices | Non
         who = who[best.error[who] > 1e-17]
         if not who.size:
             break
-        step = _newton_step(best.take(who)) @ body.root.T
+        step = times(_newton_step(best.take(who)), body.root.T)
         sound = np.all(np.isfinite(step), axis=1)
         who, step = who[sound], step[sound]
         before = best.error[who]
@@ -134,5 +135,7 @@ def _newton_step(state: Stationary) -> Array:
 def _solved(matrix: Array, right: Array) -> Array:
     try:
         return np.asarray(np.linalg.solve(matrix, right[:, :, None])[:, :, 0])
-    except np.linalg.LinAlgError:  # one of them is singular: least squares for all
+    except np.linalg.LinAlgError:  # one of them is singular: least squares for that one
+        if len(matrix) > 1:
+            return np.concatenate([_solved(matrix[i : i + 1], right[i : i + 1]) for i in range(len(matrix))])
         return np.asarray(np.einsum("nab,nb->na", np.linalg.pinv(matrix), right))

@@ -16,6 +16,7 @@ from duhem.expression.jets import Choices, JetProgram, formula, program
 from duhem.expression.numpy_ import Program
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
+from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import ScaledFormula
 
 __all__ = ["Body", "Index", "Piece", "body", "whitening"]
@@ -60,7 +61,10 @@ class Body:
 
     def whitened(self, x: Array) -> Array:
         """u = L^-1 x."""
-        return np.asarray(np.linalg.solve(self.root, x.T).T)
+        u = np.empty_like(x)
+        for i, row in enumerate(self.root):  # which is lower triangular
+            u[:, i] = (x[:, i] - sum(row[j] * u[:, j] for j in range(i) if row[j])) / row[i]
+        return u
 
     def level(self, x: Array, at: Index) -> Array:
         """h at the stresses ``x`` (M, d) of the points ``at``; where h is undefined, outside."""
@@ -72,7 +76,7 @@ class Body:
         jet, taken = self.jets(x, [q[at] for q in self.data], choices, second)
         assert jet.gradient is not None
         with np.errstate(all="ignore"):
-            gradient = jet.gradient @ self.root
+            gradient = times(jet.gradient, self.root)
             slope = np.linalg.norm(gradient, axis=1)
             unit = 1.0 / slope
             curvature = np.zeros((len(at), 0, 0))

@@ -17,6 +17,7 @@ from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.increment import Increment
 from duhem.projection.level import level
 from duhem.projection.result import Array, Solution
+from duhem.projection.row_by_row import times
 from duhem.projection.scaled_formula import grown, power_of_two, scaled
 from duhem.projection.whitened_body import Body, Index, body, whitening
 
@@ -91,9 +92,10 @@ def _nearest(k: Body, trial: Array) -> _Nearest:
     slopes, first, last = np.ones(outer.held.shape), np.full(len(s), np.nan), np.full(len(s), np.nan)
     distance, left = np.full(len(s), np.inf), np.arange(len(s))
     for _ in range(_ROUNDS):
-        piece = k.piece(outer.point[left] @ k.root.T, left, second=False)
+        x = times(outer.point[left], k.root.T)
+        piece = k.piece(x, left, second=False)
         outside = np.isfinite(piece.normal).all(axis=1) & (piece.level > 0.0)
-        distance[left] = np.where(piece.level > 0.0, piece.level, np.where(k.level(outer.point[left] @ k.root.T, left) <= 0.0, 0.0, np.inf))
+        distance[left] = np.where(piece.level > 0.0, piece.level, np.where(k.level(x, left) <= 0.0, 0.0, np.inf))
         left, normal, level, slope = left[outside], piece.normal[outside], piece.level[outside], piece.slope[outside]
         if not left.size:
             break
@@ -101,7 +103,7 @@ def _nearest(k: Body, trial: Array) -> _Nearest:
         slot = outer.free_slot(left)
         slopes[left, slot] = slope
         outer.add(left, slot, normal, np.einsum("nd,nd->n", normal, outer.point[left]) - level)
-    x = outer.point @ k.root.T
+    x = times(outer.point, k.root.T)
     origin = np.zeros_like(x)
     flat = last < _FLAT * first
     near = np.linalg.norm(outer.point, axis=1) <= np.where(flat, _ORIGIN[1], _ORIGIN[0]) * np.linalg.norm(s, axis=1)
