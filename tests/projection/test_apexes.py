@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
 import duhem
+from duhem.law.formula_law import Criterion
 from duhem.projection import newton
+from duhem.projection.residuals import residuals
+from duhem.projection.result import ACCURACY, Solution
 from duhem.projection.validation import increment
 
 HYDROSTATIC = np.ones(3)
@@ -135,3 +140,26 @@ def test_a_cone_about_the_hydrostatic_axis_in_six_stresses_is_that_of_its_princi
     found = [np.linalg.eigvalsh([[s[0], s[5], s[4]], [s[5], s[1], s[3]], [s[4], s[3], s[2]]]) for s in done.stress]
     known = duhem.project("lade-duncan", principal, parameters={"k1": 60}).stress
     np.testing.assert_allclose(found, np.sort(known, axis=1), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("formula", "apex", "pull"),
+    [
+        ("norm(sigma_a, sigma_b) - sigma_c", 0.0, (1.0, 1.0)),
+        ("norm(2*sigma_a, sigma_b) - sigma_c", 0.0, (2.0, 1.0)),
+        ("norm(sigma_a, sigma_b) - sigma_c - 3", -3.0, (1.0, 1.0)),
+    ],
+)
+def test_slips_of_a_round_apex_are_told_from_those_beside(formula: str, apex: float, pull: tuple[float, float]) -> None:
+    """The normal cone is round: six normals of it span some slips alone, and what is a little outside is none."""
+    law = Criterion("round", formula, forces=("sigma_a", "sigma_b", "sigma_c"), pressure=None)
+    angle = np.linspace(0.1, 6.3, 3)
+    around = np.stack([pull[0] * np.cos(angle), pull[1] * np.sin(angle)], axis=1)
+    for share, told in ((0.999, True), (0.6, True), (1.0 + 1e-5, False), (1.3, False)):
+        slip = 0.7 * np.hstack([share * around, np.full((len(angle), 1), -1.0)])
+        stress = np.tile([0.0, 0.0, apex], (len(angle), 1))
+        asked = increment(law, stress + slip, None, 1.0, None)
+        right = Solution(stress, asked.trial - stress, np.full(len(angle), 0.7), np.zeros(len(angle), dtype=bool))
+        assert ((residuals(asked, right, convex=True).worst() <= ACCURACY) == told).all()
+        wrong = replace(right, multiplier=np.full(len(angle), 0.71))
+        assert not (residuals(asked, wrong, convex=True).worst() <= ACCURACY).any()

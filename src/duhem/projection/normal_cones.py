@@ -10,6 +10,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.projection.halfspaces import HalfSpaces
 from duhem.projection.level import Level
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import Array
@@ -23,6 +24,8 @@ _BLOCK = 16_384
 _BESIDE = (1e-15, 1e-13, 1e-11, 1e-9, 1e-8, 5e-8, 1e-6, 1e-4)  # of the length of a stress: normals are looked for this close to it
 _CLOSEST = (1e-13, 1e-9)  # the same, where the axes lie along edges
 _TURNS = 6
+_APEX = (1e-13, 1e-9, 5e-8)  # the same about an apex
+_CUTS = 24
 _CLOSE = 2.0  # times as far from the boundary as from the stress is not beside it
 _THIN = 1e-13  # of the length of a stress: what is less than this across is rounding
 _OPPOSED = -0.9  # cosine of two normals so close to each other that K is thin, or a point
@@ -68,6 +71,10 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
         found = np.maximum(_off_normals(level, metric, suspect.of(left), share * way), near)
         best[left] = np.fmin(best[left], found)
         left = left[~(best[left] <= 10.0 * near)]
+    for share in _APEX if best.size and suspect.slip.shape[1] > 2 else ():
+        near = share * suspect.grain[left]
+        best[left] = np.fmin(best[left], np.maximum(_off_tangents(level, metric, suspect.of(left), share), near))
+        left = left[~(best[left] <= 10.0 * near)]
     return best
 
 
@@ -80,7 +87,7 @@ def _askew(ways: Array, turn: int) -> Array:
 def _off_normals(level: Level, metric: Metric, at: Suspect, ways: Array) -> Array:
     """Distance of the slips from the cone of the normals these ways from the stress, or of the multiplier from theirs if that is more."""
     d, every = at.stress.shape[1], np.arange(len(at.slip))
-    off, on = _sides(level, metric, at, ways)
+    off, on = _sides(level, metric, at, np.broadcast_to(ways[:, None], (len(ways), len(every), d)))
     facing = reduce(np.fmin, [dot(a, b) for a, b in combinations(off[0], 2)])
     thin = facing < _OPPOSED  # a point, or next to: no one multiplier, and no boundary to tell its sides apart
     bare = (thin & (np.linalg.norm(ways, axis=1).min() <= 2.0 * _THIN)) | at.tip
@@ -94,10 +101,43 @@ def _off_normals(level: Level, metric: Metric, at: Suspect, ways: Array) -> Arra
     return best
 
 
+def _off_tangents(level: Level, metric: Metric, at: Suspect, near: float) -> Array:
+    """The same at an apex of bent sides, where the ways that matter are found one after the other.
+
+    Of the tangent cone at the stress, cut out by the sides seen so far, the slip is to have the apex for its closest point.  Where it
+    has another, that way either leads into K, and the slip is no normal, or beyond a side not seen yet, which is the next.
+    """
+    count, d = at.slip.shape
+    way, size = unit(at.slip)
+    outer = HalfSpaces.around(way)
+    steep, heights = np.ones(outer.held.shape), np.zeros(outer.held.shape)
+    left = np.flatnonzero(np.isfinite(way).all(axis=1))
+    for _ in range(_CUTS):
+        if not left.size:
+            break
+        rest, far = unit(outer.point[left])
+        going = far * size[left] > at.rounding[left]
+        left, rest = left[going], rest[going]
+        normal, rate, height = (
+            x[0] for x in _sides(level, metric, at.of(left), near * rest[None])[0]
+        )  # at the boundary is the apex itself
+        new = np.isfinite(normal).all(axis=1) & (dot(normal, rest) > 0.0)
+        left, normal = left[new], normal[new]
+        slot = outer.free_slot(left)
+        steep[left, slot], heights[left, slot] = rate[new], height[new]
+        outer.add(left, slot, normal, np.zeros(len(left)))
+    pressing = outer.active & (outer.multipliers > 0.0)
+    first = np.argsort(~pressing, axis=1, kind="stable")[:, :d]
+    pressing, steep, heights = (np.take_along_axis(x, first, axis=1) for x in (pressing, steep, heights))
+    normals = np.where(pressing[:, :, None], np.take_along_axis(outer.normals, first[:, :, None], axis=1), 0.0)
+    cones = _Cones(np.swapaxes(normals, 1, 2), steep, np.where(pressing, heights, 0.0))
+    return cones.off(at, np.zeros(count, dtype=np.bool_), at.tip)
+
+
 def _sides(level: Level, metric: Metric, at: Suspect, ways: Array) -> tuple[_Sides, _Sides]:
-    """The sides of K these ``ways`` (W, d) (in lengths of the stress) from it, and at the boundary from there, (W, M) of them."""
-    many, d = ways.shape
-    at, way = at.of(np.tile(np.arange(len(at.slip)), many)), np.repeat(ways, len(at.slip), axis=0)
+    """The sides of K these ``ways`` (W, M, d) (in lengths of the stress) from it, and at the boundary from there, (W, M) of them."""
+    many, _, d = ways.shape
+    at, way = at.of(np.tile(np.arange(len(at.slip)), many)), ways.reshape(-1, d)
     there = at.stress + at.scale[:, None] * times(way, metric.to_stress)
     jet, _ = level.slopes(there, at.pressure, at.size)
     assert jet.gradient is not None
