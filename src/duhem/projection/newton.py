@@ -112,7 +112,7 @@ def _solve(increment: Increment) -> Solution:
         _snap(inner, found.x)
     with np.errstate(over="ignore", invalid="ignore"):
         stress[who] = found.x * size[:, None]
-        slip[who] = times(found.normal, np.linalg.inv(root)) * (size / stiffness)[:, None]
+        slip[who] = times(found.normal, np.asarray(np.linalg.inv(root))) * (size / stiffness)[:, None]
         multiplier[who] = grown(found.weight / stiffness, size, 2.0 - formula.degree)
     failed[who] |= found.failed
     solution = Solution(stress, slip, multiplier, failed)

@@ -118,9 +118,8 @@ def _off_tangents(level: Level, metric: Metric, at: Suspect, near: float) -> Arr
         rest, far = unit(outer.point[left])
         going = far * size[left] > at.rounding[left]
         left, rest = left[going], rest[going]
-        normal, rate, height = (
-            x[0] for x in _sides(level, metric, at.of(left), near * rest[None])[0]
-        )  # at the boundary is the apex itself
+        beside_it, _ = _sides(level, metric, at.of(left), near * rest[None])  # at the boundary may be the apex itself
+        normal, rate, height = (x[0] for x in beside_it)
         new = np.isfinite(normal).all(axis=1) & (dot(normal, rest) > 0.0)
         left, normal = left[new], normal[new]
         slot = outer.free_slot(left)
@@ -128,9 +127,9 @@ def _off_tangents(level: Level, metric: Metric, at: Suspect, near: float) -> Arr
         outer.add(left, slot, normal, np.zeros(len(left)))
     pressing = outer.active & (outer.multipliers > 0.0)
     first = np.argsort(~pressing, axis=1, kind="stable")[:, :d]
-    pressing, steep, heights = (np.take_along_axis(x, first, axis=1) for x in (pressing, steep, heights))
-    normals = np.where(pressing[:, :, None], np.take_along_axis(outer.normals, first[:, :, None], axis=1), 0.0)
-    cones = _Cones(np.swapaxes(normals, 1, 2), steep, np.where(pressing, heights, 0.0))
+    rows = np.arange(count)[:, None]
+    normals, heights = (np.where(p, x, 0.0) for p, x in ((pressing[:, :, None], outer.normals), (pressing, heights)))
+    cones = _Cones(np.swapaxes(normals[rows, first], 1, 2), steep[rows, first], heights[rows, first])
     return cones.off(at, np.zeros(count, dtype=np.bool_), at.tip)
 
 
