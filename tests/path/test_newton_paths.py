@@ -8,12 +8,13 @@ import pytest
 
 from duhem import Criterion, InputError, Path
 from duhem.errors import DuhemError
-from duhem.path import newton_run
+from duhem.path import newton_run, scene_file
 from duhem.path.ledger import Ledger
 from duhem.path.plan import Plan
 from duhem.path.run import Run
 from duhem.path.simulate import Interrupted, simulate
 from duhem.projection import compiled_newton
+from tests.path.scenes import walk
 
 CASES = {
     "box": ({"mu_a": 0.2, "mu_b": 0.1}, [1.0, 2.0], 2),
@@ -119,3 +120,10 @@ def test_what_has_no_loop_says_so():
         next(newton_run.advance(plan, Ledger.begun(plan, np.zeros(2))))
     with pytest.raises(InputError, match="one extrapolated path"):
         simulate("box", path, **given, method="extrapolated", compiled=True)
+
+
+def test_a_scene_says_where_the_loop_would_serve():
+    text = walk(4, law="box", **CASES["box"][0]) + "pressure = -1.0\n[method]\n"
+    said = [str(scene_file.reads(text + method).parts()) for method in ("", "compiled = true\n", 'projection = "cvxpy"\n')]
+    assert ["with compiled = true" in parts for parts in said] == [True, False, False]
+    assert "box declares no closed form" in said[1]

@@ -136,9 +136,11 @@ def _solver(scene: Scene, plan: Plan) -> Needed | LeftOut:
     from duhem.projection import closed_form
 
     name, reason = "solver (CVXPY or Newton)", closed_form.applies(plan.increment)
+    loop = scene.method == "implicit" and not (scene.compiled or scene.many) and scene.projection in ("auto", "newton")
+    remark = "; some hundred steps a second, with compiled = true in [method] some hundred thousand" if loop else ""
     if scene.projection not in ("auto", "closed-form"):
-        return Needed(name, f"projection {scene.projection} is asked for")
+        return Needed(name, f"projection {scene.projection} is asked for{remark}")
     if reason is None:
         one = isinstance(scene.law.closed_form, Interval)
         return LeftOut(name, "one-dimensional: closed form" if one else "the closest point has a closed form")
-    return Needed(name, f"{reason.partition(':')[0]}")
+    return Needed(name, f"{reason.partition(':')[0]}{remark}")
