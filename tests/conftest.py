@@ -1,4 +1,4 @@
-"""What every test may use: the Hypothesis profiles, the command run in this process, one worker a file.
+"""What every test may use: the Hypothesis profiles, the command run in this process, one worker a file, dear files first.
 
 Profiles: `ci` (the default) repeats itself exactly; HYPOTHESIS_PROFILE or --hypothesis-profile chooses another.
 `dev` draws anew each time, `deep` does so a hundred times longer.
@@ -6,7 +6,8 @@ Profiles: `ci` (the default) repeats itself exactly; HYPOTHESIS_PROFILE or --hyp
 
 import os
 import sys
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -20,20 +21,32 @@ settings.register_profile("deep", deadline=None, max_examples=10_000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
 
+SLOW = 50  # quick tests take as long as a slow one
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """All tests of a file go to one worker: what a file computes once and keeps is not computed again by another worker."""
     from xdist.scheduler import LoadFileScheduling
 
-    return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
+    if config.getvalue("dist") != "load":
+        return None
+    config.option.loadscopereorder = False  # the order is that of the items, below
+    return LoadFileScheduling(config, log)
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What is long is slow too, so that -m "not slow" leaves it out."""
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> Iterator[None]:
+    """What is long is slow too, so that -m "not slow" leaves it out.  Workers begin with dear files, so that all end together."""
     for item in items:
         if item.get_closest_marker("long"):
             item.add_marker("slow")
+    yield
+    if hasattr(config, "workerinput"):
+        cost: Counter[Any] = Counter()
+        for item in items:
+            cost[item.path] += SLOW if item.get_closest_marker("slow") else 1
+        items.sort(key=lambda item: -cost[item.path])
 
 
 @pytest.fixture
