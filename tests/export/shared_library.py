@@ -8,7 +8,9 @@ import shutil
 import subprocess
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -65,11 +67,24 @@ class Compiled:
         return Step(stress, slip, None, tangent, status <= 1)
 
 
-def compiled(law: Criterion, folder: Path, *, text: str | None = None, options: Sequence[str] = STRICT) -> Compiled:
-    """The law's exported file, or another ``text`` in its place, compiled without a warning."""
-    file = folder / f"{identifier(law.name)}.c"
-    file.write_text(c_file(verify(law, claims=["convexity"])) if text is None else text, "utf-8")
-    run = getattr(shared([file], *options, with_=compiler("CC", "cc", "gcc", "clang")), f"{identifier(law.name)}_increment")
+def compiled(law: Criterion, *, text: str | None = None, options: tuple[str, ...] = STRICT) -> Compiled:
+    """The law's exported file, or another ``text`` in its place, compiled without a warning; once a text."""
+    run = _increment(identifier(law.name), _exported(law, law.written) if text is None else text, options)
+    return Compiled(run, len(law.forces), tuple(n for n, domain in law.parameters.items() if domain.value is None))
+
+
+@cache
+def _exported(law: Criterion, written: str) -> str:
+    """The C file of a law, which is the same for the same text."""
+    return c_file(verify(law, claims=["convexity"]))
+
+
+@cache
+def _increment(name: str, text: str, options: tuple[str, ...]) -> Callable[..., int]:
+    with TemporaryDirectory(ignore_cleanup_errors=True) as folder:  # Windows keeps what is loaded
+        file = Path(folder) / f"{name}.c"
+        file.write_text(text, "utf-8")
+        run = getattr(shared([file], *options, with_=compiler("CC", "cc", "gcc", "clang")), f"{name}_increment")
     place = ctypes.c_void_p
     run.argtypes, run.restype = [place, ctypes.c_double, *[place] * 6], ctypes.c_int
-    return Compiled(run, len(law.forces), tuple(n for n, domain in law.parameters.items() if domain.value is None))
+    return run

@@ -28,9 +28,9 @@ EYE = np.eye(2)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
-def test_the_suite_finds_nothing(name: str, tmp_path: Path) -> None:
+def test_the_suite_finds_nothing(name: str) -> None:
     law = duhem.load(name).fix(LAWS[name])
-    run = compiled(law, tmp_path)
+    run = compiled(law)
     report = conformance(law, run, checks=SUITE, max_examples=3, rows=20)
     assert report.ok, str(report)
     assert report.flagged_share < 0.25 and report.points > 200  # stiffness and friction over six decades each
@@ -48,17 +48,17 @@ def test_the_suite_finds_nothing(name: str, tmp_path: Path) -> None:
         (r"slips\[0\]\[i\] /= mean", "slips[0][i] *= mean"),
     ],
 )
-def test_a_wrong_sign_is_found(right: str, wrong: str, tmp_path: Path) -> None:
+def test_a_wrong_sign_is_found(right: str, wrong: str) -> None:
     law = duhem.load("coulomb")
     text, count = re.subn(right, wrong, c_file(duhem.verify(law, claims=["convexity"])))
     assert count == 1
-    report = conformance(law, compiled(law, tmp_path, text=text), checks=SUITE, max_examples=3, rows=20, seconds=0.5)
+    report = conformance(law, compiled(law, text=text), checks=SUITE, max_examples=3, rows=20, seconds=0.5)
     assert not report.ok or report.flagged_share > 0.3
 
 
-def test_answers_are_those_of_the_search(tmp_path: Path) -> None:
+def test_answers_are_those_of_the_search() -> None:
     law = duhem.load("antoni2007")
-    run = compiled(law, tmp_path)
+    run = compiled(law)
     values = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
     k = np.array([[3.0, 0.5], [0.5, 1.0]])
     for trial in np.random.default_rng(0).normal(size=(30, 2)) * 0.4:
@@ -88,8 +88,8 @@ CAPS = "max(norm(a - 1/2, b, c), norm(a + 1/2, b, c)) - 1"  # a lens, whose edge
         (CAPS, [0.5, 0.0, 2.5], np.diag([0.0, np.sqrt(0.75) / 2.5, 0.0])),
     ],
 )
-def test_a_tangent_is_the_slope_on_faces_and_edges(g: str, trial: list[float], tangent: Any, tmp_path: Path) -> None:
-    run = compiled(Criterion(name="body", g=g, forces=("a", "b", "c"), pressure=None), tmp_path)
+def test_a_tangent_is_the_slope_on_faces_and_edges(g: str, trial: list[float], tangent: Any) -> None:
+    run = compiled(Criterion(name="body", g=g, forces=("a", "b", "c"), pressure=None))
     status, *_, found = run.one(trial, 0.0, np.eye(3), [])
     assert status == 1 and found == pytest.approx(tangent, abs=1e-8)
 
@@ -101,18 +101,16 @@ def test_a_tangent_is_the_slope_on_faces_and_edges(g: str, trial: list[float], t
         ("abs(a + sqrt(b**2 + c**2))**2 + abs(a - sqrt(b**2 + c**2))**2 - 2", [2.0, 0.0, 0.0], [1.0, 0.0, 0.0]),  # a ball
     ],
 )
-def test_where_the_pieces_that_press_do_not_tell_there_is_no_tangent(
-    g: str, trial: list[float], stress: list[float], tmp_path: Path
-) -> None:
-    run = compiled(Criterion(name="body", g=g, forces=("a", "b", "c"), pressure=None), tmp_path)
+def test_where_the_pieces_that_press_do_not_tell_there_is_no_tangent(g: str, trial: list[float], stress: list[float]) -> None:
+    run = compiled(Criterion(name="body", g=g, forces=("a", "b", "c"), pressure=None))
     status, found, slip, loss, tangent = run.one(trial, 0.0, np.eye(3), [])
     assert status == 5 and np.isnan(tangent).all()
     assert found == pytest.approx(stress, abs=1e-12) and slip == pytest.approx(np.array(trial) - found, abs=1e-9)
     assert loss == pytest.approx(found @ slip)
 
 
-def test_where_nothing_presses_only_the_origin_is_left(tmp_path: Path) -> None:
-    run = compiled(duhem.load("coulomb"), tmp_path)
+def test_where_nothing_presses_only_the_origin_is_left() -> None:
+    run = compiled(duhem.load("coulomb"))
     k = np.array([[3.0, 0.5], [0.5, 1.0]])
     status, stress, slip, loss, tangent = run.one([3.0, -4.0], 0.0, k, [0.3])
     assert (status, loss) == (1, 0.0) and not stress.any() and not tangent.any()
@@ -120,8 +118,8 @@ def test_where_nothing_presses_only_the_origin_is_left(tmp_path: Path) -> None:
     assert run.one([0.0, 0.0], 0.0, k, [0.3])[0] == 0
 
 
-def test_with_a_cohesion_more_is_left(tmp_path: Path) -> None:
-    run = compiled(duhem.load("cohesive"), tmp_path)
+def test_with_a_cohesion_more_is_left() -> None:
+    run = compiled(duhem.load("cohesive"))
     known = duhem.project("cohesive", [3.0, -4.0], 0.0, 1.0, {"mu": 0.3, "cohesion": 0.5})
     values = {"mu": 0.3, "cohesion": 0.5}
     status, stress, *_ = run.one([3.0, -4.0], 0.0, EYE, [values[name] for name in run.parameters])
@@ -137,8 +135,8 @@ RANGED = Criterion(
 )
 
 
-def test_what_is_no_question_has_no_answer(tmp_path: Path) -> None:
-    run = compiled(RANGED, tmp_path)
+def test_what_is_no_question_has_no_answer() -> None:
+    run = compiled(RANGED)
     good: tuple[Any, ...] = ([0.5, 0.0], -1.0, EYE, [0.3, 0.1])
     assert run.one(*good)[0] == 1 and run.one([0.1, 0.0], *good[1:])[0] == 0
     matrices = [[2.0, 1.0], [0.5, 0.4], [np.nan, np.nan], [np.nan, 0.0]]
@@ -156,17 +154,17 @@ def test_what_is_no_question_has_no_answer(tmp_path: Path) -> None:
     assert status == 4 and stress == pytest.approx([3.6, 0.0])
 
 
-def test_what_is_not_solved_has_no_answer(tmp_path: Path) -> None:
+def test_what_is_not_solved_has_no_answer() -> None:
     """The origin is no inner point, and no point near it on the way."""
     law = Criterion(name="off", g="norm(a - 3, b) - 1", forces=("a", "b"), pressure=None)
-    run = compiled(law, tmp_path)
+    run = compiled(law)
     status, *answer = run.one([9.0, 0.0], 0.0, EYE, [])
     assert status == 2 and all(np.isnan(x).all() for x in answer)
     assert run.one([3.1, 0.0], 0.0, EYE, [])[0] == 0
 
 
-def test_results_may_take_the_places_of_what_is_given(tmp_path: Path) -> None:
-    run = compiled(duhem.load("coulomb"), tmp_path)
+def test_results_may_take_the_places_of_what_is_given() -> None:
+    run = compiled(duhem.load("coulomb"))
     trial, k, own = np.array([3.0, -4.0]), np.array([[3.0, 0.5], [0.5, 1.0]]), np.array([0.3])
     expected = run.one(trial, -1.0, k, own)
     slip, loss = np.empty(2), np.empty(1)
@@ -184,7 +182,7 @@ def test_no_state_and_no_memory_of_its_own() -> None:
     assert text == c_file(duhem.verify("antoni2007", claims=["convexity"]))
 
 
-def test_the_head_says_what_it_is(tmp_path: Path) -> None:
+def test_the_head_says_what_it_is() -> None:
     law = Criterion(
         name="Prévôt */ law",
         g="norm(sigma_a, sigma_b)/mu - abs(sigma_n)",
@@ -194,7 +192,7 @@ def test_the_head_says_what_it_is(tmp_path: Path) -> None:
     )
     done = duhem.verify(law)
     text = c_file(done)
-    run = compiled(law, tmp_path, text=text)
+    run = compiled(law, text=text)
     assert run.one([3.0, 4.0], -1.0, EYE, [0.5])[1] == pytest.approx([0.3, 0.4])
     assert identifier(law.name) == "pr_v_t_law" and identifier("2d") == "law_2d"
     head = " ".join(text[: text.index("*/")].replace("*", "").split())
@@ -247,7 +245,7 @@ def call(subroutine: Any, *arguments: Any) -> None:
 
 def test_fric_is_the_increment(tmp_path: Path) -> None:
     law = duhem.load("coulomb")
-    library, run = fortran(law, tmp_path), compiled(law, tmp_path)
+    library, run = fortran(law, tmp_path), compiled(law)
     k, tau, gamma = np.array([[3.0, 0.5], [0.5, 1.0]]), np.array([0.1, 0.2]), np.array([1.0, -2.0])
     trial = tau + k @ gamma
     expected = run.one(trial, -2.0, k, [0.3])
@@ -265,7 +263,7 @@ def test_fric_is_the_increment(tmp_path: Path) -> None:
 
 def test_umat_has_the_order_of_its_caller(tmp_path: Path) -> None:
     law = Criterion(name="tensor", g="sqrt(3*J2 + sigma_yz**2) - 1", stress={"name": "sigma", "kind": "3d"}, pressure=None)
-    library, run = fortran(law, tmp_path), compiled(law, tmp_path)
+    library, run = fortran(law, tmp_path), compiled(law)
     k = np.diag([3.0, 3.0, 3.0, 1.0, 1.0, 1.0]) + 0.1
     strain, stress = np.array([0.5, -0.2, 0.1, 0.9, 0.3, -0.7]), np.zeros(6)
     there = [0, 1, 2, 5, 4, 3]  # xx yy zz yz xz xy among xx yy zz xy xz yz

@@ -3,6 +3,7 @@
 import copy
 import pickle
 from dataclasses import fields, is_dataclass
+from functools import cache
 
 import numpy as np
 import pytest
@@ -46,13 +47,19 @@ def same(a, b):
     return bool(a == b)
 
 
+@cache
 def histories():
     path = Path.random(seed=3, points=2, scale=0.3, pressure=(-2.0, -0.5))
-    for method in ("implicit", "extrapolated", "exact"):
-        yield simulate("antoni2007", path, stiffness=[1.0, 2.0], parameters=MU, method=method)
-    yield simulate("coulomb", Path.circle(0.3, points=5, pressure=-1.0), stiffness=1.0, parameters={"mu": 0.2}, method="exact")
-    yield simulate("box", path, stiffness=1.0, parameters={"mu_a": 0.2, "mu_b": 0.1})
-    yield simulate("antoni2007", Path.linear([[0, 0], [0.1, 0.05]], pressure=-1.0, control="stress"), stiffness=1.0, parameters=MU)
+    stressed = Path.linear([[0, 0], [0.1, 0.05]], pressure=-1.0, control="stress")
+    return [
+        *(
+            simulate("antoni2007", path, stiffness=[1.0, 2.0], parameters=MU, method=method)
+            for method in ("implicit", "extrapolated", "exact")
+        ),
+        simulate("coulomb", Path.circle(0.3, points=5, pressure=-1.0), stiffness=1.0, parameters={"mu": 0.2}, method="exact"),
+        simulate("box", path, stiffness=1.0, parameters={"mu_a": 0.2, "mu_b": 0.1}),
+        simulate("antoni2007", stressed, stiffness=1.0, parameters=MU),
+    ]
 
 
 @pytest.mark.slow
