@@ -27,6 +27,7 @@ from duhem.proof import verification
 from duhem.proof.claims import CLAIMS
 from duhem.proof.verdict import Verdict, Witness
 from duhem.proof.verification import ClaimResult, Verification
+from tests.long import mostly_long
 
 SOURCE = Path(duhem.__path__[0]).parent
 Run = Callable[..., tuple[int, str, str]]
@@ -354,12 +355,19 @@ def test_a_reader_that_goes_away_changes_no_exit_code(arguments: list[str], code
 
 
 VERIFY = ["verify", "coulomb", "--claims", "origin"]
+CLOSED_TO = [(VERIFY, 0), (["list"], 0), (["verify", "colomb"], 2), (["verify"], 2)]
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="POSIX streams")
-@pytest.mark.parametrize("closed", [(1,), (2,), pytest.param((1, 2), marks=pytest.mark.long)], ids=str)
-@pytest.mark.parametrize(("arguments", "code"), [(VERIFY, 0), (["list"], 0), (["verify", "colomb"], 2), (["verify"], 2)], ids=str)
+@pytest.mark.parametrize(
+    ("arguments", "code", "closed"),
+    mostly_long(
+        [(*case, closed) for case in CLOSED_TO for closed in ((1,), (2,), (1, 2))],
+        *((*case, closed) for case, closed in zip(CLOSED_TO, ((1,), (2,), (2,), (1,)), strict=True)),
+    ),
+    ids=str,
+)
 def test_a_stream_that_is_closed_changes_no_exit_code(arguments: list[str], code: int, closed: tuple[int, ...]) -> None:
     shell = f'exec "$@" {" ".join(f"{number}>&-" for number in closed)}'
     command = ["sh", "-c", shell, "sh", sys.executable, "-m", "duhem", *arguments]

@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 from duhem.expression.factoring import factor_list, factored
+from tests.long import mostly_long
 
 X = sp.symbols("x y z", real=True)
 
@@ -20,7 +21,7 @@ def drawn(rng: Random) -> sp.Expr:
     return scale * sp.Mul(*(part() ** rng.choice([1, 1, 2, 3]) for _ in range(rng.choice([1, 2, 3]))))
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", mostly_long(range(40), *range(16)))
 def test_the_factors_are_sympys(seed: int) -> None:
     poly = sp.expand(drawn(Random(seed)))
     if poly.is_number:

@@ -18,6 +18,7 @@ from duhem.projection.result import ACCURACY, Solution, Status
 from duhem.projection.validation import increment
 from tests.campaigns.number_families import FAMILIES, Question, mp
 from tests.campaigns.numbers import Count, answers, distance, tally
+from tests.long import mostly_long
 
 
 def flat(formula: str) -> Criterion:
@@ -125,8 +126,11 @@ def test_a_number_of_g_beyond_doubles_is_no_hindrance() -> None:
     assert far.stress[0] / k == pytest.approx(near.stress[0], rel=1e-7)
 
 
+SAMPLES = [("joined", 6, 25), ("stiff", 51, 20), ("slender", 51, 8)]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "every", "right"), [("joined", 6, 25), ("stiff", 51, 20), ("slender", 51, 8)])
+@pytest.mark.parametrize(("name", "every", "right"), mostly_long(SAMPLES, *SAMPLES[:2]))
 def test_families_of_stiffnesses_far_apart(name: str, every: int, right: int) -> None:
     counts: list[Count] = list(tally(iter(list(FAMILIES[name]())[::every]), ["closed-form", "newton"]).values())
     assert sum(c.right for c in counts) >= right

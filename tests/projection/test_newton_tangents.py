@@ -80,7 +80,7 @@ def _differences(law, trial, h=1e-5):
     return (moved[:d] - moved[d:]).T / (2 * h)
 
 
-@pytest.mark.parametrize("m", [2, 6, 8])
+@pytest.mark.parametrize("m", [2, pytest.param(6, marks=pytest.mark.long), 8])
 @pytest.mark.parametrize("principal", [(3.0, 0.0, 0.0), (2.0, 2.0, -1.0), (5.0, 5.0, 2.5), (2.0, 2.0 + 1e-9, -1.0)])
 def test_equal_principal_stresses_are_no_kink_of_a_smooth_law(m, principal):
     law = duhem.load("hosford-tensor").fix({"m": m, "s0": 1})
@@ -106,7 +106,7 @@ VON_MISES = duhem.Criterion(
     [
         ("yld89", {"M": 2}, [1.05, 1.05, 0.0]),
         ("wiebols-cook", {"C": -1}, [-0.7, -0.7, -0.7]),
-        ("menetrey-willam", {"e": "13/25"}, [0.2, 0.2, 0.2]),
+        pytest.param("menetrey-willam", {"e": "13/25"}, [0.2, 0.2, 0.2], marks=pytest.mark.long),
         ("nova-montrasio", {}, [-0.6, 0.0, 0.0]),
     ],
 )

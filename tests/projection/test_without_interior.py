@@ -7,6 +7,7 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
+from tests.long import mostly_long
 
 SEGMENTS = [
     "max(abs(sigma_a) - 1, abs(sigma_b))",
@@ -32,8 +33,10 @@ def _stress(g: str, trial: tuple[float, ...], stiffness: tuple[float, ...]) -> n
     return found.stress[0]
 
 
-@pytest.mark.parametrize("trial, stiffness", FAR)
-@pytest.mark.parametrize("g", SEGMENTS)
+@pytest.mark.parametrize(
+    ("g", "trial", "stiffness"),
+    mostly_long([(g, *far) for g in SEGMENTS for far in FAR], *((g, *far) for i, g in enumerate(SEGMENTS) for far in FAR[i::3])),
+)
 def test_a_segment_is_met_beside_far_trials(g: str, trial: tuple[float, float], stiffness: tuple[float, float]) -> None:
     np.testing.assert_allclose(_stress(g, trial, stiffness), [np.clip(trial[0], -1.0, 1.0), 0.0], rtol=1e-7, atol=1e-14)
 

@@ -18,6 +18,7 @@ from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust, Verdict
+from tests.long import mostly_long
 from tests.proof.composed import by_kernel, by_prover
 
 PRINCIPAL, SIX, PLANE = ("a", "b", "c"), ("xx", "yy", "zz", "yz", "xz", "xy"), ("x", "y", "t")
@@ -88,7 +89,7 @@ def test_the_kernel_knows_the_threshold(g: str, parameters: dict[str, Domain], c
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
+@pytest.mark.parametrize(("g", "parameters", "convex"), mostly_long(CASES, *CASES[::2]))
 def test_the_prover_knows_the_threshold(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     assert by_prover(law(g, PRINCIPAL, parameters)) is convex
 

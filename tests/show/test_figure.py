@@ -156,7 +156,7 @@ POINTS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(RUNS, "README", "six forces", "long names", "changing pressure"))
+@pytest.mark.parametrize("name", mostly_long(RUNS, "six forces", "long names"))
 def test_runs_are_legible(name: str) -> None:
     places = RUNS[name]().plot()
     assert len(places) == 3 and faults(places[0].figure) == []

@@ -249,7 +249,7 @@ def test_differences_resolve_a_set_that_is_thinner_than_their_step(change: Calla
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("share", "right"), [(1.0, True), (4.0, False), (-1.0, False)])
+@pytest.mark.parametrize(("share", "right"), mostly_long([(1.0, True), (4.0, False), (-1.0, False)], (1.0, True), (4.0, False)))
 def test_on_a_kink_of_the_answer_any_side_of_it_will_do(share: float, right: bool) -> None:
     """On an edge of a pyramid: the tangent of one face, which both differences along the third axis leave, sticking or to the edge."""
     law, k, slip = duhem.load("mujoco-pyramidal"), np.diag([123.0, 1.0, 1.0]), np.array([[-1.0, -1.0, 1.0 / 628.0]])

@@ -40,7 +40,7 @@ def test_where_k_is_not_convex_no_slip_is_called_one(family: str) -> None:
     assert farther > 0
 
 
-@pytest.mark.parametrize("d", [3, pytest.param(4, marks=pytest.mark.slow), pytest.param(6, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("d", [3, pytest.param(4, marks=pytest.mark.slow), pytest.param(6, marks=pytest.mark.long)])
 @pytest.mark.parametrize("family", IN_SPACE)
 def test_the_same_in_more_forces(family: str, d: int) -> None:
     rng = np.random.default_rng(d)
