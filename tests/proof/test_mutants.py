@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import pytest
@@ -249,23 +250,38 @@ TABLE = [
 APART = "((sigma_a - 3*abs(sigma_n))**2 + sigma_b**2 - abs(sigma_n)**2)*((sigma_a + 3*abs(sigma_n))**2 + sigma_b**2 - abs(sigma_n)**2)"
 
 
-def _faults() -> Iterator[str]:
-    """Rows of the table that are answered wrongly, left open though they were decided, or refuted by a witness that does not hold."""
-    for row in TABLE:
-        result = verify(row.law, claims=[row.claim])[row.claim]
-        if result.verdict is PROVED:
-            good = row.true
-        elif result.verdict is REFUTED:
-            assert result.witness is not None
-            good = not row.true and confirmed(row.law, row.claim, result.witness)
-        else:
-            good = row.hard and result.method != "contradiction"  # what the refuters stopped was a false proof all the same
-        if not good:
-            yield f"{row.law.name}: {row.claim} {result.verdict} by {result.method}"
-    if implicit.convexity(FormulaSubject(_law(APART))) is not None:  # the scouts never let such a claim reach this method
-        yield "two disks apart: convexity proved"
-    if decide(Question((sp.Symbol("t", real=True) - 1) * (sp.Symbol("t", real=True) - 2), Sense.NONNEGATIVE)).holds is True:
-        yield "a parabola is nowhere negative"  # likewise
+def _answered(row: Row) -> str | None:
+    """A row of the table answered wrongly, left open though it was decided, or refuted by a witness that does not hold."""
+    result = verify(row.law, claims=[row.claim])[row.claim]
+    if result.verdict is PROVED:
+        good = row.true
+    elif result.verdict is REFUTED:
+        assert result.witness is not None
+        good = not row.true and confirmed(row.law, row.claim, result.witness)
+    else:
+        good = row.hard and result.method != "contradiction"  # what the refuters stopped was a false proof all the same
+    return None if good else f"{row.law.name}: {row.claim} {result.verdict} by {result.method}"
+
+
+def _apart() -> str | None:
+    """The scouts never let such a claim reach this method."""
+    return None if implicit.convexity(FormulaSubject(_law(APART))) is None else "two disks apart: convexity proved"
+
+
+def _below_zero() -> str | None:
+    """Likewise."""
+    t = sp.Symbol("t", real=True)
+    return "a parabola is nowhere negative" if decide(Question((t - 1) * (t - 2), Sense.NONNEGATIVE)).holds is True else None
+
+
+ASKED: list[Callable[[], str | None]] = [*(partial(_answered, row) for row in TABLE), _apart, _below_zero]
+
+
+def _faults(first: int = 0) -> Iterator[str]:
+    """Whatever is answered wrongly, the questions from the ``first`` on before the others."""
+    for ask in (*ASKED[first:], *ASKED[:first]):
+        if fault := ask():
+            yield fault
 
 
 @pytest.mark.slow
@@ -381,8 +397,34 @@ MUTATIONS: dict[str, Patch] = {
 }  # fmt: skip
 
 
+# The question that told of a mutant when it was last seen, asked first: where it tells no more, the others are asked all the same.
+TELLING = {
+    "the seam condition dropped": 12,
+    "the curvature with its sign flipped": 4,
+    "the curvature without gamma": 4,
+    "the curvature with gamma twice": 5,
+    "theta turned the wrong way in the slopes": 12,
+    "a chord whose midpoint is not looked at": 20,
+    "a chord whose ends are not looked at": 16,
+    "a witness outside the domain": 9,
+    "everything proved": 5,
+    "unknown taken for proved": 18,
+    "false taken for proved": 5,
+    "strict signs taken for weak ones": 21,
+    "equalities not looked at": 10,
+    "branches looked at on the wrong side": 6,
+    "one sample for a whole line": 23,
+    "kinks taken to cancel everywhere": 14,
+    "sums of quasiconvex functions taken for quasiconvex": 15,
+    "a minimum taken for a maximum": 16,
+    "the star shape not looked at": 22,
+    "every parameter set to 1": 8,
+    "a force taken for irrelevant": 3,
+}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MUTATIONS)
 def test_mutants_of_duhem_are_caught(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     MUTATIONS[name](monkeypatch)
-    assert next(_faults(), None) is not None
+    assert next(_faults(TELLING.get(name, 0)), None) is not None
