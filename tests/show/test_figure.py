@@ -163,7 +163,7 @@ def test_runs_are_legible(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(BENCHES, "bench, long names", "stress, nine methods"))
+@pytest.mark.parametrize("name", mostly_long(BENCHES, "stress, nine methods"))
 def test_benchmarks_are_legible(name: str) -> None:
     assert faults(draw(BENCHES[name]())[0].figure) == []
 
@@ -185,7 +185,7 @@ SETTINGS = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "settings"), mostly_long(SETTINGS, *SETTINGS[::2]))
+@pytest.mark.parametrize(("name", "settings"), mostly_long(SETTINGS, *SETTINGS[::3]))
 def test_the_figures_of_the_paper_are_legible(name: str, settings: dict[str, float]) -> None:
     from duhem.micromodel.figures.drawing import draw as drawn
 
@@ -215,7 +215,7 @@ SPOILED = [*spoiled()]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("said", "spoil"), mostly_long(SPOILED, *SPOILED[::2]))
+@pytest.mark.parametrize(("said", "spoil"), mostly_long(SPOILED, *SPOILED[::4]))
 def test_a_spoiled_picture_is_caught(said: str, spoil: Callable[[Sheet], object]) -> None:
     sheet = scene().plot()[0].figure
     spoil(sheet)

@@ -127,13 +127,16 @@ def test_every_block_of_tangents_says_its_columns_where_it_is_folded(name: str, 
     assert sorted(shown.split()) == sorted(" ".join(columns).split())
 
 
+SAYING = [["list"], ["explain", "convexity"], ["verify", "coulomb", "--claims", "origin"]]
+
+
 def piped(*arguments: str) -> str:
     return subprocess.run([sys.executable, "-m", "duhem", *arguments], capture_output=True, text=True, timeout=120).stdout
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals")
-@pytest.mark.parametrize("arguments", [["list"], ["explain", "convexity"], ["verify", "coulomb", "--claims", "origin"]], ids=" ".join)
+@pytest.mark.parametrize("arguments", mostly_long(SAYING, SAYING[1]), ids=" ".join)
 def test_a_terminal_is_as_wide_as_it_says(arguments: list[str]) -> None:
     ours, theirs = os.openpty()
     process = subprocess.Popen(
