@@ -412,7 +412,7 @@ TELLING = {
     "false taken for proved": 5,
     "strict signs taken for weak ones": 21,
     "equalities not looked at": 10,
-    "branches looked at on the wrong side": 6,
+    "branches looked at on the wrong side": 7,
     "one sample for a whole line": 23,
     "kinks taken to cancel everywhere": 14,
     "sums of quasiconvex functions taken for quasiconvex": 15,
