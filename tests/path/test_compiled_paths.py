@@ -1,10 +1,13 @@
 """Compiled steps against NumPy's.  The loop on intervals is compiled in seconds; those on ellipses are further cases."""
 
+from inspect import signature
+
 import numpy as np
 import pytest
 
 import duhem
 from duhem import Criterion, Domain, InputError, Path, Paths, Status, simulate
+from duhem.path.compiled_steps import Loops, loops, made
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
 SHIFTED = {"mu_a": 0.2, "mu_b": 0.15, "shift": 0.1}
@@ -92,3 +95,11 @@ def test_what_is_not_compiled_says_so_or_runs_as_it_did():
     many = Paths.scaled(path, [1.0, 2.0])
     found = simulate(ranged, many, stiffness=1.0, compiled=True)
     assert np.array_equal(found.to_array(), simulate(ranged, many, stiffness=1.0).to_array()) and "compiled" not in found.why
+
+
+def test_what_is_kept_hands_on_what_the_loops_take() -> None:
+    pytest.importorskip("numba")
+    for name in Loops.__dataclass_fields__:
+        kept, own = (signature(getattr(each, name).py_func).parameters for each in (loops(), made()))
+        assert len(kept) == len(own)
+        assert [x for x, y in zip(kept, own, strict=True) if x != y] in ([], ["shape"])

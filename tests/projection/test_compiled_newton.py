@@ -17,6 +17,7 @@ from duhem.expression.scalar_jets import scalar_jets
 from duhem.projection import compiled_newton, kept_code, newton
 from duhem.projection.increment import Increment
 from duhem.projection.newton_kernel import LEFT, SLIP
+from duhem.projection.residuals import residuals
 from duhem.projection.result import Solution, Status
 from duhem.projection.scaled_formula import scaled
 from duhem.projection.validation import posed, setting
@@ -117,12 +118,35 @@ def test_what_is_no_number_is_left_or_answered(trial: list[float]) -> None:
     assert state[0] == LEFT or np.isfinite(found.stress).all()
 
 
-def test_a_body_whose_inside_does_not_hold_the_origin_is_left() -> None:
+INSIDE_ELSEWHERE = {
+    "off": ("norm(a - 3, b) - 1", "a b"),
+    "through 0": ("norm(a - 1, b) - 1", "a b"),
+    "squared": ("b**2 + a*(a - 2)", "a b"),
+    "cone": ("norm(b, c) - a/2", "a b c"),
+    "narrow": ("abs(b - a/3) - a/100", "a b"),
+    "octant": ("max(-a, -b, -c, a + b + c - 2)", "a b c"),
+}
+
+
+@pytest.mark.parametrize("name", INSIDE_ELSEWHERE)
+def test_where_the_origin_is_no_inner_point_another_is_found(name: str) -> None:
+    g, forces = INSIDE_ELSEWHERE[name]
+    law = Criterion(name=name, g=g, forces=tuple(forces.split()), pressure=None)
+    d = len(law.forces)
+    question = posed(setting(law, np.arange(1.0, d + 1), {}), np.random.default_rng(d).normal(size=(30, d)) * 4.0, None)
+    found, state = _as_text(question)
+    assert residuals(question, found).worst()[state != LEFT].max() <= 1e-9
+    known = newton.solve(question)
+    tip = np.abs(known.stress).max(axis=1) < 1e-9  # of a cone without a normal there: for the search
+    assert (state != LEFT)[~tip].mean() >= 0.95 and (state == SLIP).any()
+    assert found.stress[state != LEFT] == pytest.approx(known.stress[state != LEFT], abs=1e-6)
+
+
+def test_of_a_body_away_from_the_origin_the_near_side_is_found() -> None:
     law = Criterion(name="off", g="norm(a - 3, b) - 1", forces=("a", "b"), pressure=None)
-    question = posed(setting(law, 1.0, {}), np.array([[9.0, 0.0], [3.1, 0.0]]), None)
-    _, state = _as_text(question)
-    assert state.tolist() == [LEFT, 0]
-    assert newton.solve(question).stress[0] == pytest.approx([4.0, 0.0])
+    found, state = _as_text(posed(setting(law, 1.0, {}), np.array([[9.0, 0.0], [3.1, 0.0], [0.0, 0.0]]), None))
+    assert state.tolist() == [SLIP, 0, SLIP]
+    assert found.stress == pytest.approx(np.array([[4.0, 0.0], [3.1, 0.0], [2.0, 0.0]]), abs=1e-12)
 
 
 def test_a_word_without_text_is_all_left() -> None:

@@ -64,8 +64,9 @@ _STIFFNESS = "stiffness[{n}] symmetric positive definite, tangent[{n}] symmetric
 _STATUS = (
     "0  sticks: the trial is the answer",
     "1  slips",
-    "2  not solved: no point was shown to be optimal.  The search follows the way from zero stress to the trial: where zero stress "
-    "lies on the boundary of K, many slips are not solved.  duhem.project has a more general search",
+    "2  not solved: no point was shown to be optimal.  The search begins at zero stress, or at a point inside K that it looks for where "
+    "zero stress is none; where the stress is the tip of a cone that is round, it ends without one.  duhem.project has a more general "
+    "search",
     "3  no question: a number that is not finite, a stiffness that is not symmetric positive definite, a pressure above 0, "
     "a parameter, or a pressure, outside its range",
     "4  solved, and the stress lies outside a range that the law declares for it",

@@ -14,6 +14,7 @@ from numpy import sqrt
 __all__ = [
     "BEND",
     "BEST",
+    "CENTRE",
     "FIRST",
     "LENGTHS",
     "LEVELS",
@@ -46,8 +47,8 @@ D = 0  # how many forces the law has
 # -- compiled from here ----------------------------------------------------------------------------------------
 
 # Rows of v: trial, whitened trial, where the search begins, stress, whitened stress, the best stress, the rest of the way, Newton's
-# step, a gradient and its whitened one; lengths of the gradients, levels and multipliers of the pieces.
-T, S, FIRST, X, U, BEST, REST, STEP, RAW, WHITE, SLOPES, LEVELS, LENGTHS, ROWS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13
+# step, a gradient and its whitened one; lengths of the gradients, levels and multipliers of the pieces; a point inside K.
+T, S, FIRST, X, U, BEST, REST, STEP, RAW, WHITE, SLOPES, LEVELS, LENGTHS, CENTRE, ROWS = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14
 NORMALS, BEND, RAWBEND, MATRICES = 0, 1, 2, 2 + D  # matrices of m: normals by rows, the sum of the bends, a Hessian a piece
 
 
