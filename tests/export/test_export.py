@@ -155,12 +155,21 @@ def test_what_is_no_question_has_no_answer() -> None:
 
 
 def test_what_is_not_solved_has_no_answer() -> None:
-    """The origin is no inner point, and no point near it on the way."""
-    law = Criterion(name="off", g="norm(a - 3, b) - 1", forces=("a", "b"), pressure=None)
+    """A K without an inner point."""
+    law = Criterion(name="line", g="abs(a - b)", forces=("a", "b"), pressure=None)
     run = compiled(law)
     status, *answer = run.one([9.0, 0.0], 0.0, EYE, [])
     assert status == 2 and all(np.isnan(x).all() for x in answer)
-    assert run.one([3.1, 0.0], 0.0, EYE, [])[0] == 0
+    assert run.one([3.0, 3.0], 0.0, EYE, [])[0] == 0
+
+
+def test_where_zero_stress_is_no_inner_point_another_is_found() -> None:
+    law = Criterion(name="off", g="norm(a - x, b) - 1", forces=("a", "b"), pressure=None, parameters={"x": Domain(positive=True)})
+    run = compiled(law)
+    for x in (3.0, 1.0, 40.0):
+        status, stress, slip, *_ = run.one([x + 6.0, 8.0], 0.0, EYE, [x])
+        assert status == 1 and stress == pytest.approx([x + 0.6, 0.8], abs=1e-12) and slip == pytest.approx([5.4, 7.2], abs=1e-12)
+        assert run.one([x + 0.1, 0.0], 0.0, EYE, [x])[0] == 0
 
 
 def test_results_may_take_the_places_of_what_is_given() -> None:

@@ -13,9 +13,9 @@ from duhem.law.shapes import Interval
 from duhem.path.batch import Share
 from duhem.path.batch_projection import ShapeNumbers, shape_numbers
 from duhem.path.batch_steps import States
-from duhem.path.compiled_steps import loops
 from duhem.path.histories import Histories
 from duhem.path.history import SUMS
+from duhem.path.kept_steps import loops
 from duhem.path.ledger import Ledger
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan

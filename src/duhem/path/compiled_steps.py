@@ -7,10 +7,7 @@ those of :mod:`duhem.path.batch_steps`; the closest points differ from NumPy's i
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 import math
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -18,13 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from duhem.projection import compiled, quadrants, quarter_ellipse
 from duhem.projection.compiled import kernels
-from duhem.projection.kept_code import compiled_text
 from duhem.projection.quarter_ellipse import formulas
 from duhem.projection.result import Status
 
-__all__ = ["Loops", "loops", "made"]
+__all__ = ["Loops", "made"]
 
 _ROW = 504  # points abreast: as many as the kernel looks at together
 _STICK, _SLIP, _FAILED = int(Status.STICK), int(Status.SLIP), int(Status.FAILED)
@@ -47,34 +42,9 @@ class Loops:
     interval: Callable[..., None]
 
 
-_KEPT = """\
-# {stamp}
-from duhem.path.compiled_steps import made
-
-inner = made().{name}
-
-
-def run({names}):
-    inner({names})
-"""
-_DRIVEN, _WRITTEN = "values, factor, load, share, centre, k, c, state, status, reached, shape", "first, last, row, stress, slip, sums"
-
-
-@cache
-def loops() -> Loops:
-    """The compiled loops: compiled at their first use (some ten seconds), then kept on disk; MissingExtraError without numba.
-
-    What is kept belongs to the text of the modules that it was made of.
-    """
-    texts = map(inspect.getsource, (sys.modules[__name__], compiled, quadrants, quarter_ellipse))
-    stamp = hashlib.sha256("".join(texts).encode()).hexdigest()
-    names = {name: f"{_DRIVEN}, {'' if name == 'abreast' else 'members, '}{_WRITTEN}" for name in Loops.__dataclass_fields__}
-    return Loops(*(compiled_text(_KEPT.format(stamp=stamp, name=name, names=own), "run") for name, own in names.items()))
-
-
 @cache
 def made() -> Loops:
-    """The same, made anew in each process."""
+    """The loops, made anew in each process and compiled at their first use (some ten seconds): what is kept of them calls these."""
     import numba
 
     jit: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True)

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from numpy import sqrt
 
+from duhem.projection.newton_start import begun
 from duhem.projection.newton_step import (
     BEND,
     BEST,
-    CENTRE,
     FIRST,
     LENGTHS,
     LEVELS,
@@ -37,7 +37,6 @@ from duhem.projection.newton_step import (
     T,
     U,
     X,
-    below,
     bent,
     directed,
     eliminated,
@@ -79,13 +78,9 @@ INLINED = (
 
 STICK, SLIP, LEFT = 0, 1, 2
 ANGLE, LOOSE, DEPTH, TIP, ORIGIN = 1e-12, 1e-10, 1e-14, 1e-14, 1e-12  # as in the search
-STEPS, HALVINGS, ROUNDS, BRACKETS = 40, 7, 8, 200
+STEPS, HALVINGS, ROUNDS = 40, 7, 8
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
 SETTLED = 1e-15
-START = 1e-1  # how closely the way to the trial is cut, relative
-NEAR = 2.0**-40  # of the way: where the origin has no value, K is looked for this close to it
-WALK, BESIDE = 100, 1e-2  # steps from the trial to K; so close, relative, is there
-DEPTHS = 24  # from four trials' lengths down, each a quarter of the one before
 
 
 def solve(
@@ -129,131 +124,6 @@ def solved(
                     slip[n, i] += c * m[NORMALS, j, k] * inverse[k, i] * size
     multiplier[n] = weight * size if degree == 1.0 else grown(weight, size, 2.0 - degree)
     return SLIP
-
-
-def begun(trial: Any, data: Any, n: int, v: Any, m: Any, q: Any, held: Any) -> float:
-    """The size of K on the way to the trial, with both and a point of the boundary in this unit; 0 for a stick, -1 if unclear."""
-    big = 0.0
-    for i in range(D):
-        big = max(big, abs(trial[n, i]))
-        if not isfinite(trial[n, i]):
-            return -1.0
-    size = below(big) if big > 0.0 else 1.0
-    for i in range(D):
-        v[T, i] = trial[n, i] / size
-    resized(data, n, size, q)
-    for k in range(DATA):
-        if not isfinite(q[k]):
-            return -1.0
-    out = level(v, T, q)
-    if out <= 0.0:
-        return 0.0
-    deep = centred(v, m, q, held)
-    if not deep < 0.0:
-        return -1.0
-    share, near = crossed(v, q, deep, out), 0.0
-    for i in range(D):
-        v[FIRST, i] = v[CENTRE, i] + share * (v[T, i] - v[CENTRE, i])
-        near = max(near, max(abs(v[FIRST, i]), abs(v[CENTRE, i])))
-    if not near > 0.0:
-        return -1.0
-    grown = below(near)
-    resized(data, n, size * grown, q)
-    for i in range(D):
-        v[T, i] /= grown
-        v[FIRST, i] /= grown
-    return size * grown
-
-
-def centred(v: Any, m: Any, q: Any, held: Any) -> float:
-    """The level at an inner point of K, noted as its centre: the origin wherever it is inside.  Not below 0 where none is found."""
-    for i in range(D):
-        v[CENTRE, i] = 0.0
-    deep = level(v, CENTRE, q)
-    if not deep < 0.0:
-        for i in range(D):
-            v[CENTRE, i] = NEAR * v[T, i]
-        deep = level(v, CENTRE, q)
-    if not deep < 0.0:
-        deep = walked(v, m, q, held)
-    return deep
-
-
-def walked(v: Any, m: Any, q: Any, held: Any) -> float:
-    """The same where the origin is none: inwards from where a walk down the slopes comes to K, and from the origin.
-
-    Each step ends where the level would be 0 if it were straight, and so comes nearer to a convex K (B. T. Polyak 1969).  Ways in are
-    the last slope and, into a narrow cone, the mean of all; where nothing is found the axes and their diagonal.
-    """
-    for i in range(D):
-        v[X, i], v[STEP, i], v[REST, i], v[BEST, i] = v[T, i], 0.0, 0.0, 0.0
-    for _ in range(WALK):
-        high = piece(v, X, q, True, held, D, RAW, m, RAWBEND)
-        steep = length(v, RAW)
-        if not (steep > 0.0 and isfinite(steep) and isfinite(high)):
-            break
-        for i in range(D):
-            v[REST, i] = -v[RAW, i] / steep
-            v[STEP, i] += v[REST, i]
-        if high <= BESIDE * steep * length(v, X):
-            break
-        for i in range(D):
-            v[X, i] += v[REST, i] * (high / steep)
-    mean = length(v, STEP)
-    for i in range(D):
-        v[STEP, i] /= mean if mean > 0.0 else 1.0
-    deep = inwards(v, q, X, REST, 0.0)
-    deep = inwards(v, q, X, STEP, deep)
-    deep = inwards(v, q, BEST, STEP, deep)
-    for axis in range(2 * D + 2):
-        if not deep < 0.0:
-            for i in range(D):
-                v[STEP, i] = (1.0 if axis % 2 == 0 else -1.0) * (1.0 if axis >= 2 * D or 2 * i == axis - axis % 2 else 0.0)
-            deep = inwards(v, q, BEST, STEP, deep)
-    return deep
-
-
-def inwards(v: Any, q: Any, start: int, way: int, deep: float) -> float:
-    """The least level along a way, if it is less than ``deep``; its place is the centre then."""
-    far = 4.0
-    for _ in range(DEPTHS):
-        for i in range(D):
-            v[U, i] = v[start, i] + far * v[way, i]
-        found = level(v, U, q)
-        if found < deep:
-            deep = found
-            for i in range(D):
-                v[CENTRE, i] = v[U, i]
-        far *= 0.25
-    return deep
-
-
-def crossed(v: Any, q: Any, deep: float, out: float) -> float:
-    """The share of the way from the centre to the trial that lies in K, a little less of it.
-
-    Regula falsi; the level at an end that stays is halved (M. Dowell and P. Jarratt 1971), and every third step halves the way.
-    """
-    low, high, stayed = 0.0, 1.0, 0
-    for k in range(BRACKETS):
-        middle = (deep * high - out * low) / (deep - out)
-        if k % 3 == 2 or not low < middle < high:
-            middle = 0.5 * (low + high)
-        for i in range(D):
-            v[X, i] = v[CENTRE, i] + middle * (v[T, i] - v[CENTRE, i])
-        found = level(v, X, q)
-        if found <= 0.0:
-            low, deep = middle, found
-            out *= 0.5 if stayed > 0 else 1.0
-            stayed = 1
-            if found == 0.0:
-                break
-        else:
-            high, out = middle, (found if isfinite(found) else 1e300)
-            deep *= 0.5 if stayed < 0 else 1.0
-            stayed = -1
-        if high - low <= START * low:
-            break
-    return low
 
 
 def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
