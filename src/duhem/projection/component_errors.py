@@ -8,6 +8,7 @@ is as far off as it is from there.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from duhem.projection.close_look import close_look
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level
 from duhem.projection.lost_slip import LEAST, Moves
-from duhem.projection.many_digits import closest
+from duhem.projection.many_digits import Closest, closest
 from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array
 from duhem.projection.row_by_row import dot, unit, widest
@@ -48,12 +49,14 @@ class Doubt:
     given: Array
 
 
-def by_components(increment: Increment, level: Level, metric: Metric, doubt: Doubt) -> Array:
+def by_components(increment: Increment, level: Level, metric: Metric, doubt: Doubt) -> tuple[Array, dict[int, Closest]]:
     """The residual of stationarity (M,): that ``given`` where no component is open, else how far off the closest point beside is.
+
+    And those closest points that were found, by the place of each.
 
     It is looked for, at some milliseconds a point, where the answer is ``close`` to one: elsewhere it is wrong in the metric already.
     """
-    moves, cone, depth, found = doubt.moves, doubt.cone, doubt.depth, doubt.given.copy()
+    moves, cone, depth, found, beside = doubt.moves, doubt.cone, doubt.depth, doubt.given.copy(), dict[int, Closest]()
     good = allowed(metric, moves.stress, moves.slip, doubt.near) / moves.size
     open_ = ~(doubt.missing + cone <= good)
     if (bent := np.flatnonzero(open_)).size:
@@ -64,11 +67,13 @@ def by_components(increment: Increment, level: Level, metric: Metric, doubt: Dou
     found[far] = np.maximum(found, _UNKNOWN)[far]
     few = np.flatnonzero((open_ | (doubt.given > ACCURACY)) & known & doubt.close)
     if few.size:
-        off, given = from_closest(increment, moves.of(few)), doubt.given[few]
+        given, points = doubt.given[few], _closest(increment, moves.of(few))
+        off = _off(increment, moves.of(few), points)
         unknown = np.where((cone + depth)[few] <= good[few], given, np.maximum(given, _UNKNOWN))  # what is more than rounding
         told = np.where(np.isnan(off), given, np.maximum(off, doubt.balance[few]))
         found[few] = np.where(np.isinf(off), unknown, told)
-    return found
+        beside = {i: point for i, point in zip(few.tolist(), points, strict=True) if point is not None}
+    return found, beside
 
 
 def allowed(metric: Metric, stress: Array, slip: Array, short: NDArray[np.bool_]) -> Array:
@@ -102,16 +107,20 @@ def _stiffened(level: Level, metric: Metric, at: Moves, normal: Array, stress: A
     return np.where(known, 1.0 + np.minimum(least, size) - 1e-14 * size, 1.0)
 
 
-def from_closest(increment: Increment, at: Moves) -> Array:
+def _closest(increment: Increment, at: Moves) -> list[Closest | None]:
+    """The closest points beside answers (M,), None where none was found."""
+    look, k = close_look(increment), increment.stiffness
+    starts = zip(at.trial, at.pressure.tolist(), at.stress, at.multiplier.tolist(), at.units.tolist(), strict=True)
+    return [closest(look, trial, pressure, k, *start, patient=False) for trial, pressure, *start in starts]
+
+
+def _off(increment: Increment, at: Moves, points: Sequence[Closest | None]) -> Array:
     """How far answers (M,) are from the closest points beside them, of the largest component; slips and multipliers count a tenth.
 
     inf where none was found; nan where stress and slip are right and the multiplier is another one: at an apex there are several.
     """
-    found = np.full(len(at.slip), np.inf)
-    look, stiffest = close_look(increment), float(np.max(np.diagonal(increment.stiffness)))
-    for i in range(len(found)):
-        start = at.stress[i], float(at.multiplier[i]), float(at.units[i])
-        point = closest(look, at.trial[i], float(at.pressure[i]), increment.stiffness, *start, patient=False)
+    found, stiffest = np.full(len(points), np.inf), float(np.max(np.diagonal(increment.stiffness)))
+    for i, point in enumerate(points):
         if point is not None:
             stress, slip, multiplier = point
             largest = np.abs(stress).max()

@@ -18,7 +18,10 @@ from duhem.projection.close_look import CloseLook
 from duhem.projection.normal_cones import beside
 from duhem.projection.result import Array
 
-__all__ = ["closest"]
+__all__ = ["Closest", "closest"]
+
+Closest = tuple[Array, Array, float]
+"""Stress (d,), slip (d,) and multiplier of dh/ds."""
 
 Vector = list[Any]
 
@@ -38,7 +41,7 @@ _ASIDE = 2.0**-60  # half-spaces are looked for this close to the given stress
 
 def closest(
     look: CloseLook, trial: Array, pressure: float, stiffness: Array, start: Array, multiplier: float, size: float, *, patient: bool = True
-) -> tuple[Array, Array, float] | None:
+) -> Closest | None:
     """Stress (d,), slip (d,) and multiplier of dh/ds of one ``trial`` (d,), looked for from a stress and its multiplier; None if not found.
 
     ``patient``: steep slopes are damped, which takes a hundred times as long as the rest where nothing is found.

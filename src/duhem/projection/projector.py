@@ -72,11 +72,11 @@ class Projector:
         judge = Judge.of(question, solution, self._taken_as_convex(question))
         told = _told(question, solution, judge, given) if vouched.all() else Told.nothing(len(vouched))
         threads = given.threads if isinstance(given, Compiling) else 1
-        judge.look(solution, told.residuals, told.left, threads)
+        seen = judge.look(solution, told.residuals, told.left, threads)
         self._held(question, solution, told.residuals)
         found = told.residuals
         if told.left is None or told.left.size:
-            solution, found = recovered(question, solution, found, self._judged)
+            solution, found = recovered(question, solution, found, self._judged, seen)
         _complete(question, solution, found, told, vouched, threads)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(

@@ -8,7 +8,7 @@ other answer, and taken only if it passes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import TypeVar
 
@@ -19,7 +19,7 @@ from duhem.projection.close_look import close_look, pushed_back
 from duhem.projection.cutting_planes import slip_over_pieces
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
-from duhem.projection.many_digits import closest
+from duhem.projection.many_digits import Closest, closest
 from duhem.projection.metric import Metric
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, times, widest
@@ -34,13 +34,18 @@ _NEXT = 1e-3  # of a stress: slips of more keep their digits in a difference
 _STEPS = 5
 
 
-def recovered(question: Increment, solution: Solution, found: Residuals, judge: Judge) -> tuple[Solution, Residuals]:
-    """The solution and its residuals, with slips that were lost put right where that can be done."""
+def recovered(
+    question: Increment, solution: Solution, found: Residuals, judge: Judge, beside: Mapping[int, Closest]
+) -> tuple[Solution, Residuals]:
+    """The solution and its residuals, with slips that were lost put right where that can be done.
+
+    ``beside``: the closest points beside answers that were looked for already, by the place of each.
+    """
     for way, where in ((_from_normals, _lost), (_over_pieces, _lost), (_in_many_digits, _open)):
         if not (at := where(question, solution, found)).size:
             continue
         asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
-        new = way(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))))
+        new = way(asked, Solution(*(getattr(solution, f.name)[at] for f in fields(solution))), [beside.get(i) for i in at.tolist()])
         judged = judge(asked, new)
         right = judged.worst() <= ACCURACY
         solution, found = _put(solution, at[right], new, right), _put(found, at[right], judged, right)
@@ -63,7 +68,7 @@ def _open(question: Increment, solution: Solution, found: Residuals) -> NDArray[
     return doubt[known & ~solution.failed[doubt]]
 
 
-def _from_normals(asked: Increment, got: Solution) -> Solution:
+def _from_normals(asked: Increment, got: Solution, _beside: Sequence[Closest | None]) -> Solution:
     k, trial, pressure = asked.stiffness, asked.trial, asked.pressure
     g = _level(asked)
     look, stress, size = close_look(asked), got.stress, power_of_two(widest(got.stress))
@@ -78,7 +83,7 @@ def _from_normals(asked: Increment, got: Solution) -> Solution:
     return _slipped(asked, slip, g.own(multiplier, size), multiplier == 0.0)
 
 
-def _over_pieces(asked: Increment, got: Solution) -> Solution:
+def _over_pieces(asked: Increment, got: Solution, _beside: Sequence[Closest | None]) -> Solution:
     g = _level(asked)
     look, size = close_look(asked), power_of_two(widest(got.stress))
     slip, multiplier = np.zeros_like(got.stress), np.zeros(len(size))
@@ -88,13 +93,13 @@ def _over_pieces(asked: Increment, got: Solution) -> Solution:
     return _slipped(asked, slip, g.own(multiplier, size), multiplier == 0.0)
 
 
-def _in_many_digits(asked: Increment, got: Solution) -> Solution:
+def _in_many_digits(asked: Increment, got: Solution, beside: Sequence[Closest | None]) -> Solution:
     """Only what is the same answer in the metric of k, where a component of it is lost: a wrong one stays what it is."""
     g, look, size = _level(asked), close_look(asked), power_of_two(widest(got.stress))
     stress, slip, multiplier = got.stress.copy(), got.slip.copy(), g.multiplier(got.multiplier, size).copy()
     for i in range(len(size)):
         start = stress[i], float(multiplier[i]), float(size[i])
-        found = closest(look, asked.trial[i], float(asked.pressure[i]), asked.stiffness, *start)
+        found = beside[i] or closest(look, asked.trial[i], float(asked.pressure[i]), asked.stiffness, *start)
         if found is not None:
             stress[i], slip[i], multiplier[i] = found
     new = Solution(stress, slip, g.own(multiplier, size), got.failed)

@@ -23,6 +23,7 @@ from duhem.projection.first_look import FirstLook
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
 from duhem.projection.lost_slip import LEAST, Moves, exact_angles, lost
+from duhem.projection.many_digits import Closest
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import off_cone
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
@@ -53,10 +54,7 @@ def residuals(increment: Increment, solution: Solution, convex: bool = False) ->
 
 
 class Judge:
-    """The law's formula, its slopes, the metric and the known points of K of one set of increments.
-
-    ``tips`` are those points at the pressure ``largest``; ``convex``: K need not be looked at close to each answer.
-    """
+    """The law's formula, its slopes, the metric and the known points of K of some increments; ``convex``: as for :func:`residuals`."""
 
     def __init__(self, increment: Increment, convex: bool) -> None:
         law = increment.law
@@ -71,18 +69,21 @@ class Judge:
         """That of a solution of as many points; ``convex`` as for :func:`residuals`."""
         return cls(increment, convex or not (solution.slip.any() or solution.multiplier.any()))  # to stick is to be closest
 
-    def look(self, solution: Solution, out: Residuals, at: NDArray[np.intp] | None = None, threads: int | None = 1) -> None:
+    def look(self, solution: Solution, out: Residuals, at: NDArray[np.intp] | None = None, threads: int | None = 1) -> dict[int, Closest]:
         """The residuals into ``out``, which is zero; where points ``at`` are given, of these alone, and each of them closely.
 
-        ``threads`` share the first look at all points; None for as many as there are.
+        ``threads`` share the first look at all points; None for as many as there are.  Returned are the closest points that were looked
+        for beside answers, by the place of each.
         """
         keep_freed_memory(len(solution.multiplier) if at is None else at.size)
+        seen = dict[int, Closest]()
         with np.errstate(all="ignore"):
             still, moved = self.first.left(self.increment, solution, out, threads) if at is None else self._sorted(solution, at)
             for some in _in_parts(still):
                 self._still(some, solution.stress.take(some, axis=0), self.increment.pressure[some], out)
             for some in _in_parts(moved):
-                self._moved(some, self.increment.trial.take(some, axis=0), self.increment.pressure[some], solution, out)
+                seen |= self._moved(some, self.increment.trial.take(some, axis=0), self.increment.pressure[some], solution, out)
+        return seen
 
     def _sorted(self, solution: Solution, at: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Those that stick and those that move."""
@@ -111,7 +112,8 @@ class Judge:
         value, bound = close_look(self.increment).level(as_pairs(stress, size), pressure, size)
         return np.where(np.abs(value) <= bound, 0.0, value)
 
-    def _moved(self, at: NDArray[np.intp], trial: Array, pressure: Array, got: Solution, out: Residuals) -> None:
+    def _moved(self, at: NDArray[np.intp], trial: Array, pressure: Array, got: Solution, out: Residuals) -> dict[int, Closest]:
+        """The residuals of points that move, and what was seen beside them."""
         stress, slip = got.stress.take(at, axis=0), got.slip.take(at, axis=0)
         units = power_of_two(np.where(widest(stress) > 0.0, widest(stress), widest(trial)))
         g, hidden = self.level.bounded(stress, pressure, units)
@@ -167,15 +169,17 @@ class Judge:
             gone = lost(self.increment, self.level, self.metric, moves.of(short), room[short], distance[short])
             out.stationarity[at[short]] = np.maximum(out.stationarity[at[short]], _SLIP * gone)
         unsure = ~(missing + turned <= self.metric.certain * room) | (out.stationarity[at] > ACCURACY)
-        doubt = np.flatnonzero(unsure & ~got.failed[at])
+        doubt, seen = np.flatnonzero(unsure & ~got.failed[at]), dict[int, Closest]()
         if doubt.size:
             cone = np.where(turned <= rounding, turned, np.fmin(turned, off * room))
-            across, beside = (depth + hidden * room)[doubt], (near[doubt], balance[doubt], off[doubt] <= _CLOSE)
-            some = Doubt(moves.of(doubt), missing[doubt], cone[doubt], across, *beside, out.stationarity[at[doubt]])
-            out.stationarity[at[doubt]] = by_components(self.increment, self.level, self.metric, some)
+            lacking = moves.of(doubt), missing[doubt], cone[doubt], (depth + hidden * room)[doubt]
+            some = Doubt(*lacking, near[doubt], balance[doubt], off[doubt] <= _CLOSE, out.stationarity[at[doubt]])
+            out.stationarity[at[doubt]], ends = by_components(self.increment, self.level, self.metric, some)
+            seen = {int(at[doubt[i]]): point for i, point in ends.items()}
         out.variational[at] = self.known.excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
         if not self.known.convex:
             out.variational[at] = np.fmax(out.variational[at], self.known.beside(pressure, point, moved, size, whole, room)) + 0.0 * whole
+        return seen
 
     def _multiplier(self, given: Array, slip: Array, steep: Array, units: Array) -> Array:
         """Multipliers of h for those of g, which at large and small stresses may be beyond doubles: there the slip's own."""
