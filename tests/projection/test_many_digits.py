@@ -10,11 +10,11 @@ import pytest
 
 import duhem
 from duhem.law.formula_law import Criterion
-from duhem.projection import closed_form, newton
+from duhem.projection import closed_form, newton, recovered_slip
 from duhem.projection.close_look import close_look
 from duhem.projection.many_digits import closest
-from duhem.projection.residuals import residuals
-from duhem.projection.result import ACCURACY, Solution, Status
+from duhem.projection.residuals import Judge, residuals
+from duhem.projection.result import ACCURACY, Residuals, Solution, Status
 from duhem.projection.validation import increment
 from tests.campaigns.number_families import FAMILIES, Question, mp
 from tests.campaigns.numbers import Count, answers, distance, tally
@@ -65,6 +65,27 @@ def test_a_slip_with_one_component_off_is_inaccurate() -> None:
     assert residuals(question, right).worst()[0] <= ACCURACY
     wrong = replace(right, stress=right.stress - [[0.0, 1e-4]], slip=right.slip + np.array([[0.0, 1e-4]]))
     assert residuals(question, wrong).worst()[0] > ACCURACY
+
+
+def test_what_the_judge_looked_for_is_not_looked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At a corner of a box, the stiffer force 1e-5 off, which is 1e-8 of the stress in the metric; and beside it a stick."""
+    question = increment(duhem.load("box"), [[0.5, 0.0], [2.0, 1.0 + 1e-3]], -1.0, [1.0, 1e6], {"mu_a": 1, "mu_b": 1})
+    stress = np.array([[0.5, 0.0], [1.0, 1.0 - 1e-5]])
+    slip = (question.trial - stress) / [1.0, 1e6]
+    wrong = Solution(stress, slip, slip.sum(axis=1), np.zeros(2, dtype=bool))
+    found = residuals(question, wrong)
+    seen = Judge.of(question, wrong, True).look(wrong, Residuals(*(np.zeros(2) for _ in range(5))))
+    assert list(seen) == [1]
+
+    def again(*_: object, **__: object) -> None:
+        raise AssertionError("looked for again")
+
+    monkeypatch.setattr(recovered_slip, "closest", again)
+    put_right, judged = recovered_slip.recovered(question, wrong, found, residuals, seen)
+    assert (judged.worst() <= ACCURACY).all()
+    assert put_right.stress == pytest.approx(np.array([[0.5, 0.0], [1.0, 1.0]]), rel=1e-12)
+    with pytest.raises(AssertionError, match="looked for again"):
+        recovered_slip.recovered(question, wrong, found, residuals, {})
 
 
 @pytest.mark.slow
