@@ -146,9 +146,19 @@ def test_it_stays_within_the_thresholds_of_the_judge(past: float, monkeypatch: p
 
     assert not left(*_on_a_side((0.19, 0.2), 0.01))
     assert left(*_on_a_side((0.19, 0.2 * (1.0 - past * 7e-8)), 0.01))  # 1e-8/sqrt(2) of the stress in the metric, the first threshold
+    assert not left(*_on_a_side((0.19, 0.2), 0.5))  # of a long slip the stress alone counts
+    assert left(*_on_a_side((0.19, 0.2 * (1.0 - past * 7e-8)), 0.5))
     assert left(*_on_a_side((0.1, 0.2), 0.1, 1.0 + past * 1e-8))  # multiplier and slip apart by 1e-7 of the stress
     question, got = _on_a_side((0.1, 0.2), 0.1)
     assert left(replace(question, trial=question.trial * (1.0 + past * 1e-7)), got)  # and what does not add up
+
+
+def test_residuals_beyond_rounding_are_those_of_the_judge(monkeypatch: pytest.MonkeyPatch) -> None:
+    question, solution = _on_a_side((0.1, 0.2 * (1.0 - 1e-9)), 0.5, 1.0 + 1e-11)
+    told, known = _as_text(monkeypatch, question, solution, convex=True), residuals(question, solution, convex=True)
+    assert told.left is not None and not told.left.size
+    assert told.residuals.stationarity == pytest.approx(known.stationarity, rel=1e-4) and known.stationarity > 1e-11
+    assert told.residuals.complementarity == pytest.approx(known.complementarity, rel=1e-4) and known.complementarity > 1e-11
 
 
 @pytest.mark.parametrize("sides", [(3.0, 4.0), (-1e-140, 1e-150), (0.0, -2.0), (0.0, 0.0), (1e150, 1.0)])
