@@ -54,7 +54,7 @@ def _taken(plan: Plan, ledger: Ledger, prepared: Projector, loop: Loop, anchor: 
     trial, stress, slip = (np.empty((n, d)) for _ in range(3))
     multiplier, state = np.empty(n), np.empty(n, dtype=np.int8)
     begun = ledger.stress[anchor].copy(), plan.path.values[anchor].copy()
-    given = np.ascontiguousarray(plan.path.values[rows]), np.ascontiguousarray(plan.stiffness), *begun, loop.data(pressure)
+    given = np.array(plan.path.values[rows], order="C"), np.array(plan.stiffness, order="C"), *begun, loop.data(pressure)
     loop.run(*given, loop.constants, loop.root, loop.inverse, loop.formula.degree, trial, stress, slip, multiplier, state)
     n = _first(state == LEFT)
     slips = state[:n] == SLIP
