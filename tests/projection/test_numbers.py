@@ -101,6 +101,16 @@ def test_slips_next_to_the_boundary_have_their_digits(law: str, share: float) ->
     assert lost > 0 or share > 1e-10
 
 
+def test_a_slip_off_by_a_little_more_than_what_is_vouched_for() -> None:
+    """The difference of two slips has a rounding of its own."""
+    trial, k = [[0.50000005, 0.50000005, -0.20000002000000003]], [1.0, 1e6, 1e12]
+    question = increment(duhem.load("tresca"), trial, None, k, {"yield_stress": 0.7})
+    off = np.array([[7.0000000101932871e-20, 0.0, -7.000000010193297e-20]])  # the second component is 1e-6 of the others
+    stress = question.trial - off * k
+    found = residuals(question, Solution(stress, off, off[:, 0], np.zeros(1, dtype=bool)))
+    assert found.worst()[0] > ACCURACY
+
+
 def test_a_stick_an_ulp_outside_has_lost_its_slip() -> None:
     outside = float(np.nextafter(0.5, 1.0))
     none = np.zeros((2, 2))

@@ -19,7 +19,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.level import Level
 from duhem.projection.lost_slip import LEAST, Moves
 from duhem.projection.many_digits import Closest, closest
-from duhem.projection.metric import Metric
+from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import ACCURACY, Array
 from duhem.projection.row_by_row import dot, unit, widest
 
@@ -126,7 +126,7 @@ def _off(increment: Increment, at: Moves, points: Sequence[Closest | None]) -> A
             largest = np.abs(stress).max()
             moved = max(np.abs(slip).max(), LEAST * largest / stiffest)
             off = _share(np.abs(at.stress[i] - stress).max(), largest)
-            off = max(off, _SLIP * _share(np.abs(at.slip[i] - slip).max(), moved))
+            off = max(off, _SLIP * (_share(np.abs(at.slip[i] - slip).max(), moved) + ROUNDING))
             same = _SLIP * abs(at.multiplier[i] - multiplier) <= ACCURACY * multiplier
             found[i] = off if same or off > ACCURACY else np.nan
     return found
