@@ -25,7 +25,7 @@ from duhem.projection.variational import Variational
 
 __all__ = ["FirstLook"]
 
-_BLOCK = 16_384
+_BLOCK = 24_000  # points, no power of two: columns of such lengths crowd the same places of the cache
 _HALF = 0.5  # of a threshold of the judge
 _OFF = _HALF * 1e-9  # of a stress: what rounding of g hides of the boundary, or a slip is off its normal
 _SQUARES = 2.0**-900, 2.0**900  # squares of lengths that have all their digits

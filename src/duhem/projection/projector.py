@@ -29,7 +29,7 @@ from duhem.projection.validation import posed, setting
 
 __all__ = ["ACCURACY", "Projector"]
 
-_BLOCK = 16_384
+_BLOCK = 24_000  # as the first look takes them
 _WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
 
 

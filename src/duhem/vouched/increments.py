@@ -42,7 +42,7 @@ def project(
     the double nearest to it, so that a slip 1e-12 from the boundary of mu = 3/10 is measured from the double 0.3.
     ``method``: ``closed-form``, ``newton``, ``cvxpy``, ``auto`` for the first of these that applies, or a
     :class:`duhem.projection.method.Method` of your own.  ``tangent`` adds d sigma/d u and d sigma/d sigma_n.  ``options`` are the
-    method's.  Points are taken in blocks: with a closed form the work needs some 20 MB beyond what it returns, however many points
+    method's.  Points are taken in blocks: with a closed form the work needs some 15 MB a thread beyond what it returns, however many points
     there are.
 
     Every point has a status of its own and residuals recomputed from the law; a point that is not solved is never
