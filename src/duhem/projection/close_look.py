@@ -84,7 +84,10 @@ class CloseLook:
     def _enclosed(self, s: list[Any], pressure: float, size: float) -> tuple[float, float]:
         with _precision():
             value = self.ball(s, pressure, size)
-            return float(value.mid()), float(value.rad())
+            middle, radius = float(value.mid()), float(value.rad())
+            if np.isfinite(middle) and np.isfinite(radius):
+                return middle, radius
+            return (np.inf, 0.0) if value > 0 else (-np.inf, 0.0) if value < 0 else (np.nan, np.inf)  # beyond doubles it has a sign
 
     def _slope(self, s: list[Any], pressure: float, size: float) -> list[float]:
         with _precision():
