@@ -359,3 +359,14 @@ def test_a_slender_set_ends_at_its_short_sides_too(name: str, slender: float) ->
             assert (
                 np.abs(done.stress[:, ::order] - np.clip(trial, [-1.0, -slender], [1.0, slender])) <= 2.0**-52 * np.array([1.0, slender])
             ).all()
+
+
+@pytest.mark.parametrize("stiffness", [np.diag([1.0, 4.0, 1.0]), np.array([[3.0, -1.0, -1.0], [-1.0, 3.0, -1.0], [-1.0, -1.0, 3.0]])])
+@pytest.mark.parametrize("far", [300.0, 480.0, 700.0, 900.0])
+def test_slopes_whose_squares_are_beyond_doubles(stiffness: np.ndarray, far: float) -> None:
+    """g is a double there and the square of its slope is none: it is outside all the same.  The answer against CVXPY's."""
+    trial = far * np.array([[0.05, 0.5, 0.45], [-0.45, 0.1, -0.7], [0.3, 0.3, 0.3]])
+    asked = dict(stiffness=stiffness, parameters={"sy": 1, "f": "1/2"})
+    newton, reference = (duhem.project("gurson", trial, method=method, **asked) for method in ("newton", "cvxpy"))
+    assert (newton.status == Status.SLIP).all() and np.abs(newton.stress).max() < 10.0
+    assert np.allclose(newton.stress, reference.stress, rtol=0.0, atol=1e-5)

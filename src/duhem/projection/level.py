@@ -62,10 +62,10 @@ class Level:
         return self.jets(stress / size[:, None], list(data.values()), choices, second=False)
 
     def gradient(self, stress: Array, pressure: Array, size: Array) -> Array:
-        """dh/ds (N, d) alone."""
+        """dh/ds (N, d) alone; nan where it is infinite, so that no level passes for a small share of it."""
         found = self.slopes(stress, pressure, size)[0].gradient
         assert found is not None
-        return found
+        return np.where(np.isfinite(found), found, np.nan)
 
     def hessian(self, stress: Array, pressure: Array, size: Array) -> Array:
         """d^2h/ds^2 (N, d, d)."""

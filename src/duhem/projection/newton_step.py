@@ -194,14 +194,14 @@ def eliminated(a: Any, size: int) -> bool:
 
 
 def whitened(v: Any, root: Any) -> float:
-    """The length of the gradient in whitened units, and there it itself."""
+    """The length of the gradient in whitened units, and there it itself; nan where that is beyond doubles."""
     total = 0.0
     for i in range(D):
         v[WHITE, i] = 0.0
         for k in range(D):
             v[WHITE, i] += v[RAW, k] * root[k, i]
         total += v[WHITE, i] * v[WHITE, i]
-    return float(sqrt(total))
+    return float(sqrt(total)) if total < np.inf else np.nan
 
 
 def times(matrix: Any, v: Any, vector: int, out: int) -> None:

@@ -7,6 +7,7 @@ from functools import reduce
 
 import numpy as np
 
+from duhem.expression.length import length as components_length
 from duhem.projection.result import Array
 
 __all__ = ["columns_times", "dot", "length", "products", "share", "times", "unit", "widest"]
@@ -30,8 +31,8 @@ def dot(first: Array, second: Array) -> Array:
 
 
 def length(vectors: Array) -> Array:
-    """Euclidean lengths (N,)."""
-    return np.asarray(np.sqrt(dot(vectors, vectors)))
+    """Euclidean lengths (N,), of vectors whose squares are beyond doubles too."""
+    return np.asarray(components_length(*vectors.T))
 
 
 def times(vectors: Array, matrix: Array) -> Array:

@@ -16,7 +16,7 @@ from duhem.expression.jets import Choices, JetProgram, formula, program
 from duhem.expression.numpy_ import Program
 from duhem.projection.increment import Increment
 from duhem.projection.result import Array
-from duhem.projection.row_by_row import times
+from duhem.projection.row_by_row import length, times
 from duhem.projection.scaled_formula import ScaledFormula
 
 __all__ = ["Body", "Index", "Piece", "body", "whitening"]
@@ -77,7 +77,8 @@ class Body:
         assert jet.gradient is not None
         with np.errstate(all="ignore"):
             gradient = times(jet.gradient, self.root)
-            slope = np.linalg.norm(gradient, axis=1)
+            slope = length(gradient)
+            slope = np.where(np.isfinite(slope), slope, np.nan)  # of an infinite one every level would be a share of nothing
             unit = 1.0 / slope
             curvature = np.zeros((len(at), 0, 0))
             if jet.hessian is not None:
