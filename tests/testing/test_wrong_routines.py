@@ -262,3 +262,17 @@ def test_on_a_kink_of_the_answer_any_side_of_it_will_do(share: float, right: boo
 
     case = Case({"mu_1": 1.0, "mu_2": 628.0}, k, -one, trial, trial, trial, zero, zero, one, 2.0, np.zeros((1, 2, 3)), -np.ones((1, 2)))
     assert (violation("slope", law, update, case) is None) == right
+
+
+def test_a_tangent_is_accused_though_the_routine_gives_up_elsewhere() -> None:
+    """It is wrong at a trial, and does not answer at the stress found there, which other checks ask for first."""
+
+    def update(trial: np.ndarray, pressure: np.ndarray, stiffness: np.ndarray) -> Step:
+        found = duhem.project("coulomb", trial, pressure, stiffness, {"mu": 0.3}, tangent=True)
+        assert found.tangent is not None
+        far = 0.3 * np.abs(pressure)
+        beside = np.abs(np.linalg.norm(trial, axis=1) - far) <= 1e-9 * far
+        return Step(found.stress, found.slip, found.multiplier, 2.0 * found.tangent, (found.status <= 1) & ~beside)
+
+    report = conformance("coulomb", update, {"mu": 0.3}, stiffness=1.0, checks=["idempotence", "tangent"], max_examples=3, seconds=0.2)
+    assert [failure.check.name for failure in report.failures] == ["tangent"]
