@@ -16,7 +16,8 @@ import duhem
 from duhem.errors import InputError, MissingExtraError
 from duhem.projection import closed_form, compiled, kept_code, quadrants
 from duhem.projection.closed_form import ClosedFormOptions
-from duhem.projection.quadrants import BLOCK, Quarters
+from duhem.projection.in_blocks import BLOCK
+from duhem.projection.quadrants import Quarters
 from duhem.projection.result import Status
 from duhem.projection.validation import increment
 from tests.oracles.projection import Exact, closest

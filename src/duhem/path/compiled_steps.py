@@ -44,7 +44,7 @@ class Loops:
 
 @cache
 def made() -> Loops:
-    """The loops, made anew in each process and compiled at their first use (some ten seconds): what is kept of them calls these."""
+    """The loops, made anew in each process and compiled at their first use (tens of seconds): what is kept of them calls these."""
     import numba
 
     jit: Callable[[Any], Any] = numba.njit(error_model="numpy", forceinline=True)

@@ -28,7 +28,7 @@ _DRIVEN, _WRITTEN = "values, factor, load, share, centre, k, c, state, status, r
 
 @cache
 def loops() -> Loops:
-    """The compiled loops: compiled at their first use (some ten seconds), then kept on disk; MissingExtraError without numba.
+    """The compiled loops: compiled at their first use (tens of seconds), then kept on disk; MissingExtraError without numba.
 
     What is kept belongs to the text of the modules that it was made of.
     """

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from duhem.projection.newton_kernel import DATA, KINKS, LEFT, SLIP, solved
+from duhem.projection.newton_kernel import KINKS, LEFT, SLIP, solved
+from duhem.projection.newton_start import DATA
 from duhem.projection.newton_step import MATRICES, ROWS, D
 
 __all__ = ["along"]

@@ -16,10 +16,10 @@ from duhem.projection import quadrants
 from duhem.projection.allocation import keep_freed_memory
 from duhem.projection.closed_form_tangent import tangent
 from duhem.projection.coefficients import Coefficients, centre, coefficients, declared, of_pressure, own_entries, uniform
-from duhem.projection.in_blocks import in_blocks
+from duhem.projection.in_blocks import BLOCK, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method
-from duhem.projection.quadrants import BLOCK, Quarters
+from duhem.projection.quadrants import Quarters
 from duhem.projection.result import Array, Solution
 
 __all__ = ["CLOSED_FORM", "ClosedFormOptions", "applies", "solve"]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.projection.in_blocks import in_blocks
+from duhem.projection.in_blocks import BLOCK, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, Placed
 from duhem.projection.metric import ROUNDING, Metric
@@ -25,7 +25,6 @@ from duhem.projection.variational import Variational
 
 __all__ = ["FirstLook"]
 
-_BLOCK = 24_000  # points, no power of two: columns of such lengths crowd the same places of the cache
 _HALF = 0.5  # of a threshold of the judge
 _OFF = _HALF * 1e-9  # of a stress: what rounding of g hides of the boundary, or a slip is off its normal
 _SQUARES = 2.0**-900, 2.0**900  # squares of lengths that have all their digits
@@ -74,7 +73,7 @@ class FirstLook:
                 still, moved = self._block(increment.trial[block], increment.pressure[block], part, into)
                 found[block.start] = still + block.start, moved + block.start
 
-        in_blocks(len(solution.multiplier), _BLOCK, look, threads)
+        in_blocks(len(solution.multiplier), BLOCK, look, threads)
         stills, moves = zip(*(found[start] for start in sorted(found)), strict=True) if found else ((_NONE,), (_NONE,))
         return np.concatenate(stills), np.concatenate(moves)
 

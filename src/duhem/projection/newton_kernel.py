@@ -1,7 +1,7 @@
 """One point at a time: the closest point of a convex K by Newton's method from where the way to the trial leaves K.
 
 The source of this module is compiled together with the functions of one law (:mod:`duhem.projection.compiled_newton`), whose names
-stand below without a body: that is why everything here is plain loops over small arrays.  Units as in
+stand in :mod:`duhem.projection.newton_start` without a body: that is why everything here is plain loops over small arrays.  Units as in
 :mod:`duhem.projection.whitened_body`; what is not shown to be optimal here is left to the search that uses half-spaces.
 
 Pieces of the boundary are kept as an active set: Newton's method goes to where those it has meet; a piece that is passed on
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy import sqrt
 
-from duhem.projection.newton_start import begun
+from duhem.projection.newton_start import DATA, begun, level, piece
 from duhem.projection.newton_step import (
     BEND,
     BEST,
@@ -50,23 +50,7 @@ from duhem.projection.newton_step import (
 
 __all__ = ["INLINED", "LEFT", "SLIP", "STICK", "solve"]
 
-KINKS = DATA = 0  # how many kinks and data the law has
-
-
-def level(v: Any, x: int, q: Any) -> float:
-    """h at row ``x`` of ``v``."""
-    raise NotImplementedError
-
-
-def piece(v: Any, x: int, q: Any, natural: bool, choices: Any, c: int, slopes: int, m: Any, bends: int) -> float:
-    """h there on a smooth piece, with its derivatives."""
-    raise NotImplementedError
-
-
-def resized(data: Any, n: int, size: float, q: Any) -> None:
-    """The data of point ``n`` in units of another size."""
-    raise NotImplementedError
-
+KINKS = 0  # how many kinks the law has
 
 INLINED = (
     "begun", "below", "bent", "bordered", "centred", "crossed", "directed", "length", "newton", "optimal", "pressed", "resized", "searched",

@@ -15,7 +15,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.declared_ranges import beyond
-from duhem.projection.in_blocks import in_blocks
+from duhem.projection.in_blocks import BLOCK, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling, Method, Options
 from duhem.projection.methods import METHODS
@@ -29,7 +29,6 @@ from duhem.projection.validation import posed, setting
 
 __all__ = ["ACCURACY", "Projector"]
 
-_BLOCK = 24_000  # as the first look takes them
 _WORTH_COMPILING = 4_096  # points; fewer are judged sooner than their loop is loaded
 
 
@@ -164,7 +163,7 @@ def _complete(
                 others = others if question.law.domain else others[~right]
                 told.status[others] = _status(question, solution, found, others, vouched[others])
 
-    in_blocks(len(told.status) if told.left is None else told.left.size, _BLOCK, fill, threads)
+    in_blocks(len(told.status) if told.left is None else told.left.size, BLOCK, fill, threads)
 
 
 def _status(

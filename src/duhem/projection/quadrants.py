@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from duhem.projection.quarter_ellipse import formulas
 from duhem.projection.result import Array
 
-__all__ = ["BLOCK", "CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project", "stacked"]
+__all__ = ["CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project", "stacked"]
 
-BLOCK = 24_000  # points; a fifth less time a point than with 16,384, whose columns crowd the same places of the cache
 _FORMULAS = formulas()
 SAFE = 2.0**200  # of what lies between 1/SAFE and SAFE cubes neither overflow nor vanish, nor if times a ratio above 1/SAFE^2
 CLOSE = 2.0**-45  # relative; closer than this, F of two words is not good to the last digits
