@@ -217,3 +217,12 @@ def test_few_texts_serve_all_values_of_the_parameters() -> None:
 
 def test_statuses_are_the_judges() -> None:
     assert Status.SLIP == SLIP and Status.STICK == 0
+
+
+def test_what_is_kept_belongs_to_what_was_put_where_it_is_called(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
+    text = "def half(x):\n    return x / 2\n\n\ndef run(x):\n    return half(x)\n"
+    for inlined in ((), ("half",), ("half",)):
+        kept_code.compiled_text.__wrapped__(text, "run", inlined)
+    assert len(list(tmp_path.glob("law_*.py"))) == 2

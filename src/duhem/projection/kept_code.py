@@ -27,6 +27,8 @@ def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Calla
         import numba
     except ImportError:
         raise MissingExtraError("numba", "fast") from None
+    if inlined:  # other machine code, and what is kept is found by its text alone
+        text = f"{text}\n# where they are called: {', '.join(inlined)}\n"
     kept = _kept(text)
     module = ModuleType(f"duhem_{kept.stem}" if kept else f"duhem_generated_{_name(text)}")
     sys.modules[module.__name__] = module  # where what was kept looks for it
