@@ -17,6 +17,7 @@ from duhem.cli.list_laws import list_laws
 from duhem.cli.project import project
 from duhem.cli.recheck import recheck
 from duhem.cli.simulate import simulate
+from duhem.cli.snapshot import snapshot
 from duhem.cli.stress import stress
 from duhem.cli.verify import verify
 from duhem.version import __version__
@@ -47,6 +48,7 @@ for command in (
     stress,
     figures,
     identify,
+    snapshot,
     list_laws,
     atlas,
     init,

@@ -1,0 +1,53 @@
+"""``duhem snapshot``: what is known of laws, kept and compared."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
+import click
+
+from duhem.cli.arguments import read_law
+from duhem.cli.exit_code import HELD, REFUTED
+from duhem.cli.output import Progress, say
+
+__all__ = ["snapshot"]
+
+
+@click.command()
+@click.argument("laws", metavar="LAW...", nargs=-1, required=True)
+@click.option("--file", metavar="FILE", default="duhem-snapshot.json", show_default=True, help="Where snapshots are kept.")
+@click.option("--update", is_flag=True, help="Keep what is found now.")
+def snapshot(laws: Sequence[str], file: str, update: bool) -> int:
+    """Compare each LAW with what is kept of it: verdicts, methods, trust, exact witnesses, and some slip increments.
+
+    Ends with 1 if something has changed, and says what; with 2 if nothing is kept yet.  Stresses and slips may move by the
+    tolerance that FILE states.  With --update the file is written; laws in it that are not named stay as they are.
+    """
+    from duhem.show.place import check_place
+    from duhem.testing.snapshot import snapshot as taken
+    from duhem.testing.snapshot_difference import differences
+    from duhem.testing.snapshot_file import SnapshotFile
+    from duhem.vouched.increments import project
+
+    known = {name: read_law(name) for name in dict.fromkeys(laws)}
+    if update:
+        check_place(file, laws)
+    kept = SnapshotFile() if update and not os.path.lexists(file) else SnapshotFile.read(file)
+    before = {name: kept.laws.get(name) if update else kept.entry(name, file) for name in known}
+    entries, changed = {}, False
+    with Progress("comparing") as progress:
+        for name, law in known.items():
+            progress.show(name)
+            old = before[name]
+            entries[name] = now = taken(law, project, increments=None if old is None or update else old["increments"])
+            found = ("not kept before",) if old is None else differences(old, now, kept.tolerance)
+            changed = changed or bool(found)
+            progress.show("")
+            for line in found or ("as kept",):
+                say(f"{name}: {line}")
+    if update:
+        kept.with_entries(entries).write(file)
+        say(f"wrote {file}")
+        return HELD
+    return REFUTED if changed else HELD
