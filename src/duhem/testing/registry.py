@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from duhem.projection.result import Array
 from duhem.testing.query import Query
+from duhem.testing.visited import Visited
 
 __all__ = ["Check", "Finding", "register", "registered"]
 
@@ -32,7 +33,8 @@ class Check:
 
     ``tolerance`` says what it is compared with and why; |s| = (s . k^-1 s)^1/2, and u is the error in stress
     the routine is held to (:mod:`duhem.testing.query`).  ``law_only``: it looks at the law and never asks the routine.
-    ``demanded``: the theory asks it of every law; the others are run where asked for by name.
+    ``demanded``: the theory asks it of every law; the others are run where asked for by name.  ``whole``, of a check that no
+    single case can fail, says at the end what is wrong with all that was visited, or None.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Check:
     measure: Callable[[Query], Finding]
     law_only: bool = False
     demanded: bool = True
+    whole: Callable[[Visited], str | None] | None = None
 
     @property
     def __name__(self) -> str:  # pytest names parametrised tests by it
@@ -56,12 +59,20 @@ _checks: dict[str, Check] = {}
 
 
 def register(
-    name: str, *, statement: str, formula: str, source: str, tolerance: str, law_only: bool = False, demanded: bool = True
+    name: str,
+    *,
+    statement: str,
+    formula: str,
+    source: str,
+    tolerance: str,
+    law_only: bool = False,
+    demanded: bool = True,
+    whole: Callable[[Visited], str | None] | None = None,
 ) -> Callable[[Callable[[Query], Finding]], Callable[[Query], Finding]]:
     """Add a check."""
 
     def add(measure: Callable[[Query], Finding]) -> Callable[[Query], Finding]:
-        _checks[name] = Check(name, statement, formula, source, tolerance, measure, law_only, demanded)
+        _checks[name] = Check(name, statement, formula, source, tolerance, measure, law_only, demanded, whole)
         return measure
 
     return add

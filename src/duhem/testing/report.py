@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from duhem.law.formula_law import Criterion
 from duhem.testing.case import Case
+from duhem.testing.departure import Departure
 from duhem.testing.registry import Check
 
 __all__ = ["Failure", "Report"]
@@ -14,10 +15,14 @@ __all__ = ["Failure", "Report"]
 
 @dataclass(frozen=True)
 class Failure:
-    """A check that failed: ``case`` is one increment, shrunk; ``measured`` exceeds ``allowed`` there (or is nan)."""
+    """A check that failed: ``case`` is one increment, shrunk; ``measured`` exceeds ``allowed`` there (or is nan).
+
+    ``departure`` is what the routine returned and the closest point; ``diagnosis`` what it does instead, where that is known;
+    ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
+    """
 
     check: Check
-    law: Criterion
+    law: Criterion | None
     message: str
     case: Case
     measured: float
@@ -25,6 +30,9 @@ class Failure:
     accuracy: float
     routine: str
     open_parameters: tuple[str, ...]
+    explains: tuple[str, ...] = ()
+    departure: Departure | None = None
+    diagnosis: str = ""
 
     @property
     def title(self) -> str:
@@ -36,31 +44,63 @@ class Failure:
         module, _, name = self.routine.rpartition(".")
         there = f"from {module} import {name} as update" if module and "<" not in self.routine else f"update = ...  # {self.routine}"
         free = "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
+        law = None if self.law is None else self.law.name
         lines = [
             "from duhem.testing import Case, violation",
             there,
             f"case = {self.case!r}",
-            f"print(violation({self.check.name!r}, {self.law.name!r}, update, case, accuracy={self.accuracy!r}{free}))",
+            f"print(violation({self.check.name!r}, {law!r}, update, case, accuracy={self.accuracy!r}{free}))",
         ]
         return "\n".join(lines)
 
     def __str__(self) -> str:
-        return "\n".join(
-            [
-                f"{self.check.name}: {self.message}",
-                f"  {self.check.statement}: {self.check.formula}",
-                f"  {self.check.source}",
-                f"  allowed: {self.check.tolerance}",
-                *(f"  {line}" for line in self._values()),
-                "  to see it again:",
-                *(f"    {line}" for line in self.reproducer().splitlines()),
-            ]
-        )
+        said = [f"  {name:<11} {text}" for name, text in self._said()]
+        shown = [] if self.check.whole else ["  to see it again:", *(f"    {line}" for line in self.reproducer().splitlines())]
+        return "\n".join([self.title, *said, *shown])
 
-    def _values(self) -> Iterable[str]:
-        yield ", ".join(f"{name} = {value!r}" for name, value in self.case.parameters.items())
-        pressure = "" if self.case.pressure is None else f", pressure {float(self.case.pressure[0])!r}"
-        yield f"trial {self.case.trial[0].tolist()}{pressure}, stiffness {self.case.stiffness.tolist()}"
+    def _said(self) -> Iterator[tuple[str, str]]:
+        if self.diagnosis:
+            yield "likely", self.diagnosis
+        if not self.check.whole:
+            yield from self._increment()
+        yield "violated", f"{self.check.formula}: {self.message}"
+        yield "tolerance", self.check.tolerance
+        yield "source", self.check.source
+        if self.explains:
+            yield "explains", f"{', '.join(self.explains)}, which failed too"
+
+    def _increment(self) -> Iterator[tuple[str, str]]:
+        values = [f"{name} = {value:.6g}" for name, value in self.case.parameters.items()]
+        if self.law is not None or values:
+            yield "law", ", ".join(([] if self.law is None else [self.law.name]) + values)
+        case, found = self.case, self.departure
+        pressure = None if case.pressure is None else float(case.pressure[0])
+        yield "increment", _increment(case.trial[0].tolist(), pressure, case.stiffness.tolist())
+        if found is None or self.check.law_only:
+            return
+        if (found.trial, found.pressure, found.stiffness) != (tuple(case.trial[0]), pressure, tuple(map(tuple, case.stiffness.tolist()))):
+            yield "at", f"{_increment(found.trial, found.pressure, found.stiffness)}, which the check asks too"
+        yield "returned", _vector(found.returned)
+        if found.closest is not None and found.difference is not None:
+            yield "closest", _vector(found.closest)
+            yield "difference", _vector(found.difference) + ("" if found.apart else ", within what is allowed")
+
+
+def _increment(trial: Sequence[float], pressure: float | None, stiffness: Sequence[Sequence[float]]) -> str:
+    load = "" if pressure is None else f", pressure {pressure:.6g}"
+    return f"trial {_vector(trial)}{load}, stiffness {_matrix(stiffness)}"
+
+
+def _vector(values: Sequence[float]) -> str:
+    return f"[{', '.join(f'{x:.6g}' for x in values)}]"
+
+
+def _matrix(rows: Sequence[Sequence[float]]) -> str:
+    """A multiple of the identity as one number, a diagonal as such."""
+    diagonal = [row[i] for i, row in enumerate(rows)]
+    if any(x for i, row in enumerate(rows) for j, x in enumerate(row) if i != j):
+        return f"[{', '.join(map(_vector, rows))}]"
+    return f"{diagonal[0]:.6g}" if len(set(diagonal)) == 1 else f"diag {_vector(diagonal)}"
 
 
 @dataclass(frozen=True)
@@ -69,6 +109,11 @@ class Report:
 
     A check passed only if it judged an answer of the routine (or looks at the law alone).
     ``points`` increments were asked of the routine, of which it flagged ``flagged`` as not solved: they are not judged.
+
+    ``failures`` are likely causes, the likeliest first; ``explained`` are those of the checks that a cause explains.
+    ``expected``: the checks that failed as was expected, with the reason given; ``unexpected``: those that passed though they
+    were expected to fail.  ``visited``: shares of the drawn increments (:class:`duhem.testing.visited.Visited`), and
+    ``decades`` the first and last power of ten of what was drawn, in ``examples`` cases by ``seed``.
     """
 
     law: str
@@ -77,22 +122,40 @@ class Report:
     left_out: Mapping[str, str]
     points: int
     flagged: int
+    explained: tuple[Failure, ...] = ()
+    expected: Mapping[str, str] = field(default_factory=dict)
+    unexpected: Mapping[str, str] = field(default_factory=dict)
+    visited: Mapping[str, float] = field(default_factory=dict)
+    decades: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    examples: int = 0
+    seed: int | None = None
 
     @property
     def ok(self) -> bool:
-        return not self.failures
+        return not self.failures and not self.unexpected
 
     @property
     def failed(self) -> frozenset[str]:
-        """The names of the checks that failed."""
-        return frozenset(f.check.name for f in self.failures)
+        """The names of the checks that failed, those that a cause explains and those expected to fail among them."""
+        return frozenset(f.check.name for f in (*self.failures, *self.explained)) | frozenset(self.expected)
 
     @property
     def flagged_share(self) -> float:
         return self.flagged / self.points if self.points else 0.0
 
+    def failure_of(self, check: str) -> Failure | None:
+        """The failure of a check by its name, a cause or explained; None where it did not fail, or was expected to."""
+        return next((f for f in (*self.failures, *self.explained) if f.check.name == check), None)
+
     def __str__(self) -> str:
-        counts = f"{len(self.passed)} checks passed, {len(self.failures)} failed"
+        counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
         counts += f", {len(self.left_out)} left out" if self.left_out else ""
-        head = f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged"
-        return "\n".join([head, *map(str, self.failures), *(f"left out {name}: {why}" for name, why in self.left_out.items())])
+        return "\n".join(
+            [
+                f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged",
+                *map(str, self.failures),
+                *(f"{name} passed, and was expected to fail: {why}" for name, why in self.unexpected.items()),
+                *(f"{name} failed, as expected: {why}" for name, why in self.expected.items()),
+                *(f"left out {name}: {why}" for name, why in self.left_out.items()),
+            ]
+        )

@@ -1,0 +1,245 @@
+"""One routine put to some checks: cases drawn, each case's replies shared, what fails looked for again and shrunk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from random import Random
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from hypothesis import Phase, Verbosity, find, settings
+from hypothesis.errors import NoSuchExample
+from numpy.typing import ArrayLike
+
+from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
+from duhem.testing.case import Case
+from duhem.testing.causes import by_cause
+from duhem.testing.departure import departure
+from duhem.testing.query import NoReply, NothingToCheck, Query
+from duhem.testing.region import Region
+from duhem.testing.registry import Check
+from duhem.testing.report import Failure, Report
+from duhem.testing.routine import Update
+from duhem.testing.strategies import Strategy, cases
+from duhem.testing.visited import Visited
+
+__all__ = ["Run", "judged"]
+
+_SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
+
+
+def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
+    """The worst row, a message, what was measured and what is allowed.
+
+    Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
+    """
+    with np.errstate(all="ignore"):
+        finding = asked.measure(query)
+    counts = query.sound | asked.law_only
+    if not counts.any():
+        raise NothingToCheck("the routine flags every increment as not solved")
+    bad = finding.violated & counts
+    if not bad.any():
+        return None
+    with np.errstate(all="ignore"):
+        excess = np.where(bad, np.nan_to_num(finding.measured - finding.allowed, nan=np.inf, posinf=1e300), -np.inf)
+    i = int(np.argmax(excess))
+    measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
+    return i, f"measured {measured:.3g}, allowed {allowed:.3g}", measured, allowed
+
+
+class _Enough(BaseException):
+    """Shrinking has had its time.  No Exception, which Hypothesis would take for one more failure."""
+
+
+class _Search:
+    """One search for a case on which one of ``checks`` fails; ``seconds`` bound its shrinking."""
+
+    def __init__(self, run: Run, checks: Sequence[Check], seconds: float, drawn: Callable[[Query], None] | None = None) -> None:
+        self.run, self.checks, self.seconds, self.drawn = run, checks, seconds, drawn
+        self.least: Case | None = None
+        self.until = float("inf")
+
+    def fails(self, case: Case) -> bool:
+        """Whether a check that is looked for fails on the case; from the first that does on, only that one counts."""
+        if monotonic() > self.until:
+            raise _Enough
+        query = self.run.query(case)
+        found = next(self.run.failures(query, self.checks), None)
+        if self.drawn is not None:
+            self.drawn(query)
+        if found is None:
+            return False
+        if self.least is None:
+            self.checks, self.until = (found.check,), monotonic() + self.seconds
+        self.least = found.case
+        return True
+
+    def among(self, drawn: Strategy, profile: settings) -> Case | None:
+        """The least failing case of one increment that was met."""
+        with suppress(NoSuchExample, _Enough):
+            find(drawn, self.fails, settings=profile, random=Random(self.run.seed))
+        return self.least
+
+
+class Run:
+    """What a routine is held to, and what was found on the way; :meth:`report` may be asked before it has ended."""
+
+    def __init__(
+        self,
+        law: Criterion,
+        update: Update,
+        parameters: Mapping[str, Any] | None,
+        asked: Sequence[Check],
+        *,
+        stiffness: ArrayLike | Strategy | None,
+        pressure: float | Strategy | None,
+        accuracy: float,
+        max_examples: int | None,
+        rows: int,
+        seconds: float,
+        seed: int | None = None,
+        expected: Mapping[str, str] | None = None,
+        on_case: Callable[[Run], None] | None = None,
+    ) -> None:
+        self.law, self.update, self.accuracy, self.seconds, self.on_case = law, update, accuracy, seconds, on_case
+        self.parameters, self.stiffness, self.pressure, self.rows = parameters, stiffness, pressure, rows
+        self.passed = tuple(name for name, domain in law.fix(parameters).parameters.items() if domain.value is None)
+        self.asked, self.pending, self.expected = tuple(asked), list(asked), dict(expected or {})
+        self.silence_told = any(c.name == "answers" for c in asked)  # once is enough
+        options: dict[str, Any] = {} if max_examples is None else {"max_examples": max_examples}
+        self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **options)
+        self.seed = seed if seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
+        self.found: list[Failure] = []
+        self.left_out: dict[str, str] = {}
+        self.judged: set[str] = set()
+        self.points = self.flagged = self.examples = 0
+        self.last: Case | None = None
+        self.visited = self._nothing_visited()
+
+    def _nothing_visited(self) -> Visited:
+        return Visited(tuple(self.law.forces), self.law.pressure is not None)
+
+    def to_the_end(self) -> Run:
+        """Draw cases until every check has failed or has seen them all."""
+        drawn = self._cases(self.parameters, self.stiffness, self.rows)
+        while self.pending:
+            self.visited, self.examples = self._nothing_visited(), 0
+            search = _Search(self, self.pending, self.seconds, self._drawn)
+            first = search.among(drawn, settings(self.profile, phases=(Phase.generate,)))
+            if first is None:
+                self._look_at_the_whole()
+                break
+            self._note(first, search.checks)
+        return self
+
+    def _cases(self, parameters: Mapping[str, Any] | None, stiffness: ArrayLike | Strategy | None, rows: int = 1) -> Strategy:
+        return cases(self.law, parameters, stiffness=stiffness, pressure=self.pressure, rows=rows)
+
+    def _drawn(self, query: Query) -> None:
+        self.examples += 1
+        if "first" in query.__dict__:  # the routine was asked
+            self.visited.add(query)
+        if self.on_case is not None:
+            self.on_case(self)
+
+    def _note(self, first: Case, checks: Sequence[Check]) -> None:
+        """Look for a smaller case than the first that failed, and note every check that fails on it."""
+        least = first
+        shrinking = settings(self.profile, max_examples=_SINGLE)
+        for fixed, k in ((self.parameters, self.stiffness), (first.parameters, first.stiffness)):  # the second is closer to what failed
+            if (met := _Search(self, checks, self.seconds).among(self._cases(fixed, k), shrinking)) is not None:
+                least = met
+                break
+        again = list(self.failures(self.query(least), self.pending))
+        if not again:  # a check passes over rows that the routine has flagged for one before it: here each is on its own
+            again = list(self.failures(self.query(least), checks))
+        if not again:
+            again = [self._unrepeatable(first, checks[0])]
+        self.found += again
+        failed = {f.check.name for f in again}
+        self.pending = [c for c in self.pending if c.name not in failed]
+
+    def _unrepeatable(self, case: Case, check: Check) -> Failure:
+        state = next((c for c in self.pending if c.name == "repeatability"), None)
+        if state is None:
+            raise InputError(
+                "the routine answers the same increment in different ways", where="update", remedy="test one that keeps no state"
+            )
+        return self._failure(state, f"{check.name} failed on this case, and not when asked again", case, float("nan"), 0.0)
+
+    def _look_at_the_whole(self) -> None:
+        """The checks that no case alone can fail."""
+        for asked in self.pending:
+            if asked.whole is None or asked.name not in self.judged or self.last is None:
+                continue
+            if (message := asked.whole(self.visited)) is not None:
+                self.found.append(self._failure(asked, message, self.last.row(0), float("nan"), 0.0))
+
+    def failures(self, query: Query, checks: Sequence[Check]) -> Iterator[Failure]:
+        """The failures of some checks on a case, as they are found."""
+        try:
+            for asked in checks:
+                try:
+                    found = judged(asked, query)
+                except NothingToCheck as reason:
+                    self.left_out[asked.name] = str(reason)
+                    continue
+                except NoReply as fault:
+                    if self.silence_told and asked.name != "answers":
+                        self.left_out[asked.name] = f"not run: {fault}"
+                        continue
+                    found = 0, str(fault), float("nan"), 0.0
+                self.judged.add(asked.name)
+                if found is not None:
+                    row, message, measured, allowed = found
+                    yield self._failure(asked, message, query.case.row(row), measured, allowed)
+        finally:
+            self.points += query.points
+            self.flagged += query.flagged
+
+    def query(self, case: Case) -> Query:
+        """The routine asked about one case."""
+        self.last = case
+        return Query(Region(self.law, case.parameters), case, self.update, self.passed, self.accuracy)
+
+    def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
+        return Failure(check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed)
+
+    def report(self) -> Report:
+        """What was found so far."""
+        bad = {f.check.name for f in self.found}
+        passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
+        told = [self._told(f) for f in self.found if f.check.name not in self.expected]
+        causes, explained = by_cause(told)
+        return Report(
+            law=self.law.name,
+            passed=passed,
+            failures=causes,
+            left_out={name: why for name, why in self.left_out.items() if name not in self.judged},
+            points=self.points,
+            flagged=self.flagged,
+            explained=explained,
+            expected={name: why for name, why in self.expected.items() if name in bad},
+            unexpected={name: why for name, why in self.expected.items() if name in passed},
+            visited=self.visited.shares,
+            decades=self.visited.decades,
+            examples=self.examples,
+            seed=self.seed,
+        )
+
+    def _told(self, failure: Failure) -> Failure:
+        """With what the routine returned, asked again."""
+        if failure.check.law_only or failure.check.whole or len(failure.case) != 1:
+            return failure
+        return replace(failure, departure=departure(self.query(failure.case)))
+
+
+def named(update: Update) -> str:
+    """Module and name of a routine, as it says itself."""
+    name = getattr(update, "__qualname__", type(update).__qualname__)
+    return f"{getattr(update, '__module__', '')}.{name}"
