@@ -55,10 +55,14 @@ class Case:
     def __repr__(self) -> str:
         if len(self) > 1:
             return f"<Case of {len(self)} increments, parameters {dict(self.parameters)}>"
+        return f"Case({', '.join(self.arguments())})"
+
+    def arguments(self) -> list[str]:
+        """What builds the case again to the last bit, ``name=value`` each."""
         parts = {f.name: getattr(self, f.name) for f in fields(self)}
         texts = {name: repr(part.tolist() if isinstance(part, np.ndarray) else part) for name, part in parts.items()}
         texts["parameters"] = repr(dict(self.parameters))
-        return f"Case({', '.join(f'{name}={text}' for name, text in texts.items())})"
+        return [f"{name}={text}" for name, text in texts.items()]
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         """As Hypothesis and IPython print: by the representation above, not field by field."""

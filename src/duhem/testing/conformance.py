@@ -107,6 +107,7 @@ def conformance(
         seconds=seconds,
         seed=seed,
         expected=expected_failed_checks,
+        given=law,
     )
     return run.to_the_end().report()
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from duhem.law.formula_law import Criterion
+from duhem.show.place import write
 from duhem.testing.case import Case
 from duhem.testing.departure import Departure
 from duhem.testing.registry import Check
+from duhem.testing.replay import Origin, test_file, test_name
 
 __all__ = ["Failure", "Report"]
 
@@ -33,6 +36,7 @@ class Failure:
     explains: tuple[str, ...] = ()
     departure: Departure | None = None
     diagnosis: str = ""
+    origin: Origin = field(default_factory=Origin)
 
     @property
     def title(self) -> str:
@@ -41,8 +45,7 @@ class Failure:
 
     def reproducer(self) -> str:
         """A few lines of Python that show the failure again; ``update`` is the routine."""
-        module, _, name = self.routine.rpartition(".")
-        there = f"from {module} import {name} as update" if module and "<" not in self.routine else f"update = ...  # {self.routine}"
+        there = self.origin.making or f"update = ...  # {self.routine}"
         free = "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
         law = None if self.law is None else self.law.name
         lines = [
@@ -52,6 +55,15 @@ class Failure:
             f"print(violation({self.check.name!r}, {law!r}, update, case, accuracy={self.accuracy!r}{free}))",
         ]
         return "\n".join(lines)
+
+    def replay(self) -> str:
+        """The text of a test file that fails as long as the routine does.
+
+        Where the routine or the law has no name that a file can import, as one of ``__main__`` or a closure, it is a stub
+        that says so.
+        """
+        case = None if self.check.whole else self.case
+        return test_file(self.title, self.check.name, self.routine, self.origin, case, self.accuracy, self.open_parameters)
 
     def __str__(self) -> str:
         said = [f"  {name:<11} {text}" for name, text in self._said()]
@@ -146,6 +158,16 @@ class Report:
     def failure_of(self, check: str) -> Failure | None:
         """The failure of a check by its name, a cause or explained; None where it did not fail, or was expected to."""
         return next((f for f in (*self.failures, *self.explained) if f.check.name == check), None)
+
+    def write_replays(self, folder: str | Path) -> tuple[Path, ...]:
+        """One test file a cause (:meth:`Failure.replay`), written to a folder that is made where there is none."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        written = []
+        for failure in self.failures:
+            written.append(place / test_name(failure.routine, failure.check.name))
+            write(str(written[-1]), failure.replay())
+        return tuple(written)
 
     def __str__(self) -> str:
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"

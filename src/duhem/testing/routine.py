@@ -15,6 +15,7 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
+from duhem.testing.replay import law_as_written, made_by
 
 __all__ = ["Step", "Update", "from_displacements", "pointwise", "projection"]
 
@@ -53,7 +54,7 @@ def pointwise(step: Callable[..., Any]) -> Update:
 
         return Step(*(together(name) for name in Step.__dataclass_fields__))
 
-    return _named(update, step)
+    return _named(update, step, "pointwise")
 
 
 def from_displacements(step: Callable[..., ArrayLike]) -> Update:
@@ -69,7 +70,7 @@ def from_displacements(step: Callable[..., ArrayLike]) -> Update:
         slip = np.asarray(step(elastic + before, before.copy(), pressure, stiffness, **parameters), dtype=np.float64) - before
         return Step(trial - slip @ stiffness, slip)
 
-    return _named(update, step)
+    return _named(update, step, "from_displacements")
 
 
 def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bool = False) -> Update:
@@ -84,11 +85,17 @@ def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bo
         solved: NDArray[np.bool_] = found.status <= Status.SLIP
         return Step(found.stress, found.slip, found.multiplier, found.tangent, solved)
 
+    update.__qualname__ = f"projection.{method}"
+    if (named := law_as_written(load(law), law)).startswith(("'", '"')):
+        again = f"update = projection({named}, {method!r}, tangent={tangent!r})"
+        update.__duhem_import__ = f"from duhem.testing import projection\n\n{again}"  # type: ignore[attr-defined]
     return update
 
 
-def _named(update: Update, step: Callable[..., Any]) -> Update:
-    update.__name__ = getattr(step, "__name__", "update")
+def _named(update: Update, step: Callable[..., Any], adapter: str) -> Update:
+    update.__name__, update.__wrapped__ = getattr(step, "__name__", "update"), step  # type: ignore[attr-defined]
+    if making := made_by(step):
+        update.__duhem_import__ = f"{making}\nfrom duhem.testing import {adapter}\n\nupdate = {adapter}(update)"  # type: ignore[attr-defined]
     return update
 
 

@@ -22,6 +22,7 @@ from duhem.testing.departure import departure
 from duhem.testing.query import NoReply, NothingToCheck, Query
 from duhem.testing.region import Region
 from duhem.testing.registry import Check
+from duhem.testing.replay import origin
 from duhem.testing.report import Failure, Report
 from duhem.testing.routine import Update
 from duhem.testing.strategies import Strategy, cases
@@ -105,8 +106,10 @@ class Run:
         seed: int | None = None,
         expected: Mapping[str, str] | None = None,
         on_case: Callable[[Run], None] | None = None,
+        given: Any = None,
     ) -> None:
         self.law, self.update, self.accuracy, self.seconds, self.on_case = law, update, accuracy, seconds, on_case
+        self.given = law if given is None else given
         self.parameters, self.stiffness, self.pressure, self.rows = parameters, stiffness, pressure, rows
         self.passed = tuple(name for name, domain in law.fix(parameters).parameters.items() if domain.value is None)
         self.asked, self.pending, self.expected = tuple(asked), list(asked), dict(expected or {})
@@ -234,12 +237,15 @@ class Run:
 
     def _told(self, failure: Failure) -> Failure:
         """With what the routine returned, asked again."""
+        told = replace(failure, origin=origin(self.update, self.law, self.given))
         if failure.check.law_only or failure.check.whole or len(failure.case) != 1:
-            return failure
-        return replace(failure, departure=departure(self.query(failure.case)))
+            return told
+        return replace(told, departure=departure(self.query(failure.case)))
 
 
 def named(update: Update) -> str:
-    """Module and name of a routine, as it says itself."""
+    """Module and name of a routine, as it says itself; of the routine inside, where it is wrapped."""
+    while hasattr(update, "__wrapped__"):
+        update = update.__wrapped__
     name = getattr(update, "__qualname__", type(update).__qualname__)
     return f"{getattr(update, '__module__', '')}.{name}"

@@ -1,0 +1,144 @@
+"""A failure as a test file of its own: what it imports, where a routine and a law have names that a file can import."""
+
+from __future__ import annotations
+
+import re
+import sys
+import sysconfig
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from duhem.errors import InputError
+from duhem.law.catalogue import load_named
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
+from duhem.law.registry import registered
+from duhem.testing.case import Case
+
+__all__ = ["Origin", "law_as_written", "made_by", "origin", "test_file", "test_name"]
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a replay finds what it tests: lines of Python that bind ``update``, the folder they need on the path, and the law.
+
+    ``making`` is empty where the routine has no name that a file can import, ``law`` where the law has none.
+    """
+
+    making: str = ""
+    folder: str = ""
+    law: str = ""
+
+
+def origin(update: Any, law: Criterion | None, given: Any) -> Origin:
+    """That of a routine and of the law it was tested with, as it was ``given``."""
+    inner = update
+    while hasattr(inner, "__wrapped__"):
+        inner = inner.__wrapped__
+    return Origin(made_by(update), _folder(inner), "None" if law is None else law_as_written(law, given))
+
+
+def made_by(update: Any) -> str:
+    """Lines of Python that bind ``update`` to the routine: what it carries as ``__duhem_import__``, or an import by name, or ''."""
+    said = getattr(update, "__duhem_import__", None)
+    if said is not None:
+        return str(said)
+    module, name = getattr(update, "__module__", None), getattr(update, "__qualname__", "")
+    if not module or module == "__main__" or not all(part.isidentifier() for part in name.split(".")):
+        return ""
+    found: Any = sys.modules.get(module)
+    for part in name.split("."):
+        found = getattr(found, part, None)
+    if found is not update:
+        return ""
+    first, _, rest = name.partition(".")
+    return f"from {module} import {first}\n\nupdate = {name}" if rest else f"from {module} import {name} as update"
+
+
+def _folder(update: Any) -> str:
+    """The folder that has to be on the path to import the routine's module; '' where the module is installed."""
+    module = sys.modules.get(getattr(update, "__module__", None) or "")
+    file = getattr(module, "__file__", None)
+    if module is None or file is None or module.__name__ == "__main__":
+        return ""
+    top = Path(file).resolve().parents[module.__name__.count(".") + (Path(file).name == "__init__.py")]
+    installed = {Path(sysconfig.get_path(name)).resolve() for name in ("purelib", "platlib", "stdlib")}
+    return "" if top in installed else str(top)
+
+
+def law_as_written(law: Criterion, given: Any = None) -> str:
+    """Python for a law: its name, its file, or its formula where that reads as the same law; '' where none does."""
+    if isinstance(given, Path) or (isinstance(given, str) and given.endswith(".toml")):
+        return repr(str(Path(given).resolve()))
+    if isinstance(given, str):
+        return repr(given)
+    with suppress(InputError):
+        if law.name not in registered() and _same(load_named(law.name), law):
+            return repr(law.name)
+    with suppress(InputError):
+        again = Criterion(name=law.name, g=law.written or str(law.g), forces=law.forces, pressure=law.pressure, parameters=law.parameters)
+        if _same(again, law) and law.closed_form is None:
+            domains = ", ".join(f"{name!r}: {_domain(domain)}" for name, domain in law.parameters.items())
+            return f"Criterion({law.name!r}, {again.written!r}, {{{domains}}}, {law.forces!r}, {law.pressure!r})"
+    return ""
+
+
+def _domain(domain: Domain) -> str:
+    if domain.positive:
+        return "Domain(positive=True)"  # a case lies below a greatest value
+    return f"Domain.between({', '.join('None' if end is None else repr(str(end)) for end in (domain.low, domain.high))})"
+
+
+def _same(known: Any, law: Criterion) -> bool:
+    same = isinstance(known, Criterion) and (known.forces, known.pressure) == (law.forces, law.pressure)
+    return same and str(known.g) == str(law.g)
+
+
+def test_name(routine: str, check: str) -> str:
+    """A file name for a replay, as pytest looks for it."""
+    return f"test_{_words(routine.removeprefix('.'))}_{_words(check)}.py"
+
+
+def _words(text: str) -> str:
+    return re.sub(r"\W+", "_", text).strip("_") or "routine"
+
+
+def test_file(title: str, check: str, routine: str, found: Origin, case: Case | None, accuracy: float, passed: tuple[str, ...]) -> str:
+    """The text of a file that fails with the bug and passes without; a stub where routine or law have to be filled in.
+
+    Without a ``case`` no single increment shows the failure, and the file draws them again.
+    """
+    law = found.law or "None  # the law has no name that a file can import: put it here"
+    what = "Case, violation" if case is not None else "conformance"
+    lines = [
+        f'"""{title} (of {routine})."""',
+        "",
+        *(["import sys", ""] if found.making and found.folder else []),
+        *(["from duhem import Criterion, Domain"] if found.law.startswith("Criterion(") else []),
+        f"from duhem.testing import {what}",
+        "",
+        *([f"sys.path.append({found.folder!r})  # where the routine is", ""] if found.making and found.folder else []),
+        *(found.making or _stub(routine)).splitlines(),
+        "",
+        f"LAW = {law}",
+    ]
+    if case is None:
+        run = [
+            "    # the parameters, the stiffness and the pressure of the run that failed go here",
+            f"    report = conformance(LAW, update, checks={[check]!r}, accuracy={accuracy!r})",
+            "    assert report.ok, str(report)",
+        ]
+    else:
+        lines += ["CASE = Case(", *(f"    {line}," for line in case.arguments()), ")"]
+        run = [
+            f"    wrong = violation({check!r}, LAW, update, CASE, open_parameters={passed!r}, accuracy={accuracy!r})",
+            "    assert wrong is None, wrong",
+        ]
+    return "\n".join([*lines, "", "", f"def test_{_words(check)}() -> None:", *run, ""])
+
+
+def _stub(routine: str) -> str:
+    told = f"{routine} has no name that a file can import: call it here"
+    return f"def update(trial, pressure, stiffness, **parameters):\n    raise NotImplementedError({told!r})\n"

@@ -1,0 +1,117 @@
+"""A failure written as a test file fails with the bug and passes without, wherever its routine came from."""
+
+from __future__ import annotations
+
+import importlib
+import runpy
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import duhem
+from duhem.testing import Report, conformance, pointwise, projection
+from tests.long import mostly_long
+from tests.oracles.routines import DISK, nothing
+
+WRONG = """
+import numpy as np
+from duhem.testing import Step
+
+FACTOR = {factor}
+
+def disk(trial, pressure, stiffness, mu):
+    size, limit = np.hypot(*trial.T), -FACTOR * mu * pressure
+    with np.errstate(all="ignore"):
+        return np.where((size > limit)[:, None], trial / size[:, None] * limit[:, None], trial)
+
+def one(trial, pressure, stiffness, mu):
+    return disk(trial[None], np.array([pressure]), stiffness, mu)[0]
+
+class Friction:
+    @staticmethod
+    def disk(trial, pressure, stiffness, mu):
+        return disk(trial, pressure, stiffness, mu)
+"""
+
+
+@pytest.fixture
+def friction(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[float], object]]:
+    """A module of the user's, with a bug where the factor is not 1; written anew it is imported anew."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+
+    def written(factor: float) -> object:
+        (tmp_path / "my_friction.py").write_text(WRONG.format(factor=factor), "utf-8")
+        sys.modules.pop("my_friction", None)
+        importlib.invalidate_caches()
+        return importlib.import_module("my_friction")
+
+    yield written
+    sys.modules.pop("my_friction", None)
+
+
+ROUTINES = {
+    "a function": lambda module: module.disk,
+    "a method": lambda module: module.Friction.disk,
+    "for one point": lambda module: pointwise(module.one),
+}
+
+
+def failing(update: Callable[..., object], **options: object) -> Report:
+    report = conformance("coulomb", update, stiffness=1.0, checks=["feasibility"], max_examples=5, seconds=0.2, **options)
+    assert report.failed == {"feasibility"}
+    return report
+
+
+@pytest.mark.parametrize("routine", ROUTINES)
+def test_a_replay_fails_with_the_bug_and_passes_without(routine: str, friction: Callable[[float], object], tmp_path: Path) -> None:
+    (file,) = failing(ROUTINES[routine](friction(2.0))).write_replays(tmp_path / "replays")
+    assert file.name.startswith("test_my_friction_") and file.name.endswith("_feasibility.py")
+    with pytest.raises(AssertionError, match="measured"):
+        runpy.run_path(str(file))["test_feasibility"]()
+    friction(1.0)
+    runpy.run_path(str(file))["test_feasibility"]()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("factor", mostly_long([2.0, 1.0]))
+def test_a_replay_runs_as_it_stands(factor: float, friction: Callable[[float], object], tmp_path: Path) -> None:
+    (file,) = failing(friction(2.0).disk).write_replays(tmp_path / "replays")
+    friction(factor)
+    done = subprocess.run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", file.name], cwd=file.parent, timeout=120)
+    assert done.returncode == (factor != 1.0)
+
+
+def test_a_routine_without_a_name_has_a_stub_that_says_so(tmp_path: Path) -> None:
+    (file,) = failing(lambda trial, pressure, stiffness, mu: trial).write_replays(tmp_path)
+    with pytest.raises(AssertionError, match=r"<lambda> has no name that a file can import: call it here"):
+        runpy.run_path(str(file))["test_feasibility"]()
+
+
+def test_a_law_made_in_python_is_written_out(tmp_path: Path) -> None:
+    law = duhem.Criterion(
+        name="my-disk", g="sqrt(a**2 + b**2) - r", forces=("a", "b"), pressure=None, parameters={"r": duhem.Domain(positive=True)}
+    )
+    (failure,) = conformance(law, lambda trial, pressure, stiffness, r: trial, checks=["feasibility"], max_examples=5, seconds=0.2).failures
+    text = failure.replay()
+    assert "LAW = Criterion('my-disk', 'sqrt(a**2 + b**2) - r', {'r': Domain(positive=True)}, ('a', 'b'), None)" in text
+    found = {}
+    exec(text.replace("raise NotImplementedError", "return trial\n    raise NotImplementedError"), found)
+    with pytest.raises(AssertionError, match="measured"):
+        found["test_feasibility"]()
+
+
+def test_duhems_own_routine_is_made_again() -> None:
+    found: dict[str, object] = {}
+    exec(projection("coulomb", "newton").__duhem_import__, found)
+    assert callable(found["update"])
+
+
+def test_a_law_of_a_file_is_read_from_it(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text('[criterion]\nname = "mine"\ng = "norm(sigma_a, sigma_b) + mu*sigma_n"\n[parameters]\nmu = { positive = true }\n', "utf-8")
+    (failure,) = conformance(file, nothing, DISK, checks=["feasibility"], max_examples=5, seconds=0.2).failures
+    assert f"LAW = {str(file)!r}" in failure.replay() and "from tests.oracles.routines import nothing as update" in failure.replay()
