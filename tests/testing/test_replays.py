@@ -112,6 +112,9 @@ def test_duhems_own_routine_is_made_again() -> None:
 
 def test_a_law_of_a_file_is_read_from_it(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    file.write_text('[criterion]\nname = "mine"\ng = "norm(sigma_a, sigma_b) + mu*sigma_n"\n[parameters]\nmu = { positive = true }\n', "utf-8")
+    file.write_text(
+        '[criterion]\nname = "mine"\ng = "norm(sigma_a, sigma_b) + mu*sigma_n"\n[parameters]\nmu = { positive = true }\n', "utf-8"
+    )
     (failure,) = conformance(file, nothing, DISK, checks=["feasibility"], max_examples=5, seconds=0.2).failures
-    assert f"LAW = {str(file)!r}" in failure.replay() and "from tests.oracles.routines import nothing as update" in failure.replay()
+    assert f"LAW = {str(file)!r}" in failure.replay()
+    assert "from tests.oracles.routines import nothing as update" in failure.replay()
