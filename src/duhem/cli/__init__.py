@@ -19,6 +19,7 @@ from duhem.cli.recheck import recheck
 from duhem.cli.simulate import simulate
 from duhem.cli.snapshot import snapshot
 from duhem.cli.stress import stress
+from duhem.cli.test import test
 from duhem.cli.verify import verify
 from duhem.version import __version__
 
@@ -46,6 +47,7 @@ for command in (
     export,
     bench,
     stress,
+    test,
     figures,
     identify,
     snapshot,

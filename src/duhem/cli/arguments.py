@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -30,6 +31,7 @@ __all__ = [
     "read_law",
     "read_number",
     "read_numbers",
+    "read_routine",
     "settings_option",
 ]
 
@@ -59,11 +61,32 @@ def convex_option(says: str) -> Callable[[_Command], _Command]:
 def read_law(text: str) -> Law:
     from duhem.law import catalogue
 
+    with _modules_beside_the_user(text):
+        return cast("Law", catalogue.load(text))
+
+
+def read_routine(text: str) -> Callable[..., Any]:
+    """What ``module:callable`` names; InputError for what cannot be called."""
+    from duhem.law import catalogue
+
+    with _modules_beside_the_user(text):
+        found = catalogue.attribute(text, text)
+    if not callable(found):
+        raise InputError(
+            f"{text[:60]} is a {type(found).__name__}, not a routine", remedy="name a function update(trial, pressure, stiffness)"
+        )
+    return cast("Callable[..., Any]", found)
+
+
+@contextmanager
+def _modules_beside_the_user(text: str) -> Iterator[None]:
+    """The working folder on the path for ``module:attribute``, after all that is installed: no file stands in for a part of Python."""
     if ":" not in text or "" in sys.path:
-        return cast("Law", catalogue.load(text))
-    sys.path.append("")  # a module beside the user, after all that is installed, so that no file there stands in for a part of Python
+        yield
+        return
+    sys.path.append("")
     try:
-        return cast("Law", catalogue.load(text))
+        yield
     finally:
         sys.path.remove("")
 

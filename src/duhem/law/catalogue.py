@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import Law, ParametricCriterion
     from duhem.law.formula_law import Criterion
 
-__all__ = ["load", "load_formula", "load_named", "names", "summary", "template"]
+__all__ = ["attribute", "load", "load_formula", "load_named", "names", "summary", "template"]
 
 _PACKAGE = "duhem.law.builtin"
 _GROUP = "duhem.criteria"
@@ -151,9 +151,17 @@ def _from_file(path: str | Path) -> Law:
 
 
 def _attribute(reference: str, shown: str) -> Law:
-    """The law ``module:attribute``; importing the module runs it, which is what the caller asks for."""
+    """The law ``module:attribute``."""
     from duhem.law.curve_law import Law
 
+    found = attribute(reference, shown)
+    if not isinstance(found, Law):
+        raise InputError(f"{shown[:60]} is a {type(found).__name__}, not a Criterion", remedy="decorate the function with @duhem.criterion")
+    return found
+
+
+def attribute(reference: str, shown: str) -> Any:
+    """What ``module:attribute`` names; importing the module runs it, which is what the caller asks for.  InputError if nothing."""
     module, _, path = reference.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), *path.split("."))):
         raise InputError(f"{shown[:60]!r} is not of the form module:attribute", remedy="write for example mylaws:ellipse")
@@ -166,8 +174,6 @@ def _attribute(reference: str, shown: str) -> Law:
         raise InputError(
             f"{shown[:60]} cannot be imported ({reason})", remedy="check its name and that its folder is on the path"
         ) from fault
-    if not isinstance(found, Law):
-        raise InputError(f"{shown[:60]} is a {type(found).__name__}, not a Criterion", remedy="decorate the function with @duhem.criterion")
     return found
 
 

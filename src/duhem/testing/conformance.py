@@ -18,10 +18,10 @@ from duhem.testing.region import Region
 from duhem.testing.registry import Check, registered
 from duhem.testing.report import Report
 from duhem.testing.routine import Update
-from duhem.testing.run import Run, judged
+from duhem.testing.run import ConformanceRun, judged
 from duhem.testing.strategies import Strategy
 
-__all__ = ["ACCURACY", "assert_conforms", "check", "checks_for", "conformance", "violation"]
+__all__ = ["ACCURACY", "assert_conforms", "check", "checks_for", "conformance", "every_check", "violation"]
 
 ACCURACY = 1e-9  # relative error in stress a routine is held to, unless it promises another
 
@@ -30,6 +30,11 @@ def checks_for(law: Criterion | str | Path) -> tuple[Check, ...]:
     """The checks a routine for ``law`` has to pass; those that only some laws satisfy are asked for by name."""
     load(law)
     return tuple(c for c in registered() if c.demanded)
+
+
+def every_check() -> tuple[Check, ...]:
+    """All that there are, those asked for by name among them."""
+    return tuple(registered())
 
 
 def check(name: str) -> Check:
@@ -94,7 +99,7 @@ def conformance(
     asked = [check(c) if isinstance(c, str) else c for c in named]
     for name in expected_failed_checks or {}:
         check(name)
-    run = Run(
+    run = ConformanceRun(
         known,
         update,
         parameters,

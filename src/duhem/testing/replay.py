@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from duhem.errors import InputError
-from duhem.law.catalogue import load_named
+from duhem.law.catalogue import load, load_named
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.registry import registered
@@ -69,20 +69,25 @@ def _folder(update: Any) -> str:
 
 
 def law_as_written(law: Criterion, given: Any = None) -> str:
-    """Python for a law: its name, its file, or its formula where that reads as the same law; '' where none does."""
-    if isinstance(given, Path) or (isinstance(given, str) and given.endswith(".toml")):
-        return repr(str(Path(given).resolve()))
-    if isinstance(given, str):
-        return repr(given)
+    """Python for a law: its name or file, with the values it fixes, or its formula where that reads as the same law; else ''."""
+    named = str(Path(given).resolve()) if isinstance(given, Path) or str(given).endswith(".toml") else str(given)
     with suppress(InputError):
-        if law.name not in registered() and _same(load_named(law.name), law):
-            return repr(law.name)
+        if isinstance(given, str | Path):
+            return _fixed(named, load(named), law)
+        if law.name not in registered() and _same(known := load_named(law.name), law):
+            return _fixed(law.name, known, law)
     with suppress(InputError):
         again = Criterion(name=law.name, g=law.written or str(law.g), forces=law.forces, pressure=law.pressure, parameters=law.parameters)
         if _same(again, law) and law.closed_form is None:
             domains = ", ".join(f"{name!r}: {_domain(domain)}" for name, domain in law.parameters.items())
             return f"Criterion({law.name!r}, {again.written!r}, {{{domains}}}, {law.forces!r}, {law.pressure!r})"
     return ""
+
+
+def _fixed(name: str, known: Any, law: Criterion) -> str:
+    """The known law, with the parameters fixed that the other one fixes."""
+    values = {n: str(d.value) for n, d in law.parameters.items() if d.value is not None and known.parameters[n].value is None}
+    return f"load({name!r}).fix({values!r})" if values else repr(name)
 
 
 def _domain(domain: Domain) -> str:
@@ -111,12 +116,13 @@ def test_file(title: str, check: str, routine: str, found: Origin, case: Case | 
     Without a ``case`` no single increment shows the failure, and the file draws them again.
     """
     law = found.law or "None  # the law has no name that a file can import: put it here"
+    names = [name for name in ("Criterion", "Domain", "load") if f"{name}(" in law or f"{name}." in law]
     what = "Case, violation" if case is not None else "conformance"
     lines = [
         f'"""{title} (of {routine})."""',
         "",
         *(["import sys", ""] if found.making and found.folder else []),
-        *(["from duhem import Criterion, Domain"] if found.law.startswith("Criterion(") else []),
+        *([f"from duhem import {', '.join(names)}"] if names else []),
         f"from duhem.testing import {what}",
         "",
         *([f"sys.path.append({found.folder!r})  # where the routine is", ""] if found.making and found.folder else []),

@@ -86,9 +86,11 @@ def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bo
         return Step(found.stress, found.slip, found.multiplier, found.tangent, solved)
 
     update.__qualname__ = f"projection.{method}"
-    if (named := law_as_written(load(law), law)).startswith(("'", '"')):
+    if named := law_as_written(load(law), law):
         again = f"update = projection({named}, {method!r}, tangent={tangent!r})"
-        update.__duhem_import__ = f"from duhem.testing import projection\n\n{again}"  # type: ignore[attr-defined]
+        names = "from duhem import load\n" if named.startswith("load(") else ""
+        if names or not named.startswith("Criterion("):
+            update.__duhem_import__ = f"{names}from duhem.testing import projection\n\n{again}"  # type: ignore[attr-defined]
     return update
 
 

@@ -28,7 +28,7 @@ from duhem.testing.routine import Update
 from duhem.testing.strategies import Strategy, cases
 from duhem.testing.visited import Visited
 
-__all__ = ["Run", "judged"]
+__all__ = ["ConformanceRun", "judged"]
 
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
@@ -60,7 +60,7 @@ class _Enough(BaseException):
 class _Search:
     """One search for a case on which one of ``checks`` fails; ``seconds`` bound its shrinking."""
 
-    def __init__(self, run: Run, checks: Sequence[Check], seconds: float, drawn: Callable[[Query], None] | None = None) -> None:
+    def __init__(self, run: ConformanceRun, checks: Sequence[Check], seconds: float, drawn: Callable[[Query], None] | None = None) -> None:
         self.run, self.checks, self.seconds, self.drawn = run, checks, seconds, drawn
         self.least: Case | None = None
         self.until = float("inf")
@@ -87,7 +87,7 @@ class _Search:
         return self.least
 
 
-class Run:
+class ConformanceRun:
     """What a routine is held to, and what was found on the way; :meth:`report` may be asked before it has ended."""
 
     def __init__(
@@ -105,7 +105,7 @@ class Run:
         seconds: float,
         seed: int | None = None,
         expected: Mapping[str, str] | None = None,
-        on_case: Callable[[Run], None] | None = None,
+        on_case: Callable[[ConformanceRun], None] | None = None,
         given: Any = None,
     ) -> None:
         self.law, self.update, self.accuracy, self.seconds, self.on_case = law, update, accuracy, seconds, on_case
@@ -127,7 +127,7 @@ class Run:
     def _nothing_visited(self) -> Visited:
         return Visited(tuple(self.law.forces), self.law.pressure is not None)
 
-    def to_the_end(self) -> Run:
+    def to_the_end(self) -> ConformanceRun:
         """Draw cases until every check has failed or has seen them all."""
         drawn = self._cases(self.parameters, self.stiffness, self.rows)
         while self.pending:

@@ -1,0 +1,142 @@
+"""``duhem test``: what it says of routines right and wrong, its exit codes, and what it writes."""
+
+from __future__ import annotations
+
+import json
+import runpy
+import shlex
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+ROUTINES = """
+import numpy as np
+from duhem.testing import Step
+
+def right(trial, pressure, stiffness, mu):
+    size, limit = np.hypot(*trial.T), -mu * pressure
+    with np.errstate(all="ignore"):
+        return np.where((size > limit)[:, None], trial / size[:, None] * limit[:, None], trial)
+
+def elastic(trial, pressure, stiffness, mu):
+    return trial
+
+def flags_slip(trial, pressure, stiffness, mu):
+    return Step(trial, solved=np.hypot(*trial.T) <= -mu * pressure)
+
+def gives_up(trial, pressure, stiffness, mu):
+    return Step(trial, solved=np.zeros(len(trial), dtype=bool))
+
+calls = 0
+
+def stopped(trial, pressure, stiffness, mu):
+    global calls
+    calls += 1
+    if calls > 2:
+        raise KeyboardInterrupt
+    return right(trial, pressure, stiffness, mu)
+
+number = 3
+"""
+FEW = ["--examples", "2", "--seed", "7", "--shrink", "0.1", "--checks"]
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(autouse=True)
+def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    (tmp_path / "my_routines.py").write_text(ROUTINES, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    yield
+    sys.modules.pop("my_routines", None)
+
+
+def of(routine: str) -> list[str]:
+    return ["test", f"my_routines:{routine}", "--law", "coulomb"]
+
+
+def test_a_right_routine_passes_and_what_was_visited_is_said(run: Command) -> None:
+    code, out, err = run(*of("right"), *FEW, "feasibility,vacuity,repeatability")
+    assert (code, err) == (0, "")
+    assert "3 checks passed, 0 failed" in out and "2 examples in" in out and "a second" in out
+    assert "visited: stick 0." in out and "decades: stress 1e" in out
+    (line,) = [line for line in out.splitlines() if line.startswith("again: ")]
+    words = shlex.split(line.removeprefix("again: duhem "))
+    assert words[-2:] == ["--seed", "7"]
+    shares = [line for line in out.splitlines() if line.startswith(("visited", "decades"))]
+    assert [line for line in run(*words)[1].splitlines() if line.startswith(("visited", "decades"))] == shares
+
+
+@pytest.mark.parametrize(
+    ("routine", "checks", "code"), [("elastic", "feasibility", 1), ("flags_slip", "vacuity", 1), ("gives_up", "ray", 4)]
+)
+def test_the_exit_code_says_what_came_out(routine: str, checks: str, code: int, run: Command) -> None:
+    assert run(*of(routine), *FEW, checks)[0] == code
+
+
+def test_a_failure_is_told_once_and_written_as_a_test(run: Command, tmp_path: Path) -> None:
+    code, out, _ = run(*of("elastic"), *FEW, "feasibility,slip", "--replay", "replays")
+    assert code == 1 and out.count("feasibility: the stress is admissible") == 1
+    (file,) = (tmp_path / "replays").iterdir()
+    with pytest.raises(AssertionError, match="measured"):
+        runpy.run_path(str(file))["test_feasibility"]()
+
+
+def test_a_check_may_be_expected_to_fail_and_must_then(run: Command) -> None:
+    expected = ["--expect", "feasibility=not yet written"]
+    code, out, _ = run(*of("elastic"), *FEW, "feasibility", *expected)
+    assert code == 0 and "feasibility failed, as expected: not yet written" in out
+    code, out, _ = run(*of("right"), *FEW, "feasibility", *expected)
+    assert code == 1 and "feasibility passed, and was expected to fail: not yet written" in out
+
+
+def test_formats_for_programs(run: Command) -> None:
+    code, out, _ = run(*of("elastic"), *FEW, "feasibility,repeatability,slip", "--format", "json")
+    (found,) = json.loads(out)["routines"].values()
+    assert code == 1 and found["passed"] == ["repeatability"] and [*found["left_out"]] == ["slip"]
+    (failure,) = found["failures"]
+    assert failure["check"] == "feasibility" and failure["departure"]["returned"] == failure["departure"]["trial"]
+    code, out, _ = run(*of("elastic"), *FEW, "feasibility,repeatability,slip", "--format", "junit")
+    (suite,) = ElementTree.fromstring(out)
+    assert code == 1 and (suite.get("tests"), suite.get("failures"), suite.get("skipped")) == ("3", "1", "1")
+    assert {case.get("name"): [child.tag for child in case] for case in suite.iter("testcase")} == {
+        "repeatability": [],
+        "feasibility": ["failure"],
+        "slip": ["skipped"],
+    }
+    assert {p.get("name"): p.get("value") for p in suite.iter("property")}["seed"] == "7"
+
+
+def test_a_law_is_tested_by_every_method_that_takes_it(run: Command) -> None:
+    code, out, _ = run("test", "tresca", *FEW, "answers", "--examples", "1")
+    assert code == 0
+    assert {"tresca newton", "tresca cvxpy"} <= {*out.splitlines()} and "closed-form left out: " in out
+
+
+def test_who_interrupts_sees_what_was_found(run: Command) -> None:
+    code, out, _ = run(*of("stopped"), "--checks", "feasibility,answers", "--seed", "7")
+    assert code == 130 and "2 checks passed, 0 failed" in out and "visited: " in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["test", "my_routines:right"], "say which law it is for"),
+        ([*of("number")], "my_routines:number is a int, not a routine"),
+        ([*of("absent")], "cannot be imported"),
+        ([*of("right"), "--checks", "feasable"], "did you mean 'feasibility'?"),
+        ([*of("right"), "--checks", ","], "no check is named"),
+        ([*of("right"), "--expect", "slope"], "not of the form CHECK=REASON"),
+        ([*of("right"), "--expect", "slop=because"], "did you mean 'slope'?"),
+        ([*of("right"), "--accuracy", "0"], "the accuracy is not positive"),
+        (["test", "plesha"], "has a flow of its own"),
+    ],
+    ids=lambda x: x if isinstance(x, str) else "",
+)
+def test_what_cannot_be_asked_is_said(arguments: list[str], said: str, run: Command) -> None:
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "") and said in err and err.count("\n") == 1
