@@ -13,13 +13,13 @@ from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.testing import law_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register their checks)
 from duhem.testing.case import Case
+from duhem.testing.decades import Strategy
 from duhem.testing.query import NoReply, Query
 from duhem.testing.region import Region
 from duhem.testing.registry import Check, registered
 from duhem.testing.report import Report
 from duhem.testing.routine import Update
 from duhem.testing.run import ConformanceRun, judged
-from duhem.testing.strategies import Strategy
 
 __all__ = ["ACCURACY", "assert_conforms", "check", "checks_for", "conformance", "every_check", "violation"]
 

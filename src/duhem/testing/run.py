@@ -18,6 +18,7 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.testing.case import Case
 from duhem.testing.causes import by_cause
+from duhem.testing.decades import Strategy
 from duhem.testing.departure import departure
 from duhem.testing.query import NoReply, NothingToCheck, Query
 from duhem.testing.region import Region
@@ -25,7 +26,7 @@ from duhem.testing.registry import Check
 from duhem.testing.replay import origin
 from duhem.testing.report import Failure, Report
 from duhem.testing.routine import Update
-from duhem.testing.strategies import Strategy, cases
+from duhem.testing.strategies import cases
 from duhem.testing.visited import Visited
 
 __all__ = ["ConformanceRun", "judged"]

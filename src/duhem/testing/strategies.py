@@ -9,51 +9,38 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
-from duhem.expression.number import exact_number
-from duhem.law.catalogue import load
-from duhem.law.domain import Domain
+from duhem.law.catalogue import load, load_formula
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
+from duhem.testing.admitted_values import admitted
 from duhem.testing.case import Case
+from duhem.testing.decades import MANTISSAS, Strategy, decades, scaled, table
 from duhem.testing.region import Region
+from duhem.testing.seams import TURNS, turned
 
 __all__ = ["cases", "decades", "loadings", "parameters", "pressures", "stiffnesses", "trials", "ways"]
 
-Strategy: TypeAlias = st.SearchStrategy[Any]
-
-_MANTISSAS = (1.0, *(10.0 ** ((j * 0.6180339887498949) % 1.0) for j in range(1, 12)))  # none like another
 _ULP = float(np.finfo(np.float64).eps)
-_LEAST = 5e-324
+_LEAST, _SMALL = 5e-324, 1e-310  # a share of the first is nothing, of the second not
 _STEPS = 6  # of a loading path
-
-
-def _table(values: Sequence[Any]) -> Strategy:
-    """One of ``values`` by its place: a single draw, and it shrinks towards the first."""
-    return st.integers(0, len(values) - 1).map(values.__getitem__)
-
-
-def decades(low: int, high: int, *, signed: bool = False) -> Strategy:
-    """Floats m 10^k, low <= k <= high, 1 <= m < 10, each decade as likely as the next; it shrinks to 1 or the nearest."""
-    powers = sorted(range(low, high + 1), key=abs)
-    return _table([s * m * 10.0**k for m in _MANTISSAS for k in powers for s in ((1.0, -1.0) if signed else (1.0,))])
 
 
 def pressures(low: int = -6, high: int = 6) -> Strategy:
     """sigma_n <= 0 in Pa by decades, and none at all (the tip of a cone)."""
-    return _table(_pressures(low, high))
+    return table(_pressures(low, high))
 
 
 def _pressures(low: int, high: int) -> list[float]:
     tips = 4
-    return [*(-m * 10.0**k for m in _MANTISSAS for k in sorted(range(low, high + 1), key=abs)), *[0.0] * tips]
+    return [*(-scaled(m, k) for m in MANTISSAS for k in sorted(range(low, high + 1), key=abs)), *[0.0] * tips]
 
 
 def _admitted(law: Criterion) -> list[float]:
@@ -79,55 +66,38 @@ def stiffnesses(d: int, low: int = -3, high: int = 3) -> Strategy:
         s, root = np.array(signs), np.sqrt(np.diag(k))
         return k + np.where(np.eye(d) == 1.0, 0.0, c * np.outer(s * root, s * root))
 
-    full = st.tuples(diagonal, _table([0.5, 0.1, 0.9, 0.99, 1e-6]), st.tuples(*[_table([1.0, -1.0])] * d)).map(coupled)
+    full = st.tuples(diagonal, table([0.5, 0.1, 0.9, 0.99, 1e-6]), st.tuples(*[table([1.0, -1.0])] * d)).map(coupled)
     return scalar | diagonal | full if d > 1 else scalar
 
 
 def parameters(law: Criterion | str | Path, values: Mapping[str, Any] | None = None) -> Strategy:
     """A number for each parameter of ``law`` that ``values`` leaves open, inside its domain and the constraints.
 
-    Positive parameters by decades from 1e-3 to 1e3; ends of closed intervals, and their neighbours, among the others.
+    Positive parameters by decades from 1e-3 to 1e3; ends of closed intervals, and their neighbours, among the others.  Each is
+    drawn from what the constraints leave to it, however little that is.
     """
-    fixed = load(law).fix(values)
-    table = fixed.symbols()
-
-    def holds(drawn: Mapping[str, float]) -> bool:
-        exact = {table[name]: exact_number(value) for name, value in drawn.items()}
-        known = exact | {table[name]: domain.value for name, domain in fixed.parameters.items() if domain.value is not None}
-        return all(relation.xreplace(known) != False for relation in fixed.constraints)  # noqa: E712 (a SymPy truth value)
-
-    free = {name: _table(_inside(domain)) for name, domain in fixed.parameters.items() if domain.value is None}
-    return st.fixed_dictionaries(free).filter(holds)
+    return _drawn(load_formula(law).fix(values))
 
 
-def _inside(domain: Domain) -> list[float]:
-    """Values of a domain, the simplest first."""
-    spread = [m * 10.0**k for m in _MANTISSAS for k in (0, -1, 1, -2, 2, -3)]
-    low, high = (None if end is None else float(end) for end in (domain.low, domain.high))
-    if low is not None and high is not None:
-        shares = [0.5, 0.25, 0.75, *(m / 10.0 for m in _MANTISSAS[1:])]
-        found = [low + s * (high - low) for s in shares] + [low, high, low + 1e-6 * (high - low), high - 1e-6 * (high - low)]
-    elif low is not None:
-        found = [low + x for x in spread] + [low]
-    elif high is not None:
-        found = [high - x for x in spread] + [high]
-    else:
-        found = [0.0, *(s * x for x in spread for s in (1.0, -1.0))]
-    return [x for x in found if x in domain]
+@st.composite
+def _drawn(draw: st.DrawFn, law: Criterion) -> dict[str, float]:
+    return admitted(law).values(lambda n: draw(st.integers(0, n - 1)))
 
 
-_SIZES = [*(10.0**-k for k in range(13)), _ULP, 0.0, _LEAST]
-_COMPONENTS = [s * (size if size in (0.0, _LEAST) else m * size) for m in _MANTISSAS for size in _SIZES for s in (1.0, -1.0)]
+# Of size 1 at most, so that the largest of a direction can be put to 1 and the others stay as short as they are.
+_SIZES = [1.0, *(scaled(m, -k) for k in range(1, 13) for m in (*MANTISSAS[1:], 1.0)), _ULP, 0.0, _LEAST, _SMALL]
+_COMPONENTS = [s * x for x in (*_SIZES, *[_ULP, 0.0, _LEAST, _SMALL, 1.0] * 9) for s in (1.0, -1.0)]
 
 
 def ways(d: int) -> Strategy:
-    """Directions (d,) of largest component 1: components by decades from 1e-12, on an axis, and 5e-324 beside one."""
-    return st.tuples(*[_table(_COMPONENTS)] * d).map(lambda way: _unit(np.array([way]))[0])
+    """Directions (d,) of largest component 1: components by decades from 1e-12, on an axis, and 5e-324 and 1e-310 beside one."""
+    return st.tuples(*[table(_COMPONENTS)] * d).map(lambda way: _unit(np.array([way]))[0])
 
 
 def _unit(ways: Array) -> Array:
+    """The same with components of the largest size, which is 1 at most, put to 1."""
     size = np.abs(ways).max(axis=1, keepdims=True)
-    return np.where(size < 1e-300, np.eye(ways.shape[1])[0], ways / np.where(size < 1e-300, 1.0, size))
+    return np.where(size < 1e-300, np.eye(ways.shape[1])[0], np.where(np.abs(ways) == size, np.sign(ways), ways))
 
 
 # Where a trial stress lies: on a ray, at a multiple of its end on the boundary or so many units in the last place beyond
@@ -136,23 +106,23 @@ _PLACES: list[tuple[str, float]] = [
     ("ray", 2.0),
     ("ray", 0.5),
     *[("ray", 0.0)] * 2,
-    *(("ray", m * 10.0**k) for m in _MANTISSAS for k in (0, -1, 1, -3, 2, 3)),
-    *(("normal", m * 10.0**k) for m in _MANTISSAS[:6] for k in (0, -2, 1, -6, -10, 3)),
+    *(("ray", scaled(m, k)) for m in MANTISSAS for k in (0, -1, 1, -3, 2, 3)),
+    *(("normal", scaled(m, k)) for m in MANTISSAS[:6] for k in (0, -2, 1, -6, -10, 3)),
     *(("ray", 1.0 + s * x) for x in (1e-3, 1e-6, 1e-8, 1e-12) for s in (1.0, -1.0)),
     *(("ulps", n) for n in (1, 0, 2, -1) * 4),
 ]
-_MOVES = [s * m * 10.0**k for m in _MANTISSAS[:4] for k in (0, -1, -3, -6, -9, 1, 2) for s in (1.0, -1.0)]
+_MOVES = [s * scaled(m, k) for m in MANTISSAS[:4] for k in (0, -1, -3, -6, -9, 1, 2) for s in (1.0, -1.0)]
 _SHARES = [1.0, 0.5, 0.0, 0.9, 0.99, 1.0 - 1e-6, 1.0 - 1e-12]
 _STRETCHES = [2.0, 0.5, 0.0, 1.5, 10.0, 0.1, 0.01, 100.0]
 _KINDS = ["cycle", "circle", "polygon"]
-_AMPLITUDES = [m * 10.0**k for m in _MANTISSAS for k in (0, -1, 1, 2)]
+_AMPLITUDES = [scaled(m, k) for m in MANTISSAS for k in (0, -1, 1, 2)]
 
 
 def trials(law: Criterion | str | Path, values: Mapping[str, float], pressure: float | None) -> Strategy:
     """Trial stresses (d,) of one law: inside, far outside, on the boundary and next to it, and along its normals."""
     region = Region(load(law), dict(values))
     load_ = np.array([0.0 if pressure is None else pressure])
-    drawn = st.tuples(ways(len(region.law.forces)), _table(_PLACES))
+    drawn = st.tuples(ways(len(region.law.forces)), table(_PLACES))
 
     def placed(row: tuple[Array, tuple[str, float]]) -> Array:
         way = row[0][None]
@@ -163,7 +133,7 @@ def trials(law: Criterion | str | Path, values: Mapping[str, float], pressure: f
 
 def loadings(d: int, steps: int = _STEPS) -> Strategy:
     """Loading paths (steps, d) of size 1, the first knot 0: to and fro along a line, round a circle, from corner to corner."""
-    drawn = st.tuples(_table(_KINDS), ways(d), ways(d), ways(d))
+    drawn = st.tuples(table(_KINDS), ways(d), ways(d), ways(d))
     return drawn.map(lambda row: _path(*row, steps))
 
 
@@ -202,42 +172,57 @@ def _placed(
     return np.where(along[:, None], out, trial), edge
 
 
-@st.composite
 def cases(
-    draw: st.DrawFn,
     law: Criterion | str | Path,
     values: Mapping[str, Any] | None = None,
     *,
     stiffness: ArrayLike | Strategy | None = None,
     pressure: float | Strategy | None = None,
     rows: int = 1,
-) -> Case:
+) -> Strategy:
     """A :class:`Case` of ``rows`` increments of ``law``; ``values``, ``stiffness`` and ``pressure`` are drawn where left out.
 
     A case of one increment shrinks; the rows of a larger one are picked from the same tables by a seed.
     """
-    known = load(law)
-    d = len(known.forces)
+    known = load_formula(law)
     fixed = known.fix(values)
+    d = len(known.forces)
     numbers = {name: float(domain.value) for name, domain in fixed.parameters.items() if domain.value is not None}
-    numbers |= draw(parameters(known, values))
-    k = draw(_given(stiffness, stiffnesses(d)).map(lambda x: _matrix(x, d)))
-    factor = draw(_table([2.0, 0.5, 4.0, 2.0**20, 2.0**-20]))
+    k = _given(stiffness, stiffnesses(d)).map(lambda x: _matrix(x, d))
+    given = None if pressure is None or not known.pressure else _given(pressure, st.nothing())
     tables = [*[_COMPONENTS] * (3 * d), *_TABLES, *[_admitted(known)] * 2]
-    lengths = [len(table) for table in tables]
+    return _cases(known, numbers, _drawn(fixed), k, given, tables, rows)
+
+
+@st.composite
+def _cases(
+    draw: st.DrawFn,
+    law: Criterion,
+    numbers: Mapping[str, float],
+    open_: Strategy,
+    stiffness: Strategy,
+    pressure: Strategy | None,
+    tables: list[list[Any]],
+    rows: int,
+) -> Case:
+    free = draw(open_)
+    values = {name: free[name] if name in free else numbers[name] for name in law.parameters}
+    k = draw(stiffness)
+    factor = draw(table([2.0, 0.5, 4.0, 2.0**20, 2.0**-20]))
+    lengths = [len(each) for each in tables]
     if rows == 1:
         picked = np.array([draw(st.tuples(*(st.integers(0, n - 1) for n in lengths)))])
     else:
         picked = np.random.default_rng(draw(st.integers(0, 2**32 - 1))).integers(0, lengths, (rows, len(lengths)))
-    columns = [[table[i] for i in column] for table, column in zip(tables, picked.T.tolist(), strict=True)]
+    columns = [[each[i] for i in column] for each, column in zip(tables, picked.T.tolist(), strict=True)]
     loads = columns[-2:]
-    if known.pressure and pressure is not None:
-        loads = [draw(st.lists(_given(pressure, st.nothing()), min_size=rows, max_size=rows)) for _ in range(2)]
-    return _case(Region(known, numbers), k, factor, np.array(loads, dtype=np.float64), columns)
+    if pressure is not None:
+        loads = [draw(st.lists(pressure, min_size=rows, max_size=rows)) for _ in range(2)]
+    return _case(Region(law, values), k, factor, np.array(loads, dtype=np.float64), columns)
 
 
 _TABLES: list[list[Any]] = [
-    _PLACES, _MOVES, _MOVES, _SHARES, _SHARES, _STRETCHES, _KINDS, _AMPLITUDES,
+    _PLACES, _MOVES, _MOVES, _SHARES, _SHARES, _STRETCHES, _KINDS, _AMPLITUDES, TURNS,
 ]  # fmt: skip
 
 
@@ -257,8 +242,9 @@ def _case(region: Region, k: Array, factor: float, loads: Array, columns: list[A
     loads = loads if pressed else np.zeros_like(loads)
     pressure, n = loads[0], loads.shape[1]
     all_ways = [_unit(np.array(columns[i * d : (i + 1) * d]).T) for i in range(3)]
+    all_ways[0] = turned(region, all_ways[0], all_ways[1], columns[3 * d + len(_TABLES) - 1], pressure)
     reaches = region.reach(np.concatenate(all_ways), np.tile(pressure, 3)).reshape(3, n)
-    places, *others = columns[3 * d :]
+    places, *others = columns[3 * d : 3 * d + len(_TABLES)]
     move_2, move_3, share_2, share_3, stretch = (np.array(column)[:, None] for column in others[:5])
     way, way_2, way_3 = all_ways
     trial, edge = _placed(region, way, reaches[0], places, pressure, k)
