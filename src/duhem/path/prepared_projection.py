@@ -102,7 +102,7 @@ def on_quarters(
 
     ``own`` (n,) is which of several stacked quarters each row has; ``fast`` asks compiled code, for one of them.
     """
-    stress, slip, multiplier = np.empty_like(trial), np.empty_like(trial), np.empty(len(trial))
+    stress, slip, multiplier = np.empty(trial.shape), np.empty(trial.shape), np.empty(len(trial))
     about = trial if centre is None else trial - centre
     if fast and own is None:
         compiled.project(about, load, quarters, stress, slip, multiplier)

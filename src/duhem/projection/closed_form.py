@@ -73,7 +73,7 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
     project = _on_interval(found, increment) if isinstance(shape, Interval) else _on_quarters(found, increment, options.compiled)
     load, share = of_pressure(increment, shape.load), _share(increment, found)
     middles = [of_pressure(increment, c) for c in centre(shape)]
-    size = _COMPILED_BLOCK if options.compiled else BLOCK
+    size = _COMPILED_BLOCK if options.compiled else 2 * BLOCK
     keep_freed_memory(n)
 
     def fill(block: slice) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,16 @@ from numpy.typing import NDArray
 from duhem.projection.quarter_ellipse import formulas
 from duhem.projection.result import Array
 
-__all__ = ["CLOSE", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project", "stacked"]
+__all__ = ["CLOSE", "NEAR", "SAFE", "SEAM", "SURE", "Quarters", "clamped", "project", "stacked"]
 
 _FORMULAS = formulas()
 SAFE = 2.0**200  # of what lies between 1/SAFE and SAFE cubes neither overflow nor vanish, nor if times a ratio above 1/SAFE^2
 CLOSE = 2.0**-45  # relative; closer than this, F of two words is not good to the last digits
+NEAR = 2.0**-20  # the same of F from parts on a grid, and of a ratio that the evolute's cusp is taken off
 SURE = 1e-14  # a result this far within its quadrant, as a direction, is not there by rounding
 SEAM = 1e-6  # a result this far beyond its quadrant, as a direction, is none
 _DIGITS = 120
+_MANY = 1_024  # points of which quarters are worth a loop over them
 
 
 @dataclass(frozen=True)
@@ -119,7 +122,7 @@ def project(
     multiplier: Array,
     own: NDArray[np.intp] | None = None,
 ) -> None:
-    """Fill ``stress`` (n, 2), ``slip`` (n, 2) and ``multiplier`` (n,) of the gauge for one block of trial stresses.
+    """Fill ``stress`` (n, 2), ``slip`` (n, 2), row by row in memory, and ``multiplier`` (n,) of the gauge for one block of trial stresses.
 
     ``load`` (n,) >= 0, in the unit of the stresses.  Points inside keep their trial stress, slip and multiplier zero.
     ``own`` (n,) says which of several :func:`stacked` quarters is that of each point.
@@ -127,6 +130,17 @@ def project(
     """
     with np.errstate(all="ignore"):
         _project(trial, load, quarters, stress, slip, multiplier, own)
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Trial stresses (n, 2) and loads (n,) as given, then over 2^``scale``, None where no point needs it."""
+
+    trial: Array
+    load: Array
+    scaled: Array
+    e: Array
+    scale: NDArray[np.intc] | None
 
 
 def _exponents(trial: Array, load: Array) -> NDArray[np.intc] | None:
@@ -140,40 +154,76 @@ def _project(
     trial: Array, load: Array, quarters: Quarters, stress: Array, slip: Array, multiplier: Array, own: NDArray[np.intp] | None
 ) -> None:
     stress[:], slip[:], multiplier[:] = trial, 0.0, 0.0
-    negative = trial < 0.0
-    quadrant = negative[:, 0] + 2 * negative[:, 1]
-    if own is not None:
-        quadrant += 4 * own
     scale = _exponents(trial, load)
     scaled, e = (trial, load) if scale is None else (np.ldexp(trial, -scale[:, None]), np.ldexp(load, -scale))
+    block = _Block(trial, load, scaled, e, scale)
+    negative = np.less(scaled.T, 0.0, out=np.empty((2, len(load)), dtype=np.bool_))
+    inner = e * (1.0 - 1e-13)  # within that, rounding does not decide
+    if own is None and quarters.diagonal and not quarters.flat.any() and len(load) >= _MANY:
+        far = ~(_gauge(scaled, quarters) <= inner * inner)
+        for quadrant in range(4):  # one by one: their constants are numbers, not one a point
+            here = far & (negative[0] == bool(quadrant & 1))
+            here &= negative[1] == bool(quadrant & 2)
+            at = np.flatnonzero(here)
+            if at.size:
+                _slipped(at, quadrant, block, quarters, stress, slip, multiplier)
+        return
+    quadrant = negative[0] + 2 * negative[1]
+    if own is not None:
+        quadrant += 4 * own
     p = scaled * (1.0 / quarters.mu).take(quadrant, axis=0)
     p *= p
-    inner = e * (1.0 - 1e-13)  # within that, rounding does not decide
     outside = np.flatnonzero(~(p[:, 0] + p[:, 1] <= inner * inner))
     if quarters.flat.any():
         flat = quarters.flat.take(quadrant.take(outside))
         _flat(outside[flat], trial, load, quarters, quadrant, stress, slip, multiplier)
         outside = outside[~flat]
-    if not outside.size:
-        return
+    if outside.size:
+        _slipped(outside, quadrant.take(outside), block, quarters, stress, slip, multiplier)
+
+
+def _gauge(t: Array, quarters: Quarters) -> Array:
+    """(sigma_a/mu_a)^2 + (sigma_b/mu_b)^2, to rounding, where no coefficient is zero."""
+    squares = []
+    for i in (0, 1):
+        plus, minus = quarters.mu[0, i], quarters.mu[1 + i, i]
+        larger = t[:, i] * (1.0 / plus)
+        np.maximum(larger, t[:, i] * (-1.0 / minus), out=larger)
+        squares.append(np.multiply(larger, larger, out=larger))
+    return np.add(squares[0], squares[1], out=squares[0])
+
+
+def _slipped(
+    outside: NDArray[np.intp], quadrant: Any, of: _Block, quarters: Quarters, stress: Array, slip: Array, multiplier: Array
+) -> None:
+    """Fill in what slips of the points ``outside``; the ``quadrant`` is one a point, or one of all."""
     solve = _straight if quarters.diagonal else _oblique
-    kept, w, z, used = solve(scaled.take(outside, axis=0), e.take(outside), quadrant.take(outside), quarters)
-    at = outside.take(kept)
+    kept, w, z, used = solve(of.scaled.take(outside, axis=0), of.e.take(outside), quadrant, quarters)
+    at, scale = outside if kept is None else outside.take(kept), of.scale
     plain = scale is None and np.abs(quarters.power).max() < 900
     z = z * (np.ldexp(quarters.compliance, quarters.power) if plain else quarters.compliance).take(used)
     power = None if plain else quarters.power.take(used) + (0 if scale is None else scale.take(at))
     lengths = z if power is None else np.ldexp(z, power)
-    load, sound = load.take(at), np.isfinite(lengths)
+    load, sound = of.load.take(at), np.isfinite(lengths)
+    stresses, slips = np.empty((at.size, 2)), np.empty((at.size, 2))
     for i in (0, 1):
         mu = quarters.mu[:, i].take(used)
-        slipped = z * (w[i] / mu)
+        slipped = w[i] / mu
+        slipped *= z
         slipped = slipped if power is None else np.ldexp(slipped, power)
-        stress[:, i][at], slip[:, i][at] = mu * load * w[i], slipped  # the stress is within the trial's size
+        np.multiply(mu * load, w[i], out=stresses[:, i])  # within the trial's size
+        slips[:, i] = slipped
         sound &= np.isfinite(slipped)
-    multiplier[at] = np.where(sound, lengths, np.nan)
+    _pairs(stress)[at], _pairs(slip)[at] = _pairs(stresses), _pairs(slips)
+    multiplier[at] = lengths if sound.all() else np.where(sound, lengths, np.nan)
 
 
-def _ratios(t: Array, quadrant: NDArray[np.intp], e: Array, quarters: Quarters) -> tuple[Array, Array, Array, Array, Array]:
+def _pairs(vectors: Array) -> NDArray[np.complex128]:
+    """Rows (n, 2), whole, as one number each: they are put in their places by one pass."""
+    return vectors.view(np.complex128)[:, 0]
+
+
+def _ratios(t: Array, quadrant: Any, e: Array, quarters: Quarters) -> tuple[Array, Array, Array, Array, Array]:
     """p_1, p_2 as double words in the law's axes, and F."""
     t1, t2 = np.abs(t[:, 0]), np.abs(t[:, 1])
     mu1, mu2 = quarters.mu[:, 0].take(quadrant), quarters.mu[:, 1].take(quadrant)
@@ -181,30 +231,47 @@ def _ratios(t: Array, quadrant: NDArray[np.intp], e: Array, quarters: Quarters) 
     p2, l2 = _FORMULAS.quotient(t2, mu2)
     f = _FORMULAS.excess(p1, l1, p2, l2, e)
     if (close := np.flatnonzero(np.abs(f) <= CLOSE * e * e)).size:
-        f[close] = _FORMULAS.close_excess(*(x.take(close) for x in (t1, mu1, t2, mu2, e)))
+        f[close] = _FORMULAS.close_excess(*(_some(x, close) for x in (t1, mu1, t2, mu2, e)))
     return p1, l1, p2, l2, f
 
 
-Found = tuple[NDArray[np.intp], tuple[Array, Array], Array, NDArray[np.intp]]
+def _some(of: Any, at: NDArray[np.intp]) -> Any:
+    """What points ``at`` have of it, where it is not one of all."""
+    return of.take(at) if np.ndim(of) else of
 
 
-def _straight(t: Array, e: Array, quadrant: NDArray[np.intp], quarters: Quarters) -> Found:
-    """Slipping points, signed directions in the law's axes, z and quadrants, where these axes are principal."""
-    p1, l1, p2, l2, f = _ratios(t, quadrant, e, quarters)
-    kept = np.flatnonzero(f > 0.0)
-    if kept.size < f.size:
-        p1, p2, l1, l2, f, e = (x.take(kept) for x in (p1, p2, l1, l2, f, e))
-        t, quadrant = t.take(kept, axis=0), quadrant.take(kept)
+def _either(condition: Any, yes: Array, no: Array) -> Array:
+    """``np.where``, without a pass where it is one of all."""
+    return np.where(condition, yes, no) if np.ndim(condition) else yes if condition else no
+
+
+Found = tuple[NDArray[np.intp] | None, tuple[Array, Array], Array, Any]
+
+
+def _straight(t: Array, e: Array, quadrant: Any, quarters: Quarters) -> Found:
+    """Slipping points, None for all, signed directions in the law's axes, z and quadrants, where these axes are principal."""
     ratio = quarters.ratio.take(quadrant)
     swapped = quarters.first.take(quadrant) == 1
+    t1, t2 = np.abs(t.T, out=np.empty(t.shape[::-1]))
+    mu1, mu2 = (quarters.mu[:, i].take(quadrant) for i in (0, 1))
+    p1, l1, p2, l2, f = _FORMULAS.on_grid(t1, mu1, t2, mu2, e)
+    cusp = np.abs(_either(swapped, p1, p2) - (1.0 - ratio) * e)
+    if (close := np.flatnonzero((np.abs(f) <= NEAR * e * e) | (cusp <= NEAR * e))).size:
+        few = t.take(close, axis=0), _some(quadrant, close), e.take(close)
+        p1[close], l1[close], p2[close], l2[close], f[close] = _ratios(*few, quarters)
+    slips = f > 0.0
+    kept = None if slips.all() else np.flatnonzero(slips)
+    if kept is not None:
+        p1, p2, l1, l2, f, e, quadrant, ratio, swapped = (_some(x, kept) for x in (p1, p2, l1, l2, f, e, quadrant, ratio, swapped))
+        t = t.take(kept, axis=0)
     if quarters.round:
         length = np.hypot(p1, p2)
         w1, w2 = p1 / length, p2 / length
     else:
-        first, second = np.where(swapped, p2, p1), np.where(swapped, p1, p2)
-        v1, v2 = _FORMULAS.direction(first, second, np.where(swapped, l1, l2), e, ratio)
-        w1, w2 = np.where(swapped, v2, v1), np.where(swapped, v1, v2)
-    z = _FORMULAS.multiplier(f, np.where(swapped, w2, w1), np.where(swapped, w1, w2), e, ratio)
+        first, second = _either(swapped, p2, p1), _either(swapped, p1, p2)
+        v1, v2 = _FORMULAS.direction(first, second, _either(swapped, l1, l2), e, ratio)
+        w1, w2 = _either(swapped, v2, v1), _either(swapped, v1, v2)
+    z = _FORMULAS.multiplier(f, _either(swapped, w2, w1), _either(swapped, w1, w2), e, ratio)
     return kept, (np.copysign(w1, t[:, 0]), np.copysign(w2, t[:, 1])), z, quadrant
 
 

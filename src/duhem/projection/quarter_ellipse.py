@@ -21,6 +21,7 @@ import numpy as np
 __all__ = ["Formulas", "formulas"]
 
 _SPLIT = 134217729.0  # 2^27 + 1
+_GRID = 2.0**27  # times a number: added and taken off again, 26 digits of what is smaller are left
 _DIAGONAL = float(np.sqrt(0.5))
 _ONE_THIRD, _THIRD = 1431655766, 715094163  # 2^32/3, rounded up; what the exponent's bias leaves
 _HALF = (1023 << 51) - (0x5A827 << 28)  # half the exponent's bias, less about half of what the mantissa adds too much
@@ -34,6 +35,7 @@ class Formulas:
     ``product(a, b)``: a b as a sum of two numbers.  ``quotient(t, mu)``: t/mu likewise.
     ``excess(p1, l1, p2, l2, e)``: F = p_1^2 + p_2^2 - e^2 for p_i = p_i + l_i.
     ``close_excess(t1, mu1, t2, mu2, e)``: F in three words, for points so close to the boundary that two do not settle it.
+    ``on_grid(t1, mu1, t2, mu2, e)``: p_1, l_1, p_2, l_2 and F with few operations, off by 2^-75 (p_1 + p_2 + e), and its square.
     ``direction(p1, p2, l2, e, r)``: (w_1, w_2), in three parts: ``start`` gives whether axis 1 is the nearer, the quartic
     beta h^4 + three h^3 + one h - beta and a first h; ``root(beta, three, one, h)`` its h; ``turned(near, h)`` (w_1, w_2).
     ``multiplier(F, w1, w2, e, r)``: z = c_1 lambda.
@@ -43,6 +45,7 @@ class Formulas:
     quotient: Callable[..., Any]
     excess: Callable[..., Any]
     close_excess: Callable[..., Any]
+    on_grid: Callable[..., Any]
     direction: Callable[..., Any]
     start: Callable[..., Any]
     root: Callable[..., Any]
@@ -141,6 +144,25 @@ def formulas(
         return y + low
 
     @compile
+    def halved(a: Any) -> Any:
+        high = _SPLIT * a
+        high = high - (high - a)
+        return high, a - high
+
+    @compile
+    def on_grid(t1: Any, mu1: Any, t2: Any, mu2: Any, e: Any) -> Any:
+        """Parts that are multiples of one power of two, so short that their squares and the sums of these are exact."""
+        over1, over2 = 1.0 / mu1, 1.0 / mu2
+        p1, p2 = t1 * over1, t2 * over2
+        grid = _GRID * (p1 + p2 + e)
+        (m1, n1), (m2, n2) = halved(mu1), halved(mu2)
+        a, b, d = p1 + grid - grid, p2 + grid - grid, e + grid - grid
+        a_low, b_low, d_low = (t1 - a * m1 - a * n1) * over1, (t2 - b * m2 - b * n2) * over2, e - d
+        p1, p2 = a + a_low, b + b_low
+        rest = a_low * (p1 + a) + b_low * (p2 + b) - d_low * (e + d)
+        return p1, a - p1 + a_low, p2, b - p2 + b_low, (a * a - d * d) + b * b + rest
+
+    @compile
     def cube_root(x: Any) -> Any:
         """To 5 %, enough to start from: the upper word divided by three (W. Kahan's trick), zero to 1e-103.
 
@@ -171,13 +193,28 @@ def formulas(
 
     @loose
     def root(beta: Any, three: Any, one: Any, h: Any) -> Any:
-        thrice = three + (three + three)
-        for _ in range(_STEPS):  # Halley
+        thrice = three + three
+        thrice += three
+        for _ in range(_STEPS):  # Halley, of arrays in few of them
             last, square = beta * h, h * h
-            f = ((last + three) * square + one) * h - beta
-            slope = (4.0 * last + thrice) * square + one
-            bend = (6.0 * last + thrice) * h
-            h = h - f * slope / (slope * slope - f * bend)  # the denominator stays above 0.8 slope^2
+            f = last + three
+            f *= square
+            f += one
+            f *= h
+            f -= beta
+            slope = 4.0 * last
+            slope += thrice
+            slope *= square
+            slope += one
+            last *= 6.0
+            last += thrice
+            last *= h
+            last *= f
+            square = slope * slope
+            square -= last  # stays above 0.8 slope^2
+            f *= slope
+            f /= square
+            h = h - f
         return h
 
     @loose
@@ -199,4 +236,4 @@ def formulas(
         g1, g2 = e * (u1 + u2), u1 + r * u2
         return f / (g1 + np.sqrt(g1 * g1 + f * g2))
 
-    return Formulas(product, quotient, excess, close_excess, direction, start, root, turned, multiplier)
+    return Formulas(product, quotient, excess, close_excess, on_grid, direction, start, root, turned, multiplier)
