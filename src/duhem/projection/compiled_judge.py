@@ -48,9 +48,9 @@ class _Loop:
 
 
 def told(increment: Increment, solution: Solution, judge: Judge, threads: int | None = None) -> Told:
-    """What the loop says; nothing for a law with a word that it lacks.  MissingExtraError without numba."""
+    """What the loop says; nothing for a word that it lacks and a K without the origin.  MissingExtraError without numba."""
     loop = _loop(judge.level, increment.law.force_symbols())
-    if loop is None:
+    if loop is None or not judge.known.around_origin:
         return Told.nothing(len(solution.multiplier))
     n, metric = len(solution.multiplier), judge.metric
     keep_freed_memory(n)

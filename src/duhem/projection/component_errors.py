@@ -25,6 +25,7 @@ from duhem.projection.row_by_row import dot, unit, widest
 
 __all__ = ["Doubt", "by_components"]
 
+_CLOSE = 1e-3  # how far the normal at an answer may be off for the closest point to be looked for beside it
 _BEYOND = 30.0  # times as far as a point is off, its curvature is looked at again
 _SLIP = 0.1  # what a relative error of a slip counts
 _UNKNOWN = 10.0 * ACCURACY  # nobody knows how far off a point is
@@ -36,7 +37,7 @@ class Doubt:
 
     Lengths in the metric, over the sizes of the ``moves``: ``missing`` but for the angle of the slip, ``cone`` the length of boundary
     that has the slip for a normal, ``depth`` what is missing across the boundary.  ``near``: the slip is short; ``balance``: the
-    residual of the sum of trial, slip and stress, ``given`` that of stationarity so far; ``close``: the normal is nearly right.
+    residual of the sum of trial, slip and stress, ``off`` that of the normal, ``given`` that of stationarity so far.
     """
 
     moves: Moves
@@ -45,7 +46,7 @@ class Doubt:
     depth: Array
     near: NDArray[np.bool_]
     balance: Array
-    close: NDArray[np.bool_]
+    off: Array
     given: Array
 
 
@@ -54,7 +55,7 @@ def by_components(increment: Increment, level: Level, metric: Metric, doubt: Dou
 
     And those closest points that were found, by the place of each.
 
-    It is looked for, at some milliseconds a point, where the answer is ``close`` to one: elsewhere it is wrong in the metric already.
+    It is looked for, at some milliseconds a point, where the answer is close to one: elsewhere it is wrong in the metric already.
     """
     moves, cone, depth, found, beside = doubt.moves, doubt.cone, doubt.depth, doubt.given.copy(), dict[int, Closest]()
     good = allowed(metric, moves.stress, moves.slip, doubt.near) / moves.size
@@ -63,14 +64,15 @@ def by_components(increment: Increment, level: Level, metric: Metric, doubt: Dou
         left = depth[bent] + eased(level, metric, moves.of(bent), (doubt.missing - depth + moves.turned)[bent])
         open_[bent] = ~(left <= good[bent])
     known = np.isfinite(moves.stress).all(axis=1) & np.isfinite(moves.slip).all(axis=1) & moves.stress.any(axis=1)
-    far = open_ & ~doubt.close
+    close = doubt.off <= _CLOSE
+    far = open_ & ~close
     found[far] = np.maximum(found, _UNKNOWN)[far]
-    few = np.flatnonzero((open_ | (doubt.given > ACCURACY)) & known & doubt.close)
+    few = np.flatnonzero((open_ | (doubt.given > ACCURACY)) & known & close)
     if few.size:
         given, points = doubt.given[few], _closest(increment, moves.of(few))
         off = _off(increment, moves.of(few), points)
         unknown = np.where((cone + depth)[few] <= good[few], given, np.maximum(given, _UNKNOWN))  # what is more than rounding
-        told = np.where(np.isnan(off), given, np.maximum(off, doubt.balance[few]))
+        told = np.maximum(np.where(np.isnan(off), doubt.off[few], off), doubt.balance[few])
         found[few] = np.where(np.isinf(off), unknown, told)
         beside = {i: point for i, point in zip(few.tolist(), points, strict=True) if point is not None}
     return found, beside

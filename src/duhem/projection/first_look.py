@@ -100,16 +100,17 @@ class FirstLook:
         point, moved = columns_times(of.stress.T, metric.of_stress), columns_times(of.slip.T, metric.of_slip)
         normal, aim = columns_times(slopes, metric.of_slip), columns_times(of.trial.T, metric.of_stress)
         multiplier, (missed, plain) = self.level.multiplier(of.multiplier, of.size), self._missed(of)
-        squares = room2, far2, steep2 = _squared(point), _squared(moved), _squared(normal)
-        room, far = np.sqrt(room2), np.sqrt(far2)
-        unit = of.size / (room * np.sqrt(steep2))  # of h, as a share of the stress
-        depth, sunk, ratio = np.abs(of.value) * unit, of.hidden * unit, far / room
+        squares = room2, far2 = _squared(point), _squared(moved)
+        room, far, height = np.sqrt(room2), np.sqrt(far2), dot(slopes.T, of.there.s.T)
+        unit, value = of.size / (room * np.sqrt(_squared(normal))), np.abs(of.value)  # of h, as a share of the stress
+        depth, sunk, ratio = value * unit, of.hidden / height, far / room
         gap = np.sqrt(_squared(columns_times(missed, metric.of_stress)))
         turned = np.sqrt(_squared(moved - multiplier * normal))
         off = turned / (room + far * (turned <= (_HALF * ROUNDING) * far).astype(np.float64))  # where it is rounding, of the whole way
         stationarity = np.maximum(gap / (np.sqrt(_squared(aim)) + room), off)
-        left = depth + sunk + (gap + turned) / room + metric.blur * (1.0 + ratio)
+        left = value / height + sunk + (gap + turned) / room + metric.blur * (1.0 + ratio)  # seen from no stress, as K may be thin
         plain &= left <= (_HALF * metric.certain) * np.minimum(ratio, np.ones_like(ratio))
+        plain &= (height > 0.0) & self.known.around_origin
         plain &= (sunk * (1.0 + ratio) <= _OFF) & (stationarity <= _OFF)
         plain &= (of.multiplier >= _MULTIPLIERS[0]) & (of.multiplier <= _MULTIPLIERS[1])
         for square in squares:

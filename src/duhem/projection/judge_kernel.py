@@ -233,17 +233,19 @@ def shares(count: int, blur: float, good: float, certain: float, of_slip: Any, a
         per, far, whole = 1.0 / size, seen[UNIT, j] / size, distance + room
         hidden = seen[HIDDEN, j] * (far / (steep * room))
         depth = abs(value) / steep * far
-        shallow = depth + seen[GAP, j] + hidden * room + blur * whole
-        rounding = inner = 0.0
+        rounding = inner = height = 0.0
         for i in range(D):
             one = 0.0
             for k in range(D):
                 one += abs(seen[SLIPPED + k, j]) * abs(of_slip[k, i])
             rounding += (one * per) * (one * per)
-            inner += abs(at[2 * CHUNK + j, i]) * abs(at[CHUNK + j, i])
+            part = at[2 * CHUNK + j, i] * at[CHUNK + j, i]
+            inner += abs(part)
+            height += part
+        shallow = (abs(value) + seen[HIDDEN, j]) / height * room + seen[GAP, j] + blur * whole
         off = turned / (whole if 2.0 * turned <= ROUNDING * sqrt(rounding) else room)
         long = distance > SHORT * room
-        sound = (room > 0.0) & (distance > 0.0) & (seen[GIVEN, j] >= 0.0)
+        sound = (room > 0.0) & (distance > 0.0) & (height > 0.0) & (seen[GIVEN, j] >= 0.0)
         sound = sound & ((hidden <= NOISE) | (hidden * max(distance / room, 1.0) <= HIDDEN_SHARE))
         sound = sound & ((2.0 * shallow <= good * distance) | long)
         straight = (off <= SUSPECT) & ((2.0 * turned <= good * distance) | long)

@@ -11,21 +11,21 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from duhem.expression.pairs import Pair, added
+from duhem.expression.pairs import Pair
 from duhem.projection.close_look import close_look, pushed_back
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level
-from duhem.projection.metric import ROUNDING, Metric
-from duhem.projection.normal_cones import Suspect, beside, off_cone, off_normals
+from duhem.projection.metric import Metric
+from duhem.projection.normal_cones import Suspect, off_cone
 from duhem.projection.result import ACCURACY, Array
-from duhem.projection.row_by_row import length, share, unit, widest
+from duhem.projection.row_by_row import length, share, widest
 
-__all__ = ["LEAST", "Moves", "exact_angles", "lost"]
+__all__ = ["AROUND", "LEAST", "Moves", "lost"]
 
 _FAR = 1e-6  # of the stress: over shorter ways doubles do not tell one normal from the next
 LEAST = 1e-21  # of the stress: what a shorter slip counts, so that 1e-27 of a stress is nothing
 _BLIND = 1e-9  # of the stress: at the end of a shorter slip rounding of doubles may choose the wrong one of two pieces
-_AROUND = 1e-8  # of a slip: normals are looked for this close to its end
+AROUND = 3.0  # times as far as a corner is beside the stress: as it is a diagonal off, and the closest point as far again
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class Moves:
     """Slipping points (M,) as the judge sees them, lengths in the metric of k and over ``size``.
 
     ``aim``, ``point``, ``moved`` (M, d) are trial, stress and k slip; ``units`` the R of the level, ``multiplier`` and ``slope`` of
-    it, ``steep`` the length of that; ``hidden`` how much of the boundary its rounding hides, as a share of the stress, ``known``
-    where the slope is from many digits; ``depth`` the distance from the boundary, ``turned`` that of the slip from the multiplier
-    times the normal, ``rounding`` what of it is rounding.
+    it, ``steep`` the length of that; ``hidden`` how far the closest point may go by its rounding, as a share of the stress, ``known``
+    where the slope is from many digits; ``depth`` the same by the distance from the boundary, which is ``spread`` times that;
+    ``turned`` the distance of the slip from the multiplier times the normal, ``rounding`` what of it is rounding.
     """
 
     trial: Array
@@ -52,6 +52,7 @@ class Moves:
     steep: Array
     hidden: Array
     depth: Array
+    spread: Array
     turned: Array
     rounding: Array
     known: NDArray[np.bool_]
@@ -80,22 +81,23 @@ def lost(increment: Increment, level: Level, metric: Metric, at: Moves, room: Ar
     """What each slip is off by (M,), as a share of it or of 1e-21 of the stress, the longer, as far as it is more than rounding.
 
     ``room`` and ``distance`` are the lengths of stress and slip.  A stiffness far apart hides one force behind another in the
-    metric: what is off across the slip is asked of the components too, which are off by ``plain`` times as much at most.
+    metric: the components are off by ``plain`` times as much at most.  Where pieces meet, the distance from the boundary says
+    nothing of that from where they do: there the slip has to add up with a stress that is there, else inf says that nobody knows.
     """
-    rest = at.aim - at.moved - at.point
     largest = widest(at.slip)
     plain = np.maximum(share(distance * at.size, largest) * metric.steepest, 1.0)
     counted = np.maximum(distance, LEAST * room)
     good = ACCURACY * counted
-    missed = np.maximum(length(rest) + at.depth, share(widest(rest @ metric.to_slip) * at.size, largest) * distance)
+    summed = plain * (length(at.aim - at.moved - at.point) + at.depth)
     blurred = plain * (metric.blur * (room + distance) + at.hidden * room)
-    close = np.flatnonzero(~(missed + blurred <= good))
-    missed, slope, turned = np.maximum(missed - blurred, 0.0), at.slope.copy(), at.turned.copy()
+    adds_up = summed + blurred <= good
+    close = np.flatnonzero(~adds_up)
+    missed, slope, turned = np.where(adds_up, summed, 0.0), at.slope.copy(), at.turned.copy()
     if close.size:
         few = at.of(close)
         ends = pushed_back(few.trial, few.slip, increment.stiffness, few.units)
         g, bound = close_look(increment).level(ends, few.pressure, few.units)
-        missed[close] = share(np.abs(g) + bound, few.steep) * (few.units / few.size)
+        missed[close] = share(np.abs(g) + bound, few.steep) * (few.units / few.size) * (1.0 + plain[close] * np.sqrt(few.spread**2 - 1.0))
         there = np.stack([end.high for end in ends], axis=1) * few.units[:, None]
         slope[close] = np.where(few.known[:, None], few.slope, level.gradient(there, few.pressure, few.units))
         if level.jets.kinks and (blind := np.flatnonzero(distance[close] <= _BLIND * plain[close] * room[close])).size:
@@ -103,31 +105,10 @@ def lost(increment: Increment, level: Level, metric: Metric, at: Moves, room: Ar
             slope[close[blind]] = close_look(increment).slopes(shown, few.pressure[blind], few.units[blind])
         turned[close] = length(few.moved - (few.multiplier / few.size)[:, None] * (slope[close] @ metric.of_slip))
     across = share(widest(at.slip - at.multiplier[:, None] * slope), largest) * distance
-    turned = np.where(across <= ROUNDING * distance, 0.0, np.maximum(turned, across))
-    if (bent := np.flatnonzero(~(turned <= good) & (missed <= counted))).size:
-        grain = room[bent] / distance[bent]
-        far = grain * _FAR <= 1.0
-        some = bent[far]
-        found = off_cone(level, metric, at.suspect(some, distance[some], grain[far])) * distance[some] * plain[some]
-        turned[some] = np.fmin(turned[some], found)
-        left = bent[~(turned[bent] <= good[bent])]
-        ends = pushed_back(at.trial[left], at.slip[left], increment.stiffness, at.units[left])
-        angles = exact_angles(increment, metric, at.of(left), ends, _AROUND * distance[left] / plain[left])
-        turned[left] = np.fmin(turned[left], angles * distance[left] * plain[left])
-    return share(np.maximum(missed, turned), counted)
-
-
-def exact_angles(increment: Increment, metric: Metric, at: Moves, points: list[Pair], around: Array) -> Array:
-    """The angle (M,) of each slip with the cone of the normals ``around`` its point, from slopes in many digits."""
-    found = np.full(len(around), np.inf)
-    ways = beside(at.trial.shape[1]) @ metric.to_stress
-    look = close_look(increment)
-    for i in range(len(around)):
-        here, many = np.array([i]), len(ways)
-        steps = ways * (around[i] * at.size[i] / at.units[i])
-        ends = (Pair(p.high[here].repeat(many), p.low[here].repeat(many)) for p in points)
-        there = [added(end, Pair(step, np.zeros(many))) for end, step in zip(ends, steps.T, strict=True)]
-        slopes = look.slopes(there, at.pressure[here].repeat(many), at.units[here].repeat(many))
-        normals, _ = unit(slopes @ metric.of_slip)
-        found[i] = off_normals(unit(at.moved[here])[0][0], normals)
-    return found
+    off = missed + np.maximum(plain * turned, across)
+    bent = np.flatnonzero(~(off <= good) & ~(plain * turned <= good))
+    off[bent] = np.inf
+    if (some := bent[adds_up[bent] & (distance[bent] >= _FAR * room[bent])]).size:
+        found = off_cone(level, metric, at.suspect(some, distance[some], (room / distance)[some])) * distance[some]
+        off[some] = missed[some] + AROUND * plain[some] * found
+    return share(off, counted)

@@ -16,7 +16,7 @@ from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import Array
 from duhem.projection.row_by_row import dot, length, times, unit
 
-__all__ = ["Suspect", "beside", "off_cone", "off_normals"]
+__all__ = ["Suspect", "beside", "off_cone"]
 
 _Sides = tuple[Array, Array, Array]  # unit normals, lengths of the gradient, heights over the stress in lengths of it
 
@@ -97,7 +97,7 @@ def _off_normals(level: Level, metric: Metric, at: Suspect, ways: Array) -> Arra
         sets, count = chosen.shape
         cones = _Cones(*(np.moveaxis(x[chosen], 1, -1).reshape(-1, *x.shape[2:], count) for x in (normals, steep, heights)))
         again = np.tile(every, sets)
-        best = np.fmin(best, np.fmin.reduce(cones.off(at.of(again), thin[again], bare[again]).reshape(sets, -1), axis=0))
+        best = np.fmin(best, np.fmin.reduce(cones.off(at.of(again), thin[again]).reshape(sets, -1), axis=0))
     return best
 
 
@@ -130,7 +130,7 @@ def _off_tangents(level: Level, metric: Metric, at: Suspect, near: float) -> Arr
     rows = np.arange(count)[:, None]
     normals, heights = (np.where(p, x, 0.0) for p, x in ((pressing[:, :, None], outer.normals), (pressing, heights)))
     cones = _Cones(np.swapaxes(normals[rows, first], 1, 2), steep[rows, first], heights[rows, first])
-    return cones.off(at, np.zeros(count, dtype=np.bool_), at.tip)
+    return cones.off(at, np.zeros(count, dtype=np.bool_))
 
 
 def _sides(level: Level, metric: Metric, at: Suspect, ways: Array) -> tuple[_Sides, _Sides]:
@@ -160,26 +160,17 @@ class _Cones:
     steep: Array
     heights: Array
 
-    def off(self, at: Suspect, thin: NDArray[np.bool_], bare: NDArray[np.bool_]) -> Array:
+    def off(self, at: Suspect, thin: NDArray[np.bool_]) -> Array:
         """Distance of each slip from its cone, or of the multiplier from that of the cone, or of where its sides meet; inf of none."""
         usable, inverse, weights, rest = _spanned(self.normals, at.slip)
         meet = length(np.einsum("ncd,nc->nd", inverse, self.heights))
         sides = np.moveaxis(self.normals, 2, 0)
         sharp = reduce(np.fmin, [dot(a, b) for a, b in combinations(sides, 2)], np.ones(len(usable))) < 0.0
-        meet = np.where(sharp & ~bare, meet, 0.0) * at.grain  # where the sides meet, which may be far off at a sharp corner
+        meet = np.where(sharp & ~at.tip, meet, 0.0) * at.grain  # where the sides meet, which may be far off at a sharp corner
         total = (weights / self.steep).sum(axis=1)
         amount = np.where(thin, 0.0, np.abs(total / at.multiplier - 1.0))
         rest = np.where(rest <= at.rounding, 0.0, rest)
         return np.where(usable, np.maximum(np.maximum(rest, amount), meet), np.inf)
-
-
-def off_normals(slip: Array, normals: Array) -> float:
-    """Distance of one vector (d,) from the cone of ``normals`` (W, d); inf of none."""
-    best = np.inf
-    for chosen in _choices(len(normals), len(slip), most=_BLOCK):
-        usable, _, _, rest = _spanned(np.moveaxis(normals[chosen], 1, 2), np.broadcast_to(slip, (len(chosen), len(slip))))
-        best = min(best, float(np.min(np.where(usable, rest, np.inf))))
-    return best
 
 
 def _spanned(normals: Array, slip: Array) -> tuple[NDArray[np.bool_], Array, Array, Array]:

@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.allocation import keep_freed_memory
+from duhem.projection.boundary_shift import shifts
 from duhem.projection.close_look import as_pairs, close_look
 from duhem.projection.component_errors import Doubt, by_components
 from duhem.projection.first_look import FirstLook
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
-from duhem.projection.lost_slip import LEAST, Moves, exact_angles, lost
+from duhem.projection.lost_slip import AROUND, LEAST, Moves, lost
 from duhem.projection.many_digits import Closest
 from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.normal_cones import off_cone
@@ -39,7 +40,7 @@ _HIDDEN = 1e-9  # of a stress: where rounding of g hides as much of the boundary
 _NOISE = 1e-13  # less than this, and the slope of g is as good as any
 _ENDS = 2.0**-1018, 2.0**1021  # of the range of doubles, less a few digits
 _SHORT = 10.0  # of a stress: of longer slips its digits are those of the trial
-_CLOSE = 1e-3  # how far the normal at an answer may be off for the closest point to be looked for beside it
+_ENDLESS = 2.0**500  # times as far as the boundary: nobody knows
 _SLIP = 0.1  # what a relative error of a slip counts: it is vouched for to ten times the accuracy of stresses
 
 
@@ -152,14 +153,17 @@ class Judge:
         off = np.where(turned <= rounding, share(turned, whole), share(turned, room))  # far from K a small angle can be a long way on it
         known = np.zeros(at.size, dtype=np.bool_)
         known[looked] = True
-        lengths = (aim, point, moved, multiplier, slope, steep, hidden, depth, turned, rounding)
+        least = (depth + hidden * room) / np.minimum(distance, room)
+        spread = self._spread(stress, pressure, units, slope, multiplier, steep * reach * size, least)
+        depth, hidden = depth * spread, hidden * spread
+        lengths = (aim, point, moved, multiplier, slope, steep, hidden, depth, spread, turned, rounding)
         moves = Moves(trial, stress, slip, pressure, units, size, *lengths, known)
+        bent = np.zeros(at.size, dtype=np.bool_)
         if (suspect := np.flatnonzero(~(off <= _SUSPECT))).size:
             plain, close = suspect[~known[suspect]], suspect[known[suspect]]
             off[plain] = np.fmin(off[plain], off_cone(self.level, self.metric, moves.suspect(plain, room[plain])))
-            found = exact_angles(self.increment, self.metric, moves.of(close), as_pairs(stress[close], units[close]), _HIDDEN * room[close])
-            found *= share(distance, room)[close]
-            off[close] = np.fmin(off[close], np.maximum(found, _HIDDEN))
+            off[close] = np.fmin(off[close], _HIDDEN)  # it is looked for in many digits
+            bent[close] = True
         out.stationarity[at] = np.maximum(balance, off)
         good = self.metric.good * distance
         missing = gap + depth + hidden * room + self.metric.blur * whole
@@ -171,9 +175,9 @@ class Judge:
         unsure = ~(missing + turned <= self.metric.certain * room) | (out.stationarity[at] > ACCURACY)
         doubt, seen = np.flatnonzero(unsure & ~got.failed[at]), dict[int, Closest]()
         if doubt.size:
-            cone = np.where(turned <= rounding, turned, np.fmin(turned, off * room))
+            cone = np.where(turned <= rounding, turned, np.where(bent, np.inf, np.fmin(turned, AROUND * off * room)))
             lacking = moves.of(doubt), missing[doubt], cone[doubt], (depth + hidden * room)[doubt]
-            some = Doubt(*lacking, near[doubt], balance[doubt], off[doubt] <= _CLOSE, out.stationarity[at[doubt]])
+            some = Doubt(*lacking, near[doubt], balance[doubt], off[doubt], out.stationarity[at[doubt]])
             out.stationarity[at[doubt]], ends = by_components(self.increment, self.level, self.metric, some)
             seen = {int(at[doubt[i]]): point for i, point in ends.items()}
         out.variational[at] = self.known.excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
@@ -189,6 +193,19 @@ class Judge:
         own = self.level.own(expected, units)
         beyond = np.where(own > 1.0, (own >= _ENDS[1]) & (given >= _ENDS[1]), (own <= _ENDS[0]) & (given >= 0.0) & (given <= _ENDS[0]))
         return np.where(beyond, expected, self.level.multiplier(given, units))
+
+    def _spread(self, stress: Array, pressure: Array, units: Array, slope: Array, multiplier: Array, reach: Array, missing: Array) -> Array:
+        """How many times as far as the boundary the closest point goes (M,), as from no stress where that tells enough.
+
+        ``reach`` is the length of the stress times that of the slope, ``missing`` a share of the stress or of the slip, the shorter.
+        """
+        height = dot(slope, stress / units[:, None]) * units
+        alike = np.where(height > 0.0, reach / height, np.inf) if self.known.around_origin else np.full(len(reach), np.inf)
+        alike = np.where(reach > 0.0, alike, 1.0)
+        if (few := np.flatnonzero(~(missing * alike <= self.metric.certain))).size:
+            found = shifts(self.level, self.metric, stress[few], pressure[few], units[few], multiplier[few])
+            alike[few] = np.where(np.isnan(found), alike[few], found)
+        return np.clip(np.where(np.isnan(alike), _ENDLESS, alike), 1.0, _ENDLESS)
 
     def _unbalanced(self, trial: Array, stress: Array, slip: Array) -> Array:
         """trial - k slip - stress, beyond what the rounding of each explains, component by component."""

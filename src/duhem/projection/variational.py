@@ -47,6 +47,11 @@ class Variational:
             known = np.vstack([known, beyond_tangents(level, d, None if pressures is None else np.unique(pressures))])
         return cls(level, metric, known, known @ metric.of_stress, largest, convex)
 
+    @property
+    def around_origin(self) -> bool:
+        """Whether K at the largest pressure goes on from no stress: then the sets {g <= e} are looked at from there."""
+        return bool(self.tips.any())
+
     def part(self, pressure: Array) -> Array:
         """The pressures as parts of the one at which the tips are known."""
         return np.ones(pressure.size) if self.largest == 0.0 else pressure / self.largest
