@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from duhem.testing.report import Failure
 
-__all__ = ["CAUSES", "Cause", "by_cause"]
+__all__ = ["CAUSES", "Cause", "by_cause", "likeliest_first"]
 
 
 @dataclass(frozen=True)
@@ -64,21 +65,36 @@ _UNSYMMETRIC = {"potential", "firmness", "variational-inequality"}  # a stress w
 def by_cause(failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
     """The failures that are likely causes, the likeliest first, and those that they explain.
 
-    Failures with the same diagnosis are one; one with a diagnosis is a cause rather than one without, of the same kind; and
-    two with different diagnoses do not explain each other.
+    The diagnosis that explains most failures of a kind is taken first, and they are one; the others are ordered by the table.
     """
-    ordered = sorted(failures, key=lambda f: (_kind(f), not f.diagnosis, _RANK.get(f.check.name, len(CAUSES))))
-    failed = {f.check.name for f in failures}
-    roots: list[tuple[Failure, list[str]]] = []
+    roots: list[Failure] = []
     explained: list[Failure] = []
-    for failure in ordered:
-        cause = next((names for root, names in roots if _explains(root, failure, failed)), None)
-        if cause is None:
-            roots.append((failure, []))
-        else:
-            cause.append(failure.check.name)
-            explained.append(failure)
-    return tuple(replace(root, explains=tuple(names)) for root, names in roots), tuple(explained)
+    for root, names in _groups(sorted(failures, key=likeliest_first), {f.check.name for f in failures}):
+        roots.append(replace(root, explains=tuple(f.check.name for f in names)))
+        explained += names
+    return tuple(sorted(roots, key=likeliest_first)), tuple(explained)
+
+
+def _groups(left: list[Failure], failed: set[str]) -> list[tuple[Failure, list[Failure]]]:
+    groups: list[tuple[Failure, list[Failure]]] = []
+    while left:
+        root = left[0]
+        of_a_kind = [f for f in left if _kind(f) == _kind(root)]
+        met = Counter(name for f in of_a_kind for name in f.diagnoses)
+        told = max(met, key=lambda name: met[name]) if met and _kind(root) else None  # of equals the first met
+        if told is not None:
+            root = next(f for f in of_a_kind if told in f.diagnoses)
+            root = replace(root, diagnoses={told: root.diagnoses[told]})
+        names = [f for f in left if f.check != root.check and _explains(root, f, failed)]
+        groups.append((root, names))
+        gone = {root.check.name, *(f.check.name for f in names)}
+        left = [f for f in left if f.check.name not in gone]
+    return groups
+
+
+def likeliest_first(failure: Failure) -> tuple[int, int]:
+    """A key to sort failures by."""
+    return _kind(failure), _RANK.get(failure.check.name, len(CAUSES))
 
 
 def _kind(failure: Failure) -> int:
@@ -88,11 +104,9 @@ def _kind(failure: Failure) -> int:
 
 
 def _explains(root: Failure, other: Failure, failed: set[str]) -> bool:
-    if root.diagnosis and root.diagnosis == other.diagnosis:
-        return True
-    if root.diagnosis and other.diagnosis:
-        return False
     name = other.check.name
-    if root.check.name in _STRESS:  # a diagnosis may have put it before a check that ranks higher
+    if _kind(root) == 1:  # a diagnosis may have put it before a check that ranks higher
         return name in _STRESS or (name == "tangent" and "slope" not in failed and bool(failed & _UNSYMMETRIC))
+    if root.diagnoses.keys() & other.diagnoses.keys():
+        return True
     return name in _TABLE.get(root.check.name, ())

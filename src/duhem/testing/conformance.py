@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
-from duhem.testing import law_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register their checks)
+from duhem.testing import law_checks, output_diagnoses, routine_checks, run_checks, stress_diagnoses, tangent_checks  # noqa: F401 (they register)
 from duhem.testing.case import Case
 from duhem.testing.decades import Strategy
 from duhem.testing.query import NoReply, Query

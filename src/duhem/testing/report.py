@@ -20,7 +20,8 @@ __all__ = ["Failure", "Report"]
 class Failure:
     """A check that failed: ``case`` is one increment, shrunk; ``measured`` exceeds ``allowed`` there (or is nan).
 
-    ``departure`` is what the routine returned and the closest point; ``diagnosis`` what it does instead, where that is known;
+    ``departure`` is what the routine returned and the closest point; ``diagnoses`` what it does instead, by name, the likeliest
+    first, where that is known (:mod:`duhem.testing.diagnosis`);
     ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
     """
 
@@ -35,13 +36,18 @@ class Failure:
     open_parameters: tuple[str, ...]
     explains: tuple[str, ...] = ()
     departure: Departure | None = None
-    diagnosis: str = ""
+    diagnoses: Mapping[str, str] = field(default_factory=dict)
     origin: Origin = field(default_factory=Origin)
 
     @property
     def title(self) -> str:
         """The check and its statement."""
         return str(self.check)
+
+    @property
+    def diagnosis(self) -> str:
+        """What the routine likely does instead; '' where nothing is known that gives its answers."""
+        return next(iter(self.diagnoses.values()), "")
 
     def reproducer(self) -> str:
         """A few lines of Python that show the failure again; ``update`` is the routine."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from random import Random
@@ -17,9 +18,10 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.testing.case import Case
-from duhem.testing.causes import by_cause
+from duhem.testing.causes import by_cause, likeliest_first
 from duhem.testing.decades import Strategy
 from duhem.testing.departure import departure
+from duhem.testing.diagnosis import Part, diagnoses
 from duhem.testing.query import NoReply, NothingToCheck, Query
 from duhem.testing.region import Region
 from duhem.testing.registry import Check
@@ -31,6 +33,8 @@ from duhem.testing.visited import Visited
 
 __all__ = ["ConformanceRun", "judged"]
 
+_PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
+_TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
 
@@ -218,7 +222,7 @@ class ConformanceRun:
         """What was found so far."""
         bad = {f.check.name for f in self.found}
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
-        told = [self._told(f) for f in self.found if f.check.name not in self.expected]
+        told = self._told(f for f in self.found if f.check.name not in self.expected)
         causes, explained = by_cause(told)
         return Report(
             law=self.law.name,
@@ -236,12 +240,21 @@ class ConformanceRun:
             seed=self.seed,
         )
 
-    def _told(self, failure: Failure) -> Failure:
-        """With what the routine returned, asked again."""
-        told = replace(failure, origin=origin(self.update, self.law, self.given))
-        if failure.check.law_only or failure.check.whole or len(failure.case) != 1:
-            return told
-        return replace(told, departure=departure(self.query(failure.case)))
+    def _told(self, failures: Iterable[Failure]) -> list[Failure]:
+        """With what the routine returned, asked again; of those that speak of one part of it the likeliest causes are diagnosed."""
+        told: list[Failure] = []
+        tried: Counter[Part] = Counter()
+        made = origin(self.update, self.law, self.given)
+        for failure in sorted(failures, key=likeliest_first):
+            now = replace(failure, origin=made)
+            if not (failure.check.law_only or failure.check.whole) and len(failure.case) == 1:
+                query, part = self.query(failure.case), _PARTS.get(failure.check.name, "stress")
+                now = replace(now, departure=departure(query))
+                if now.departure is not None and (now.departure.apart or part != "stress") and tried[part] < _TRIED:
+                    now = replace(now, diagnoses=diagnoses(part, query, now.departure))
+                    tried[part] += _TRIED if now.diagnoses else 1
+            told.append(now)
+        return told
 
 
 def named(update: Update) -> str:

@@ -1,0 +1,205 @@
+"""Each suggestion is believed of the routine that does just that, and of no other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem.testing import Case, Step, conformance, from_displacements
+from duhem.testing.departure import departure
+from duhem.testing.diagnosis import Part, diagnoses, registered_suggestions
+from duhem.testing.query import Query
+from duhem.testing.region import Region
+from tests.oracles.routines import (
+    ELLIPSE,
+    MU,
+    Array,
+    antoni,
+    built_in_stress,
+    ellipse,
+    identity_metric,
+    inverse_metric,
+    nothing,
+    over_projection,
+    radial_return,
+    reflected,
+    swapped_sign,
+    to_the_origin,
+    with_extras,
+)
+
+Routine = Callable[..., object]
+K = np.array([[1.0, 0.5], [0.5, 2.0]])
+
+
+def projected(trial: Array, pressure: Array, stiffness: Array) -> Array:
+    return duhem.project("orthotropic", trial, pressure, stiffness, ELLIPSE).stress
+
+
+def of_step(change: Callable[[Array, Array, Array, Array], Array], part: str) -> Routine:
+    """The right step with one part made of trial, stress, gradient of g and stiffness."""
+
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Step:
+        found = duhem.project("orthotropic", trial, pressure, stiffness, ELLIPSE, tangent=True)
+        gradient, _ = Region(duhem.load("orthotropic"), ELLIPSE).slope(found.stress, pressure)
+        parts = {"slip": found.slip, "multiplier": found.multiplier, "tangent": found.tangent}
+        return Step(found.stress, **{**parts, part: change(trial, found.stress, gradient, stiffness)})
+
+    return update
+
+
+def newton_once(trial: Array, pressure: Array, stiffness: Array) -> Array:
+    region = Region(duhem.load("orthotropic"), ELLIPSE)
+    level, (normal, _) = region.level(trial, pressure), region.slope(trial, pressure)
+    way = normal @ stiffness
+    return np.where(level[:, None] > 0, trial - (level / np.einsum("ij,ij->i", normal, way))[:, None] * way, trial)
+
+
+def forgets(u: Array, u_in: Array, pressure: Array, stiffness: Array) -> Array:
+    return u_in + duhem.project("orthotropic", u @ stiffness, pressure, stiffness, ELLIPSE).slip
+
+
+def rates(trial: Array, stress: Array, gradient: Array, stiffness: Array) -> Array:
+    way = gradient @ stiffness
+    along = way[:, :, None] * way[:, None, :] / np.einsum("ij,ij->i", gradient, way)[:, None, None]
+    return stiffness - np.where((trial != stress).any(axis=1)[:, None, None], along, 0.0)
+
+
+def secant(trial: Array, stress: Array, gradient: Array, stiffness: Array) -> Array:
+    return (np.linalg.norm(stress, axis=1) / np.linalg.norm(trial, axis=1))[:, None, None] * stiffness
+
+
+# suggestion: part, routine, what is said
+INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
+    "trial_stress": [("stress", nothing, "returns the trial stress")],
+    "no_stress": [("stress", lambda t, p, k: 0.0 * t, "no stress at all")],
+    "radial_return": [("stress", radial_return, "radial return")],
+    "metric_of_no_stiffness": [("stress", identity_metric, "metric of the identity")],
+    "metric_of_the_diagonal": [("stress", lambda t, p, k: projected(t, p, np.diag(np.diag(k))), "the diagonal of the stiffness alone")],
+    "metric_of_the_inverse": [("stress", inverse_metric, "inverse stiffness")],
+    "exchanged_components": [
+        ("stress", lambda t, p, k: projected(t, p, k)[:, ::-1], "exchanged in the answer"),
+    ],
+    "another_pressure": [
+        ("stress", built_in_stress, "a stress is built in: the pressure is taken with +0.001"),
+        ("stress", lambda t, p, k: projected(t, 0.0 * p - 2.0, k), "taken as -2, whatever it is"),
+        ("stress", lambda t, p, k: projected(t, 0.5 * p, k), "0.5 times as large"),
+    ],
+    "opposite_sign": [
+        ("stress", swapped_sign, "opposite sign where there is slip"),
+        ("stress", lambda t, p, k: -projected(t, p, k), "the stress has the opposite sign"),
+    ],
+    "lost_sign": [("stress", lambda t, p, k: projected(np.abs(t), p, k), "the signs of the forces are lost")],
+    "too_far": [("stress", reflected, "2 times what leads to the closest point")],
+    "multiple_of_the_answer": [
+        ("stress", over_projection, "0.9 times the closest point"),
+        ("stress", to_the_origin, "all stress is gone where there is slip"),
+    ],
+    "one_newton_step": [("stress", newton_once, "one step of Newton's method")],
+    "component_by_component": [
+        ("stress", lambda t, p, k: np.clip(t, [[0.5, 0.1]] * p[:, None], [[-0.5, -0.1]] * p[:, None]), "cut at the end of its own axis")
+    ],
+    "forgotten_slip": [("stress", from_displacements(forgets), "the former slip is forgotten")],
+    "imprecise": [("stress", lambda t, p, k: ellipse(t, p, k).astype(np.float32), "single precision")],
+    "opposite_slip": [("slip", with_extras(slip=np.negative), "the slip has the opposite sign")],
+    "no_slip": [("slip", with_extras(slip=lambda x: 0.0 * x), "always zero")],
+    "slip_as_a_stress": [("slip", of_step(lambda t, s, g, k: t - s, "slip"), "not divided by the stiffness")],
+    "slip_of_the_diagonal": [("slip", of_step(lambda t, s, g, k: (t - s) / np.diag(k), "slip"), "diagonal of the stiffness")],
+    "slip_as_a_displacement": [
+        ("slip", of_step(lambda t, s, g, k: np.linalg.solve(k, s.T).T, "slip"), "the elastic displacement is returned"),
+        ("slip", of_step(lambda t, s, g, k: np.linalg.solve(k, t.T).T, "slip"), "the whole displacement is returned"),
+    ],
+    "multiple_of_the_slip": [("slip", with_extras(slip=lambda x: 0.5 * x), "0.5 times what the stress lacks")],
+    "opposite_multiplier": [("multiplier", with_extras(multiplier=np.negative), "the multiplier has the opposite sign")],
+    "multiplier_with_a_shift": [("multiplier", with_extras(multiplier=lambda x: x + 1.0), "off by +1 everywhere")],
+    "elastic_tangent": [("tangent", of_step(lambda t, s, g, k: np.tile(k, (len(t), 1, 1)), "tangent"), "the elastic one")],
+    "no_tangent": [("tangent", with_extras(tangent=lambda x: 0.0 * x), "the tangent is zero")],
+    "continuum_tangent": [("tangent", of_step(rates, "tangent"), "that of the rates")],
+    "tangent_by_the_trial": [("tangent", with_extras(tangent=lambda x: x @ np.linalg.inv(K)), "slope by the trial stress")],
+    "opposite_tangent": [("tangent", with_extras(tangent=np.negative), "the tangent has the opposite sign")],
+    "secant": [("tangent", of_step(secant, "tangent"), "a secant")],
+    "multiple_of_the_tangent": [("tangent", with_extras(tangent=lambda x: 2.0 * x), "2 times the slope of the stress")],
+}
+WITH_PARAMETERS: dict[str, list[tuple[Part, Routine, str]]] = {
+    "exchanged_parameters": [
+        ("stress", antoni({**MU, "mu_a_plus": 0.08, "mu_a_minus": 0.2}), "mu_a_plus and mu_a_minus are exchanged"),
+    ],
+    "exchanged_components": [
+        ("stress", lambda t, p, k: antoni(MU)(t[:, ::-1], p, k[::-1, ::-1])[:, ::-1], "sigma_a and sigma_b are exchanged in the set"),
+    ],
+    "another_parameter": [("stress", antoni({**MU, "mu_a_plus": 0.25}), "mu_a_plus is taken as 0.25, not 0.2, 1.25 times its value")],
+}
+
+
+def asked(update: Routine, law: str = "orthotropic", values: dict[str, float] = ELLIPSE, accuracy: float = 1e-9) -> Query:
+    trial, zero = np.array([[0.8, 0.3]]), np.zeros((1, 2))
+    case = Case(values, K, [-1.0], trial, -trial, zero, zero, zero, [2.0], 2.0, np.zeros((1, 2, 2)), [[-1.0, -1.0]])  # type: ignore[arg-type]
+    return Query(Region(duhem.load(law), values), case, update, (), accuracy)
+
+
+def told(part: Part, query: Query) -> dict[str, str]:
+    found = departure(query)
+    assert found is not None
+    return diagnoses(part, query, found)
+
+
+EVERY = [(name, *one) for name, each in INSTEAD.items() for one in each]
+
+
+@pytest.mark.parametrize(("name", "part", "update", "said"), EVERY, ids=[f"{name}-{said}" for name, _, _, said in EVERY])
+def test_what_a_routine_does_instead_is_told(name: str, part: Part, update: Routine, said: str) -> None:
+    found = told(part, asked(update))
+    assert next(iter(found)) == name and said in found[name]
+
+
+@pytest.mark.parametrize("name", WITH_PARAMETERS)
+def test_which_coefficient_is_another_one_is_told(name: str) -> None:
+    for part, update, said in WITH_PARAMETERS[name]:
+        found = told(part, asked(update, "antoni2007", MU))
+        assert next(iter(found)) == name and said in found[name]
+
+
+def test_every_suggestion_has_a_routine_that_does_so() -> None:
+    unshown = {"slip_of_the_closest_point"}  # below: with a stress that is wrong too
+    assert registered_suggestions() == {*INSTEAD, *WITH_PARAMETERS} | unshown
+
+
+def test_a_slip_that_belongs_to_the_right_stress() -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Step:
+        found = duhem.project("orthotropic", trial, pressure, stiffness, ELLIPSE)
+        return Step(0.7 * found.stress, found.slip)
+
+    assert "slip_of_the_closest_point" in told("slip", asked(update))
+
+
+UNLIKE: dict[str, tuple[Part, Routine]] = {
+    "right": ("stress", ellipse),
+    "a shift": ("stress", lambda t, p, k: ellipse(t, p, k) + np.array([[0.01, -0.02]])),
+    "turned": ("stress", lambda t, p, k: ellipse(t, p, k) @ np.array([[0.8, 0.6], [-0.6, 0.8]])),
+    "nearly radial": ("stress", lambda t, p, k: radial_return(t, p, k) * (1.0 + 1e-6)),
+    "radial here, right elsewhere": (
+        "stress",
+        lambda t, p, k: np.where(np.abs(t - [[0.8, 0.3]]).max(axis=1, keepdims=True) < 1e-9, radial_return(t, p, k), ellipse(t, p, k)),
+    ),
+    "a slip with noise": ("slip", of_step(lambda t, s, g, k: np.linalg.solve(k, (t - s).T).T + 0.1, "slip")),
+    "a tangent with noise": ("tangent", with_extras(tangent=lambda x: x + 0.1)),
+}
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_nothing_is_said_of_a_routine_that_does_none_of_these(name: str) -> None:
+    part, update = UNLIKE[name]
+    assert told(part, asked(update)) == {}
+
+
+def test_a_failure_shows_stress_closest_point_and_what_the_routine_does_first() -> None:
+    report = conformance("orthotropic", radial_return, ELLIPSE, max_examples=6, rows=60, seconds=0.1, seed=1)
+    (failure,) = report.failures
+    assert {failure.check.name, *failure.explains} == report.failed and len(report.failed) >= 3
+    lines = str(failure).splitlines()
+    assert [line.split()[0] for line in lines[1:7]] == ["likely", "law", "increment", "returned", "closest", "difference"]
+    assert "radial return" in lines[1] and "mu_a = 0.5, mu_b = 0.1" in lines[2]
+    assert {f.check.name for f in report.explained} == {*failure.explains}
