@@ -226,3 +226,22 @@ def test_what_is_kept_belongs_to_what_was_put_where_it_is_called(tmp_path: Any, 
     for inlined in ((), ("half",), ("half",)):
         kept_code.compiled_text.__wrapped__(text, "run", inlined)
     assert len(list(tmp_path.glob("law_*.py"))) == 2
+
+
+WITHOUT_BLAS = """
+import sys
+from duhem.projection.kept_code import compiled_text
+run = compiled_text("def run(x):\\n    return 2.0 * x", "run")
+assert run(1.5) == 3.0 and "scipy.linalg" not in sys.modules
+from numba.np import arraymath, linalg
+assert arraymath.ensure_blas is linalg.ensure_blas and arraymath._HAVE_BLAS
+linalg.ensure_blas()
+assert "scipy.linalg" in sys.modules
+"""
+
+
+def test_what_is_compiled_loads_no_linear_algebra_and_leaves_it_to_others(tmp_path: Any) -> None:
+    pytest.importorskip("numba")
+    environment = {**os.environ, "DUHEM_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", WITHOUT_BLAS], capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr

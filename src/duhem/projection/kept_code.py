@@ -7,9 +7,13 @@ import inspect
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from functools import lru_cache
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from duhem.errors import MissingExtraError
 
@@ -23,10 +27,7 @@ def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Calla
     ``inlined``: functions that are put where they are called, which spares handing over many arrays.  What is not yet on disk is
     compiled at the first call (some seconds).  MissingExtraError without numba.
     """
-    try:
-        import numba
-    except ImportError:
-        raise MissingExtraError("numba", "fast") from None
+    numba = _numba()
     if inlined:  # other machine code, and what is kept is found by its text alone
         text = f"{text}\n# where they are called: {', '.join(inlined)}\n"
     kept = _kept(text)
@@ -42,6 +43,28 @@ def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Calla
             space[name] = numba.njit(error_model="numpy", cache=False, forceinline=name in inlined)(space[name])
     run: Callable[..., None] = numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[entry])
     return run
+
+
+def _numba() -> Any:
+    """numba, not asking SciPy whether there is a BLAS: that loads all of scipy.linalg, a tenth of what a first increment takes.
+
+    It asks when its module on arrays is imported, and again where a function that it compiles has need of one: there it finds out.
+    """
+    try:
+        import numba
+    except ImportError:
+        raise MissingExtraError("numba", "fast") from None
+    on_arrays = "numba.np.arraymath"
+    if on_arrays not in sys.modules and "scipy.linalg" not in sys.modules and find_spec("scipy") is not None:
+        with suppress(ImportError, AttributeError):  # another version of numba
+            linalg: Any = import_module("numba.np.linalg")
+            asks = linalg.ensure_blas
+            linalg.ensure_blas = lambda: None
+            try:
+                import_module(on_arrays).ensure_blas = asks  # type: ignore[attr-defined]
+            finally:
+                linalg.ensure_blas = asks
+    return numba
 
 
 def _name(text: str) -> str:
