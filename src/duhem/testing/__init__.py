@@ -13,6 +13,7 @@ or one test a check: ``@pytest.mark.parametrize("check", checks_for("coulomb"))`
 
 from duhem.testing.case import Case
 from duhem.testing.conformance import ACCURACY, assert_conforms, check, checks_for, conformance, violation
+from duhem.testing.material import Material, MaterialState, from_material
 from duhem.testing.registry import Check
 from duhem.testing.report import Failure, Report
 from duhem.testing.routine import Step, Update, from_displacements, pointwise, projection
@@ -23,6 +24,8 @@ __all__ = [
     "Case",
     "Check",
     "Failure",
+    "Material",
+    "MaterialState",
     "Report",
     "Step",
     "Update",
@@ -33,6 +36,7 @@ __all__ = [
     "conformance",
     "decades",
     "from_displacements",
+    "from_material",
     "loadings",
     "parameters",
     "pointwise",

@@ -14,20 +14,28 @@ from duhem.law.formula_law import Criterion
 from duhem.testing import law_checks, output_diagnoses, routine_checks, run_checks, stress_diagnoses, tangent_checks  # noqa: F401 (they register)
 from duhem.testing.case import Case
 from duhem.testing.decades import Strategy
+from duhem.testing.material import Material
 from duhem.testing.query import NoReply, Query
 from duhem.testing.region import Region
 from duhem.testing.registry import Check, registered
 from duhem.testing.report import Report
 from duhem.testing.routine import Update
 from duhem.testing.run import ConformanceRun, judged
+from duhem.testing.without_law import FreeRun, free_check, free_checks, free_violation
 
 __all__ = ["ACCURACY", "assert_conforms", "check", "checks_for", "conformance", "every_check", "violation"]
 
 ACCURACY = 1e-9  # relative error in stress a routine is held to, unless it promises another
 
 
-def checks_for(law: Criterion | str | Path) -> tuple[Check, ...]:
-    """The checks a routine for ``law`` has to pass; those that only some laws satisfy are asked for by name."""
+def checks_for(law: Criterion | str | Path | None, *, associated: bool = False) -> tuple[Check, ...]:
+    """The checks a routine for ``law`` has to pass; those that only some laws satisfy are asked for by name.
+
+    For None, those that need no law; ``associated``, with those that only associated laws, and some only those without
+    hardening, satisfy.
+    """
+    if law is None:
+        return free_checks(associated)
     load(law)
     return tuple(c for c in registered() if c.demanded)
 
@@ -47,27 +55,29 @@ def check(name: str) -> Check:
 
 def violation(
     name: str | Check,
-    law: Criterion | str | Path,
-    update: Update,
+    law: Criterion | str | Path | None,
+    update: Update | Material,
     case: Case,
     *,
     open_parameters: Iterable[str] | None = None,
     accuracy: float = ACCURACY,
 ) -> str | None:
     """What is wrong with the routine's answer to one case by one check, or None; ``open_parameters`` are passed to it by name."""
+    if law is None:
+        return free_violation(free_check(name) if isinstance(name, str) else name, update, case, accuracy)
     known = load(law)
     asked = check(name) if isinstance(name, str) else name
     passed = tuple(case.parameters) if open_parameters is None else tuple(open_parameters)
     try:
-        found = judged(asked, Query(Region(known, case.parameters), case, update, passed, accuracy))
+        found = judged(asked, Query(Region(known, case.parameters), case, _routine(update), passed, accuracy))
     except NoReply as fault:
         return str(fault)
     return None if found is None else found[1]
 
 
 def conformance(
-    law: Criterion | str | Path,
-    update: Update,
+    law: Criterion | str | Path | None,
+    update: Update | Material,
     parameters: Mapping[str, Any] | None = None,
     *,
     stiffness: ArrayLike | Strategy | None = None,
@@ -92,33 +102,50 @@ def conformance(
     ``expected_failed_checks`` gives the checks that are known to fail, each with the reason: one of them that passes makes
     the report not ``ok``.  The law is taken to be associated.
 
+    Without a law (None), ``update`` is such a routine, with ``stiffness`` (d,), (d, d) or a strategy, ``parameters`` that are
+    numbers or strategies, all passed by name, and ``pressure``, None for a routine that is given none; or a
+    :class:`Material`, which has its own.  It is put to the checks that need no law.
+
     A failing check is data in the report, not an exception: see :func:`assert_conforms`.
     """
-    known = load(law)
+    known = None if law is None else load(law)
+    by_name = free_check if known is None else check
     named = checks_for(known) if checks is None else (checks,) if isinstance(checks, str | Check) else checks
-    asked = [check(c) if isinstance(c, str) else c for c in named]
+    asked = [by_name(c) if isinstance(c, str) else c for c in named]
     for name in expected_failed_checks or {}:
-        check(name)
-    run = ConformanceRun(
-        known,
-        update,
-        parameters,
-        asked,
-        stiffness=stiffness,
-        pressure=pressure,
-        accuracy=accuracy,
-        max_examples=max_examples,
-        rows=rows,
-        seconds=seconds,
-        seed=seed,
-        expected=expected_failed_checks,
-        given=law,
+        by_name(name)
+    options: dict[str, Any] = {
+        "stiffness": stiffness,
+        "pressure": pressure,
+        "accuracy": accuracy,
+        "max_examples": max_examples,
+        "rows": rows,
+        "seconds": seconds,
+        "seed": seed,
+        "expected": expected_failed_checks,
+        "given": law,
+    }
+    run = (
+        FreeRun(update, parameters, asked, **options)
+        if known is None
+        else ConformanceRun(known, _routine(update), parameters, asked, **options)
     )
     return run.to_the_end().report()
 
 
+def _routine(update: Update | Material) -> Update:
+    if isinstance(update, Material):
+        raise InputError("a material has its own stiffness", where="update", remedy="hold it against a law with from_material")
+    return update
+
+
 def assert_conforms(
-    law: Criterion | str | Path, update: Update, parameters: Mapping[str, Any] | None = None, *, most_flagged: float = 0.0, **options: Any
+    law: Criterion | str | Path | None,
+    update: Update | Material,
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    most_flagged: float = 0.0,
+    **options: Any,
 ) -> Report:
     """:func:`conformance`, raising AssertionError with the shrunk cases if a check fails or more than ``most_flagged`` is flagged."""
     report = conformance(law, update, parameters, **options)

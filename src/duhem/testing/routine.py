@@ -17,7 +17,7 @@ from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
 from duhem.testing.replay import law_as_written, made_by
 
-__all__ = ["Step", "Update", "from_displacements", "pointwise", "projection"]
+__all__ = ["Step", "Update", "called", "from_displacements", "named_after", "pointwise", "projection"]
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def pointwise(step: Callable[..., Any]) -> Update:
 
         return Step(*(together(name) for name in Step.__dataclass_fields__))
 
-    return _named(update, step, "pointwise")
+    return named_after(update, step, "pointwise")
 
 
 def from_displacements(step: Callable[..., ArrayLike]) -> Update:
@@ -70,7 +70,7 @@ def from_displacements(step: Callable[..., ArrayLike]) -> Update:
         slip = np.asarray(step(elastic + before, before.copy(), pressure, stiffness, **parameters), dtype=np.float64) - before
         return Step(trial - slip @ stiffness, slip)
 
-    return _named(update, step, "from_displacements")
+    return named_after(update, step, "from_displacements")
 
 
 def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bool = False) -> Update:
@@ -94,7 +94,8 @@ def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bo
     return update
 
 
-def _named(update: Update, step: Callable[..., Any], adapter: str) -> Update:
+def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Update:
+    """An adapted routine with the name of what it adapts, and the Python that makes it again."""
     update.__name__, update.__wrapped__ = getattr(step, "__name__", "update"), step  # type: ignore[attr-defined]
     if making := made_by(step):
         update.__duhem_import__ = f"{making}\nfrom duhem.testing import {adapter}\n\nupdate = {adapter}(update)"  # type: ignore[attr-defined]

@@ -1,0 +1,175 @@
+"""A routine in a shared library, C or Fortran with bind(C), with a prototype that says what its arguments hold."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from duhem.errors import InputError
+from duhem.projection.result import Array
+from duhem.testing.foreign.native import Native, NativeFault
+from duhem.testing.foreign.prototype import Prototype
+from duhem.testing.material import Material, MaterialState
+from duhem.testing.routine import Step
+
+__all__ = ["SharedLibrary", "loaded", "shared_library", "shared_material"]
+
+_KEPT = {"double": np.double, "int": np.intc, "size_t": np.uintp}
+
+
+def loaded(path: str | Path, symbol: str, kinds: str, isolated: bool) -> Native:
+    """The routine of a library.  Raises InputError for a file or symbol that is not there."""
+    where = Path(path)
+    if not where.is_file():
+        raise InputError("there is no such file", where=str(path), remedy="give the place of the shared library (.so, .dylib, .dll)")
+    try:
+        return Native(str(where.resolve()), symbol, kinds, isolated)
+    except NativeFault as fault:
+        remedy = "name an exported function (nm -D lists them; Fortran without bind(C) adds an underscore)"
+        raise InputError(str(fault), where="shared library", remedy=remedy) from None
+
+
+class _Call:
+    """A function and the meaning of its arguments."""
+
+    def __init__(self, path: str | Path, prototype: Prototype, solved: Collection[int], isolated: bool) -> None:
+        self.prototype, self.solved = prototype, tuple(solved)
+        self.native = loaded(path, prototype.symbol, "".join(a.kind for a in prototype.arguments), isolated)
+
+    def __call__(self, by_row: Mapping[str, Any], same: Mapping[str, Any]) -> tuple[dict[str, Array], Any]:
+        """``by_row`` (n, …), copies of which come back as the routine leaves them, and ``same`` for all; which are solved (n,)."""
+        n = len(next(iter(by_row.values())))
+        filled = {"status": np.zeros(n, dtype=np.intc), **by_row}
+        batched, columns = self.prototype.batched, []
+        for a in self.prototype.arguments:
+            if a.name in filled:
+                column = np.array(filled[a.name], dtype=_KEPT[a.number], order="C")
+                column = column[None] if batched else column
+            else:
+                column = np.atleast_1d(np.array({"n": n, **same}[a.name], dtype=_KEPT[a.number])).ravel()
+                column = np.tile(column, (1 if batched else n, 1))
+                column = column if a.place else column[:, 0]
+            columns.append(column)
+        codes = self.native(columns, 1 if batched else n)
+        named = zip(self.prototype.arguments, columns, strict=True)
+        back = {a.name: c.reshape(np.shape(filled[a.name])) for a, c in named if a.name in filled}
+        status = back.pop("status", np.repeat(codes, n // len(codes)) if self.prototype.returns else np.full(n, self.solved[0]))
+        return back, np.isin(status, self.solved)
+
+
+def _line(function: str, *arguments: Any, **options: Any) -> str:
+    """The Python that makes a routine again, options at their defaults left out."""
+    said = [*map(repr, arguments), *(f"{name}={value!r}" for name, value in options.items() if value not in ({}, (0,), (), False))]
+    return f"from duhem.testing.foreign import {function}\nupdate = {function}({', '.join(said)})"
+
+
+class SharedLibrary:
+    """An update routine; see :func:`shared_library`."""
+
+    def __init__(self, call: _Call, parameters: Mapping[str, float], column_major: bool, line: str) -> None:
+        self._call, self._parameters, self._column_major = call, dict(parameters), column_major
+        self.__duhem_import__ = line
+        self.__name__ = self.__qualname__ = call.prototype.symbol
+
+    def __call__(self, trial: Array, pressure: Array | None, stiffness: Array, **open_: float) -> Step:
+        values = self._parameters | {name: float(value) for name, value in open_.items()}
+        self._call.prototype.covers(values)
+        n, d = trial.shape
+        sizes: dict[str, tuple[int, ...]] = {"stress": (d,), "slip": (d,), "multiplier": (), "tangent": (d, d)}
+        by_row = {name: np.full((n, *size), np.nan) for name, size in sizes.items()}
+        by_row |= {"trial": trial, "pressure": np.zeros(n) if pressure is None else pressure}
+        back, solved = self._call(by_row, {"stiffness": stiffness, "parameters": [*values.values(), 0.0], "d": d, **values})
+        tangent = back.get("tangent")
+        if tangent is not None and self._column_major:
+            tangent = np.swapaxes(tangent, 1, 2)
+        return Step(back["stress"], back.get("slip"), back.get("multiplier"), tangent, solved)
+
+
+def shared_library(
+    path: str | Path,
+    signature: str,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    solved: Collection[int] = (0,),
+    column_major: bool = False,
+    isolated: bool = False,
+) -> SharedLibrary:
+    """The routine of a shared library with the prototype ``signature``, as C has it, as an update routine:
+
+        shared_library("libfriction.so", "int friction(const double *trial, double pressure, const double *stiffness,
+                                                       double mu, double *stress, double *tangent)")
+
+    The name of an argument says what it holds: ``trial`` and the stress, ``slip`` and ``multiplier`` that are returned, the
+    ``stiffness`` (d, d), the ``tangent`` d sigma/d u (d, d), ``pressure`` sigma_n <= 0, all in SI and as in
+    :class:`duhem.testing.Step`; ``d`` the number of forces, ``parameters`` all parameters in their order, and any other name the
+    parameter of that name.  With an argument ``n`` one call answers n increments, arrays (n, d) row by row (which Fortran declares
+    (d, n)), scalars that differ by increment as arrays too; else it is called once an increment.  ``double x`` is passed by
+    value, ``double *x`` by reference, as Fortran wants it without VALUE.
+
+    ``parameters`` are further numbers, fixed ones; what conformance leaves open comes by name.  An int that the function returns,
+    or writes to ``status``, is its status: the increment counts as solved where it is one of ``solved``.  ``column_major``: the
+    tangent is in Fortran's order.  ``isolated``: run in a process of its own, so that a crash is a failed check, not the end of
+    the test run.  What is returned is filled with nan before, so that what the routine leaves out is seen.
+
+    A library does not say how many arguments its function has: a prototype that differs from the source is not found out.
+
+    Raises InputError for a missing file or symbol, and for a signature that is not understood or has no place for a parameter.
+    """
+    read, fixed = Prototype.read(signature, "trial"), dict(parameters or {})
+    line = _line(
+        "shared_library", str(path), signature, parameters=fixed, solved=tuple(solved), column_major=column_major, isolated=isolated
+    )
+    return SharedLibrary(_Call(path, read, solved, isolated), fixed, column_major, line)
+
+
+def shared_material(
+    path: str | Path,
+    signature: str,
+    stiffness: ArrayLike,
+    *,
+    variables: Sequence[float] = (),
+    parameters: Mapping[str, float] | None = None,
+    solved: Collection[int] = (0,),
+    column_major: bool = False,
+    isolated: bool = False,
+) -> Material:
+    """The routine of a shared library that is given increments of strain or displacement and carries a state, as a material:
+
+        shared_material("libmises.so", "int mises(const double *increment, double *stress, double *variables, double *stored,
+                                                  double *dissipated, double *tangent, double E, double nu, double yield)", …)
+
+    As :func:`shared_library`, but it is given the ``increment`` (d,), the ``strain`` before it and its ``duration`` in s where it
+    asks for them; ``stress``, the state ``variables`` (s,) and the energies ``stored`` and ``dissipated`` since the beginning
+    hold the values before the step and are to be overwritten with those after it; ``tangent`` is d stress/d increment.
+    ``stiffness`` (d, d) is the elastic one, ``variables`` the state at the beginning, where the stress is 0.
+    """
+    read, fixed = Prototype.read(signature, "increment"), dict(parameters or {})
+    read.covers(fixed)
+    call, k = _Call(path, read, solved, isolated), np.array(stiffness, dtype=np.float64)
+    names = [a.name for a in read.arguments]
+    energies = "stored" in names and "dissipated" in names
+
+    def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
+        n, d = increment.shape
+        zero = np.zeros(n)
+        by_row = {"increment": increment, "strain": before.strain, "stress": before.stress, "variables": before.variables}
+        by_row |= {"stored": zero if before.stored is None else before.stored, "tangent": np.full((n, d, d), np.nan)}
+        by_row |= {"dissipated": zero if before.dissipated is None else before.dissipated, "slip": np.full((n, d), np.nan)}
+        by_row |= {"pressure": zero if pressure is None else pressure}
+        back, good = call(by_row, {"stiffness": k, "parameters": [*fixed.values(), 0.0], "d": d, "duration": duration, **fixed})
+        tangent = back.get("tangent")
+        if tangent is not None and column_major:
+            tangent = np.swapaxes(tangent, 1, 2)
+        state = back.get("variables", before.variables)
+        stored, dissipated = (back["stored"], back["dissipated"]) if energies else (None, None)
+        return MaterialState(before.strain + increment, back["stress"], state, stored, dissipated, back.get("slip"), tangent, good)
+
+    line = _line(
+        "shared_material", str(path), signature, k.tolist(), variables=tuple(variables), parameters=fixed, solved=tuple(solved),
+        column_major=column_major, isolated=isolated,
+    )  # fmt: skip
+    return Material(advance, k, tuple(variables), energies, name=read.symbol, line=line)

@@ -1,0 +1,132 @@
+"""One case put to a material of which no law is known: a loading path, then an increment from where it ends.
+
+|s| = (s . k^-1 s)^1/2 is the length of a stress, k the elastic stiffness.  A routine is held to an error in its stress of
+
+    u = accuracy (|sigma_0| + |sigma_tr| + |sigma|) + 8 eps cond(k)^1/2 (|sigma_0| + |sigma_tr| + |sigma|),
+
+sigma_0 the stress at the beginning of the step; the second part is what a few roundings of components make in that length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+
+from duhem.expression.jets import Choices
+from duhem.projection.result import Array
+from duhem.testing.case import Case
+from duhem.testing.material import Material, MaterialState
+from duhem.testing.query import NoReply, Query, Reply
+from duhem.testing.region import Region
+from duhem.testing.routine import Step
+
+__all__ = ["FINER", "HistoryQuery"]
+
+FINER = 8  # steps into which a leg of the path is divided where it is to be followed closely
+
+
+class _Unknown(Region):
+    """A region of which nothing is known but that it has no formula to be off by."""
+
+    def __init__(self, parameters: Mapping[str, float]) -> None:
+        object.__setattr__(self, "parameters", parameters)
+        object.__setattr__(self, "law", None)
+
+    def slope(self, stress: Array, pressure: Array, choices: Choices | None = None) -> tuple[Array, Choices]:
+        return np.zeros_like(stress), np.zeros((len(stress), 0), dtype=np.int64)
+
+
+class HistoryQuery(Query):
+    """``first`` and what else a :class:`Query` asks are steps from :attr:`start`, where the path ends."""
+
+    def __init__(self, material: Material, case: Case, accuracy: float) -> None:
+        super().__init__(_Unknown(case.parameters), case, self._from_start, (), accuracy)
+        self.material = material
+
+    def ask(self, *trials: Array, pressure: Array | None = None, stiffness: Array | None = None) -> list[Reply]:
+        _ = self.start  # what fails on the way there is no fault of this step
+        return super().ask(*trials, pressure=pressure, stiffness=stiffness)
+
+    def unit(self, reply: Reply) -> Array:
+        """The error u in stress the routine is held to (N,), in a step from the start."""
+        return self.error(self.start.stress, reply.trial, reply.stress)
+
+    def error(self, *stresses: Array) -> Array:
+        """What the routine may be off by in a step between such stresses (N,)."""
+        rounding = 8.0 * float(np.finfo(np.float64).eps * np.sqrt(np.linalg.cond(self.case.stiffness)))
+        return np.asarray((self.accuracy + rounding) * sum(self.length(s) for s in stresses))
+
+    @property
+    def remembers(self) -> bool:
+        """Whether there may be more state than the stress."""
+        return self.material.towards is None
+
+    # -- steps ---------------------------------------------------------------------------------------------------------
+
+    def step(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0) -> MaterialState:
+        """The points after the increment of strain that asks for the stress ``trial`` (M, d).  What the routine raises passes."""
+        if self.material.towards is not None:
+            return self.material.towards(before, trial, pressure, duration)
+        increment: Array = np.asarray(np.linalg.solve(self.case.stiffness, (trial - before.stress).T).T)
+        return self.material.advance(before, increment, pressure, duration)
+
+    def counted(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0) -> MaterialState:
+        """:meth:`step` of all the rows; rows that the routine flags are not judged.  Raises NoReply."""
+        try:
+            after = self.step(before, trial, pressure, duration)
+        except Exception as fault:
+            raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
+        self.points += len(after)
+        if after.solved is not None:
+            self.flagged += int((~after.solved).sum())
+            self.sound = self.sound & after.solved
+        return after
+
+    def _from_start(self, trial: Array, pressure: Array | None, stiffness: Array) -> Step:
+        times = len(trial) // len(self.case)
+        after = self.step(self.start.rows(np.tile(np.arange(len(self.case)), times)), trial, pressure)
+        return Step(after.stress, after.slip, None, after.tangent, after.solved)
+
+    @cached_property
+    def virgin(self) -> MaterialState:
+        return self.material.virgin(len(self.case))
+
+    @property
+    def start(self) -> MaterialState:
+        """Where the path ends."""
+        return self.course[-1]
+
+    @cached_property
+    def course(self) -> list[MaterialState]:
+        """The points at the knots of the path, the virgin ones first."""
+        return self.along(1)
+
+    @cached_property
+    def fine(self) -> list[MaterialState]:
+        """The points along the path, each leg in ``FINER`` steps."""
+        return self.along(FINER)
+
+    def along(self, parts: int, duration: float = 1.0) -> list[MaterialState]:
+        """The points along the path, each leg in so many steps, and the virgin ones first; ``duration`` is that of a leg."""
+        case, found = self.case, [self.virgin]
+        for i in range(1, case.path.shape[1]):
+            elastic = (case.path[:, i] - case.path[:, i - 1]) / parts
+            for j in range(parts):
+                load = None
+                if case.loads is not None:
+                    share = (j + 1) / parts
+                    load = (1.0 - share) * case.loads[:, i - 1] + share * case.loads[:, i]
+                found.append(self.counted(found[-1], found[-1].stress + elastic, load, duration / parts))
+        return found
+
+    @cached_property
+    def steps(self) -> list[tuple[MaterialState, MaterialState]]:
+        """The steps of the path followed closely, and the one beyond it."""
+        pairs = list(zip(self.fine[:-1], self.fine[1:], strict=True))
+        return [*pairs, (self.start, self.counted(self.start, self.case.trial, self.case.pressure))]
+
+    def slip_of(self, before: MaterialState, after: MaterialState) -> Array:
+        """k times what of the increment is not elastic (N, d), a stress."""
+        return np.asarray((after.strain - before.strain) @ self.case.stiffness - (after.stress - before.stress))

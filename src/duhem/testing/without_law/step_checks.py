@@ -1,0 +1,155 @@
+"""What one step of any rate-independent material is, whatever its law; u is :meth:`HistoryQuery.error`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from duhem.testing import tangent_checks
+from duhem.testing.query import NothingToCheck
+from duhem.testing.registry import Finding
+from duhem.testing.without_law.history import FINER, HistoryQuery
+from duhem.testing.without_law.registry import register
+
+__all__: list[str] = []
+
+_PER_MILLE = 1e-3
+_SMALL = (1e-3, 1e-6, 1e-9)  # shares of a step that are taken to be small
+
+
+@register(
+    "answers",
+    statement="the routine answers every increment with finite stresses, state and energies",
+    formula="sigma in R^d",
+    source="a nan that is passed on silently ruins what comes after",
+    tolerance="none",
+)
+def answers(h: HistoryQuery) -> Finding:
+    bad = np.zeros(len(h.case), dtype=np.bool_)
+    after = h.counted(h.start, h.case.trial, h.case.pressure)
+    for state in (*h.course, after):
+        for part in (state.stress, state.variables, state.stored, state.dissipated):
+            if part is not None:
+                bad |= ~np.isfinite(part.reshape(len(bad), -1)).all(axis=1)
+    return Finding(bad.astype(np.float64), np.zeros(len(bad)))
+
+
+@register(
+    "repeatability",
+    statement="the same increment from the same state has the same answer, whatever was asked before it and beside it",
+    formula="sigma(state, du) = sigma(state, du)",
+    source="a state kept between calls, or shared between points, makes an answer depend on the order of the questions",
+    tolerance="2 u",
+)
+def repeatability(h: HistoryQuery) -> Finding:
+    case = h.case
+    here = h.counted(h.start, case.trial, case.pressure)
+    back = np.arange(len(case))[::-1]
+    again = h.counted(h.start.rows(back), case.trial[back], None if case.pressure is None else case.pressure[back]).rows(back)
+    apart = again.stress - here.stress
+    apart = np.where(np.isfinite(again.stress) | np.isfinite(here.stress), apart, 0.0)  # a nan twice is the same answer
+    return Finding(h.length(apart), 2.0 * h.error(h.start.stress, case.trial, here.stress))
+
+
+@register(
+    "elasticity",
+    statement="where a first small step can be undone, it is answered by the stiffness given",
+    formula="sigma = k du, where du then -du lead back to no stress",
+    source="the stiffness that all else is measured with; shear strains of the tensor and of engineers differ by a factor of two",
+    tolerance="|sigma - k du| <= |k du|/1000 at the smallest of three steps: a material may be elastic without being linear",
+)
+def elasticity(h: HistoryQuery) -> Finding:
+    asked, worst = h.case.trial, np.full(len(h.case), np.inf)
+    for share in _SMALL:
+        trial = share * asked
+        there = h.counted(h.virgin, trial, h.case.pressure)
+        back = h.counted(there, there.stress - trial, h.case.pressure)
+        size = h.length(trial)
+        undone = (size > 0.0) & (h.length(back.stress) <= _PER_MILLE * size) & (h.length(there.stress) > 0.0)
+        off = np.where(undone, h.length(there.stress - trial) / np.where(size > 0.0, size, 1.0), 0.0)
+        worst = np.minimum(worst, off)
+    return Finding(worst, np.full(len(worst), _PER_MILLE))
+
+
+@register(
+    "rest",
+    statement="without an increment nothing happens, and the next increment is answered as if nothing had",
+    formula="sigma(state, 0) = sigma; sigma(state after that, du) = sigma(state, du)",
+    source="rate independence: no increment, no change (Moreau 1977, J. Differ. Equ. 26, 347-374)",
+    tolerance="2 u at rest; 4 u after the next increment",
+)
+def rest(h: HistoryQuery) -> Finding:
+    case = h.case
+    here = h.counted(h.start, case.trial, case.pressure)
+    still = h.counted(here, here.stress.copy(), case.pressure)
+    still = h.counted(still, still.stress.copy(), case.pressure)
+    moved, allowed = h.length(still.stress - here.stress), 2.0 * h.error(here.stress, case.trial)
+    trial = here.stress + (case.other - case.trial)
+    one, two = (h.counted(state, trial + (state.stress - here.stress), case.pressure) for state in (here, still))
+    after, may = h.length(two.stress - one.stress), 4.0 * h.error(here.stress, case.trial, trial, one.stress)
+    at_rest = ~(moved <= allowed)
+    return Finding(np.where(at_rest, moved, after), np.where(at_rest, allowed, may))
+
+
+@register(
+    "rate",
+    statement="rate independence: the same path in a thousandth and in a thousand times the time ends at the same stress",
+    formula="sigma(u(t)) = sigma(u(c t)) for c > 0",
+    source="Moreau (1977), J. Differ. Equ. 26, 347-374",
+    tolerance="2 u, the sum over the steps",
+)
+def rate(h: HistoryQuery) -> Finding:
+    if not h.remembers:
+        raise NothingToCheck("the routine is not told of time")
+    worst, allowed = np.zeros(len(h.case)), np.zeros(len(h.case))
+    for here, before in zip(h.course[1:], h.course[:-1], strict=True):
+        allowed += 2.0 * h.error(here.stress, before.stress)
+    for duration in (1e-3, 1e3):
+        worst = np.maximum(worst, h.length(h.along(1, duration)[-1].stress - h.start.stress))
+    return Finding(worst, allowed + 2.0 * h.error(*(h.case.path[:, i] for i in range(h.case.path.shape[1]))))
+
+
+@register(
+    "subdivision",
+    statement="a path in twice as many steps ends, in the limit, at the same stress",
+    formula="sigma_2n - sigma_n -> 0 as each leg is taken in n steps",
+    source="Moreau (1977), J. Differ. Equ. 26, 347-374: the catching-up algorithm converges",
+    tolerance=f"the elastic length of the path over n, at n = {FINER}, or else at n = {4 * FINER}",
+)
+def subdivision(h: HistoryQuery) -> Finding:
+    legs = np.diff(h.case.path, axis=1)
+    whole = np.sum([h.length(legs[:, i]) for i in range(legs.shape[1])], axis=0)
+    ends = [h.fine[-1], h.along(2 * FINER)[-1]]
+    apart, allowed = h.length(ends[1].stress - ends[0].stress), whole / FINER + h.error(*(e.stress for e in ends), h.case.path[:, -1])
+    if (~(apart <= allowed) & h.sound).any():
+        ends = [h.along(4 * FINER)[-1], h.along(8 * FINER)[-1]]
+        closer, may = h.length(ends[1].stress - ends[0].stress), whole / (4 * FINER) + h.error(*(e.stress for e in ends))
+        settled = closer <= may
+        apart, allowed = np.where(settled, closer, apart), np.where(settled, may, allowed)
+    return Finding(apart, allowed)
+
+
+@register(
+    "slope",
+    statement="the consistent tangent is the slope of the routine, where differences resolve it (no corner of the answer near)",
+    formula="C du = d sigma",
+    source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
+    tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
+    "|sigma_tr| + |sigma|; what they are off by there, where smaller steps one way come ten times closer, or where at all of them "
+    "the two ways disagree by a quarter of it (no slope)",
+)
+def slope(h: HistoryQuery) -> Finding:
+    return tangent_checks.slope(h)
+
+
+@register(
+    "slip",
+    statement="the slip returned is what the stress lacks",
+    formula="k slip = sigma_tr - sigma",
+    source="Antoni et al. (2007), Eqs. 25, 31",
+    tolerance="2 u",
+)
+def slip(h: HistoryQuery) -> Finding:
+    found = h.first[0]
+    if found.slip is None:
+        raise NothingToCheck("the routine returns no slip")
+    return Finding(h.length(found.slip @ h.case.stiffness - (found.trial - found.stress)), 2.0 * h.unit(found))

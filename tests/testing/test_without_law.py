@@ -1,0 +1,124 @@
+"""What a routine is told without a law: its own bugs, the right check first, and nothing false of a good one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from duhem.errors import InputError
+from duhem.testing import Material, MaterialState, Report, Step, assert_conforms, checks_for, conformance, decades, projection, violation
+from tests.long import mostly_long
+from tests.oracles.routines import Array
+from tests.testing.examples import friction, interface, mises
+
+EXAMPLES: dict[str, Callable[..., dict[str, Any]]] = {"friction": friction, "mises": mises, "interface": interface}
+# the bugs of each example, by number, and the check that tells of them first
+BUGS = {
+    "friction": ["vacuity", "repeatability", "dissipation", "slip", "slope"],
+    "mises": ["elasticity", "rate", "slope", "rest", "energy"],
+    "interface": ["repeatability", "rest", "slope", "dissipation", "stored-energy"],
+}
+MUTANTS = [(name, bug, first) for name, found in BUGS.items() for bug, first in enumerate(found, start=1)]
+QUICK = [case for case in MUTANTS if case[:2] in {("friction", 1), ("mises", 1), ("mises", 4), ("interface", 5)}]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "bug", "first"), mostly_long(MUTANTS, *QUICK))
+def test_each_bug_is_told_by_the_right_check_first(name: str, bug: int, first: str) -> None:
+    report = conformance(None, max_examples=3, rows=12, seconds=0.05, seed=1, **EXAMPLES[name](bug))
+    assert report.failures and report.failures[0].check.name == first, str(report)
+    failure = report.failures[0]
+    if not failure.check.whole and first != "repeatability":  # what shows only between calls need not show again alone
+        assert len(failure.case) == 1
+        assert violation(failure.check.name, None, EXAMPLES[name](bug)["update"], failure.case)
+        assert violation(failure.check.name, None, EXAMPLES[name]()["update"], failure.case) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_nothing_is_said_of_a_good_example(name: str) -> None:
+    report = conformance(None, max_examples=2, rows=20, seed=2, **EXAMPLES[name]())
+    assert report.ok and report.visited["slip"] > 0.1 and report.visited["stick"] > 0.1, str(report)
+    assert len(report.passed) + len(report.left_out) == len(checks_for(None))
+
+
+def test_what_only_associated_laws_satisfy_is_asked_for_by_name() -> None:
+    """The interface slips along itself whatever the pressure: its law is not associated, and good for all that."""
+    by_name = [c for c in checks_for(None, associated=True) if not c.demanded]
+    assert [c.name for c in by_name if not c.name.startswith("associated-")] == ["isotropic-plastic-work"]
+    symmetry = [c for c in by_name if c.name == "associated-symmetry"]
+    assert conformance(None, max_examples=2, rows=10, seconds=0.05, checks=symmetry, **interface()).failed == {"associated-symmetry"}
+    assert conformance(None, max_examples=1, rows=20, checks=by_name, **friction()).ok
+
+
+def kinematic(hardening: float, back: float = 1.0) -> Material:
+    """One dimension, modulus 1, yield 1, linear kinematic hardening: the stress may be driven against itself, sigma d eps_p < 0."""
+
+    def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
+        plastic = before.variables[:, :1]
+        trial = before.stress + increment
+        away = trial - hardening * plastic
+        amount = np.maximum(np.abs(away) - 1.0, 0.0) / (1.0 + hardening)
+        slip = amount * np.sign(away)
+        stress, plastic = trial - slip, plastic + back * slip
+        stored = 0.5 * (stress**2 + hardening * plastic**2)
+        dissipated = before.dissipated[:, None] + amount
+        slope = np.where(amount > 0.0, hardening / (1.0 + hardening), 1.0)[:, :, None]
+        return MaterialState(before.strain + increment, stress, plastic, stored[:, 0], dissipated[:, 0], None, slope)
+
+    return Material(advance, [[1.0]], [0.0], energies=True, name="kinematic")
+
+
+def test_kinematic_hardening_is_not_accused() -> None:
+    report = conformance(None, kinematic(0.5), max_examples=3)
+    assert report.ok and {"dissipation", "energy", "rest", "subdivision", "stored-energy"} <= set(report.passed), str(report)
+    work = conformance(None, kinematic(3.0), checks=["isotropic-plastic-work"], max_examples=5, seconds=0.05)
+    assert work.failed == {"isotropic-plastic-work"}  # which is why it is asked for by name
+    assert not conformance(None, kinematic(0.5, back=0.5), max_examples=3, seconds=0.05).ok
+
+
+def creeping(trial: Array, pressure: Array, stiffness: Array) -> Step:
+    """A routine that lets go of a thousandth of the stress each time it is called."""
+    size = np.linalg.norm(trial, axis=1, keepdims=True)
+    return Step(0.999 * trial / np.maximum(1.0, size))
+
+
+def test_a_stress_that_creeps_without_an_increment_is_told() -> None:
+    report = conformance(None, creeping, stiffness=[1.0, 1.0], pressure=-1.0, max_examples=1, seconds=0.05)
+    assert "rest" in report.failed, str(report)
+
+
+def test_a_run_that_never_slips_fails() -> None:
+    report = conformance(None, lambda trial, pressure, stiffness: trial, stiffness=[1.0, 3.0], max_examples=2)
+    assert report.failed == {"vacuity"} and "nothing slipped" in str(report) and report.visited["slip"] == 0.0
+    with pytest.raises(AssertionError, match="nothing slipped"):
+        assert_conforms(None, lambda trial, pressure, stiffness: trial, stiffness=[1.0], max_examples=2)
+
+
+LAWS = [("coulomb", {"mu": 0.3}), ("antoni2007", {}), ("orthotropic", {"mu_a": 0.5, "mu_b": 0.1})]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("law", "values"), mostly_long(LAWS, LAWS[0]), ids=str)
+def test_duhems_own_routines_pass_what_needs_no_law(law: str, values: dict[str, float]) -> None:
+    numbers = values or {f"mu_{x}_{s}": m for (x, s), m in zip([(x, s) for x in "ab" for s in ("plus", "minus")], (0.2, 0.08, 0.12, 0.15))}  # noqa: B905
+    k = decades(-2, 2).map(lambda size: size * np.array([[2.0, 0.5], [0.5, 1.0]]))
+    asked = checks_for(None, associated=True)
+    report: Report = conformance(
+        None, projection(law, tangent=True), numbers, stiffness=k, pressure=decades(-3, 3).map(lambda p: -p), checks=asked, max_examples=2
+    )
+    assert report.ok, str(report)
+
+
+def test_parameters_without_a_law_are_numbers_or_strategies_and_checks_have_names() -> None:
+    def update(trial: Array, pressure: None, stiffness: Array, limit: float) -> Array:
+        assert pressure is None and limit > 0.0
+        return np.clip(trial, -limit, limit)
+
+    report = conformance(None, update, {"limit": decades(-3, 3)}, stiffness=decades(-1, 1).map(lambda k: [k, 2.0]), max_examples=4)
+    assert report.ok and not any(sign == "seam" for sign in report.visited), str(report)
+    with pytest.raises(InputError, match="without a law: unknown check 'feasibility'; choose one of answers"):
+        conformance(None, update, {"limit": 1.0}, stiffness=[1.0], checks="feasibility")
