@@ -89,6 +89,7 @@ def conformance(
     seconds: float = 10.0,
     seed: int | None = None,
     expected_failed_checks: Mapping[str, str] | None = None,
+    first: Iterable[Case] = (),
 ) -> Report:
     """Put a routine for the slip increment of ``law`` to every check, on cases drawn by Hypothesis and shrunk where one fails.
 
@@ -100,7 +101,8 @@ def conformance(
     increments are drawn, as the Hypothesis profile says where left out; ``seconds`` bounds the shrinking of each failure.
     ``seed`` is that of the cases, drawn anew where left out unless the profile is derandomised; the report names it.
     ``expected_failed_checks`` gives the checks that are known to fail, each with the reason: one of them that passes makes
-    the report not ``ok``.  The law is taken to be associated.
+    the report not ``ok``.  ``first`` are cases that are tried before any is drawn, such as those that failed before; one that
+    does not fit the law and its parameters is passed over.  The law is taken to be associated.
 
     Without a law (None), ``update`` is such a routine, with ``stiffness`` (d,), (d, d) or a strategy, ``parameters`` that are
     numbers or strategies, all passed by name, and ``pressure``, None for a routine that is given none; or a
@@ -130,6 +132,7 @@ def conformance(
         if known is None
         else ConformanceRun(known, _routine(update), parameters, asked, **options)
     )
+    run.try_first(first)
     return run.to_the_end().report()
 
 

@@ -147,6 +147,19 @@ class ConformanceRun:
     def _causes(self, failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
         return by_cause(failures)
 
+    def try_first(self, cases: Iterable[Case]) -> None:
+        """Note what fails on cases that are known already, one increment each; those that do not fit are passed over."""
+        for case in cases:
+            if len(case) == 1 and self._fits(case):
+                self._note_all(list(self.failures(self.query(case), self.pending)))
+
+    def _fits(self, case: Case) -> bool:
+        if (law := self.law) is None:
+            return False
+        domains = law.fix(self.parameters).parameters
+        named = {*case.parameters} == {*domains} and (case.pressure is None) == (law.pressure is None)
+        return named and case.trial.shape[1] == len(law.forces) and all(value in domains[name] for name, value in case.parameters.items())
+
     def to_the_end(self) -> ConformanceRun:
         """Draw cases until every check has failed or has seen them all."""
         drawn = self._cases(self.parameters, self.stiffness, self.rows)
@@ -183,8 +196,11 @@ class ConformanceRun:
             again = list(self.failures(self.query(least), checks))
         if not again:
             again = [self._unrepeatable(first, checks[0])]
-        self.found += again
-        failed = {f.check.name for f in again}
+        self._note_all(again)
+
+    def _note_all(self, failures: Sequence[Failure]) -> None:
+        self.found += failures
+        failed = {f.check.name for f in failures}
         self.pending = [c for c in self.pending if c.name not in failed]
 
     def _unrepeatable(self, case: Case, check: Check) -> Failure:

@@ -1,0 +1,352 @@
+"""The pytest plugin as its users meet it: small projects, each run in this process as pytest would run it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+
+import duhem_pytest
+from duhem.cli.test import test as command
+from duhem.testing import pytest_checks, pytest_files, pytest_snapshots  # what a run imports and would forget at its end
+from duhem.testing.profiles import PROFILES
+from duhem.vouched import histories, increments
+
+pytest_plugins = ["pytester"]
+IMPORTED = (duhem_pytest, pytest_checks, pytest_files, pytest_snapshots, histories, increments)
+
+HEAD = """\
+import numpy as np
+import pytest
+
+MARK = {"law": "coulomb", "parameters": {"mu": 0.5}, "pressure": -1.0, "stiffness": 1.0, "max_examples": 2, "rows": 5, "seconds": 0.2}
+
+def right(trial, pressure, stiffness):
+    size = np.hypot(*trial.T)
+    return trial / np.maximum(size / 0.5, 1.0)[:, None]
+
+"""
+
+
+def tried(pytester: pytest.Pytester, *arguments: str) -> pytest.RunResult:
+    """As an installed plugin is, whether it is installed or not."""
+    given = ("-p", "no:duhem", "-W", "error", "--strict-markers", "-q", "-rA", *arguments)
+    return pytester.runpytest_inprocess(*given, plugins=[duhem_pytest])
+
+
+def test_a_routine_is_a_node_a_check(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_friction=HEAD
+        + """
+CHECKS = ["answers", "feasibility", "idempotence", "variational-inequality", "slip"]
+KNOWN = {"variational-inequality": "the slip is reversed on purpose", "feasibility": "thought to fail"}
+
+@pytest.mark.duhem(checks=CHECKS, expected_failed_checks=KNOWN, **MARK)
+def update(trial, pressure, stiffness):
+    return right(trial, pressure, stiffness)[:, ::-1] * 0.5
+
+@pytest.mark.duhem(checks="feasibility", **MARK)
+def stick(trial, pressure, stiffness):
+    return trial
+
+@pytest.fixture
+def made():
+    return right
+
+@pytest.mark.parametrize("number", [3, 4])
+@pytest.mark.duhem(checks=["feasibility", "slip"], **MARK)
+def test_made(duhem_check, made, number):
+    assert duhem_check(made).ok
+
+@pytest.mark.duhem(checks="feasibility", **MARK)
+@pytest.mark.skip("not today")
+def later(trial, pressure, stiffness):
+    raise AssertionError
+
+@pytest.mark.duhem(law=None, checks=["dissipation", "vacuity"], pressure=-1.0, stiffness=np.eye(2), max_examples=2, rows=5)
+def lawless(trial, pressure, stiffness):
+    return right(trial, pressure, stiffness)
+
+class TestMethods:
+    @staticmethod
+    @pytest.mark.duhem(checks="feasibility", **MARK)
+    def plain(trial, pressure, stiffness):
+        return right(trial, pressure, stiffness)
+
+    @pytest.mark.duhem(checks="feasibility", **MARK)
+    def bound(self, trial, pressure, stiffness):
+        return right(trial, pressure, stiffness)
+"""
+    )
+    done = tried(pytester, "--junitxml=junit.xml")
+    done.assert_outcomes(passed=14, failed=3, skipped=5, xfailed=1)
+    name = "test_friction.py::"
+    done.stdout.fnmatch_lines_random(
+        [
+            f"PASSED {name}update[[]answers]",
+            f"FAILED {name}update[[]idempotence]*",
+            f"XFAIL {name}update[[]variational-inequality] - the slip is reversed on purpose",
+            f"FAILED {name}update[[]feasibility]*",
+            "*feasibility passes, and was expected to fail: thought to fail; take it out of expected_failed_checks",
+            f"PASSED {name}update[[]flagged]",
+            f"FAILED {name}stick[[]feasibility]*",
+            f"PASSED {name}test_made[[]feasibility-3]",
+            f"PASSED {name}lawless[[]dissipation]",
+            f"PASSED {name}TestMethods::bound[[]feasibility]",
+            f"PASSED {name}TestMethods::plain[[]flagged]",
+        ]
+    )
+    found = properties(pytester.path / "junit.xml")
+    assert found["update[answers]"]["duhem_verdict"] == "tested"  # drawn cases never prove
+    assert found["stick[feasibility]"]["duhem_verdict"] == "refuted"
+    witness = json.loads(found["stick[feasibility]"]["duhem_witness"])
+    assert sum(x * x for x in witness["trial"][0]) > 0.25 * (1.0 + 1e-9)
+
+
+def properties(file: Path) -> dict[str, dict[str, str]]:
+    """Of each test by its name, as JUnit has them."""
+    cases = ElementTree.parse(file).iter("testcase")
+    return {case.get("name", ""): {p.get("name", ""): p.get("value", "") for p in case.iter("property")} for case in cases}
+
+
+def test_the_cases_are_drawn_once_and_only_for_what_is_selected(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        HEAD
+        + """
+@pytest.mark.duhem(checks=["feasibility", "idempotence", "stiffness-scale"], **MARK)
+def update(trial, pressure, stiffness):
+    with open("calls", "a") as stream:
+        stream.write("x" if stiffness[0, 0] == 1.0 else "s")
+    return right(trial, pressure, stiffness)
+"""
+    )
+    pytester.makeconftest(  # what --dist loadgroup goes by
+        """
+def pytest_collection_modifyitems(items):
+    assert {mark.args for item in items for mark in item.iter_markers("xdist_group")} == {(items[0].nodeid.split("[")[0],)}
+"""
+    )
+    tried(pytester, "-k", "feasibility").assert_outcomes(passed=1, deselected=3)
+    alone = (pytester.path / "calls").read_text("utf-8")
+    (pytester.path / "calls").unlink()
+    tried(pytester).assert_outcomes(passed=4)
+    together = (pytester.path / "calls").read_text("utf-8")
+    assert "s" not in alone and together.count("s") >= 2
+    assert together.count("x") <= 2 * len(alone) + 2  # the answers to a case serve feasibility and idempotence, which asks one more
+
+
+def test_what_failed_is_kept_and_tried_first(pytester: pytest.Pytester) -> None:
+    routine = """
+@pytest.mark.duhem(checks="feasibility", **MARK)
+def update(trial, pressure, stiffness):
+    if len(trial) == 3:
+        np.save("first.npy", trial[0])
+    return {}
+"""
+    pytester.makepyfile(test_it=HEAD + routine.format("trial"))
+    tried(pytester).assert_outcomes(passed=1, failed=1)
+    (kept,) = (pytester.path / ".pytest_cache" / "v" / "duhem" / "cases").iterdir()
+    case = json.loads(kept.read_text("utf-8"))["feasibility"]
+    pytester.makepyfile(test_it=HEAD + routine.format("trial").replace("if len(trial) == 3:", "if True:\n        assert len(trial) == 3"))
+    tried(pytester, "--lf").assert_outcomes(failed=1)  # the case alone is asked, and nothing is drawn or shrunk
+    import numpy as np
+
+    assert np.load(pytester.path / "first.npy").tolist() == case["trial"][0]
+    pytester.makepyfile(test_it=HEAD + routine.format("right(trial, pressure, stiffness)"))
+    tried(pytester).assert_outcomes(passed=2)
+    assert json.loads(kept.read_text("utf-8")) == {}
+
+
+def test_a_routine_that_flags_too_much(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        HEAD
+        + """
+from duhem.testing import Step
+
+@pytest.mark.duhem(checks="feasibility", **MARK)
+@pytest.mark.duhem(checks="feasibility", most_flagged=1.0, **(MARK | {"law": "orthotropic", "parameters": {"mu_a": 0.5, "mu_b": 0.5}}))
+def update(trial, pressure, stiffness):
+    return Step(trial, solved=np.zeros(len(trial), dtype=bool))
+"""
+    )
+    done = tried(pytester, "-p", "no:cacheprovider")
+    done.assert_outcomes(passed=1, failed=1, skipped=2)
+    done.stdout.fnmatch_lines_random(["PASSED *::update[[]orthotropic-flagged]", "FAILED *::update[[]coulomb-flagged]*"])
+    done.stdout.fnmatch_lines(["*update[[]coulomb] flags * increments as not solved, more than a share 0.0"])
+
+
+WRONG = {
+    "": "the marker duhem names no law; write for example @pytest.mark.duhem(law=",
+    'law="coulom"': "unknown law 'coulom'; did you mean coulomb?",
+    'law="coulomb", checks="feasible"': "unknown check 'feasible'; choose one of *",
+    'law="coulomb", tolerance=1': "the marker duhem takes no 'tolerance'; it takes law, *",
+    'law="coulomb", parameters={"nu": 1}': "*nu*",
+    'law="coulomb", checks="slip", expected_failed_checks={"ray": "?"}': "ray is expected to fail and not asked for; name it in checks",
+}
+
+
+@pytest.mark.parametrize("given", WRONG)
+def test_a_marker_that_cannot_be_used_is_one_line(pytester: pytest.Pytester, given: str) -> None:
+    pytester.makepyfile(test_it=f"import pytest\n\n@pytest.mark.duhem({given})\ndef update(): ...\n")
+    done = tried(pytester, "--collect-only")
+    done.assert_outcomes(errors=1)
+    lines = done.stdout.lines
+    (at,) = (i for i, line in enumerate(lines) if line.startswith("___"))
+    assert pytest.LineMatcher(lines[at + 1 : at + 2]).fnmatch_lines([f"test_it.py::update: {WRONG[given]}*"]) is None
+    assert lines[at + 2].startswith("===")
+
+
+def test_the_fixture_needs_the_marker(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile("def test_it(duhem_check): ...")
+    done = tried(pytester)
+    done.assert_outcomes(errors=1)
+    done.stdout.fnmatch_lines(["*::test_it: the fixture duhem_check needs the marker duhem; write for example @pytest.mark.duhem(law=*"])
+
+
+# -- files -------------------------------------------------------------------------------------------------------------
+
+LIMACON = """\
+[criterion]
+name = "oval"
+g = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + 4/5*sigma_a)"
+"""
+SCENE = """\
+law = "coulomb"
+stiffness = 1e9
+[parameters]
+mu = 0.2
+[path]
+kind = "linear"
+points = [[0, 0], [3e-4, 0]]
+pressure = PRESSURE
+"""
+
+
+def written(pytester: pytest.Pytester, files: dict[str, str]) -> None:
+    for name, text in files.items():
+        (pytester.path / f"{name}.toml").write_text(text, "utf-8")
+
+
+def test_files_are_nodes_of_claims_and_runs(pytester: pytest.Pytester) -> None:
+    written(pytester, {"oval.duhem": LIMACON, "slide": SCENE.replace("PRESSURE", "-1e6"), "other": "[tool]\nx = 1\n"})
+    pytester.makeini("[pytest]\nduhem_files = sl*.toml\n")
+    done = tried(pytester, "--duhem-claims", "origin,convexity,duality", "--junitxml=junit.xml")
+    done.assert_outcomes(passed=2, failed=1, skipped=1)
+    done.stdout.fnmatch_lines_random(
+        [
+            "PASSED oval.duhem.toml::origin",
+            "FAILED oval.duhem.toml::convexity*",
+            "PASSED slide.toml::simulate",
+            "oval: convexity is refuted: *",
+            "  p: sigma_a = *, sigma_b = *, sigma_n = -1",
+        ]
+    )
+    found = {case["duhem_verdict"]: case for case in properties(pytester.path / "junit.xml").values() if "duhem_verdict" in case}
+    assert found["proved"]["duhem_trust"] == "checked" and found["proved"]["duhem_method"]
+    assert set(json.loads(found["refuted"]["duhem_witness"])["points"]) == {"p", "q", "midpoint"}
+
+
+def test_an_undecided_claim_fails_or_is_expected_to(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import replace
+
+    from duhem.proof.verdict import Verdict
+    from duhem.proof.verification import verify
+
+    def undecided(*given: Any, **more: Any) -> Any:
+        done = verify(*given, **more)
+        return replace(done, results=tuple(replace(r, verdict=Verdict.UNDECIDED, trust=None, detail="nobody knows") for r in done.results))
+
+    monkeypatch.setattr(pytest_files, "verify", undecided)
+    written(pytester, {"oval.duhem": LIMACON})
+    asked = ("--duhem-claims", "origin")
+    tried(pytester, *asked).assert_outcomes(failed=1)
+    tried(pytester, *asked, "--duhem-undecided", "xfail").assert_outcomes(xfailed=1)
+    pytester.makeini("[pytest]\nduhem_undecided = xfail\n")
+    done = tried(pytester, *asked)
+    done.assert_outcomes(xfailed=1)
+    done.stdout.fnmatch_lines(["XFAIL oval.duhem.toml::origin - oval: origin is undecided: nobody knows*"])
+
+
+def test_files_that_cannot_be_used_and_a_run_that_is_stopped(pytester: pytest.Pytester) -> None:
+    broken = {"a.duhem": LIMACON.replace("norm(", "nrm("), "b.duhem": "[tool]\n", "c.duhem": SCENE.replace("PRESSURE", "1.0")}
+    written(pytester, broken)
+    done = tried(pytester)
+    done.assert_outcomes(errors=3)
+    done.stdout.fnmatch_lines_random(["*a.duhem.toml:3:*nrm*", "*b.duhem.toml: this is neither a criterion file nor a scene; *"])
+    for name in broken:
+        (pytester.path / f"{name}.toml").unlink()
+    ranged = LIMACON.replace("4/5", "1/5") + "[domain]\nsigma_a = { max = 0.25 }\n"
+    far = SCENE.replace("PRESSURE", "-1").replace("coulomb", "ranged.toml").replace("mu = 0.2\n", "")
+    written(pytester, {"ranged": ranged, "far.duhem": far})
+    done = tried(pytester)
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["*sigma_a*"])
+
+
+# -- snapshots ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_snapshot_is_kept_beside_the_test_and_compared(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(test_it='def test_law(duhem_snapshot):\n    duhem_snapshot("coulomb", {"mu": 0.5}, claims=["origin"])\n')
+    done = tried(pytester)
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["coulomb: snapshots/test_it/test_law.json: there is no such file; * keep it with --duhem-update"])
+    tried(pytester, "--duhem-update").assert_outcomes(passed=1)
+    tried(pytester).assert_outcomes(passed=1)
+    file = pytester.path / "snapshots" / "test_it" / "test_law.json"
+    file.write_text(file.read_text("utf-8").replace('"proved"', '"refuted"'), "utf-8")
+    done = tried(pytester)
+    done.assert_outcomes(failed=1)
+    done.stdout.fnmatch_lines(["coulomb is not as snapshots/test_it/test_law.json has it; *", "  origin: refuted → proved"])
+
+
+# -- what it costs, and how it is shipped ------------------------------------------------------------------------------
+
+
+def test_a_run_that_does_not_use_it_imports_nothing_of_it(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_it="""
+import sys
+
+def test_nothing():
+    assert not [m for m in sys.modules if m.partition(".")[0] in ("duhem", "numpy", "sympy")]
+"""
+    )
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:duhem", "-p", "duhem_pytest", "-p", "no:hypothesispytest"]
+    done = subprocess.run(command, cwd=pytester.path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_profiles_are_those_of_the_command() -> None:
+    (option,) = (o for o in command.params if o.name == "profile")
+    assert {*option.type.choices} == {*PROFILES}  # type: ignore[attr-defined]
+    assert all(f"{asked['max_examples']}" in str(option.help) for asked in PROFILES.values())  # type: ignore[attr-defined]
+
+
+def test_it_is_found_by_pytest_and_shipped() -> None:
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text("utf-8"))
+    assert project["project"]["entry-points"]["pytest11"] == {"duhem": duhem_pytest.__name__}
+    assert "src/duhem_pytest.py" in project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]
+    assert "Framework :: Pytest" in project["project"]["classifiers"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("dist", ["load", "loadgroup"])
+def test_workers_agree_however_nodes_are_shared_out(pytester: pytest.Pytester, dist: str) -> None:
+    pytester.makepyfile(
+        test_it=HEAD
+        + """
+@pytest.mark.duhem(checks=["feasibility", "idempotence", "ray"], **MARK)
+def update(trial, pressure, stiffness):
+    return trial
+"""
+    )
+    written(pytester, {"oval.duhem": LIMACON})
+    given = ("-p", "no:duhem", "-p", "duhem_pytest", "-n", "2", "--dist", dist, "--duhem-claims", "origin,smoothness", "test_it.py")
+    pytester.runpytest_subprocess(*given, "oval.duhem.toml").assert_outcomes(passed=5, failed=1)
