@@ -13,6 +13,7 @@ import pytest
 import duhem
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.projection import conic_solvers, cvxpy_method
 from duhem.projection.conic_solvers import rungs
 from duhem.projection.cvxpy_method import CVXPY, applies
 from duhem.projection.increment import Increment
@@ -302,3 +303,24 @@ def test_a_problem_is_compiled_once_for_a_law_and_a_stiffness(monkeypatch: pytes
     assert np.array_equal(first.stress, again.stress) and np.array_equal(first.multiplier, again.multiplier)
     duhem.project("antoni2007", [0.3, 0.2], -1.0, [1.0, 2.5], ANTONI, method="cvxpy")
     assert len(posed) == 2
+
+
+def test_a_block_that_comes_again_is_not_put_to_the_solver_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With another tolerance, say; and no block is answered for another."""
+    made: list[Any] = []
+    right = conic_solvers.compiled
+    monkeypatch.setattr(conic_solvers, "compiled", lambda *a: made.append(a) or right(*a))
+    monkeypatch.setattr(cvxpy_method, "_KEPT", 2)
+    near, far, beside = (
+        increment("antoni2007", [trial], -1.0, np.diag([1.0, 3.141592]), ANTONI) for trial in ([0.3, 0.2], [9.0, 6.0], [0.6, 0.4])
+    )
+    first = solve(near, tolerance=1e-10)
+    solve(near, tolerance=1e-6)
+    other = solve(far, tolerance=1e-10)
+    assert len(made) == 2 and np.abs(other.stress - first.stress).max() > 0.01
+    again = solve(near, tolerance=1e-10)
+    assert len(made) == 2 and np.array_equal(first.stress, again.stress) and np.array_equal(first.multiplier, again.multiplier)
+    solve(beside, tolerance=1e-10)
+    assert len(made) == 3
+    again = solve(near, tolerance=1e-10)
+    assert len(made) == 4 and np.array_equal(first.stress, again.stress)  # what came first has made room

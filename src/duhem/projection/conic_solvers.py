@@ -18,7 +18,7 @@ from typing import Any
 
 from duhem.errors import InputError
 
-__all__ = ["KNOWN", "Rungs", "checked", "installed", "ran", "rungs", "tolerances"]
+__all__ = ["KNOWN", "Rungs", "checked", "compiled", "installed", "ran", "rungs", "tolerances"]
 
 Settings = Mapping[str, Any]  # in the words of a solver
 Rungs = tuple[tuple[Settings, ...], ...]  # tolerances from the tightest on; for each, the ways to try it
@@ -110,29 +110,32 @@ def tolerances(solver: str) -> tuple[float, ...]:
     return _DIALECTS[solver].ladder if solver in _DIALECTS else ()
 
 
-def ran(problem: Any, tries: Rungs, *, solver: str, warm_start: bool) -> bool:
-    """Solve in place; whether the variables now hold numbers, which says nothing of how good they are.
+def compiled(problem: Any, solver: str) -> Any:
+    """What the solver is given for the parameters that the problem holds now, and the way back from its answer.
 
     Raises InputError where the solver lacks a cone that the problem needs.
     """
-    cp = _cp()
     posing = {} if problem.is_dpp() else {"ignore_dpp": True}
-    if problem.status is None:  # not solved before: the compilation that solving would do, and keep, in any case
-        try:
-            problem.get_problem_data(solver, **posing)
-        except cp.error.SolverError:
-            raise InputError(
-                f"{solver} does not take the cones or the quadratic objective of this law", where="solver", remedy="take CLARABEL"
-            ) from None
-    return any(_answered(problem, {"solver": solver, "warm_start": warm_start, **posing, **way}) for rung in tries for way in rung)
+    try:
+        return problem.get_problem_data(solver, solver_opts={}, **posing)
+    except _cp().error.SolverError:
+        raise InputError(
+            f"{solver} does not take the cones or the quadratic objective of this law", where="solver", remedy="take CLARABEL"
+        ) from None
 
 
-def _answered(problem: Any, settings: Settings) -> bool:
-    cp = _cp()
+def ran(problem: Any, given: Any, tries: Rungs, *, warm_start: bool) -> bool:
+    """Solve in place what was :func:`compiled`; whether the variables now hold numbers, which says nothing of how good they are."""
+    return any(_answered(problem, given, way, warm_start) for rung in tries for way in rung)
+
+
+def _answered(problem: Any, given: Any, settings: Settings, warm_start: bool) -> bool:
+    cp, (data, chain, inverse) = _cp(), given
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": every answer is judged by its residuals
         try:
-            problem.solve(**settings)
+            answer = chain.solve_via_data(problem, dict(data), warm_start, False, dict(settings))
+            problem.unpack_results(answer, chain, inverse)
         except cp.error.SolverError:
             return False
     return problem.status in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE)

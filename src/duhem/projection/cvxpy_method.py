@@ -45,6 +45,7 @@ __all__ = ["CVXPY", "CvxpyOptions", "applies", "solve"]
 Indices = NDArray[np.intp]
 
 _POOR = 3e-8  # a residual
+_KEPT = 64  # blocks of a problem
 
 _ELSEWHERE = "or take method='newton', which needs g smooth and K convex only"
 
@@ -92,7 +93,7 @@ def solve(increment: Increment, options: CvxpyOptions = _DEFAULTS) -> Solution:
     if reason := applies(increment):
         raise InputError(reason, where=increment.law.name)
     solver = conic_solvers.checked(options.solver)
-    run, rungs = partial(conic_solvers.ran, solver=solver, warm_start=options.warm_start), conic_solvers.rungs(solver, options.tolerance)
+    run, rungs = partial(conic_solvers.ran, warm_start=options.warm_start), conic_solvers.rungs(solver, options.tolerance)
     count = len(increment.trial)
     stress, multiplier = increment.trial.copy(), np.zeros(count)
     bare = _at_a_point(increment)
@@ -283,8 +284,10 @@ class _Posed:
     pull: Any  # u
     data: dict[sp.Symbol, Any]
     width: int
+    solver: str
+    compiled: dict[bytes, Any]  # for the last blocks: where an answer is poor they come again, with other tolerances
 
-    def answer(self, slipping: _Slipping, block: Indices, run: Callable[[Any], bool]) -> tuple[Array, Array] | None:
+    def answer(self, slipping: _Slipping, block: Indices, run: Callable[[Any, Any], bool]) -> tuple[Array, Array] | None:
         """y and the dual value at the points of the block, or None where the solver gives up."""
         points = np.resize(block, self.width)  # a last short block is filled up with points it already has
         theta = slipping.size[points] / slipping.distance[points]
@@ -292,9 +295,17 @@ class _Posed:
         self.pull.value = slipping.direction[points]
         for q, parameter in self.data.items():
             parameter.value = slipping.data[q][points]
-        if not run(self.problem):
+        if not run(self.problem, self._given()):
             return None
         return self.y.value[: len(block)], self.constraint.dual_value[: len(block)]
+
+    def _given(self) -> Any:
+        key = b"".join(parameter.value.tobytes() for parameter in (self.curvature, self.pull, *self.data.values()))
+        if key not in self.compiled:
+            if len(self.compiled) == _KEPT:
+                del self.compiled[next(iter(self.compiled))]
+            self.compiled[key] = conic_solvers.compiled(self.problem, self.solver)
+        return self.compiled[key]
 
 
 @lru_cache(maxsize=16)
@@ -317,7 +328,7 @@ def _posed(
     stress = {f: sum(c * y[:, j] for j, c in enumerate(row) if c) for f, row in zip(forces, factor, strict=True)}
     constraint = expression(formula.expr, {**stress, **data}) / slope <= 0
     objective = cp.sum(cp.multiply(curvature, cp.square(y))) / 2 - cp.sum(cp.multiply(pull, y))
-    return _Posed(cp.Problem(cp.Minimize(objective), [constraint]), y, constraint, curvature, pull, data, width)
+    return _Posed(cp.Problem(cp.Minimize(objective), [constraint]), y, constraint, curvature, pull, data, width, solver, {})
 
 
 def _sign(symbol: sp.Symbol) -> dict[str, bool]:
