@@ -16,7 +16,7 @@ import pytest
 import duhem
 from duhem import Criterion, InputError
 from duhem.projection import compiled_judge, judge_kernel, newton
-from duhem.projection.in_blocks import in_blocks
+from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.method import Compiling
 from duhem.projection.methods import METHODS
@@ -177,6 +177,13 @@ def test_blocks_are_done_once_each(threads: int) -> None:
     done: list[int] = []
     in_blocks(10, 3, lambda block: done.extend(range(block.start, block.stop)), threads)
     assert sorted(done) == list(range(10))
+
+
+@pytest.mark.parametrize(("n", "size"), [(0, 1_000), (900, 1_000), (3_000, 1_000), (10_000, 1_250), (32_000, 4_000), (33_000, 2_063)])
+def test_two_four_and_eight_threads_have_as_much_to_do_as_each_other(n: int, size: int) -> None:
+    assert evenly(n, 4_000, 1_000) == size
+    shares = -(-n // size)
+    assert size == 1_000 or shares % 8 == 0
 
 
 def test_a_stationary_point_that_is_not_the_closest_is_left(monkeypatch: pytest.MonkeyPatch) -> None:

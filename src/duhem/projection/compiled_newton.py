@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
 from duhem.projection import newton_kernel, newton_start, newton_step
-from duhem.projection.in_blocks import in_blocks
+from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import compiled_text
 from duhem.projection.module_text import module_text
@@ -29,7 +29,7 @@ from duhem.projection.whitened_body import whitening
 
 __all__ = ["Loop", "kernel_text", "solved"]
 
-_BLOCK = 4_096  # so few that threads share batches of some ten thousand
+_BLOCK = 1_024, 4_096  # points, from and to: threads share batches of a few thousand
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,8 @@ def solved(increment: Increment, threads: int | None = None) -> tuple[Solution, 
         out = found.stress[block], found.slip[block], found.multiplier[block], state[block]
         loop.run(*given, loop.constants, loop.root, loop.inverse, loop.formula.degree, *out)
 
-    in_blocks(n, _BLOCK, fill, threads)
+    least, most = _BLOCK
+    in_blocks(n, evenly(n, most, least), fill, threads)
     with np.errstate(over="ignore", invalid="ignore"):
         found.slip[:] /= loop.mean
         found.multiplier[:] /= loop.mean

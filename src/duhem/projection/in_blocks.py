@@ -6,10 +6,18 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-__all__ = ["BLOCK", "in_blocks"]
+__all__ = ["BLOCK", "evenly", "in_blocks"]
 
 BLOCK = 24_000
 """Points of a block of NumPy's passes.  The flagship's million points took 206 to 214 ns a point at least, with 16,384 251 to 260."""
+
+
+_SHARES = 8  # blocks, or a multiple of them: two, four and eight threads end together
+
+
+def evenly(n: int, most: int, least: int) -> int:
+    """The size of blocks of ``n`` points for threads to share: from ``least`` to ``most`` points each, whoever computes them."""
+    return max(least, -(-n // (_SHARES * max(1, -(-n // (_SHARES * most))))))
 
 
 def in_blocks(n: int, size: int, fill: Callable[[slice], None], threads: int | None = None) -> None:
