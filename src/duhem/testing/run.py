@@ -35,6 +35,7 @@ __all__ = ["ConformanceRun", "judged"]
 
 _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
+_MEMORY = "repeatability"
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
 
@@ -185,6 +186,9 @@ class ConformanceRun:
 
     def _note(self, first: Case, checks: Sequence[Check]) -> None:
         """Look for a smaller case than the first that failed, and note every check that fails on it."""
+        if not any(self.failures(self.query(first), checks)):
+            self._note_all(self._unrepeatable(first, checks[0]))
+            return
         least = first
         shrinking = settings(self.profile, max_examples=_SINGLE)
         for fixed, k in ((self.parameters, self.stiffness), (first.parameters, first.stiffness)):  # the second is closer to what failed
@@ -194,24 +198,28 @@ class ConformanceRun:
         again = list(self.failures(self.query(least), self.pending))
         if not again:  # a check passes over rows that the routine has flagged for one before it: here each is on its own
             again = list(self.failures(self.query(least), checks))
-        if not again:
-            again = [self._unrepeatable(first, checks[0])]
-        self._note_all(again)
+        self._note_all(again or self._unrepeatable(least, checks[0]))
 
     def _note_all(self, failures: Sequence[Failure]) -> None:
         self.found += failures
         failed = {f.check.name for f in failures}
         self.pending = [c for c in self.pending if c.name not in failed]
 
-    def _unrepeatable(self, case: Case, check: Check) -> Failure:
-        state = next((c for c in self.pending if c.name == "repeatability"), None)
-        if any(f.check.name == "repeatability" for f in self.found):
-            state = check  # what keeps a memory is told already
-        if state is None:
+    def _unrepeatable(self, case: Case, check: Check) -> list[Failure]:
+        """A failure that does not show again: the routine keeps something between calls, which is told once."""
+        known = any(f.check.name == _MEMORY for f in self.found)
+        memory = next((c for c in self.pending if c.name == _MEMORY), None)
+        if memory is None and not known:
             raise InputError(
                 "the routine answers the same increment in different ways", where="update", remedy="test one that keeps no state"
             )
-        return self._failure(state, f"{check.name} failed on this case, and not when asked again", case, float("nan"), 0.0)
+        if check.name != _MEMORY:
+            self.pending.remove(check)
+            self.judged.discard(check.name)
+            self.left_out[check.name] = "failed once, and not when asked again: the routine has a memory"
+        if memory is None:
+            return []
+        return [self._failure(memory, f"{check.name} failed on this case, and not when asked again", case, float("nan"), 0.0)]
 
     def _look_at_the_whole(self) -> None:
         """The checks that no case alone can fail."""

@@ -1,0 +1,210 @@
+"""What a run has visited, a routine with a memory, checks expected to fail, and which failure is taken for the cause."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem.errors import InputError
+from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise
+from duhem.testing.causes import CAUSES, by_cause
+from duhem.testing.query import Query
+from duhem.testing.region import Region
+from duhem.testing.registry import registered
+from duhem.testing.visited import Visited
+from tests.oracles.routines import ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
+
+# -- visited -----------------------------------------------------------------------------------------------------------
+
+BOX = {"mu_a": 2.0, "mu_b": 0.5}  # |a| <= 2 p, |b| <= p/2
+TRIALS = np.array(
+    [
+        [1.0, 0.25],  # inside
+        [-2.0, 0.0],  # on the boundary
+        [2.0 + 1e-7, 0.0],  # beside it, outside; |b| changes its piece where it ends
+        [5.0, -0.25],  # slips along a
+        [3.0, 4.0],  # to the corner
+        [0.0, 0.0],  # no stress, at the tip
+        [1.0, 0.0],  # at the tip
+        [0.0, 100.0],  # slips along b, flagged
+    ]
+)
+LOADS = np.array([-1.0, -1.0, -1.0, -1.0, -1.0, 0.0, 0.0, -1.0])
+
+
+def box(trial: Array, pressure: Array, stiffness: Array, **_: float) -> Step:
+    ends = np.abs(pressure)[:, None] * [2.0, 0.5]
+    return Step(np.clip(trial, -ends, ends), solved=trial[:, 1] != 100.0)
+
+
+def test_what_was_visited_is_counted() -> None:
+    rows = len(TRIALS)
+    none, ones = np.zeros((rows, 2)), np.ones(rows)
+    case = Case(
+        BOX, np.diag([10.0, 1.0]), LOADS, TRIALS, TRIALS, TRIALS, none, none, ones, 2.0, np.zeros((rows, 2, 2)), np.stack([LOADS] * 2, 1)
+    )
+    visited = Visited(("sigma_a", "sigma_b"), pressed=True)
+    assert visited.shares == {} and visited.increments == 0
+    visited.add(Query(Region(duhem.load("box"), BOX), case, box, (), 1e-9))
+    assert visited.increments == 3 * 7
+    shares = {name: round(share * 7, 12) for name, share in visited.shares.items()}
+    assert shares == {
+        "stick": 3, "slip": 4, "boundary": 2, "tip": 2, "seam": 2, "corner": 1, "sigma_a+": 5, "sigma_a-": 1, "sigma_b+": 2, "sigma_b-": 1,
+    }  # fmt: skip
+    assert visited.decades == {"stress": (-1, 2), "pressure": (0, 0), "stiffness": (0, 1)}
+
+
+def flags_slip(trial: Array, pressure: Array, stiffness: Array) -> Step:
+    return Step(trial, solved=np.hypot(trial[:, 0] / 0.5, trial[:, 1] / 0.1) <= -0.99 * pressure)
+
+
+def flags_stick(trial: Array, pressure: Array, stiffness: Array) -> Step:
+    return Step(ellipse(trial, pressure, stiffness), solved=np.hypot(trial[:, 0] / 0.5, trial[:, 1] / 0.1) > -1.01 * pressure)
+
+
+@pytest.mark.parametrize(("update", "said"), [(flags_slip, "nothing slipped"), (flags_stick, "nothing stuck")])
+def test_a_run_that_visits_one_side_alone_fails(update: Callable[..., Step], said: str) -> None:
+    report = conformance("orthotropic", update, ELLIPSE, checks=["vacuity", "feasibility"], max_examples=3)
+    (failure,) = report.failures
+    assert report.failed == {"vacuity"} and report.passed == ("feasibility",)
+    assert said in failure.message and "visited: stick" in failure.message and said in str(report)
+    assert "draws them again" not in str(report) and "conformance(LAW, update, checks=['vacuity']" in failure.replay()
+
+
+def test_a_run_that_visits_both_passes() -> None:
+    report = conformance("orthotropic", ellipse, ELLIPSE, checks=["vacuity", "repeatability"], max_examples=3)
+    assert report.ok and report.passed == ("vacuity", "repeatability")
+    assert report.visited["stick"] + report.visited["slip"] == pytest.approx(1.0) and report.examples == 3
+
+
+# -- memory ------------------------------------------------------------------------------------------------------------
+
+
+def remembers_slip() -> Callable[..., object]:
+    """The slip of former increments is kept, and taken off the next trial stress."""
+    kept = np.zeros(2)
+
+    def step(trial: Array, pressure: float, stiffness: Array) -> Array:
+        nonlocal kept
+        stress = ellipse((trial - stiffness @ kept)[None], np.array([pressure]), stiffness)[0]
+        kept = 0.5 * np.linalg.solve(stiffness, trial - stress)
+        return stress
+
+    return pointwise(step)
+
+
+def rows_share() -> Callable[..., object]:
+    """The multiplier of the row before is where the search of the next begins, and it is not iterated."""
+
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        right = ellipse(trial, pressure, stiffness)
+        right[1:] += 1e-3 * (right[:-1] - trial[:-1])
+        return right
+
+    return update
+
+
+@pytest.mark.parametrize("made", [remembers_slip, rows_share])
+def test_a_routine_with_a_memory_is_told_to_have_one(made: Callable[[], Callable[..., object]]) -> None:
+    asked = ["repeatability", "idempotence", "firmness", "variational-inequality"]
+    report = conformance("orthotropic", made(), ELLIPSE, checks=asked, max_examples=5, seconds=0.1, seed=1)
+    assert report.failures[0].check.name == "repeatability" and {"repeatability"} < report.failed
+    assert {*report.failures[0].explains} == report.failed - {"repeatability"}
+
+
+def test_what_fails_once_and_not_again_is_a_memory() -> None:
+    calls = []
+
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        calls.append(len(trial))
+        return trial if len(calls) < 3 else ellipse(trial, pressure, stiffness)
+
+    report = conformance("orthotropic", update, ELLIPSE, checks=["feasibility", "repeatability"], max_examples=3, seconds=0.1)
+    assert report.failed == {"repeatability"} and "not when asked again" in report.failures[0].message
+    calls.clear()
+    with pytest.raises(InputError, match="in different ways"):
+        conformance("orthotropic", update, ELLIPSE, checks=["feasibility"], max_examples=3, seconds=0.1)
+
+
+# -- checks expected to fail -------------------------------------------------------------------------------------------
+
+
+def test_a_check_expected_to_fail_has_to() -> None:
+    def put(update: Callable[..., object]) -> Report:
+        expected = {"feasibility": "no projection yet", "slip": "none is returned"}
+        asked = ["feasibility", "slip", "vacuity"]
+        return conformance("orthotropic", update, ELLIPSE, checks=asked, max_examples=3, seconds=0.1, expected_failed_checks=expected)
+
+    failing, passing = put(nothing), put(ellipse)
+    assert failing.ok and failing.failures == () and failing.expected == {"feasibility": "no projection yet"}
+    assert failing.failed == {"feasibility"} and "feasibility failed, as expected: no projection yet" in str(failing)
+    assert not passing.ok and passing.failures == () and passing.unexpected == {"feasibility": "no projection yet"}
+    assert "feasibility passed, and was expected to fail" in str(passing)
+    with pytest.raises(InputError, match="unknown check 'feasible'"):
+        conformance("orthotropic", ellipse, ELLIPSE, expected_failed_checks={"feasible": "?"})
+
+
+# -- seeds -------------------------------------------------------------------------------------------------------------
+
+
+def test_a_seed_draws_the_same_again() -> None:
+    def put(seed: int | None) -> Report:
+        return conformance("orthotropic", ellipse, ELLIPSE, checks="vacuity", max_examples=3, seed=seed)
+
+    assert put(5).seed == 5 and put(5).visited == put(5).visited != put(6).visited
+    assert put(None).seed == 0  # the profile of these tests is derandomised
+
+
+# -- causes ------------------------------------------------------------------------------------------------------------
+
+
+def test_causes_are_checks_that_there_are() -> None:
+    known = {c.name for c in registered()}
+    assert {cause.check for cause in CAUSES} == known  # a new check takes its place in the table
+    assert all(cause.explains <= known - {cause.check} and cause.why for cause in CAUSES)
+
+
+def failed(*names: str, **diagnoses: dict[str, str]) -> list[Failure]:
+    zero = np.zeros((1, 2))
+    case = Case({}, np.eye(2), None, zero, zero, zero, zero, zero, np.ones(1), 2.0, np.zeros((1, 2, 2)), None)
+    return [Failure(check(n), None, "", case, 1.0, 0.0, 1e-9, "mine", (), diagnoses=diagnoses.get(n, {})) for n in names]
+
+
+@pytest.mark.parametrize(
+    ("names", "causes"),
+    [
+        (["firmness", "ray", "answers"], {"answers": ("ray", "firmness")}),
+        (["firmness", "convexity", "homogeneity"], {"convexity": ("firmness",), "homogeneity": ()}),
+        (["path", "dissipation", "feasibility"], {"feasibility": ("dissipation", "path")}),
+        (["slip", "energy", "ray"], {"ray": (), "slip": ("energy",)}),
+        (["tangent", "slope"], {"slope": ("tangent",)}),
+        (["tangent", "slope", "potential"], {"potential": (), "slope": ("tangent",)}),
+        (["tangent", "potential"], {"potential": ("tangent",)}),
+        (["tangent", "multiplier", "ray"], {"ray": (), "multiplier": (), "tangent": ()}),
+    ],
+    ids=str,
+)
+def test_the_likeliest_cause_comes_first_and_is_told_once(names: list[str], causes: dict[str, tuple[str, ...]]) -> None:
+    roots, explained = by_cause(failed(*names))
+    assert {f.check.name: f.explains for f in roots} == causes and [f.check.name for f in roots] == [*causes]
+    assert {f.check.name for f in explained} == {*names} - {*causes}
+
+
+def test_the_failure_with_a_diagnosis_is_the_cause() -> None:
+    roots, _ = by_cause(failed("feasibility", "ray", "firmness", ray={"radial": "r", "other": "o"}, firmness={"other": "o"}))
+    assert [(f.check.name, f.diagnosis, f.explains) for f in roots] == [("ray", "o", ("feasibility", "firmness"))]
+
+
+def test_two_bugs_are_two_causes() -> None:
+    extras = with_extras(slip=np.negative)
+
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Step:
+        step = extras(trial, pressure, stiffness)
+        return Step(over_projection(trial, pressure, stiffness), step.slip)
+
+    report = conformance("orthotropic", update, ELLIPSE, checks=["complementarity", "slip"], max_examples=5, seconds=0.1)
+    assert [f.check.name for f in report.failures] == ["complementarity", "slip"]
+    assert "0.9 times" in report.failures[0].diagnosis
