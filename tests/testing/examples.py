@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
@@ -14,7 +15,7 @@ import duhem.testing.foreign
 from duhem.testing.foreign import shared_library, shared_material, umat
 from tests.export.shared_library import compiler
 
-__all__ = ["FRICTION", "MISES", "elastic", "friction", "interface", "library", "mises"]
+__all__ = ["BUGS", "EXAMPLES", "FRICTION", "MISES", "elastic", "friction", "interface", "library", "mises"]
 
 SHIPPED = Path(duhem.testing.foreign.__file__).parent / "examples"
 FRICTION = (
@@ -59,12 +60,21 @@ def friction(bug: int = 0) -> dict[str, Any]:
     return {"update": update, "parameters": {"mu": 0.3}, "stiffness": [2.0, 2.0], "pressure": -1.0}
 
 
-def mises(bug: int = 0) -> dict[str, Any]:
-    """Steel, in Pa."""
+def mises(bug: int = 0, **other: float) -> dict[str, Any]:
+    """Steel, in Pa, with ``other`` parameters."""
     stiffness = elastic(STEEL["E"], STEEL["nu"])
-    return {"update": shared_material(library("mises.c", bug), MISES, stiffness, variables=[0.0], parameters=STEEL)}
+    return {"update": shared_material(library("mises.c", bug), MISES, stiffness, variables=[0.0], parameters=STEEL | other)}
 
 
-def interface(bug: int = 0) -> dict[str, Any]:
-    """Normal stiffness 5, tangential 2, friction 0.4, cohesion 1."""
-    return {"update": umat(library("interface.f90", bug), [5.0, 2.0, 0.4, 1.0], np.diag([5.0, 2.0, 2.0]), variables=[0.0], direct=1)}
+def interface(bug: int = 0, mu: float = 0.4, c: float = 1.0) -> dict[str, Any]:
+    """Normal stiffness 5, tangential 2."""
+    return {"update": umat(library("interface.f90", bug), [5.0, 2.0, mu, c], np.diag([5.0, 2.0, 2.0]), variables=[0.0], direct=1)}
+
+
+EXAMPLES: dict[str, Callable[..., dict[str, Any]]] = {"friction": friction, "mises": mises, "interface": interface}
+# the bugs of each example, by number, and the check that tells of them first
+BUGS = {
+    "friction": ["vacuity", "repeatability", "dissipation", "slip", "slope"],
+    "mises": ["elasticity", "rate", "slope", "rest", "energy"],
+    "interface": ["repeatability", "rest", "slope", "dissipation", "stored-energy"],
+}

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -12,15 +9,8 @@ from duhem.errors import InputError
 from duhem.testing import Material, MaterialState, Report, Step, assert_conforms, checks_for, conformance, decades, projection, violation
 from tests.long import mostly_long
 from tests.oracles.routines import Array
-from tests.testing.examples import friction, interface, mises
+from tests.testing.examples import BUGS, EXAMPLES, friction, interface
 
-EXAMPLES: dict[str, Callable[..., dict[str, Any]]] = {"friction": friction, "mises": mises, "interface": interface}
-# the bugs of each example, by number, and the check that tells of them first
-BUGS = {
-    "friction": ["vacuity", "repeatability", "dissipation", "slip", "slope"],
-    "mises": ["elasticity", "rate", "slope", "rest", "energy"],
-    "interface": ["repeatability", "rest", "slope", "dissipation", "stored-energy"],
-}
 MUTANTS = [(name, bug, first) for name, found in BUGS.items() for bug, first in enumerate(found, start=1)]
 QUICK = [case for case in MUTANTS if case[:2] in {("friction", 1), ("mises", 1), ("mises", 4), ("interface", 5)}]
 
@@ -89,6 +79,23 @@ def creeping(trial: Array, pressure: Array, stiffness: Array) -> Step:
 def test_a_stress_that_creeps_without_an_increment_is_told() -> None:
     report = conformance(None, creeping, stiffness=[1.0, 1.0], pressure=-1.0, max_examples=1, seconds=0.05)
     assert "rest" in report.failed, str(report)
+
+
+def counting(hardening: float) -> Material:
+    """One dimension, modulus 1, yield 1, hardened by each step that slips, however little it slips: at rest nothing is seen of it."""
+
+    def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
+        trial, limit = before.stress + increment, 1.0 + hardening * before.variables
+        stress = np.clip(trial, -limit, limit)
+        return MaterialState(before.strain + increment, stress, before.variables + (stress != trial))
+
+    return Material(advance, [[1.0]], [0.0])
+
+
+def test_a_state_that_counts_the_steps_is_told_by_dividing_them() -> None:
+    report = conformance(None, counting(0.05), checks=["rest", "rate", "repeatability", "subdivision"], max_examples=5, seconds=0.05)
+    assert report.failed == {"subdivision"}, str(report)
+    assert conformance(None, counting(0.0), checks=["subdivision"], max_examples=2).ok
 
 
 def test_a_run_that_never_slips_fails() -> None:

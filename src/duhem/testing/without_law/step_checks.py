@@ -52,8 +52,8 @@ def repeatability(h: HistoryQuery) -> Finding:
 
 @register(
     "elasticity",
-    statement="where a first small step can be undone, it is answered by the stiffness given",
-    formula="sigma = k du, where du then -du lead back to no stress",
+    statement="where a first small step can be undone, and the opposite one has the opposite answer, it is that of the stiffness given",
+    formula="sigma(du) = k du, where -du/2 after du leads back to half the stress, -du to none, and sigma(-du) = -sigma(du)",
     source="the stiffness that all else is measured with; shear strains of the tensor and of engineers differ by a factor of two",
     tolerance="|sigma - k du| <= |k du|/1000 at the smallest of three steps: a material may be elastic without being linear",
 )
@@ -61,12 +61,15 @@ def elasticity(h: HistoryQuery) -> Finding:
     asked, worst = h.case.trial, np.full(len(h.case), np.inf)
     for share in _SMALL:
         trial = share * asked
-        there = h.counted(h.virgin, trial, h.case.pressure)
-        back = h.counted(there, there.stress - trial, h.case.pressure)
-        size = h.length(trial)
-        undone = (size > 0.0) & (h.length(back.stress) <= _PER_MILLE * size) & (h.length(there.stress) > 0.0)
-        off = np.where(undone, h.length(there.stress - trial) / np.where(size > 0.0, size, 1.0), 0.0)
-        worst = np.minimum(worst, off)
+        there, opposite = (h.counted(h.virgin, way, h.case.pressure) for way in (trial, -trial))
+        size, met = h.length(trial), h.length(there.stress)
+        near = _PER_MILLE * np.minimum(size, met)
+        undone = (near > 0.0) & (h.length(there.stress + opposite.stress) <= near)  # not so of an interface that opens or closes
+        for part in (0.5, 1.0):  # at the tip of a cone what has slipped comes back to no stress too, but not by way of the half
+            back = h.counted(there, there.stress - part * trial, h.case.pressure)
+            undone &= h.length(back.stress - (1.0 - part) * there.stress) <= near
+        off = h.length(there.stress - trial) / np.where(size > 0.0, size, 1.0)
+        worst = np.minimum(worst, np.where(undone, off, 0.0))
     return Finding(worst, np.full(len(worst), _PER_MILLE))
 
 

@@ -46,12 +46,13 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
   size = norm2(stress(2:3))
   ddsdde = 0
   ddsdde(1, 1) = kn
-  if (size <= limit) then
+  if (size <= limit .and. limit > 0) then  ! with nothing to hold it, an interface has no stiffness
     ddsdde(2, 2) = kt
     ddsdde(3, 3) = kt
   else
+    size = max(size, tiny(size))
     way = stress(2:3) / size
-    slip = (size - limit) / kt
+    slip = (norm2(stress(2:3)) - limit) / kt
 #if BUG == 1
     worn = worn + 1
 #endif
