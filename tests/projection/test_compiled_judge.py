@@ -23,10 +23,10 @@ from duhem.projection.methods import METHODS
 from duhem.projection.newton_step import below
 from duhem.projection.residuals import Judge, residuals
 from duhem.projection.result import ACCURACY, Residuals, Solution, Status
-from duhem.projection.told import Told
 from duhem.projection.validation import posed, setting
 from tests.long import mostly_long
 from tests.projection.drawn_questions import LAWS, drawn, spoilt
+from tests.projection.loop_as_text import as_text
 
 N = 16
 
@@ -37,29 +37,12 @@ def _question(name: str, n: int, seed: int = 0, full: bool = False) -> Increment
     return posed(setting(law, stiffness, LAWS[name]), 0.4 * trial, -rng.uniform(0.2, 1.2, n) if law.pressure else None)
 
 
-def _as_text(monkeypatch: pytest.MonkeyPatch, question: Increment, solution: Solution, convex: bool, chunk: int = 128) -> Told:
-    """The loop, not compiled."""
-
-    def run(text: str, entry: str, inlined: tuple[str, ...]) -> Any:
-        assert all(f"def {name}(" in text for name in inlined) and "CHUNK = 128" in text
-        space: dict[str, Any] = {}
-        exec(text.replace("CHUNK = 128", f"CHUNK = {chunk}"), space)
-        return space[entry]
-
-    monkeypatch.setattr(compiled_judge, "compiled_text", run)
-    compiled_judge._loop.cache_clear()
-    with np.errstate(all="ignore"):
-        told = compiled_judge.told(question, solution, Judge.of(question, solution, convex), 1)
-    compiled_judge._loop.cache_clear()
-    return told
-
-
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
 @pytest.mark.parametrize("name", LAWS)
 def test_what_it_calls_right_the_judge_does_too(name: str, full: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     question = _question(name, N, full=full)
     solution = newton.solve(question)
-    told, known = _as_text(monkeypatch, question, solution, convex=False), residuals(question, solution)
+    told, known = as_text(monkeypatch, question, solution, convex=False), residuals(question, solution)
     assert told.left is not None
     judged = np.setdiff1d(np.arange(N), told.left)
     assert len(judged) >= N - 4
@@ -88,7 +71,7 @@ def test_what_is_wrong_is_left_to_the_judge(name: str, how: str, monkeypatch: py
     right = Solution(*(getattr(right, f.name)[slips] for f in fields(Solution)))
     for size in (1e-3, 1e-6, 1.5e-7):
         solution = spoilt(how, size, right)
-        told, known = _as_text(monkeypatch, question, solution, convex=False), residuals(question, solution)
+        told, known = as_text(monkeypatch, question, solution, convex=False), residuals(question, solution)
         assert told.left is not None
         judged = np.setdiff1d(np.arange(len(slips)), told.left)
         assert (known.worst()[judged] <= ACCURACY).all()
@@ -100,7 +83,7 @@ def test_what_is_wrong_is_left_to_the_judge(name: str, how: str, monkeypatch: py
 def test_a_point_is_told_the_same_in_any_chunk(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     question = _question(name, 8)
     solution = newton.solve(question)
-    together, apart = (_as_text(monkeypatch, question, solution, True, chunk) for chunk in (128, 3))
+    together, apart = (as_text(monkeypatch, question, solution, True, chunk) for chunk in (128, 3))
     assert together.dissipation.tobytes() == apart.dissipation.tobytes() and together.status.tobytes() == apart.status.tobytes()
     for field in fields(Residuals):
         assert getattr(together.residuals, field.name).tobytes() == getattr(apart.residuals, field.name).tobytes(), field.name
@@ -113,11 +96,11 @@ def test_what_depends_on_the_pressure_is_told_like_the_judge_says(load: str, mon
     sizes = np.where(np.arange(N) % 3, 1.0, 0.01)[:, None]
     question = posed(setting(law, [1.0, 2.0], {}), sizes * rng.normal(size=(N, 2)), -rng.uniform(0.1, 2.0, N))
     solution = newton.solve(question)
-    told, known = _as_text(monkeypatch, question, solution, convex=True), residuals(question, solution, convex=True)
+    told, known = as_text(monkeypatch, question, solution, convex=True), residuals(question, solution, convex=True)
     assert told.left is not None and not told.left.size and set(told.status) == {Status.STICK, Status.SLIP}
     assert told.residuals.worst() == pytest.approx(known.worst(), abs=2e-13)
     elsewhere = replace(question, pressure=question.pressure * np.where(solution.multiplier > 0.0, 1.0 + 1e-5, 1.0))
-    left = _as_text(monkeypatch, elsewhere, solution, convex=True).left
+    left = as_text(monkeypatch, elsewhere, solution, convex=True).left
     assert left is not None and set(left) == set(np.flatnonzero(solution.multiplier > 0.0))
 
 
@@ -125,7 +108,7 @@ def test_what_depends_on_the_pressure_is_told_like_the_judge_says(load: str, mon
 def test_a_stick_on_the_boundary_or_beyond_is_left(past: float, monkeypatch: pytest.MonkeyPatch) -> None:
     question = posed(setting(duhem.load("antoni2007"), 1.0, LAWS["antoni2007"]), np.array([[0.3 * past, 0.0], [0.29, 0.0]]), -1.0)
     still = Solution(question.trial, np.zeros((2, 2)), np.zeros(2), np.zeros(2, dtype=bool))
-    told = _as_text(monkeypatch, question, still, convex=True)
+    told = as_text(monkeypatch, question, still, convex=True)
     assert told.left is not None and told.left.tolist() == [0] and told.status[1] == Status.STICK
 
 
@@ -141,7 +124,7 @@ def test_it_stays_within_the_thresholds_of_the_judge(past: float, monkeypatch: p
     """Next to each of them, on either side, a point is left: they are halved."""
 
     def left(question: Increment, solution: Solution) -> bool:
-        found = _as_text(monkeypatch, question, solution, convex=True).left
+        found = as_text(monkeypatch, question, solution, convex=True).left
         return found is not None and bool(found.size)
 
     assert not left(*_on_a_side((0.19, 0.2), 0.01))
@@ -155,7 +138,7 @@ def test_it_stays_within_the_thresholds_of_the_judge(past: float, monkeypatch: p
 
 def test_residuals_beyond_rounding_are_those_of_the_judge(monkeypatch: pytest.MonkeyPatch) -> None:
     question, solution = _on_a_side((0.1, 0.2 * (1.0 - 1e-9)), 0.5, 1.0 + 1e-11)
-    told, known = _as_text(monkeypatch, question, solution, convex=True), residuals(question, solution, convex=True)
+    told, known = as_text(monkeypatch, question, solution, convex=True), residuals(question, solution, convex=True)
     assert told.left is not None and not told.left.size
     assert told.residuals.stationarity == pytest.approx(known.stationarity, rel=1e-4) and known.stationarity > 1e-11
     assert told.residuals.complementarity == pytest.approx(known.complementarity, rel=1e-4) and known.complementarity > 1e-11
@@ -190,14 +173,14 @@ def test_a_stationary_point_that_is_not_the_closest_is_left(monkeypatch: pytest.
     law = Criterion(name="two", g="min(norm(a - 3, b), norm(a + 3, b)) - 1", forces=("a", "b"), pressure=None)
     question = posed(setting(law, 1.0, {}), np.array([[0.5, 0.0]]), None)
     far = Solution(np.array([[-2.0, 0.0]]), np.array([[2.5, 0.0]]), np.array([2.5]), np.zeros(1, dtype=bool))
-    told = _as_text(monkeypatch, question, far, convex=False)
+    told = as_text(monkeypatch, question, far, convex=False)
     assert told.left is not None and told.left.tolist() == [0]
 
 
 def test_what_a_method_gave_up_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     question = _question("coulomb", 4)
     solution = replace(newton.solve(question), failed=np.array([True, False, True, False]))
-    told = _as_text(monkeypatch, question, solution, convex=False)
+    told = as_text(monkeypatch, question, solution, convex=False)
     assert told.left is not None and {0, 2} <= set(told.left.tolist())
 
 
