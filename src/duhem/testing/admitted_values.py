@@ -7,7 +7,7 @@ leave nothing, values that are known to be admitted are changed one at a time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice, permutations
@@ -30,7 +30,8 @@ _ORDERS, _TRIES = 24, 8
 _FAR = [scaled(1.0, k) for k in range(-12, 13)]
 
 
-def simple(domain: Domain) -> list[float]:
+@lru_cache(maxsize=256)
+def simple(domain: Domain) -> tuple[float, ...]:
     """Values of a domain by decades, the simplest first, ends of closed intervals and their neighbours among the others."""
     spread = [scaled(m, k) for m in MANTISSAS for k in (0, -1, 1, -2, 2, -3)]
     low, high = (None if end is None else float(end) for end in (domain.low, domain.high))
@@ -43,7 +44,7 @@ def simple(domain: Domain) -> list[float]:
         found = [high - x for x in spread] + [high]
     else:
         found = [0.0, *(s * x for x in spread for s in (1.0, -1.0))]
-    return [x for x in found if x in domain]
+    return tuple(x for x in found if x in domain)
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,12 @@ class Admitted:
     known: Mapping[str, float] | None = None
 
     def holds(self, values: Mapping[str, float]) -> bool:
-        """Whether the numbers satisfy every constraint, as exact decimals; of those that need others too, nothing is said."""
+        """Whether the numbers lie in their domains and satisfy every constraint, as exact decimals.
+
+        Of constraints that need others too, nothing is said.
+        """
+        if not all(value in self.law.parameters[name] for name, value in values.items()):
+            return False
         table = self.law.symbols()
         exact = {table[name]: exact_number(value) for name, value in values.items()} | _fixed(self.law)
         return all(relation.xreplace(exact) != False for relation in self.law.constraints)  # noqa: E712 (a SymPy truth value)
@@ -80,7 +86,7 @@ class Admitted:
         place = draw(len(table))
         return next((x for x in (*table[place:], *table[:place]) if self.holds({**others, name: x})), None)
 
-    def table(self, name: str, taken: Mapping[str, float]) -> list[float]:
+    def table(self, name: str, taken: Mapping[str, float]) -> Sequence[float]:
         """What the domain of a parameter and the constraints on it and those ``taken`` leave to it."""
         base = simple(self.law.parameters[name])
         gaps = [_gap(self.law, i) for i in _about(self.law, name, frozenset(taken))]

@@ -21,7 +21,7 @@ class Cause:
 
 
 _STRESS = (  # of a stress that is not the closest point, what says most of it first
-    "feasibility", "idempotence", "homogeneity", "stiffness-scale", "complementarity", "dissipation", "variational-inequality", "ray",
+    "feasibility", "idempotence", "homogeneity", "stiffness-scale", "complementarity", "variational-inequality", "dissipation", "ray",
     "non-expansiveness", "firmness", "potential", "path",
 )  # fmt: skip
 _OUTPUTS = ("slip", "energy", "multiplier", "slope", "tangent")

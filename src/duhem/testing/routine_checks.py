@@ -140,7 +140,7 @@ def variational_inequality(q: Query) -> Finding:
     statement="there is slip only on the boundary",
     formula="lambda g(sigma, sigma_n) = 0",
     source=_LAW,
-    tolerance="sigma may stand back from the boundary by 2 u on the way to the trial, beyond which the variational inequality fails",
+    tolerance="sigma lies within u of the boundary where g >= -u |grad g| (exact for convex g), or within 2 u on the way to the trial",
 )
 def complementarity(q: Query) -> Finding:
     found = q.first[0]
@@ -150,6 +150,8 @@ def complementarity(q: Query) -> Finding:
         ahead = found.stress + (3.0 * u / size)[:, None] * slip
     may = (size > 3.0 * u) & np.isfinite(ahead).all(axis=1)
     ahead = np.where(may[:, None], ahead, 0.0)
+    steep = q.dual_length(q.region.slope(found.stress, q.pressure)[0])
+    may &= q.region.level(found.stress, q.pressure) < -u * np.where(np.isfinite(steep), steep, 0.0)
     clear = q.certainly(may & (q.region.level(ahead, q.pressure) <= 0.0), ahead, outside=False)
     return Finding(np.where(clear, 3.0 * u, 0.0), 2.0 * u)
 

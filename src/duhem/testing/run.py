@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.testing.admitted_values import admitted
 from duhem.testing.case import Case
 from duhem.testing.causes import by_cause, likeliest_first
 from duhem.testing.decades import Strategy
@@ -28,6 +29,7 @@ from duhem.testing.registry import Check
 from duhem.testing.replay import origin
 from duhem.testing.report import Failure, Report
 from duhem.testing.routine import Update
+from duhem.testing.simplified import simplified
 from duhem.testing.strategies import cases
 from duhem.testing.visited import Visited
 
@@ -128,6 +130,7 @@ class ConformanceRun:
         self.judged: set[str] = set()
         self.points = self.flagged = self.examples = 0
         self.last: Case | None = None
+        self.shortened: dict[str, Failure] = {}
         self.visited = self._nothing_visited()
 
     @property
@@ -265,6 +268,7 @@ class ConformanceRun:
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
         told = self._told(f for f in self.found if f.check.name not in self.expected)
         causes, explained = self._causes(told)
+        causes = tuple(map(self._short, causes))
         return Report(
             law=self._title(),
             passed=passed,
@@ -280,6 +284,35 @@ class ConformanceRun:
             examples=self.examples,
             seed=self.seed,
         )
+
+    def _short(self, failure: Failure) -> Failure:
+        """With a case that is short to read; looked for once."""
+        name = failure.check.name
+        if name not in self.shortened:
+            self.shortened[name] = self._simplified(failure)
+        return replace(self.shortened[name], explains=failure.explains)
+
+    def _simplified(self, failure: Failure) -> Failure:
+        def fails(case: Case) -> bool:
+            return any(True for _ in self.failures(self.query(case), [failure.check]))
+
+        law = self.law
+        if law is None or failure.check.whole or failure.check.name == "repeatability" or len(failure.case) != 1 or not fails(failure.case):
+            return failure
+        own = law.domain.get(law.pressure or "")
+        short = simplified(
+            failure.case,
+            fails,
+            admitted(law.fix(self.parameters)).holds,
+            free=self.passed,
+            stiffness=self.stiffness is None,
+            pressure=None if self.pressure is not None else lambda p: p <= 0.0 and (own is None or p in own),
+        )
+        found = next(self.failures(self.query(short), [failure.check]), None)
+        if found is None:
+            return failure
+        beside = None if failure.departure is None else departure(self.query(short))
+        return replace(found, origin=failure.origin, departure=beside, diagnoses=failure.diagnoses)
 
     def _told(self, failures: Iterable[Failure]) -> list[Failure]:
         """With what the routine returned, asked again; of those that speak of one part of it the likeliest causes are diagnosed."""
