@@ -15,6 +15,7 @@ from typing import Any
 import mpmath
 import sympy as sp
 from mpmath.ctx_iv import MPIntervalContext
+from mpmath.libmp import from_rational, round_ceiling, round_floor
 
 from duhem import Criterion, Witness
 from duhem.expression import Neg, Norm, Pos, Where
@@ -36,10 +37,13 @@ Span = tuple[Fraction, Fraction]
 
 
 def _rational(x: Fraction) -> Interval:
-    return _IV.mpf(x.numerator) / x.denominator
+    p, q = x.numerator, x.denominator
+    return _IV.make_mpf((from_rational(p, q, _IV.prec, round_floor), from_rational(p, q, _IV.prec, round_ceiling)))
 
 
 def _span(low: Fraction, high: Fraction) -> Interval:
+    if low == high:
+        return _rational(low)
     return _IV.mpf([_rational(low).a, _rational(high).b])
 
 
@@ -83,8 +87,8 @@ def _power(base: _Jet, exponent: Fraction, jets: bool) -> _Jet:
         if n < 0:
             if 0 in x:
                 raise OpenError
-            return base.through(1 / x**-n, n / x ** (1 - n))
-        return base.through(x**n, n * x ** (n - 1) if n > 1 else _IV.mpf(1))
+            return base.through(1 / x**-n, n / x ** (1 - n) if jets else _IV.mpf(0))
+        return base.through(x**n, n * x ** (n - 1) if jets and n > 1 else _IV.mpf(1))
     return _raised(base, _rational(exponent), jets)
 
 
@@ -152,8 +156,8 @@ def _jet(node: Any, values: Mapping[sp.Basic, _Jet], jets: bool) -> _Jet:
     some = next(iter(values.values()))
     if isinstance(node, InertNumber):
         node = node.value
-    if node in values:
-        return values[node]
+    if (known := values.get(node)) is not None:
+        return known
     if node.is_Rational:
         return some.through(_rational(Fraction(int(node.p), int(node.q))), _IV.mpf(0))
     if isinstance(node, Where):
@@ -215,16 +219,27 @@ def _jet(node: Any, values: Mapping[sp.Basic, _Jet], jets: bool) -> _Jet:
 
 def _evaluate(law: Criterion, expr: sp.Expr, at: Mapping[str, Span], jets: bool) -> _Jet:
     table = law.symbols()
+    if not jets and all(low == high for low, high in at.values()):
+        return _jet(expr, _AtPoint({table[name]: low for name, (low, _) in at.items()}), jets)
     values: dict[sp.Basic, _Jet] = {}
     for name, span in at.items():
-        seed = [_IV.mpf(int(name == force)) for force in law.forces]
+        seed = [_IV.mpf(int(name == force)) for force in law.forces] if jets else ()
         values[table[name]] = _Jet(_span(*span), seed)
-    if not jets and all(low == high for low, high in at.values()):  # what is 0 is seen to be, whatever the numbers
-        exact = {table[name]: low for name, (low, _) in at.items()}
-        for node in sp.preorder_traversal(expr):
-            if isinstance(node, sp.Expr) and (known := _exactly(node, exact)) is not None:
-                values[node] = _Jet(_rational(known), [_IV.mpf(0)] * len(law.forces))
     return _jet(expr, values, jets)
+
+
+class _AtPoint(dict[sp.Basic, _Jet]):
+    """Values at an exact point, where all that is a fraction enters as one: what is 0 is seen to be, whatever the numbers."""
+
+    def __init__(self, at: Mapping[sp.Symbol, Fraction]) -> None:
+        self.exact: dict[sp.Basic, Fraction | None] = {**at}
+        super().__init__((x, _Jet(_rational(v), ())) for x, v in at.items())
+
+    def get(self, node: Any, default: Any = None) -> Any:
+        found = super().get(node)
+        if found is None and isinstance(node, sp.Expr) and (known := _exactly(node, self.exact)) is not None:
+            self[node] = found = _Jet(_rational(known), ())
+        return found
 
 
 def _point(at: Mapping[str, Fraction]) -> dict[str, Span]:
@@ -236,10 +251,16 @@ def value(law: Criterion, at: Mapping[str, Fraction], expr: sp.Expr | None = Non
     return _evaluate(law, law.g if expr is None else expr, _point(at), jets=False).value
 
 
-def _exactly(node: Any, values: Mapping[sp.Symbol, Fraction]) -> Fraction | None:
-    """The value in fractions, where sums, products, whole powers, sizes and norms that are fractions make it one."""
-    if node.is_Symbol or node.is_Rational:
-        return values[node] if node.is_Symbol else Fraction(int(node.p), int(node.q))
+def _exactly(node: Any, values: dict[sp.Basic, Fraction | None]) -> Fraction | None:
+    """The value in fractions, where sums, products, whole powers, sizes and norms that are fractions make it one; kept for each node."""
+    if node not in values:
+        values[node] = _made_exactly(node, values)
+    return values[node]
+
+
+def _made_exactly(node: Any, values: dict[sp.Basic, Fraction | None]) -> Fraction | None:
+    if node.is_Rational:
+        return Fraction(int(node.p), int(node.q))
     if node.is_Pow:
         base = _exactly(node.base, values)
         return base ** int(node.exp) if base is not None and node.exp.is_Integer and node.exp > 0 else None
@@ -321,9 +342,10 @@ def _box(law: Criterion, points: Points) -> dict[str, Span] | None:
         return None
     for _ in range(_HALVINGS):
         middle = {n: (a[n] + b[n]) / 2 for n in a}
-        if _inside(law, middle):
+        g = value(law, middle)
+        if g.b <= 0:
             a = middle
-        elif _outside(law, middle):
+        elif g.a > 0:
             b = middle
         else:
             break
