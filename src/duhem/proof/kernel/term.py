@@ -31,24 +31,40 @@ class NotWritten(Exception):
     """The text is no formula of the vocabulary."""
 
 
-class Term(NamedTuple):
-    """``op``: ``number`` (``value``), ``name`` (``name``), ``+``, ``*``, ``**`` (base, exponent), a comparison or a word.
-
-    ``sqrt``, ``log10``, ``sign`` and what joins comparisons are read as what they mean in the others.
-    """
-
+class _Parts(NamedTuple):
     op: str
     args: tuple[Term, ...] = ()
     value: Fraction = Fraction(0)
     name: str = ""
 
+
+class Term(_Parts):
+    """``op``: ``number`` (``value``), ``name`` (``name``), ``+``, ``*``, ``**`` (base, exponent), a comparison or a word.
+
+    ``sqrt``, ``log10``, ``sign`` and what joins comparisons are read as what they mean in the others.
+    """
+
+    _hash: int  # as both are asked for without end, each is found once
+    _names: frozenset[str]
+
     def __hash__(self) -> int:
         """Of what is equal where the terms are; that of a fraction takes long."""
-        return hash((self.op, self.args, self.value.numerator, self.name))
+        try:
+            return self._hash
+        except AttributeError:
+            self._hash = hash((self.op, self.args, self.value.numerator, self.name))
+            return self._hash
 
     def names(self) -> frozenset[str]:
         """Every name in the tree."""
-        return frozenset({self.name}) if self.op == "name" else frozenset().union(*(a.names() for a in self.args))
+        try:
+            return self._names
+        except AttributeError:
+            self._names = frozenset({self.name} if self.op == "name" else ()).union(*(a.names() for a in self.args))
+            return self._names
+
+    def __getstate__(self) -> None:
+        """The parts are all of it: another process has other hashes."""
 
     def size(self) -> int:
         """How many parts the tree has."""
