@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -120,12 +121,13 @@ class Problem:
 
 def _replaced(problem: Problem, values: Mapping[sp.Symbol, Any]) -> Problem:
     given = tuple(r for r in (c.subs(values) for c in problem.given) if r is not sp.true)
+    faces = tuple(face.put(values) for face in problem.faces)
     return replace(
         problem,
-        g=problem.g.subs(values),
+        g=faces[0].g if len(faces) == 1 else problem.g.subs(values),  # a maximum takes long to put values in
         forces=tuple(x for x in problem.forces if x not in values),
         given=given,
-        faces=tuple(face.put(values) for face in problem.faces),
+        faces=faces,
         slice={**problem.slice, **values},
     )
 
@@ -144,15 +146,16 @@ def state(law: Criterion) -> Problem:
     if magnitude is not None and (span := law.domain.get(law.pressure or "")) is not None:
         given += _compressed(span).relations(magnitude)
     values = {name: swap.get(x, x) for name, x in table.items()}
+    parts = tuple(face.put(swap).with_algebraic_angles() for face in faces(law))
     return Problem(
         law=law,
         stated=_trees(law, law, values)[0],
         stated_flows=((),) if law.associated else tuple(tuple(_trees(law, s, values)[1:]) for s in law.surfaces or (law,)),
-        g=algebraic_angles(law.g.subs(swap)),
+        g=parts[0].g if len(parts) == 1 else algebraic_angles(law.g.subs(swap)),
         forces=law.force_symbols(),
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
-        faces=tuple(face.put(swap).with_algebraic_angles() for face in faces(law)),
+        faces=parts,
         slice={table[n]: d.value for n, d in law.parameters.items() if d.value is not None},
     )
 
@@ -179,9 +182,15 @@ def as_written(law: Criterion, surface: Criterion | YieldSurface | None = None) 
 
 def _as_given(law: Criterion, text: str, expr: sp.Expr) -> str:
     try:
-        return text if text and parse_expression(text, law.symbols()) == expr else formula(expr)
+        return text if text and _read(text, tuple(law.symbols().items())) == expr else formula(expr)
     except InputError:
         return formula(expr)
+
+
+@lru_cache(maxsize=256)
+def _read(text: str, known: tuple[tuple[str, sp.Symbol], ...]) -> sp.Expr:
+    """The formula of a text; the prover and the kernel's statement of the law both ask."""
+    return parse_expression(text, dict(known))
 
 
 def _trees(law: Criterion, stated: Criterion | YieldSurface, values: Mapping[str, sp.Expr]) -> list[sp.Expr]:
