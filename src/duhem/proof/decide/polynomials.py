@@ -17,7 +17,7 @@ from duhem.errors import InputError
 from duhem.expression import Norm, fold
 from duhem.expression.inert_number import MOST_ROOT
 from duhem.proof.decide.budget import Budget
-from duhem.proof.decide.question import Question
+from duhem.proof.decide.question import Question, Sense
 
 __all__ = ["NotAlgebraicError", "Relation", "System", "polynomial_system"]
 
@@ -217,6 +217,8 @@ def polynomial_system(question: Question, budget: Budget) -> System:
         oblige(*() if _nonnegative(radicand) else (radical,), *inner.doubtful())
         relations += [definition, Relation(rho, ">=")]
     wanted = clear.relation(goal, question.sense.value)
+    if question.sense is Sense.NONNEGATIVE and question.expr.is_Pow and question.expr.exp.is_even:
+        wanted = Relation(sp.S.Zero, ">=")  # a square: that it is defined is all there is to show
     oblige(*clear.doubtful())
     return System(wanted, tuple(relations), tuple(obligations), ordered, question.circle)
 
