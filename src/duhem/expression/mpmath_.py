@@ -10,6 +10,7 @@ import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import partial, reduce
+from threading import local
 from typing import Any
 
 import sympy as sp
@@ -31,10 +32,7 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> 
     ``values`` may be integers, floats (taken exactly), fractions, SymPy rationals, mpf or decimal text.  Comparisons
     give 1 and 0.  Raises InputError for a symbol without a value and for a node without a meaning.
     """
-    from mpmath import MPContext
-
-    context = MPContext()  # of our own, so that nobody's precision changes
-    context.dps = dps
+    context = _kept_context(dps)
     known = {symbol: number(context, value) for symbol, value in values.items()}
     return fold(expr, table(context), lambda node: known[node] if node in known else constant(context, node))
 
@@ -57,6 +55,24 @@ def digits(count: int) -> Any:
 
     context = MPContext()
     context.dps = count
+    return context
+
+
+class _Kept(local):
+    """The contexts of a thread by their digits: to make one takes as long as to evaluate a formula some times."""
+
+    def __init__(self) -> None:
+        self.contexts: dict[int, Any] = {}
+
+
+_KEPT = _Kept()
+
+
+def _kept_context(count: int) -> Any:
+    """A context of so many digits, for one evaluation at a time: of our own, so that nobody's precision changes."""
+    if (context := _KEPT.contexts.get(count)) is None:
+        context = _KEPT.contexts[count] = digits(count)
+    context.dps = count  # whoever has a number of it may have changed that
     return context
 
 

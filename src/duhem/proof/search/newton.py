@@ -9,22 +9,19 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import fold, mpmath_
-from duhem.expression.gradient import jacobian
 
 __all__ = ["common_zero"]
 
 
 def common_zero(
-    system: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol], start: Sequence[float], digits: int
+    system: Sequence[sp.Expr], slopes: Sequence[sp.Expr], unknowns: Sequence[sp.Symbol], start: Sequence[float], digits: int
 ) -> tuple[Fraction, ...] | None:
-    """The zero that Newton's method comes to, to about ``digits`` decimals; None where it comes to none."""
-    from mpmath import MPContext
+    """The zero that Newton's method comes to, to about ``digits`` decimals; None where it comes to none.
 
-    context = MPContext()
-    context.dps = digits
+    ``slopes`` are the derivatives of the formulas, row by row.
+    """
+    context = mpmath_.digits(digits)
     rows = mpmath_.table(context)
-    if (slopes := jacobian(system, unknowns)) is None:
-        return None
 
     def evaluated(exprs: Any, point: Sequence[Any]) -> list[Any]:
         at = dict(zip(unknowns, point, strict=True))

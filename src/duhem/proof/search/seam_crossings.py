@@ -11,6 +11,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression.branches import Seam, seams
+from duhem.expression.gradient import jacobian
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.search.newton import common_zero
@@ -44,13 +45,14 @@ def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> 
         system = sp.Matrix([seam.after.expr, *seam.crossed]).subs(exact)
         if not (starts := grid.starts(*system)):
             continue
+        slopes = jacobian(system, forces)
         known: list[tuple[Fraction, ...]] = []
         for start in starts:
             if any(math.dist(map(float, point), start) < 0.1 * math.hypot(*start) for point in known):
                 continue  # a cell beside one that led here
             if not subject.budget.pays(_START):
                 return
-            if (point := common_zero(system, forces, start, digits)) is not None:
+            if slopes is not None and (point := common_zero(system, slopes, forces, start, digits)) is not None:
                 known.append(point)
                 yield Crossing(seam, point)
 

@@ -18,6 +18,7 @@ import sympy as sp
 from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, seams
+from duhem.expression.gradient import jacobian
 from duhem.expression.number import fraction, rational
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
@@ -56,7 +57,9 @@ def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection
     box = {x: ball(c - reach, c + reach) for x, c in zip(section.at, middle, strict=True)}
     for seam in seams(local_pieces(subject, parameters, section, box, whole_space=False)):
         if len(seam.crossed) == 1:
-            found = common_zero([seam.after.expr, *seam.crossed], section.at, [float(c) for c in middle], _DIGITS)
+            system = [seam.after.expr, *seam.crossed]
+            slopes = jacobian(system, section.at)
+            found = None if slopes is None else common_zero(system, slopes, section.at, [float(c) for c in middle], _DIGITS)
             near = found is not None and all(abs(f - c) <= 2 * reach for f, c in zip(found, middle, strict=True))
             if found is not None and near and _turned(seam, section.at, found):
                 yield SectionCorner(parameters, section, found)
