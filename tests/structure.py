@@ -10,9 +10,7 @@ a loop that halves an interval, a recorder is a function that appends steps to a
 from __future__ import annotations
 
 import ast
-import io
 import sys
-import tokenize
 import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping
@@ -46,8 +44,15 @@ class Module:
         """The package or module at the top that holds it."""
         return self.name.partition(".")[0]
 
+    @cached_property
+    def _by_kind(self) -> Mapping[type[ast.AST], list[ast.AST]]:
+        found: dict[type[ast.AST], list[ast.AST]] = defaultdict(list)
+        for node in ast.walk(self.tree):
+            found[type(node)].append(node)
+        return found
+
     def nodes(self, *kinds: type[ast.AST]) -> Iterator[ast.AST]:
-        return (node for node in ast.walk(self.tree) if isinstance(node, kinds))
+        return (node for kind in kinds for node in self._by_kind.get(kind, ()))
 
     def calls(self, *names: str) -> list[ast.Call]:
         """Calls of a function or method with one of these names."""
@@ -64,10 +69,9 @@ class Module:
 
     def code_lines(self) -> int:
         """Lines that hold more than a comment, a docstring or nothing."""
-        held: set[int] = set()
-        for token in tokenize.generate_tokens(io.StringIO(self.text).readline):
-            if token.type not in _SILENT:
-                held |= set(range(token.start[0], token.end[0] + 1))
+        held = {n for n, line in enumerate(self.text.splitlines(), 1) if (code := line.strip()) and not code.startswith("#")}
+        for text in self.nodes(ast.Constant, ast.JoinedStr):  # over several lines it may look like comments, or have empty ones
+            held |= set(range(text.lineno, text.end_lineno + 1))  # type: ignore[attr-defined]
         return len(held - self._docstring_lines())
 
     def _docstring_lines(self) -> set[int]:
@@ -77,9 +81,6 @@ class Module:
             if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant) and isinstance(first.value.value, str):
                 lines |= set(range(first.lineno, (first.end_lineno or first.lineno) + 1))
         return lines
-
-
-_SILENT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
 
 def _last(node: ast.AST) -> str:
