@@ -39,6 +39,10 @@ def stopped(trial, pressure, stiffness, mu):
         raise KeyboardInterrupt
     return right(trial, pressure, stiffness, mu)
 
+def plain(trial, pressure, stiffness, limit):
+    size = np.hypot(*trial.T)
+    return trial * np.where(size > limit, limit / np.where(size > 0, size, 1.0), 1.0)[:, None]
+
 number = 3
 """
 FEW = ["--examples", "2", "--seed", "7", "--shrink", "0.1", "--checks"]
@@ -117,6 +121,12 @@ def test_a_law_is_tested_by_every_method_that_takes_it(run: Command) -> None:
     assert {"tresca newton", "tresca cvxpy"} <= {*out.splitlines()} and "closed-form left out: " in out
 
 
+def test_a_routine_may_be_tested_without_a_law(run: Command) -> None:
+    asked = ["test", "my_routines:plain", "--stiffness", "1 1", "--set", "limit=0.5", "--examples", "3", "--seed", "7", "--shrink", "0.1"]
+    code, out, err = run(*asked)
+    assert (code, err) == (0, "") and "without a law" in out and "0 failed" in out and "slip 0." in out
+
+
 def test_who_interrupts_sees_what_was_found(run: Command) -> None:
     code, out, _ = run(*of("stopped"), "--checks", "feasibility,answers", "--seed", "7")
     assert code == 130 and "2 checks passed, 0 failed" in out and "visited: " in out
@@ -126,6 +136,7 @@ def test_who_interrupts_sees_what_was_found(run: Command) -> None:
     ("arguments", "said"),
     [
         (["test", "my_routines:right"], "say which law it is for"),
+        (["test", "my_routines:plain", "--stiffness", "1 1", "--checks", "feasibility"], "unknown check 'feasibility'"),
         ([*of("number")], "my_routines:number is a int, not a routine"),
         ([*of("absent")], "cannot be imported"),
         ([*of("right"), "--checks", "feasable"], "did you mean 'feasibility'?"),

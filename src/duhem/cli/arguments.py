@@ -15,6 +15,8 @@ from duhem.errors import InputError
 from duhem.law.convex import CONVEX
 
 if TYPE_CHECKING:
+    from sympy import Rational
+
     from duhem.law.curve_law import Law
     from duhem.law.formula_law import Criterion
 
@@ -25,6 +27,7 @@ __all__ = [
     "check_names",
     "convex_option",
     "law_argument",
+    "read_attribute",
     "read_claims",
     "read_fixed_formula",
     "read_fixed_law",
@@ -32,6 +35,7 @@ __all__ = [
     "read_number",
     "read_numbers",
     "read_routine",
+    "read_settings",
     "settings_option",
 ]
 
@@ -65,17 +69,24 @@ def read_law(text: str) -> Law:
         return cast("Law", catalogue.load(text))
 
 
-def read_routine(text: str) -> Callable[..., Any]:
-    """What ``module:callable`` names; InputError for what cannot be called."""
+def read_attribute(text: str) -> object:
+    """What ``module:attribute`` names, whatever it is."""
     from duhem.law import catalogue
 
     with _modules_beside_the_user(text):
-        found = catalogue.attribute(text, text)
-    if not callable(found):
+        return catalogue.attribute(text, text)
+
+
+def read_routine(text: str) -> Any:
+    """The routine ``module:callable``, or the material of that name; InputError for anything else."""
+    from duhem.testing.material import Material
+
+    found = read_attribute(text)
+    if not callable(found) and not isinstance(found, Material):
         raise InputError(
             f"{text[:60]} is a {type(found).__name__}, not a routine", remedy="name a function update(trial, pressure, stiffness)"
         )
-    return cast("Callable[..., Any]", found)
+    return found
 
 
 @contextmanager
@@ -99,13 +110,12 @@ def read_fixed_formula(text: str, settings: Sequence[str]) -> Criterion:
     return catalogue.load_formula(read_fixed_law(text, settings))
 
 
-def read_fixed_law(text: str, settings: Sequence[str]) -> Law:
-    law = read_law(text)
+def read_settings(settings: Sequence[str], law: Law | None = None) -> dict[str, Rational]:
+    """The values of ``--set``, exactly, and as ``law`` admits them."""
     from duhem.expression.number import exact_number
     from duhem.expression.spelling import spelled
-    from duhem.law.parameter_domain import check_domain
 
-    values = {}
+    values: dict[str, Rational] = {}
     for setting in settings:
         name, equals, value = (part.strip() for part in setting.partition("="))
         where = f"--set {setting}"
@@ -115,10 +125,18 @@ def read_fixed_law(text: str, settings: Sequence[str]) -> Law:
             raise InputError(f"{name} is set twice", where=where, remedy="set it once")
         try:
             values[name] = exact_number(value)
-            law.fix({name: values[name]})
+            if law is not None:
+                law.fix({name: values[name]})
         except InputError as fault:
             raise InputError(fault.what, where=where, remedy=fault.remedy) from None
-    fixed = law.fix(values)
+    return values
+
+
+def read_fixed_law(text: str, settings: Sequence[str]) -> Law:
+    law = read_law(text)
+    from duhem.law.parameter_domain import check_domain
+
+    fixed = law.fix(read_settings(settings, law))
     check_domain(fixed, where=" ".join(f"--set {setting}" for setting in settings))
     return fixed
 

@@ -4,23 +4,36 @@ from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from math import isqrt
 from random import Random
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from duhem.cli.arguments import check_names, read_fixed_formula, read_number, read_routine, settings_option
+from duhem.cli.arguments import (
+    check_names,
+    read_attribute,
+    read_fixed_formula,
+    read_number,
+    read_numbers,
+    read_routine,
+    read_settings,
+    settings_option,
+)
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
 from duhem.cli.output import Progress, say
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
-    from duhem.law.formula_law import Criterion
+    from duhem.testing.registry import Check
     from duhem.testing.report import Report
     from duhem.testing.run import ConformanceRun
+
+    Routine = tuple[Callable[..., ConformanceRun], float]  # what makes its run, and the accuracy it is held to
 
 __all__ = ["test"]
 
@@ -39,6 +52,10 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
     help="How many cases are drawn: 30, 100 with seed 0 (the same each time), or 2000.",
 )
 @click.option("--examples", type=click.IntRange(1), metavar="N", help="Another number of cases than the profile's.")
+@click.option(
+    "--stiffness", metavar="K ...", help="Fix it, in quotes: one number a force, or the matrix row by row. Drawn by decades if left out."
+)
+@click.option("--pressure", metavar="N", help="Fix the normal stress sigma_n <= 0. Drawn by decades if left out, as far as there is a law.")
 @click.option("--seed", type=click.IntRange(0), metavar="S", help="Draw the cases of this seed again.")
 @click.option("--accuracy", metavar="A", help="Relative error in stress that the routine promises; 1e-9 if left out.")
 @click.option("--checks", metavar="A,B", help="Only these checks.")
@@ -61,6 +78,8 @@ def test(
     settings: Sequence[str],
     profile: str,
     examples: int | None,
+    stiffness: str | None,
+    pressure: str | None,
     seed: int | None,
     accuracy: str | None,
     checks: str | None,
@@ -72,8 +91,9 @@ def test(
     """Put a routine for the slip increment to every check, or duhem's own: each method that takes LAW.
 
     MODULE:CALLABLE is update(trial (N, d), pressure (N,), stiffness (d, d), **parameters) -> stress (N, d), with --law the law
-    that it is for; the module is looked for in the working folder too.  Increments are drawn by Hypothesis on, beside and far
-    off the boundary, failing ones shrunk; each likely cause is told once.
+    that it is for; the module is looked for in the working folder too.  Without --law it is put to the checks that need none:
+    it is a Material, or --stiffness says how many forces there are and --set what its parameters are.  Increments are drawn by
+    Hypothesis on, beside and far off the boundary, failing ones shrunk; each likely cause is told once.
 
     Exit codes: 0 every check passed; 1 a check failed; 2 usage or file error; 4 a solver answered nothing; 130 interrupted,
     after printing what was found.
@@ -83,6 +103,8 @@ def test(
         "set": settings,
         "profile": profile,
         "examples": examples,
+        "stiffness": stiffness,
+        "pressure": pressure,
         "accuracy": accuracy,
         "checks": checks,
         "expect": expect,
@@ -95,14 +117,26 @@ def test(
     held_to = None if accuracy is None else read_number(accuracy, "--accuracy")
     if held_to is not None and held_to <= 0.0:
         raise InputError("the accuracy is not positive", where="--accuracy", remedy="give a relative error, for example 1e-9")
-    about.check_names(named, expected)
-    routines = about.routines(law, settings, held_to)
-    interrupted = about.carry_out(routines, named, expected, seconds)
+    fixed = {
+        "stiffness": None if stiffness is None else _matrix(read_numbers(stiffness, "--stiffness")),
+        "pressure": None if pressure is None else read_number(pressure, "--pressure"),
+    }
+    free = law is None and about.is_routine()
+    checks_of = about.checks(free, named, expected)
+    routines = about.without_law(settings, held_to) if free else about.routines(law, settings, held_to)
+    options = {"max_examples": about.examples, "rows": 30, "seconds": seconds, "seed": about.seed, "expected": expected, **fixed}
+    interrupted = about.carry_out(routines, checks_of, options)
     say(about.told(form))
     if replay is not None:
         for report in about.reports.values():
             report.write_replays(replay)
     return INTERRUPTED if interrupted else about.code()
+
+
+def _matrix(numbers: list[float]) -> Any:
+    """One number a force, or a square of them row by row."""
+    d = isqrt(len(numbers))
+    return [numbers[i : i + d] for i in range(0, d * d, d)] if d * d == len(numbers) and d > 1 else numbers
 
 
 def _expected(given: Sequence[str]) -> dict[str, str]:
@@ -129,52 +163,70 @@ class _About:
     seconds: dict[str, float] = field(default_factory=dict)
     without: dict[str, str] = field(default_factory=dict)
 
-    def check_names(self, named: Sequence[str] | None, expected: Mapping[str, str]) -> None:
-        from duhem.testing.conformance import every_check
+    def checks(self, free: bool, named: Sequence[str] | None, expected: Mapping[str, str]) -> list[Check]:
+        """Those that are asked for; InputError for one that there is not."""
+        from duhem.testing.conformance import checks_for, every_check
+        from duhem.testing.without_law import free_checks
 
-        known = [c.name for c in every_check()]
+        known = {c.name: c for c in (free_checks(associated=True) if free else every_check())}
         check_names("check", named or (), known, "checks are", "--checks")
         if named == ():
             raise InputError("no check is named", where="--checks", remedy=f"checks are: {', '.join(known)}")
         check_names("check", expected, known, "checks are", "--expect")
+        if named is not None:
+            return [known[name] for name in named]
+        return list(checks_for(None)) if free else [c for c in known.values() if c.demanded]
 
-    def routines(self, law: str | None, settings: Sequence[str], accuracy: float | None) -> dict[str, tuple[Criterion, Any, float]]:
-        """By the name they are shown under: law, routine and the accuracy it is held to."""
-        from duhem.testing.conformance import ACCURACY
-        from duhem.testing.own_solvers import PROMISED, own_solvers
-
-        if law is not None:
-            return {self.subject: (read_fixed_formula(law, settings), read_routine(self.subject), accuracy or ACCURACY)}
-        if self._is_routine():
-            raise InputError(f"{self.subject} is a routine", where="--law", remedy="say which law it is for, as --law coulomb")
-        known, found = read_fixed_formula(self.subject, settings), {}
-        for method, routine in own_solvers(known):
-            if isinstance(routine, str):
-                self.without[method] = routine
-            else:
-                found[f"{known.name} {method}"] = known, routine, accuracy or PROMISED.get(method, ACCURACY)
-        return found
-
-    def _is_routine(self) -> bool:
+    def is_routine(self) -> bool:
+        """Whether the subject is something else than a law."""
         if ":" not in self.subject:
             return False
         from duhem.law.curve_law import Law
 
-        return not isinstance(read_routine(self.subject), Law)
+        return not isinstance(read_attribute(self.subject), Law)
 
-    def carry_out(
-        self,
-        routines: Mapping[str, tuple[Criterion, Any, float]],
-        named: Sequence[str] | None,
-        expected: Mapping[str, str],
-        seconds: float,
-    ) -> bool:
-        """Test them one after the other; whether somebody interrupted."""
-        from duhem.testing.conformance import check, checks_for
+    def routines(self, law: str | None, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
+        """What is tested against a law, by the name it is shown under."""
+        from duhem.testing.conformance import ACCURACY
+        from duhem.testing.material import Material
+        from duhem.testing.own_solvers import PROMISED, own_solvers
         from duhem.testing.run import ConformanceRun
 
+        if law is not None:
+            known, given = read_fixed_formula(law, settings), read_routine(self.subject)
+            if isinstance(given, Material):
+                remedy = "name a routine that from_material makes of it, or leave out --law"
+                raise InputError("a material has its own stiffness", where=self.subject, remedy=remedy)
+            return {self.subject: (partial(ConformanceRun, known, given, None, given=law), accuracy or ACCURACY)}
+        known = read_fixed_formula(self.subject, settings)
+        found: dict[str, Routine] = {}
+        for method, routine in own_solvers(known):
+            if isinstance(routine, str):
+                self.without[method] = routine
+            else:
+                run = partial(ConformanceRun, known, routine, None, given=self.subject)
+                found[f"{known.name} {method}"] = run, accuracy or PROMISED.get(method, ACCURACY)
+        return found
+
+    def without_law(self, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
+        """The same of a routine of which no law is known; its parameters are those that are set."""
+        from duhem.testing.conformance import ACCURACY
+        from duhem.testing.material import Material
+        from duhem.testing.without_law import FreeRun
+
+        routine, values = read_routine(self.subject), read_settings(settings)
+        if isinstance(routine, Material) and values:
+            raise InputError("a material has its own parameters", where=f"--set {settings[0]}", remedy="give them where it is made")
+        if not isinstance(routine, Material) and self.asked["stiffness"] is None:
+            what = f"{self.subject} is a routine: without a law nothing says how many forces there are"
+            raise InputError(what, where="--law", remedy="say which law it is for, as --law coulomb, or give --stiffness")
+        given = None if isinstance(routine, Material) else {name: float(value) for name, value in values.items()}
+        return {self.subject: (partial(FreeRun, routine, given), accuracy or ACCURACY)}
+
+    def carry_out(self, routines: Mapping[str, Routine], checks: Sequence[Check], options: Mapping[str, Any]) -> bool:
+        """Test them one after the other; whether somebody interrupted."""
         with Progress("testing") as progress:
-            for name, (law, routine, accuracy) in routines.items():
+            for name, (made, accuracy) in routines.items():
                 begun = monotonic()
 
                 def seen(run: ConformanceRun, name: str = name, begun: float = begun) -> None:
@@ -183,22 +235,7 @@ class _About:
                     slip = f", slip {shares['slip']:.0%}" if shares else ""
                     progress.show(f"{name}: {run.examples} of {self.examples}, {rate:.0f}/s{slip}, {len(run.found)} failed")
 
-                run = ConformanceRun(
-                    law,
-                    routine,
-                    None,
-                    checks_for(law) if named is None else [check(c) for c in named],
-                    stiffness=None,
-                    pressure=None,
-                    accuracy=accuracy,
-                    max_examples=self.examples,
-                    rows=30,
-                    seconds=seconds,
-                    seed=self.seed,
-                    expected=expected,
-                    on_case=seen,
-                    given=self.asked["law"] or self.subject,
-                )
+                run = made(checks, accuracy=accuracy, on_case=seen, **options)
                 try:
                     run.to_the_end()
                 except KeyboardInterrupt:
