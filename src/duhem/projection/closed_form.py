@@ -24,6 +24,7 @@ from duhem.projection.result import Array, Solution
 
 __all__ = ["CLOSED_FORM", "ClosedFormOptions", "applies", "solve"]
 
+_BLOCK = 2 * BLOCK  # of which the formulas take a quarter at a time
 _COMPILED_BLOCK = 32_768  # the kernel has blocks of its own; these are for what NumPy does before and after it
 
 
@@ -73,7 +74,7 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
     project = _on_interval(found, increment) if isinstance(shape, Interval) else _on_quarters(found, increment, options.compiled)
     load, share = of_pressure(increment, shape.load), _share(increment, found)
     middles = [of_pressure(increment, c) for c in centre(shape)]
-    size = _COMPILED_BLOCK if options.compiled else 2 * BLOCK
+    size = _COMPILED_BLOCK if options.compiled else _BLOCK
     keep_freed_memory(n)
 
     def fill(block: slice) -> None:
