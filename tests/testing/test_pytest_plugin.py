@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 import duhem_pytest
@@ -143,22 +144,24 @@ def pytest_collection_modifyitems(items):
 
 def test_what_failed_is_kept_and_tried_first(pytester: pytest.Pytester) -> None:
     routine = """
+from pathlib import Path
+
 @pytest.mark.duhem(checks="feasibility", **MARK)
 def update(trial, pressure, stiffness):
-    if len(trial) == 3:
-        np.save("first.npy", trial[0])
-    return {}
+    if not Path("NAME.npy").exists():
+        np.save("NAME.npy", trial)
+    return ANSWER
 """
-    pytester.makepyfile(test_it=HEAD + routine.format("trial"))
+    wrong = routine.replace("ANSWER", "trial")
+    pytester.makepyfile(test_it=HEAD + wrong.replace("NAME", "before"))
     tried(pytester).assert_outcomes(passed=1, failed=1)
     (kept,) = (pytester.path / ".pytest_cache" / "v" / "duhem" / "cases").iterdir()
     case = json.loads(kept.read_text("utf-8"))["feasibility"]
-    pytester.makepyfile(test_it=HEAD + routine.format("trial").replace("if len(trial) == 3:", "if True:\n        assert len(trial) == 3"))
-    tried(pytester, "--lf").assert_outcomes(failed=1)  # the case alone is asked, and nothing is drawn or shrunk
-    import numpy as np
-
-    assert np.load(pytester.path / "first.npy").tolist() == case["trial"][0]
-    pytester.makepyfile(test_it=HEAD + routine.format("right(trial, pressure, stiffness)"))
+    pytester.makepyfile(test_it=HEAD + wrong.replace("NAME", "after"))
+    tried(pytester, "--lf").assert_outcomes(failed=1)
+    before, after = (np.load(pytester.path / f"{name}.npy") for name in ("before", "after"))
+    assert len(before) > 3 and after.tolist() == [*case["trial"], *case["other"], *case["third"]]  # the case alone is asked first
+    pytester.makepyfile(test_it=HEAD + routine.replace("ANSWER", "right(trial, pressure, stiffness)"))
     tried(pytester).assert_outcomes(passed=2)
     assert json.loads(kept.read_text("utf-8")) == {}
 
