@@ -11,20 +11,26 @@ cost [LAW ...]               processor time of all checks over that of a bare Hy
 from __future__ import annotations
 
 import argparse
+import itertools
 import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 from hypothesis import HealthCheck, given, settings
 
 import duhem
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.methods import METHODS
-from duhem.testing import Case, Report, cases, conformance, projection
+from duhem.projection.result import Array
+from duhem.testing import Case, Report, Update, cases, conformance, projection
+from duhem.testing.decades import Strategy, decades
 from tests.oracles.mutant_routines import MUTANTS, Mutant
+from tests.testing.examples import BUGS, EXAMPLES
 from tests.testing.test_properties import ACCURACY, ALWAYS, AT_VALUES, of, without_reason
 
 __all__ = ["first_cause", "found"]
@@ -57,8 +63,23 @@ def mutants(names: Sequence[str]) -> int:
         missed[verdict.strip()] += 1
         cells = [mutant.kind, mutant.name, " or ".join(sorted(mutant.roots)), cause + verdict, len(report.failures)]
         print(f"| {' | '.join(map(str, cells))} | {time.process_time() - start:.1f} |", flush=True)
-    print(f"{len(chosen)} mutants; not found: {missed['NOT FOUND']}, found for another cause: {missed['ANOTHER']}")
-    return int(missed[""] < len(chosen))
+    for kind, name, bug, root in compiled(names):
+        start = time.process_time()
+        report = conformance(None, **EXAMPLES[name](bug), max_examples=3, rows=12, seconds=0.05, seed=1)
+        cause = first_cause(report)
+        verdict = "" if cause == root else " NOT FOUND" if cause == "-" else " ANOTHER"
+        missed[verdict.strip()] += 1
+        cells = [kind, f"{name}, bug {bug}", root, cause + verdict, len(report.failures)]
+        print(f"| {' | '.join(map(str, cells))} | {time.process_time() - start:.1f} |", flush=True)
+    print(f"{missed.total()} mutants; not found: {missed['NOT FOUND']}, found for another cause: {missed['ANOTHER']}")
+    return int(missed[""] < missed.total())
+
+
+def compiled(names: Sequence[str]) -> Iterator[tuple[str, str, int, str]]:
+    """The shipped examples in C and Fortran with each of their bugs: language, name, number, cause."""
+    for name, roots in BUGS.items():
+        if not names or any(part in name for part in names):
+            yield from (("Fortran" if name == "interface" else "C", name, bug, root) for bug, root in enumerate(roots, 1))
 
 
 def questions() -> Iterator[tuple[str, dict[str, str], str, int]]:
@@ -73,6 +94,10 @@ def alarms(part: str, place: Path | None) -> int:
     asked = list(questions())
     chosen = asked[index - 1 :: of_]
     refused = 0
+    for name, seed in itertools.product(EXAMPLES, _SEEDS) if index == 1 else ():
+        report = conformance(None, **EXAMPLES[name](), max_examples=10, rows=20, seconds=1.0, seed=seed)
+        refused += not report.ok
+        print(f"{name} {seed}: {'accepted' if report.ok else 'REFUSED ' + first_cause(report)}", flush=True)
     for name, values, method, seed in chosen:
         key = f"{name} {values} {method} {seed}"
         if key not in done:
@@ -97,14 +122,28 @@ def _alarm(law: Criterion, method: str, seed: int) -> str:
     return f"{len(report.passed)} pass, {report.points} increments asked, {report.flagged} flagged"
 
 
+def coulomb(trial: Array, pressure: Array, stiffness: Array, mu: float) -> Array:
+    """The closest point of a disk for a stiffness of one number, by hand: what a light routine costs."""
+    size, limit = np.hypot(*trial.T), -mu * pressure
+    with np.errstate(all="ignore"):
+        return np.where((size > limit)[:, None], trial / size[:, None] * limit[:, None], trial)
+
+
+def box(trial: Array, pressure: Array, stiffness: Array, mu_a: float, mu_b: float) -> Array:
+    """The closest point of a box for a diagonal stiffness, by hand."""
+    ends = np.stack([-mu_a * pressure, -mu_b * pressure], axis=1)
+    return np.clip(trial, -ends, ends)
+
+
 def cost(names: Sequence[str]) -> int:
-    """Least of three runs each, in one process."""
-    for name in names or ("coulomb", "orthotropic", "antoni2007", "von-mises"):
-        for title, update in {"duhem": projection(name), "nothing at all": lambda trial, *_, **__: trial}.items():
-            checks = None if title == "duhem" else ["repeatability", "energy"]
-            del checks
-            suite, bare = _least(lambda u=update, n=name: _suite(n, u)), _least(lambda u=update, n=name: _bare(n, u))
-            print(f"{name}, {title}: {100 * suite:.1f} ms a case, bare {100 * bare:.1f} ms, ratio {suite / bare:.2f}", flush=True)
+    """Routines by hand, and duhem's own, which takes most of the time; the least of three runs each."""
+    by_hand = {"coulomb": coulomb, "box": box}
+    for name in names or ("coulomb", "box", "orthotropic", "von-mises"):
+        k = decades(-3, 3) if name in by_hand else None
+        for title, update in {"by hand": by_hand.get(name), "duhem's own": projection(name)}.items():
+            if update is not None:
+                suite, bare = _least(partial(_suite, name, update, k)), _least(partial(_bare, name, update, k))
+                print(f"{name}, {title}: {100 * suite:.1f} ms a case, bare {100 * bare:.1f} ms, ratio {suite / bare:.2f}", flush=True)
     return 0
 
 
@@ -117,13 +156,13 @@ def _least(run: Callable[[], object]) -> float:
     return min(times[1:])
 
 
-def _suite(law: str, update: Callable[..., object]) -> None:
-    conformance(law, update, max_examples=10, seed=0)  # type: ignore[arg-type]
+def _suite(law: str, update: Update, stiffness: Strategy | None) -> None:
+    conformance(law, update, stiffness=stiffness, max_examples=10, seed=0)
 
 
-def _bare(law: str, update: Callable[..., object]) -> None:
+def _bare(law: str, update: Update, stiffness: Strategy | None) -> None:
     @settings(max_examples=10, database=None, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
-    @given(cases(law, rows=30))
+    @given(cases(law, stiffness=stiffness, rows=30))
     def test(case: Case) -> None:
         update(case.trial, case.pressure, case.stiffness, **case.parameters)
 
