@@ -6,20 +6,29 @@ Truth is exact evaluation at the point the question was built around; no decider
 from __future__ import annotations
 
 from collections import Counter
+from functools import cache
 
 import pytest
 
 from duhem.proof.decide import Question, Sense
+from duhem.proof.decide.polynomials import System
 from tests.proof.decide.alone import OF_QUESTIONS, OF_SYSTEMS
 from tests.proof.decide.questions import GOALS, SYMBOLS, as_system, in_a_box, is_polynomial, true_ones, violated_ones
 
-VIOLATED = [
-    as_system(one.question)
-    for most in (1, 2, 2, 3)
-    for one in violated_ones(f"systems/{most}", 25, "polynomial", most)
-    if is_polynomial(one.question)
-]
-TRUE = [as_system(question) for most in (1, 2, 3) for question in true_ones(f"true/{most}", 20, most)]
+
+@cache
+def violated() -> list[System]:
+    return [
+        as_system(one.question)
+        for most in (1, 2, 2, 3)
+        for one in violated_ones(f"systems/{most}", 25, "polynomial", most)
+        if is_polynomial(one.question)
+    ]
+
+
+@cache
+def true() -> list[System]:
+    return [as_system(question) for most in (1, 2, 3) for question in true_ones(f"true/{most}", 20, most)]
 
 
 @pytest.mark.parametrize("kind", GOALS)
@@ -36,7 +45,7 @@ def test_questions_by_itself(name: str, kind: str) -> None:
 
 @pytest.mark.parametrize("name", OF_SYSTEMS)
 def test_systems_by_itself(name: str) -> None:
-    answers = Counter(OF_SYSTEMS[name](system).holds for system in VIOLATED)
+    answers = Counter(OF_SYSTEMS[name](system).holds for system in violated())
     assert answers[True] == 0
     assert answers[False] >= {"exact": 75, "cells": 60, "curve": 3, "region": 5, "smt": 75}[name]
 
@@ -44,7 +53,7 @@ def test_systems_by_itself(name: str) -> None:
 @pytest.mark.parametrize("name", OF_SYSTEMS)
 def test_what_holds(name: str) -> None:
     """Each says so of enough, and denies it of none."""
-    answers = Counter(OF_SYSTEMS[name](system).holds for system in TRUE)
+    answers = Counter(OF_SYSTEMS[name](system).holds for system in true())
     assert answers[False] == 0
     assert answers[True] >= {"exact": 50, "cells": 30, "curve": 1, "region": 0, "smt": 50}[name]
 
