@@ -2,7 +2,7 @@
  *
  *     cc -std=c99 -O2 -shared -fPIC friction.c -o friction.so -lm
  *
- *     from duhem.testing import conformance
+ *     from duhem.testing import conformance, decades
  *     from duhem.testing.foreign import shared_library
  *     update = shared_library("friction.so", "int friction(const double *trial, double pressure, const double *stiffness, "
  *                             "double mu, double *stress, double *slip, double *tangent)")
