@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import duhem
@@ -106,8 +107,8 @@ def test_a_law_made_in_python_is_written_out(tmp_path: Path) -> None:
 
 def test_duhems_own_routine_is_made_again() -> None:
     found: dict[str, object] = {}
-    exec(projection("coulomb", "newton").__duhem_import__, found)
-    assert callable(found["update"])
+    exec(projection(duhem.load("coulomb").fix({"mu": "0.3"}), "newton").__duhem_import__, found)
+    assert found["update"](np.array([[1.0, 0.0]]), np.array([-1.0]), np.eye(2)).stress[0].tolist() == [0.3, 0.0]
 
 
 def test_a_law_of_a_file_is_read_from_it(tmp_path: Path) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import Law, ParametricCriterion
     from duhem.law.formula_law import Criterion
 
-__all__ = ["attribute", "load", "load_formula", "load_named", "names", "summary", "template"]
+__all__ = ["attribute", "load", "load_formula", "load_named", "names", "shipped", "summary", "template"]
 
 _PACKAGE = "duhem.law.builtin"
 _GROUP = "duhem.criteria"
@@ -35,6 +35,11 @@ _GROUP = "duhem.criteria"
 def names() -> tuple[str, ...]:
     """The laws that can be loaded by name, sorted; the published ones are many and named by :mod:`duhem.law.atlas.entry`."""
     return tuple(sorted({*_built_in(), *_added(), *registered()}))
+
+
+def shipped(name: str) -> bool:
+    """Whether duhem has a law of that name in every process, whatever was registered in this one."""
+    return name in _built_in() or file_of(name) is not None
 
 
 @overload

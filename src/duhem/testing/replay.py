@@ -11,10 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from duhem.errors import InputError
-from duhem.law.catalogue import load, load_named
+from duhem.law.catalogue import load, load_named, shipped
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
-from duhem.law.registry import registered
 from duhem.testing.case import Case
 
 __all__ = ["Origin", "law_as_written", "made_by", "origin", "test_file", "test_name"]
@@ -74,7 +73,7 @@ def law_as_written(law: Criterion, given: Any = None) -> str:
     with suppress(InputError):
         if isinstance(given, str | Path):
             return _fixed(named, load(named), law)
-        if law.name not in registered() and _same(known := load_named(law.name), law):
+        if shipped(law.name) and _same(known := load_named(law.name), law):
             return _fixed(law.name, known, law)
     with suppress(InputError):
         again = Criterion(name=law.name, g=law.written or str(law.g), forces=law.forces, pressure=law.pressure, parameters=law.parameters)
