@@ -231,8 +231,8 @@ def shares(count: int, blur: float, good: float, certain: float, of_slip: Any, a
         distance, room, turned, steep = seen[DISTANCE, j], seen[ROOM, j], seen[TURNED, j], seen[STEEP, j]
         size, value = seen[SIZE, j], seen[LEVEL, j]
         per, far, whole = 1.0 / size, seen[UNIT, j] / size, distance + room
-        hidden = seen[HIDDEN, j] * (far / (steep * room))
-        depth = abs(value) / steep * far
+        a_level = far / (steep * room)
+        hidden, depth = seen[HIDDEN, j] * a_level, abs(value) * a_level * room
         rounding = inner = height = 0.0
         for i in range(D):
             one = 0.0
