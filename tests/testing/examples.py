@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import shutil
 import subprocess
 from collections.abc import Callable
 from functools import cache
@@ -30,7 +32,9 @@ STEEL = {"E": 2.1e11, "nu": 0.3, "yield": 2.5e8, "H": 1e9}
 
 @cache
 def _folder() -> Path:
-    return Path(mkdtemp(prefix="duhem-examples-"))
+    made = Path(mkdtemp(prefix="duhem-examples-"))
+    atexit.register(shutil.rmtree, made, ignore_errors=True)  # Windows keeps what is loaded
+    return made
 
 
 @cache
