@@ -13,6 +13,7 @@ from duhem.testing.departure import departure
 from duhem.testing.diagnosis import Part, diagnoses, registered_suggestions
 from duhem.testing.query import Query
 from duhem.testing.region import Region
+from tests.long import mostly_long
 from tests.oracles.routines import (
     ELLIPSE,
     MU,
@@ -149,7 +150,8 @@ def told(part: Part, query: Query) -> dict[str, str]:
 EVERY = [(name, *one) for name, each in INSTEAD.items() for one in each]
 
 
-@pytest.mark.parametrize(("name", "part", "update", "said"), EVERY, ids=[f"{name}-{said}" for name, _, _, said in EVERY])
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "part", "update", "said"), mostly_long(EVERY, *EVERY[::4]), ids=lambda x: x if isinstance(x, str) else "")
 def test_what_a_routine_does_instead_is_told(name: str, part: Part, update: Routine, said: str) -> None:
     found = told(part, asked(update))
     assert next(iter(found)) == name and said in found[name]
@@ -196,9 +198,10 @@ def test_nothing_is_said_of_a_routine_that_does_none_of_these(name: str) -> None
 
 
 def test_a_failure_shows_stress_closest_point_and_what_the_routine_does_first() -> None:
-    report = conformance("orthotropic", radial_return, ELLIPSE, max_examples=6, rows=60, seconds=0.1, seed=1)
+    asked = ["variational-inequality", "firmness", "potential", "feasibility"]
+    report = conformance("orthotropic", radial_return, ELLIPSE, checks=asked, max_examples=4, seconds=0.1, seed=1)
     (failure,) = report.failures
-    assert {failure.check.name, *failure.explains} == report.failed and len(report.failed) >= 3
+    assert {failure.check.name, *failure.explains} == report.failed and len(report.failed) >= 2
     lines = str(failure).splitlines()
     assert [line.split()[0] for line in lines[1:7]] == ["likely", "law", "increment", "returned", "closest", "difference"]
     assert "radial return" in lines[1] and "mu_a = 0.5, mu_b = 0.1" in lines[2]
