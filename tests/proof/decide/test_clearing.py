@@ -166,3 +166,11 @@ def test_a_polynomial_of_too_many_terms() -> None:
     assert _expression(Long(range(3000))) == x
     with pytest.raises(NotAlgebraicError, match="a polynomial has 3001 terms"):
         _expression(Long(range(3001)))
+
+
+def test_of_a_square_only_what_it_divides_by_and_takes_a_root_of_is_asked() -> None:
+    system = asked((1 / x + sp.sqrt(y)) ** 2)
+    assert system.goal == Relation(sp.S.Zero, ">=")
+    assert {o.goal for o in system.obligations} == {Relation(x, "!="), Relation(y, ">=")}
+    for other in (asked((1 / x + sp.sqrt(y)) ** 3), asked((x - y) ** 2, P), asked((x - y) ** 2, Z), asked((x - y) ** 2 - 1)):
+        assert other.goal.poly != 0
