@@ -32,8 +32,8 @@ import pytest
 
 if TYPE_CHECKING:
     from duhem.path.scene import Scene
-    from duhem.testing.report import Report
-    from duhem.testing.snapshot import Entry
+    from duhem.testing.failures.report import Report
+    from duhem.testing.snapshots.snapshot import Entry
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -59,14 +59,14 @@ def pytest_pycollect_makeitem(collector: pytest.Module | pytest.Class, name: str
     marks = [mark for mark in function.pytestmark if mark.name == "duhem"]  # type: ignore[attr-defined]
     if not marks or "duhem_check" in function.__code__.co_varnames[: function.__code__.co_argcount]:
         return None
-    from duhem.testing.pytest_checks import check_items
+    from duhem.testing.in_pytest.marked_routines import check_items
 
     return check_items(collector, name, function, marks)
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "duhem_check" in metafunc.fixturenames:
-        from duhem.testing.pytest_checks import names_of_checks
+        from duhem.testing.in_pytest.marked_routines import names_of_checks
 
         metafunc.parametrize("duhem_check", names_of_checks(metafunc.definition), indirect=True)
 
@@ -76,7 +76,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
         return None
     if not file_path.match("*.duhem.toml") and not any(file_path.match(pattern) for pattern in parent.config.getini("duhem_files")):
         return None
-    from duhem.testing.pytest_files import collected
+    from duhem.testing.in_pytest.collected_files import collected
 
     return collected(file_path, parent, _looked_into)
 
@@ -84,7 +84,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 @pytest.fixture
 def duhem_check(request: pytest.FixtureRequest) -> Callable[..., Report]:
     """``duhem_check(update)`` puts a routine to the checks of the marker ``duhem``, one a node; it returns the report of all."""
-    from duhem.testing.pytest_checks import checked
+    from duhem.testing.in_pytest.marked_routines import checked
 
     return checked(request)
 
@@ -95,7 +95,7 @@ def duhem_snapshot(request: pytest.FixtureRequest) -> Callable[..., Entry]:
 
     What is kept stands beside the test, in ``snapshots/<module>/<test>.json``; ``--duhem-update`` writes it.
     """
-    from duhem.testing.pytest_snapshots import compared
+    from duhem.testing.in_pytest.snapshot_fixture import compared
     from duhem.vouched.increments import project
 
     return compared(request, project)

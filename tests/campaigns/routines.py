@@ -28,7 +28,7 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.methods import METHODS
 from duhem.projection.result import Array
 from duhem.testing import Case, Report, Update, cases, conformance, projection
-from duhem.testing.decades import Strategy, decades
+from duhem.testing.drawn.decades import Strategy, decades
 from tests.oracles.mutant_routines import MUTANTS, Mutant
 from tests.testing.examples import BUGS, EXAMPLES
 from tests.testing.test_properties import ACCURACY, ALWAYS, AT_VALUES, of, without_reason

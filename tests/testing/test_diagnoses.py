@@ -9,10 +9,10 @@ import pytest
 
 import duhem
 from duhem.testing import Case, Step, conformance, from_displacements
-from duhem.testing.departure import departure
-from duhem.testing.diagnosis import Part, diagnoses, registered_suggestions
-from duhem.testing.query import Query
-from duhem.testing.region import Region
+from duhem.testing.checks.query import Query
+from duhem.testing.drawn.region import Region
+from duhem.testing.failures.departure import departure
+from duhem.testing.failures.diagnosis import Part, diagnoses, registered_suggestions
 from tests.long import mostly_long
 from tests.oracles.routines import (
     ELLIPSE,

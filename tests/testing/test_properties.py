@@ -24,7 +24,7 @@ from tests.oracles.literature import KNOWN, THRESHOLDS
 EPS = float(np.finfo(np.float64).eps)
 # A method that is not named in these has the loosest row until it promises more.
 LOOSEST = "cvxpy"
-# What each method promises, relative; the rounding that ill-conditioned data cause comes on top (duhem.testing.question).
+# What each method promises, relative; the rounding that ill-conditioned data cause comes on top (duhem.testing.checks.query).
 ACCURACY = {
     "closed-form": 16 * EPS,
     "newton": 1e-11,  # the normal is met within 1e-12, or 1e-10 of |s - u| where rounding turns it

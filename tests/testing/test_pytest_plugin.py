@@ -15,12 +15,12 @@ import pytest
 
 import duhem_pytest
 from duhem.cli.test import test as command
-from duhem.testing import pytest_checks, pytest_files, pytest_snapshots  # what a run imports and would forget at its end
-from duhem.testing.profiles import PROFILES
+from duhem.testing.in_pytest import collected_files, marked_routines, snapshot_fixture  # what a run imports and would forget at its end
+from duhem.testing.in_pytest.profiles import PROFILES
 from duhem.vouched import histories, increments
 
 pytest_plugins = ["pytester"]
-IMPORTED = (duhem_pytest, pytest_checks, pytest_files, pytest_snapshots, histories, increments)
+IMPORTED = (duhem_pytest, marked_routines, collected_files, snapshot_fixture, histories, increments)
 
 HEAD = """\
 import numpy as np
@@ -265,7 +265,7 @@ def test_an_undecided_claim_fails_or_is_expected_to(pytester: pytest.Pytester, m
         done = verify(*given, **more)
         return replace(done, results=tuple(replace(r, verdict=Verdict.UNDECIDED, trust=None, detail="nobody knows") for r in done.results))
 
-    monkeypatch.setattr(pytest_files, "verify", undecided)
+    monkeypatch.setattr(collected_files, "verify", undecided)
     written(pytester, {"oval.duhem": LIMACON})
     asked = ("--duhem-claims", "origin")
     tried(pytester, *asked).assert_outcomes(failed=1)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import duhem
-from duhem.testing.region import Region
-from duhem.testing.seams import TURNS, turned
+from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.seams import TURNS, turned
 from tests.oracles.routines import MU
 
 FIRST = np.array([[1.0, 0.3], [1.0, 0.4], [0.2, 1.0], [-0.5, 1.0]])

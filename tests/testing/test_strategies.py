@@ -15,7 +15,7 @@ from duhem.testing import (
     stiffnesses,
     trials,
 )
-from duhem.testing.region import Region
+from duhem.testing.drawn.region import Region
 from tests.oracles.routines import (
     DISK,
 )

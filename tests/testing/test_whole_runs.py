@@ -10,11 +10,11 @@ import pytest
 import duhem
 from duhem.errors import InputError
 from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise
-from duhem.testing.causes import CAUSES, by_cause
-from duhem.testing.query import Query
-from duhem.testing.region import Region
-from duhem.testing.registry import registered
-from duhem.testing.visited import Visited
+from duhem.testing.checks.query import Query
+from duhem.testing.checks.registry import registered
+from duhem.testing.checks.visited import Visited
+from duhem.testing.drawn.region import Region
+from duhem.testing.failures.causes import CAUSES, by_cause
 from tests.oracles.routines import ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
 # -- visited -----------------------------------------------------------------------------------------------------------

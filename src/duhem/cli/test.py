@@ -29,8 +29,8 @@ from duhem.cli.output import Progress, say
 from duhem.errors import InputError
 
 if TYPE_CHECKING:
-    from duhem.testing.registry import Check
-    from duhem.testing.report import Report
+    from duhem.testing.checks.registry import Check
+    from duhem.testing.failures.report import Report
     from duhem.testing.run import ConformanceRun
 
     Routine = tuple[Callable[..., ConformanceRun], float]  # what makes its run, and the accuracy it is held to
@@ -188,8 +188,8 @@ class _About:
     def routines(self, law: str | None, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
         """What is tested against a law, by the name it is shown under."""
         from duhem.testing.conformance import ACCURACY
-        from duhem.testing.material import Material
-        from duhem.testing.own_solvers import PROMISED, own_solvers
+        from duhem.testing.routines.material import Material
+        from duhem.testing.routines.own_solvers import PROMISED, own_solvers
         from duhem.testing.run import ConformanceRun
 
         if law is not None:
@@ -211,7 +211,7 @@ class _About:
     def without_law(self, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
         """The same of a routine of which no law is known; its parameters are those that are set."""
         from duhem.testing.conformance import ACCURACY
-        from duhem.testing.material import Material
+        from duhem.testing.routines.material import Material
         from duhem.testing.without_law import FreeRun
 
         routine, values = read_routine(self.subject), read_settings(settings)
@@ -257,7 +257,7 @@ class _About:
     # -- what is printed -----------------------------------------------------------------------------------------------
 
     def told(self, form: str) -> str:
-        from duhem.testing.report_formats import as_dict, as_junit
+        from duhem.testing.failures.report_formats import as_dict, as_junit
 
         if form == "junit":
             return as_junit(self.reports)

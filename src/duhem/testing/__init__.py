@@ -11,13 +11,13 @@
 or one test a check: ``@pytest.mark.parametrize("check", checks_for("coulomb"))`` and ``assert_conforms(..., checks=[check])``.
 """
 
-from duhem.testing.case import Case
+from duhem.testing.checks.registry import Check
 from duhem.testing.conformance import ACCURACY, assert_conforms, check, checks_for, conformance, violation
-from duhem.testing.material import Material, MaterialState, from_material
-from duhem.testing.registry import Check
-from duhem.testing.report import Failure, Report
-from duhem.testing.routine import Step, Update, from_displacements, pointwise, projection
-from duhem.testing.strategies import cases, decades, loadings, parameters, pressures, stiffnesses, trials, ways
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.strategies import cases, decades, loadings, parameters, pressures, stiffnesses, trials, ways
+from duhem.testing.failures.report import Failure, Report
+from duhem.testing.routines.material import Material, MaterialState, from_material
+from duhem.testing.routines.routine import Step, Update, from_displacements, pointwise, projection
 
 __all__ = [
     "ACCURACY",

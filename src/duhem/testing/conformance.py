@@ -11,15 +11,16 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
-from duhem.testing import law_checks, output_diagnoses, routine_checks, run_checks, stress_diagnoses, tangent_checks  # noqa: F401 (they register)
-from duhem.testing.case import Case
-from duhem.testing.decades import Strategy
-from duhem.testing.material import Material
-from duhem.testing.query import NoReply, Query
-from duhem.testing.region import Region
-from duhem.testing.registry import Check, registered
-from duhem.testing.report import Report
-from duhem.testing.routine import Update
+from duhem.testing.checks import law_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
+from duhem.testing.checks.query import NoReply, Query
+from duhem.testing.checks.registry import Check, registered
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.decades import Strategy
+from duhem.testing.drawn.region import Region
+from duhem.testing.failures import output_diagnoses, stress_diagnoses  # noqa: F401 (they register)
+from duhem.testing.failures.report import Report
+from duhem.testing.routines.material import Material
+from duhem.testing.routines.routine import Update
 from duhem.testing.run import ConformanceRun, judged
 from duhem.testing.without_law import FreeRun, free_check, free_checks, free_violation
 

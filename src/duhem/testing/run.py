@@ -17,21 +17,21 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
-from duhem.testing.admitted_values import admitted
-from duhem.testing.case import Case
-from duhem.testing.causes import by_cause, likeliest_first
-from duhem.testing.decades import Strategy
-from duhem.testing.departure import departure
-from duhem.testing.diagnosis import Part, diagnoses
-from duhem.testing.query import NoReply, NothingToCheck, Query
-from duhem.testing.region import Region
-from duhem.testing.registry import Check
-from duhem.testing.replay import origin
-from duhem.testing.report import Failure, Report
-from duhem.testing.routine import Update
-from duhem.testing.simplified import simplified
-from duhem.testing.strategies import cases
-from duhem.testing.visited import Visited
+from duhem.testing.checks.query import NoReply, NothingToCheck, Query
+from duhem.testing.checks.registry import Check
+from duhem.testing.checks.visited import Visited
+from duhem.testing.drawn.admitted_values import admitted
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.decades import Strategy
+from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.simplified import simplified
+from duhem.testing.drawn.strategies import cases
+from duhem.testing.failures.causes import by_cause, likeliest_first
+from duhem.testing.failures.departure import departure
+from duhem.testing.failures.diagnosis import Part, diagnoses
+from duhem.testing.failures.report import Failure, Report
+from duhem.testing.routines.origin import origin
+from duhem.testing.routines.routine import Update
 
 __all__ = ["ConformanceRun", "judged"]
 

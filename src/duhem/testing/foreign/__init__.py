@@ -4,6 +4,6 @@ from duhem.testing.foreign.abaqus import umat
 from duhem.testing.foreign.jax_functions import jax_routine
 from duhem.testing.foreign.mgis_behaviour import mgis_material
 from duhem.testing.foreign.shared import shared_library, shared_material
-from duhem.testing.material import Material, MaterialState, from_material
+from duhem.testing.routines.material import Material, MaterialState, from_material
 
 __all__ = ["Material", "MaterialState", "from_material", "jax_routine", "mgis_material", "shared_library", "shared_material", "umat"]

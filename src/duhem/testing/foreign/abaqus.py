@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.foreign.shared import loaded
-from duhem.testing.material import Material, MaterialState
+from duhem.testing.routines.material import Material, MaterialState
 
 __all__ = ["rotation", "umat"]
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.routine import Step, Update
+from duhem.testing.routines.routine import Step, Update
 
 __all__ = ["jax_routine"]
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.material import Material, MaterialState
+from duhem.testing.routines.material import Material, MaterialState
 
 __all__ = ["mgis_material"]
 

@@ -13,8 +13,8 @@ from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.foreign.native import Native, NativeFault
 from duhem.testing.foreign.prototype import Prototype
-from duhem.testing.material import Material, MaterialState
-from duhem.testing.routine import Step
+from duhem.testing.routines.material import Material, MaterialState
+from duhem.testing.routines.routine import Step
 
 __all__ = ["SharedLibrary", "loaded", "shared_library", "shared_material"]
 

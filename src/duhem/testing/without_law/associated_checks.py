@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from duhem.testing import routine_checks
-from duhem.testing.query import NothingToCheck
-from duhem.testing.registry import Finding
+from duhem.testing.checks import routine_checks
+from duhem.testing.checks.query import NothingToCheck
+from duhem.testing.checks.registry import Finding
 from duhem.testing.without_law.history import HistoryQuery
 from duhem.testing.without_law.registry import register
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.material import MaterialState
-from duhem.testing.query import NothingToCheck
-from duhem.testing.registry import Finding
+from duhem.testing.checks.query import NothingToCheck
+from duhem.testing.checks.registry import Finding
+from duhem.testing.routines.material import MaterialState
 from duhem.testing.without_law.history import HistoryQuery
 from duhem.testing.without_law.registry import register
 

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.case import Case
-from duhem.testing.decades import Strategy
-from duhem.testing.material import Material
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.decades import Strategy
+from duhem.testing.routines.material import Material
 
 __all__ = ["elastic_reach", "histories"]
 

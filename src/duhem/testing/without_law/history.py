@@ -16,11 +16,11 @@ import numpy as np
 
 from duhem.expression.jets import Choices
 from duhem.projection.result import Array
-from duhem.testing.case import Case
-from duhem.testing.material import Material, MaterialState
-from duhem.testing.query import NoReply, Query, Reply
-from duhem.testing.region import Region
-from duhem.testing.routine import Step
+from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.region import Region
+from duhem.testing.routines.material import Material, MaterialState
+from duhem.testing.routines.routine import Step
 
 __all__ = ["FINER", "HistoryQuery"]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any, cast
 
-from duhem.testing.query import Query
-from duhem.testing.registry import Check, Finding
+from duhem.testing.checks.query import Query
+from duhem.testing.checks.registry import Check, Finding
 from duhem.testing.without_law.history import HistoryQuery
 
 __all__ = ["register", "registered"]

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from duhem.testing import run_checks
-from duhem.testing.registry import Finding, registered
+from duhem.testing.checks import run_checks
+from duhem.testing.checks.registry import Finding, registered
 from duhem.testing.without_law.history import HistoryQuery
 from duhem.testing.without_law.registry import register
 

@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
-from duhem.testing.case import Case
-from duhem.testing.decades import Strategy
-from duhem.testing.departure import Departure
-from duhem.testing.material import Material, stateless
-from duhem.testing.query import NoReply, Query, Reply
-from duhem.testing.registry import Check
-from duhem.testing.replay import origin
-from duhem.testing.report import Failure
-from duhem.testing.routine import Update
+from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.checks.registry import Check
+from duhem.testing.checks.visited import Visited
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.decades import Strategy
+from duhem.testing.failures.departure import Departure
+from duhem.testing.failures.report import Failure
+from duhem.testing.routines.material import Material, stateless
+from duhem.testing.routines.origin import origin
+from duhem.testing.routines.routine import Update
 from duhem.testing.run import ConformanceRun, judged
-from duhem.testing.visited import Visited
 from duhem.testing.without_law import associated_checks, energy_checks, run_checks, step_checks  # noqa: F401 (they register their checks)
 from duhem.testing.without_law.energy_checks import slipped
 from duhem.testing.without_law.histories import histories

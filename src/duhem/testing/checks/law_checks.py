@@ -1,0 +1,101 @@
+"""What K itself must be, whatever routine is used.  Exact: a violation is confirmed in 60 digits, so nothing is allowed for."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from duhem.expression.jets import Choices
+from duhem.expression.rays import evenly_between
+from duhem.projection.result import Array
+from duhem.testing.checks.query import NothingToCheck, Query
+from duhem.testing.checks.registry import Finding, register
+
+__all__: list[str] = []
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+@register(
+    "origin",
+    statement="the stress-free state is admissible",
+    formula="0 in K(sigma_n)",
+    source="Antoni et al. (2007), Eqs. 27, 28: Phi* least at 0",
+    tolerance="none: 60 digits",
+    law_only=True,
+)
+def origin(q: Query) -> Finding:
+    zero = np.zeros_like(q.case.trial)
+    out = q.certainly(np.ones(len(zero), dtype=np.bool_), zero, outside=True)
+    return Finding(out.astype(np.float64), np.zeros(len(zero)))
+
+
+@register(
+    "convexity",
+    statement="the middle of two stresses of K lies in K",
+    formula="p, q in K(sigma_n) => (p + q)/2 in K(sigma_n)",
+    source="Antoni et al. (2007), Eq. 34; Rockafellar (1970), section 2",
+    tolerance="none: p, q and their middle are judged in 60 digits (the middle of two doubles, rounded once, within 4 eps of |p| + |q|)",
+    law_only=True,
+)
+def convexity(q: Query) -> Finding:
+    p, other = q.case.inside, q.case.beside
+    shrink = 1.0 - 4.0 * _EPS
+    middle = 0.5 * (p + other) * shrink  # in K with p, q and 0, and farther inside than its rounding
+    found = q.certainly(~(q.region.level(middle, q.pressure) <= 0.0), middle, outside=True)
+    for end in (p, other, np.zeros_like(p)):
+        found = q.certainly(found, end, outside=False)
+    return Finding(found * q.length(p - other), np.zeros(len(p)))
+
+
+@register(
+    "smoothness",
+    statement="the boundary has one normal at a seam, whichever side it is taken from",
+    formula="n from the left = n from the right, where the piece of g changes",
+    source="theory of gauges: gamma' continuous across seams (Antoni et al. 2007, Eq. 35)",
+    tolerance="64 eps + what the normal of either piece turns over 16 eps, which is how far the point may lie off the seam",
+    law_only=True,
+    demanded=False,
+)
+def smoothness(q: Query) -> Finding:
+    if q.case.trial.shape[1] < 2:
+        raise NothingToCheck("in one dimension the boundary is two points")
+    first, last = _directed(q.case.inside), _directed(q.case.beside)
+    low, high = np.zeros(len(first)), np.ones(len(first))
+
+    def towards(share: Array) -> Array:
+        return np.asarray((1.0 - share)[:, None] * first + share[:, None] * last)
+
+    def at(share: Array) -> Array:
+        way = towards(share)
+        reach = q.region.reach(way, q.pressure)
+        return np.where(np.isfinite(reach), reach, 1.0)[:, None] * way
+
+    _, here = q.region.slope(at(low), q.pressure)
+    _, there = q.region.slope(at(high), q.pressure)
+    apart = (here != there).any(axis=1)
+    if not apart.any():
+        return Finding(np.zeros(len(first)), np.zeros(len(first)))
+    while True:
+        middle = evenly_between(low, high, 2)[:, 0]  # in some 60 rounds down to neighbouring numbers, denormal ones too
+        if ((middle <= low) | (middle >= high) | ~apart).all():
+            break
+        piece = q.region.slope(at(middle), q.pressure)[1]
+        same = (piece == here).all(axis=1)
+        low, high, there = np.where(same, middle, low), np.where(same, high, middle), np.where(same[:, None], there, piece)
+    seam = at(low)
+    blur = 16.0 * _EPS * np.linalg.norm(seam, axis=1) / np.maximum(np.linalg.norm(towards(low), axis=1), _EPS)
+    beside = seam + blur[:, None] * _directed(last - first)
+
+    def normal(point: Array, piece: Choices) -> Array:
+        return _directed(q.region.slope(point, q.pressure, choices=piece)[0])
+
+    jump = np.linalg.norm(normal(seam, here) - normal(seam, there), axis=1)
+    turn = np.maximum(*(np.linalg.norm(normal(seam, side) - normal(beside, side), axis=1) for side in (here, there)))
+    whole = (np.abs(seam).max(axis=1) > 0.0) & apart & np.isfinite(jump) & np.isfinite(turn)
+    return Finding(np.where(whole, jump, 0.0), 64.0 * _EPS + np.where(whole, turn, 0.0))
+
+
+def _directed(vectors: Array) -> Array:
+    size = np.linalg.norm(vectors, axis=1, keepdims=True)
+    with np.errstate(all="ignore"):
+        return np.where(size > 0.0, vectors / size, vectors)

@@ -1,0 +1,188 @@
+"""One case put to one routine: each reply is asked for once, measured in the energy of the stiffness.
+
+|s| = (s . k^-1 s)^1/2 is the length of a stress.  A routine is held to an error in its stress of
+
+    u = accuracy (|sigma_tr| + |sigma|) + 8 eps cond(k)^1/2 (|sigma_tr| + |sigma| + |K|) + 2 dg/|grad g|,
+
+the second part being what a few roundings of the components of a stress, of the trial and of K, make in that length: a
+relative error eps of one component is eps cond(k)^1/2 of the whole.  |K| is the farthest point of K on the axes.  In the
+third, dg bounds what g, as the law's formula has it, may be off by in doubles: so far the boundary is not known.  The
+tolerance of each check follows from u by the triangle inequality, and is written where the check is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.result import Array
+from duhem.projection.stiffness_factors import factors
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.region import Region
+from duhem.testing.routines.routine import Step, Update, called
+
+__all__ = ["NoReply", "NothingToCheck", "Query", "Reply"]
+
+
+class NoReply(Exception):
+    """The routine raised, or returned something that is no stress."""
+
+
+class NothingToCheck(Exception):
+    """A check has nothing to look at, and why."""
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What the routine returned for ``trial`` (N, d), as arrays; ``solved`` (N,) as it says itself."""
+
+    trial: Array
+    stress: Array
+    slip: Array | None
+    multiplier: Array | None
+    tangent: Array | None
+    solved: NDArray[np.bool_]
+
+    def part(self, rows: slice) -> Reply:
+        """Some of the rows."""
+        return Reply(*(None if x is None else x[rows] for x in (getattr(self, name) for name in self.__dataclass_fields__)))  # type: ignore[arg-type]
+
+
+@dataclass
+class Query:
+    """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies."""
+
+    region: Region
+    case: Case
+    update: Update
+    passed: tuple[str, ...]
+    accuracy: float
+    points: int = 0
+    flagged: int = 0
+    sound: NDArray[np.bool_] = field(init=False)
+    _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.sound = np.ones(len(self.case), dtype=np.bool_)
+        self._lower, self._inverse = factors(self.case.stiffness)
+
+    # -- measures ------------------------------------------------------------------------------------------------------
+
+    def inner(self, a: Array, b: Array) -> Array:
+        """a . k^-1 b (N,)."""
+        return np.einsum("ij,ij->i", a @ self._inverse.T, b @ self._inverse.T)
+
+    def length(self, a: Array) -> Array:
+        """(a . k^-1 a)^1/2 (N,)."""
+        return np.asarray(np.linalg.norm(a @ self._inverse.T, axis=1))
+
+    def dual_length(self, slip: Array) -> Array:
+        """(slip . k slip)^1/2 (N,), the dual length, of gradients of g too."""
+        return np.asarray(np.linalg.norm(slip @ self._lower, axis=1))
+
+    def whitened(self, matrices: Array) -> Array:
+        """L^-1 C L^-T (N, d, d) of tangents C, k = L L^T."""
+        return self._inverse @ matrices @ self._inverse.T
+
+    @property
+    def axes(self) -> Array:
+        """d stresses of length 1 (d, d), orthogonal in the energy: the columns of L."""
+        return self._lower.T
+
+    def shadow(self, a: Array) -> Array:
+        """L^-1 a, whose plain length is |a|."""
+        return a @ self._inverse.T
+
+    def unit(self, reply: Reply) -> Array:
+        """The error u in stress the routine is held to (N,)."""
+        if id(reply) not in self._units:
+            size = self.length(reply.trial) + self.length(reply.stress)
+            gradient, _ = self.region.slope(reply.stress, self.pressure)
+            steep = self.dual_length(gradient)
+            blur = self.region.rounding(reply.stress, self.pressure) / np.where(steep > 0.0, steep, np.inf)
+            unit = self.accuracy * size + self._rounding * (size + self._extent) + 2.0 * blur
+            self._units[id(reply)] = reply, unit  # the reply is kept, so that no other can have its identity
+        return self._units[id(reply)][1]
+
+    @cached_property
+    def _rounding(self) -> float:
+        return 8.0 * float(np.finfo(np.float64).eps * np.sqrt(np.linalg.cond(self.case.stiffness)))
+
+    @cached_property
+    def _extent(self) -> Array:
+        """|K| (N,)."""
+        n, d = self.case.trial.shape
+        ways = np.vstack([np.eye(d), -np.eye(d)])
+        reach = self.region.reach(np.tile(ways, (n, 1)), np.repeat(self.pressure, 2 * d)).reshape(n, 2 * d)
+        return np.asarray((np.where(np.isfinite(reach), reach, 0.0) * self.length(ways)).max(axis=1))
+
+    # -- the law -------------------------------------------------------------------------------------------------------
+
+    @property
+    def pressure(self) -> Array:
+        """sigma_n (N,), zeros for a law without."""
+        return np.zeros(len(self.case)) if self.case.pressure is None else self.case.pressure
+
+    def certainly(self, suspects: NDArray[np.bool_], stress: Array, *, outside: bool) -> NDArray[np.bool_]:
+        """Which of the suspects lie outside K, or inside, in 60 digits: rounding of g must not accuse anyone."""
+        found = np.zeros(len(stress), dtype=np.bool_)
+        at = np.flatnonzero(suspects)
+        found[at] = self.region.outside(stress[at], self.pressure[at]) == outside
+        return found
+
+    # -- replies -------------------------------------------------------------------------------------------------------
+
+    def ask(self, *trials: Array, pressure: Array | None = None, stiffness: Array | None = None) -> list[Reply]:
+        """The routine's replies to several trial stresses (N, d) a row, asked in one call."""
+        count, n = len(trials), len(self.case)
+        stacked = np.concatenate(trials)
+        loads = None
+        if self.case.pressure is not None:
+            given = self.case.pressure if pressure is None else pressure
+            loads = given if len(given) == len(stacked) else np.tile(given, count)
+        k = self.case.stiffness if stiffness is None else stiffness
+        whole = self._reply(stacked, loads, k)
+        self.points += len(stacked)
+        self.flagged += int((~whole.solved).sum())
+        self.sound = self.sound & whole.solved.reshape(count, n).all(axis=0)
+        return [whole.part(slice(i * n, (i + 1) * n)) for i in range(count)]
+
+    def _reply(self, trial: Array, pressure: Array | None, stiffness: Array) -> Reply:
+        values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
+        try:
+            given = called(self.update, values, trial, pressure, stiffness)
+        except Exception as fault:
+            raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
+        step = given if isinstance(given, Step) else Step(given)
+        n, d = trial.shape
+        shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
+        parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}
+        solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.asarray(step.solved, dtype=np.bool_).reshape(n)
+        return Reply(trial, **parts, solved=solved)  # type: ignore[arg-type]
+
+    @cached_property
+    def first(self) -> list[Reply]:
+        """The replies to ``trial``, ``other`` and ``third``."""
+        return self.ask(self.case.trial, self.case.other, self.case.third)
+
+    @cached_property
+    def second(self) -> list[Reply]:
+        """The replies to the stress found, and to a point on its way to the trial."""
+        here = self.first[0]
+        return self.ask(here.stress, here.stress + self.case.stretch[:, None] * (here.trial - here.stress))
+
+
+def _array(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
+    if given is None and name != "stress":
+        return None
+    try:
+        array = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise NoReply(f"the {name} is not made of numbers: {given!r}") from None
+    if array.shape != shape:
+        raise NoReply(f"the {name} has the shape {array.shape}, not {shape}")
+    return array

@@ -1,0 +1,297 @@
+"""What every closest-point step has in common; u is the error in stress the routine is held to.
+
+sigma = argmin over K(sigma_n) of |sigma_tr - sigma|, |s| = (s . k^-1 s)^1/2, slip = k^-1 (sigma_tr - sigma).  Each tolerance
+follows from sigma = sigma* + e, |e| <= u, with sigma* the exact answer; a few units in the last place are added for the
+rounding of the check itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from duhem.projection.result import Array
+from duhem.testing.checks.query import NothingToCheck, Query, Reply
+from duhem.testing.checks.registry import Finding, register
+from duhem.testing.drawn.region import homogeneous
+
+__all__: list[str] = []
+
+_EPS = float(np.finfo(np.float64).eps)
+_MOREAU = "Moreau (1965), Bull. Soc. Math. France 93, 273-299"
+_LAW = "Antoni et al. (2007), Eq. 36"
+
+
+def _slip(q: Query, reply: Reply) -> Array:
+    """sigma_tr - sigma = k slip, a stress (N, d)."""
+    return reply.trial - reply.stress
+
+
+@register(
+    "answers",
+    statement="the routine answers every increment with finite stresses",
+    formula="sigma in R^d",
+    source="a nan that is passed on silently ruins what comes after",
+    tolerance="none",
+)
+def answers(q: Query) -> Finding:
+    bad = np.zeros(len(q.case), dtype=np.bool_)
+    for found in q.first:
+        bad |= ~np.isfinite(found.stress).all(axis=1)
+    return Finding(bad.astype(np.float64), np.zeros(len(bad)))
+
+
+@register(
+    "feasibility",
+    statement="the stress is admissible",
+    formula="g(sigma, sigma_n) <= 0",
+    source=_LAW,
+    tolerance="g <= u |grad g|: sigma lies within u of K (exact for convex g, first order otherwise); beyond it, judged in 60 digits",
+)
+def feasibility(q: Query) -> Finding:
+    found = q.first[0]
+    gradient, _ = q.region.slope(found.stress, q.pressure)
+    with np.errstate(all="ignore"):
+        allowed = q.unit(found) * q.dual_length(gradient)
+    level = q.region.level(found.stress, q.pressure)
+    allowed = np.where(level <= 0.0, np.fmax(allowed, 0.0), allowed)  # inside K nothing rests on a gradient, which a root may lack
+    out = q.certainly(~(level <= allowed), found.stress, outside=True)
+    return Finding(np.where(out, level, np.fmin(level, 0.0)), allowed)
+
+
+@register(
+    "idempotence",
+    statement="an admissible stress stays as it is",
+    formula="P(P(sigma_tr)) = P(sigma_tr)",
+    source=_MOREAU,
+    tolerance="u + u': sigma lies within u of K, and its own answer within u' of its closest point",
+)
+def idempotence(q: Query) -> Finding:
+    here, again = q.first[0], q.second[0]
+    return Finding(q.length(again.stress - here.stress), q.unit(here) + q.unit(again))
+
+
+@register(
+    "non-expansiveness",
+    statement="two stresses come no farther apart",
+    formula="|P(x) - P(y)| <= |x - y|",
+    source=_MOREAU,
+    tolerance="u + u' + 8 eps |x - y|",
+)
+def non_expansiveness(q: Query) -> Finding:
+    a, b, _ = q.first
+    apart = q.length(a.trial - b.trial)
+    return Finding(q.length(a.stress - b.stress), (1.0 + 8.0 * _EPS) * apart + q.unit(a) + q.unit(b))
+
+
+@register(
+    "firmness",
+    statement="the tangent's eigenvalues lie in [0, k], said of finite steps",
+    formula="|P(x) - P(y)|^2 <= (P(x) - P(y)) . k^-1 (x - y)",
+    source=_MOREAU,
+    tolerance="(u + u')(2 |P(x) - P(y)| + |x - y| + u + u') + 8 eps |P(x) - P(y)| |x - y|",
+)
+def firmness(q: Query) -> Finding:
+    a, b, _ = q.first
+    moved, asked = a.stress - b.stress, a.trial - b.trial
+    error, m, s = q.unit(a) + q.unit(b), q.length(moved), q.length(asked)
+    return Finding(m * m - q.inner(moved, asked), error * (2.0 * m + s + error) + 8.0 * _EPS * m * s)
+
+
+@register(
+    "potential",
+    statement="the step derives from a potential: its tangent is symmetric, said of finite steps",
+    formula="sum over a cycle x_1, x_2, x_3 of P(x_i) . k^-1 (x_i+1 - x_i) <= 0",
+    source="Rockafellar (1970), Convex Analysis, Theorem 24.8; P = grad(|x|^2 - dist^2)/2",
+    tolerance="sum of (u_i + 8 eps |P(x_i)|) |x_i+1 - x_i|",
+)
+def potential(q: Query) -> Finding:
+    total, allowed = np.zeros(len(q.case)), np.zeros(len(q.case))
+    for here, there in zip(q.first, [*q.first[1:], q.first[0]], strict=True):
+        step = there.trial - here.trial
+        total += q.inner(here.stress, step)
+        allowed += (q.unit(here) + 8.0 * _EPS * q.length(here.stress)) * q.length(step)
+    return Finding(total, allowed)
+
+
+@register(
+    "variational-inequality",
+    statement="no admissible stress dissipates more with this slip",
+    formula="(sigma_tr - sigma) . k^-1 (tau - sigma) <= 0 for all tau in K",
+    source=f"{_LAW}; Moreau (1977), J. Differ. Equ. 26, 347-374",
+    tolerance="u (|sigma_tr - sigma| + |tau - sigma| + u) + 8 eps |sigma_tr - sigma| (|tau| + |sigma|); tau is in K in 60 digits",
+)
+def variational_inequality(q: Query) -> Finding:
+    found = q.first[0]
+    slip, u = _slip(q, found), q.unit(found)
+    worst, bound = np.full(len(slip), -np.inf), np.zeros(len(slip))
+    for tau in (q.case.inside, q.case.beside):
+        way = tau - found.stress
+        size = q.length(slip)
+        value = q.inner(slip, way)
+        allowed = u * (size + q.length(way) + u) + 8.0 * _EPS * size * (q.length(tau) + q.length(found.stress))
+        value = np.where(~(value <= allowed) & ~q.certainly(~(value <= allowed), tau, outside=False), 0.0, value)
+        more = ~(value - allowed <= worst - bound)
+        worst, bound = np.where(more, value, worst), np.where(more, allowed, bound)
+    return Finding(worst, bound)
+
+
+@register(
+    "complementarity",
+    statement="there is slip only on the boundary",
+    formula="lambda g(sigma, sigma_n) = 0",
+    source=_LAW,
+    tolerance="sigma lies within u of the boundary where g >= -u |grad g| (exact for convex g), or within 2 u on the way to the trial",
+)
+def complementarity(q: Query) -> Finding:
+    found = q.first[0]
+    slip, u = _slip(q, found), q.unit(found)
+    size = q.length(slip)
+    with np.errstate(all="ignore"):
+        ahead = found.stress + (3.0 * u / size)[:, None] * slip
+    may = (size > 3.0 * u) & np.isfinite(ahead).all(axis=1)
+    ahead = np.where(may[:, None], ahead, 0.0)
+    steep = q.dual_length(q.region.slope(found.stress, q.pressure)[0])
+    may &= q.region.level(found.stress, q.pressure) < -u * np.where(np.isfinite(steep), steep, 0.0)
+    clear = q.certainly(may & (q.region.level(ahead, q.pressure) <= 0.0), ahead, outside=False)
+    return Finding(np.where(clear, 3.0 * u, 0.0), 2.0 * u)
+
+
+@register(
+    "multiplier",
+    statement="the multiplier is never negative, and zero where the trial is admissible",
+    formula="lambda >= 0; sigma_tr in K => lambda = 0",
+    source=_LAW,
+    tolerance="sign: none; zero: lambda |grad g| <= 2 u, the slip that rounding of the boundary explains",
+)
+def multiplier(q: Query) -> Finding:
+    found = q.first[0]
+    if found.multiplier is None:
+        raise NothingToCheck("the routine returns no multiplier")
+    amount = np.where(found.multiplier >= 0.0, found.multiplier, np.inf)
+    gradient, _ = q.region.slope(found.stress, q.pressure)
+    with np.errstate(all="ignore"):
+        size = np.where(amount == 0.0, 0.0, amount * q.dual_length(gradient))
+    allowed = 2.0 * q.unit(found)
+    free = q.certainly((size > allowed) & np.isfinite(amount), found.trial, outside=False)
+    return Finding(
+        np.where(free | ~np.isfinite(found.multiplier) & ~(found.multiplier > 0.0) | (amount != found.multiplier), size, 0.0), allowed
+    )
+
+
+@register(
+    "dissipation",
+    statement="the step dissipates",
+    formula="sigma . slip >= 0",
+    source="Antoni et al. (2007), Eqs. 22, 36: Clausius-Duhem",
+    tolerance="u (|sigma| + |sigma_tr - sigma| + u) + 8 eps |sigma| |sigma_tr - sigma|",
+)
+def dissipation(q: Query) -> Finding:
+    found = q.first[0]
+    loss, allowed = _loss(q, found)
+    return Finding(loss, allowed)
+
+
+def _loss(q: Query, found: Reply) -> tuple[Array, Array]:
+    """-sigma . slip and what it may be."""
+    slip, u = _slip(q, found), q.unit(found)
+    size, reach = q.length(slip), q.length(found.stress)
+    return -q.inner(found.stress, slip), u * (size + reach + u) + 8.0 * _EPS * size * reach
+
+
+@register(
+    "slip",
+    statement="the slip returned is what the stress lacks",
+    formula="k slip = sigma_tr - sigma",
+    source="Antoni et al. (2007), Eqs. 25, 31",
+    tolerance="2 u",
+)
+def slip(q: Query) -> Finding:
+    found = q.first[0]
+    return Finding(q.length(_returned(found) @ q.case.stiffness - _slip(q, found)), 2.0 * q.unit(found))
+
+
+def _returned(found: Reply) -> Array:
+    if found.slip is None:
+        raise NothingToCheck("the routine returns no slip: k^-1 (sigma_tr - sigma) satisfies this by definition")
+    return found.slip
+
+
+@register(
+    "energy",
+    statement="work = stored + dissipated + lost by the implicit step",
+    formula="sigma . du = d psi + sigma . slip + du_e . k du_e/2",
+    source="Antoni et al. (2007), Eqs. 22-31, discrete",
+    tolerance="2 u (2 |sigma| + |d sigma| + 2 u) + 32 eps (|sigma| + |start| + |sigma_tr|)^2, the start a stress of K",
+)
+def energy(q: Query) -> Finding:
+    found, start = q.first[0], q.case.inside
+    moved = _returned(found) @ q.case.stiffness  # k times the slip
+    asked = found.trial - start
+    elastic = asked - moved
+    stored = 0.5 * (q.inner(found.stress, found.stress) - q.inner(start, start))
+    left = q.inner(found.stress, asked) - stored - q.inner(found.stress, moved) - 0.5 * q.inner(elastic, elastic)
+    u, size = q.unit(found), q.length(found.stress)
+    whole = size + q.length(start) + q.length(found.trial)
+    return Finding(np.abs(left), 2.0 * u * (2.0 * size + q.length(elastic) + 2.0 * u) + 32.0 * _EPS * whole * whole)
+
+
+@register(
+    "ray",
+    statement="rate independence: a longer or shorter slip in the same direction ends at the same stress",
+    formula="P(sigma + t (sigma_tr - sigma)) = sigma for all t >= 0",
+    source=_MOREAU,
+    tolerance="u (1 + |1 - t|) + u'",
+)
+def ray(q: Query) -> Finding:
+    here, there = q.first[0], q.second[1]
+    allowed = q.unit(here) * (1.0 + np.abs(1.0 - q.case.stretch)) + q.unit(there)
+    return Finding(q.length(there.stress - here.stress), allowed)
+
+
+@register(
+    "stiffness-scale",
+    statement="rate independence: the stress depends on the shape of the stiffness, not on its size",
+    formula="P(sigma_tr; c k) = P(sigma_tr; k) for c > 0",
+    source="the minimum of (sigma_tr - sigma) . (c k)^-1 (sigma_tr - sigma)/2 is where that of k is",
+    tolerance="2 u (c is a power of two)",
+)
+def stiffness_scale(q: Query) -> Finding:
+    here = q.first[0]
+    there = q.ask(q.case.trial, stiffness=q.case.stiffness * q.case.factor)[0]
+    return Finding(q.length(there.stress - here.stress), 2.0 * q.unit(here))
+
+
+@register(
+    "homogeneity",
+    statement="twice the load, twice the stress: no unit of stress is built in",
+    formula="P(c sigma_tr; c sigma_n) = c P(sigma_tr; sigma_n) for c > 0, where K(c sigma_n) = c K(sigma_n)",
+    source="Antoni et al. (2007), Eq. 35: the gauge is positively homogeneous",
+    tolerance="2 u (c is a power of two)",
+)
+def homogeneity(q: Query) -> Finding:
+    if not homogeneous(q.region.law):
+        raise NothingToCheck(f"K of {q.region.law.name} has a size of its own")
+    here, c = q.first[0], q.case.factor
+    there = q.ask(q.case.trial * c, pressure=q.pressure * c)[0]
+    return Finding(q.length(there.stress / c - here.stress), 2.0 * q.unit(here))
+
+
+@register(
+    "path",
+    statement="along a loading path the total dissipation is never negative",
+    formula="sum over the steps of sigma . slip >= 0",
+    source="Antoni et al. (2007), Eqs. 22, 23",
+    tolerance="the sum of what each step is allowed",
+)
+def path(q: Query) -> Finding:
+    case = q.case
+    stress, total, allowed = np.zeros_like(case.trial), np.zeros(len(case)), np.zeros(len(case))
+    worst, bound = np.full(len(case), -np.inf), np.zeros(len(case))
+    for i in range(1, case.path.shape[1]):
+        trial = stress + (case.path[:, i] - case.path[:, i - 1])
+        found = q.ask(trial, pressure=None if case.loads is None else case.loads[:, i])[0]
+        loss, may = _loss(q, found)
+        total, allowed, stress = total + loss, allowed + may, found.stress
+        more = ~(total - allowed <= worst - bound)
+        worst, bound = np.where(more, total, worst), np.where(more, allowed, bound)
+    return Finding(worst, bound)

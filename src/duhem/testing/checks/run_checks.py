@@ -1,0 +1,50 @@
+"""What is asked of a run as a whole: that it visited something, and that its routine keeps nothing from one call to the next."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from duhem.testing.checks.query import Query
+from duhem.testing.checks.registry import Finding, register
+from duhem.testing.checks.visited import Visited
+
+__all__: list[str] = []
+
+
+def _visited(visited: Visited) -> str | None:
+    shares = visited.shares
+    missing = [name for name in ("slip", "stick") if shares and not shares[name]]
+    if not missing:
+        return None
+    what = {"slip": "nothing slipped", "stick": "nothing stuck"}[missing[0]]
+    seen = ", ".join(f"{name} {share:.3g}" for name, share in shares.items())
+    return f"{what} in {visited.increments} increments; visited: {seen}"
+
+
+@register(
+    "vacuity",
+    statement="the run visits what it is about: some increments stick, and some slip",
+    formula="sigma_tr in K(sigma_n) for some, and not for others",
+    source="a test in which nothing ever slips passes whatever the routine does",
+    tolerance="none; increments that the routine flags as not solved do not count",
+    whole=_visited,
+)
+def vacuity(q: Query) -> Finding:
+    none = np.zeros(len(q.first[0].trial))
+    return Finding(none, none)
+
+
+@register(
+    "repeatability",
+    statement="the same increment has the same answer, whatever was asked before it and beside it",
+    formula="P(sigma_tr) = P(sigma_tr)",
+    source="a state kept between calls, or shared between rows, makes an answer depend on the order of the questions",
+    tolerance="2 u",
+)
+def repeatability(q: Query) -> Finding:
+    here, before = q.first[0], q.sound
+    again = q.ask(q.case.trial[::-1], pressure=q.pressure[::-1])[0]  # the last row first
+    q.sound = before & again.solved[::-1]
+    stress = again.stress[::-1]
+    silent = ~np.isfinite(stress) & ~np.isfinite(here.stress)  # a nan twice is the same answer
+    return Finding(q.length(np.where(silent, 0.0, stress - here.stress)), 2.0 * q.unit(here))

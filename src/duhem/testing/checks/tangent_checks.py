@@ -1,0 +1,83 @@
+"""What a consistent tangent is; u is the error in stress the routine is held to (:mod:`duhem.testing.checks.routine_checks`)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.result import Array
+from duhem.testing.checks.query import NothingToCheck, Query
+from duhem.testing.checks.registry import Finding, register
+
+__all__: list[str] = []
+
+_EPS = float(np.finfo(np.float64).eps)
+_FINER = 12  # steps, each a quarter of the one before: the last is some thousand roundings long
+
+
+@register(
+    "tangent",
+    statement="the consistent tangent is symmetric and has eigenvalues in [0, k]",
+    formula="C = C^T, 0 <= x . C x <= x . k x",
+    source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
+    tolerance="d^2 (accuracy + 8 eps), in the metric of k",
+)
+def tangent(q: Query) -> Finding:
+    d = q.case.trial.shape[1]
+    c, finite = _tangent(q)
+    eigen = np.linalg.eigvalsh(0.5 * (c + np.swapaxes(c, 1, 2)))
+    off = np.maximum(np.abs(c - np.swapaxes(c, 1, 2)).max(axis=(1, 2)), np.maximum(-eigen.min(axis=1), eigen.max(axis=1) - 1.0))
+    return Finding(np.where(finite, off, np.inf), np.full(len(c), d * d * (q.accuracy + 8.0 * _EPS)))
+
+
+@register(
+    "slope",
+    statement="the consistent tangent is the slope of the routine, where differences resolve it (no flat point of the boundary near)",
+    formula="C du = d sigma",
+    source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
+    tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
+    "|sigma_tr| + |sigma|; what they are off by there, where smaller steps one way come ten times closer (K may be thinner than h), "
+    "or where at all of them the two ways disagree by a quarter of it (no slope)",
+)
+def slope(q: Query) -> Finding:
+    here, (c, finite) = q.first[0], _tangent(q)
+    u = q.unit(here)
+    h = np.sqrt(u * (q.length(here.trial) + q.length(here.stress)))
+    h = np.where(h > 0.0, h, 1e5 * u)  # no stress at all: small beside K
+    h = np.where(h > 0.0, h, 1.0)
+    worst = np.where(finite, 0.0, np.inf)
+    for i, axis in enumerate(q.axes):
+        slopes = _slopes(q, h, axis)
+        middle = slopes.mean(axis=0)
+        spread = np.linalg.norm(slopes - middle, axis=2).max(axis=0)
+        off = np.linalg.norm(c[:, :, i] - middle, axis=1)
+        ratio, step, kink = off / (2.0 * spread + 16.0 * u / h + 8.0 * _EPS), h, np.ones(len(off), dtype=np.bool_)
+        for _ in range(_FINER):
+            if not (q.sound & ~(ratio <= 1.0)).any():
+                break
+            step = step / 4.0
+            slopes = _slopes(q, step, axis)
+            apart = np.linalg.norm(slopes - c[:, :, i], axis=2)
+            near = np.minimum(apart[:2].max(axis=0), apart[2:].max(axis=0))
+            ratio = np.where(near <= off / 10.0, np.minimum(ratio, 1.0), ratio)
+            kink &= np.linalg.norm(slopes[:2].mean(axis=0) - slopes[2:].mean(axis=0), axis=1) >= off / 4.0
+        ratio = np.where(kink, np.minimum(ratio, 1.0), ratio)
+        worst = np.maximum(worst, ratio)
+    return Finding(worst, np.ones(len(worst)))
+
+
+def _slopes(q: Query, h: Array, axis: Array) -> Array:
+    """Slopes of the routine along an axis (4, N, d) in the metric of k, by differences at h and h/2, either way."""
+    here, shares = q.first[0], (1.0, 0.5, -1.0, -0.5)
+    found = q.ask(*(here.trial + s * h[:, None] * axis for s in shares))
+    return np.stack([q.shadow(beside.stress - here.stress) / (s * h[:, None]) for s, beside in zip(shares, found, strict=True)])
+
+
+def _tangent(q: Query) -> tuple[Array, NDArray[np.bool_]]:
+    """The routine's tangents in the metric of k, and which are finite (the others as 0)."""
+    given = q.first[0].tangent
+    if given is None:
+        raise NothingToCheck("the routine returns no tangent")
+    c = q.whitened(given)
+    finite = np.asarray(np.isfinite(c).all(axis=(1, 2)))
+    return np.where(finite[:, None, None], c, 0.0), finite

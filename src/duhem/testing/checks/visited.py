@@ -1,0 +1,109 @@
+"""What a run has visited: shares of the increments that stick, slip, lie at the boundary, a seam or a corner, and their decades.
+
+A test that never slipped says nothing of slip; these shares are what one reads to know.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from duhem.projection.result import Array
+from duhem.testing.checks.query import Query, Reply
+
+__all__ = ["Visited"]
+
+_NEAR = 1e-6  # of the size of a stress: so near is at the boundary, on a seam, at a corner
+_TURNED = 1e-3  # a normal that turns by more than this over such a way has jumped
+
+
+class Visited:
+    """Counts over the increments that the routine stands by; those it flags are judged by nobody.
+
+    ``stick`` and ``slip`` go by the law: whether the trial stress lies in K; ``boundary``: within 1e-6 of its end on the ray
+    to it; ``tip``: without pressure; ``NAME+`` and ``NAME-``: the sign of a force.  ``seam``: slip that ends within 1e-6 of
+    where the formula changes its piece; ``corner``: where the normal jumps there; both are shares of the answers looked at.
+    """
+
+    def __init__(self, forces: tuple[str, ...], pressed: bool) -> None:
+        self.forces = forces
+        self._counts = Counter(dict.fromkeys(["stick", "slip", "boundary", *(["tip"] if pressed else []), "seam", "corner"], 0))
+        self._counts.update({f"{name}{sign}": 0 for name in forces for sign in "+-"})
+        self._asked = self._looked = 0
+        self._decades: dict[str, tuple[int, int]] = {}
+
+    @property
+    def shares(self) -> Mapping[str, float]:
+        """By name, of 1; empty where the routine has answered nothing."""
+        if not self._asked:
+            return {}
+        base = {"seam": self._looked, "corner": self._looked}
+        return {name: count / max(base.get(name, self._asked), 1) for name, count in self._counts.items()}
+
+    @property
+    def increments(self) -> int:
+        """How many were counted."""
+        return self._asked
+
+    @property
+    def decades(self) -> Mapping[str, tuple[int, int]]:
+        """First and last power of ten of stresses, pressures and stiffnesses that are not zero."""
+        return dict(self._decades)
+
+    def add(self, query: Query) -> None:
+        """Count the increments of a case that has been asked."""
+        with np.errstate(all="ignore"):
+            for reply in query.first:
+                self._trials(query, reply)
+            self._answers(query, query.first[0])
+        case = query.case
+        for name, values in (("stress", case.trial), ("pressure", case.pressure), ("stiffness", np.diag(case.stiffness))):
+            if values is not None:
+                self._spread(name, np.abs(values))
+
+    def _trials(self, query: Query, reply: Reply) -> None:
+        solved, trial = reply.solved, reply.trial
+        inside = query.region.level(trial, query.pressure) <= 0.0
+        within, beyond = (query.region.level((1.0 + s * _NEAR) * trial, query.pressure) <= 0.0 for s in (-1.0, 1.0))
+        self._asked += int(solved.sum())
+        self._count("stick", inside & solved)
+        self._count("slip", ~inside & solved)
+        self._count("boundary", within & ~beyond & solved)
+        if "tip" in self._counts:
+            self._count("tip", (query.pressure == 0.0) & solved)
+        for name, column in zip(self.forces, trial.T, strict=True):
+            self._count(f"{name}+", (column > 0.0) & solved)
+            self._count(f"{name}-", (column < 0.0) & solved)
+
+    def _answers(self, query: Query, reply: Reply) -> None:
+        at = np.flatnonzero(reply.solved & np.isfinite(reply.stress).all(axis=1))
+        self._looked += len(at)
+        at = at[(reply.stress[at] != reply.trial[at]).any(axis=1) & (reply.stress[at] != 0.0).any(axis=1)]
+        if not at.size:
+            return
+        stress, pressure = reply.stress[at], query.pressure[at]
+        d, size = stress.shape[1], _NEAR * np.abs(stress).max(axis=1)
+        ways = np.vstack([np.eye(d), -np.eye(d)])
+        points = (stress[None] + size[None, :, None] * ways[:, None, :]).reshape(-1, d)
+        gradient, pieces = query.region.slope(points, np.tile(pressure, 2 * d))
+        if not pieces.shape[1]:
+            return
+        around = pieces.reshape(2 * d, len(at), -1)
+        seam = (around != around[0]).any(axis=(0, 2))
+        normal = (gradient / np.linalg.norm(gradient, axis=1, keepdims=True)).reshape(2 * d, len(at), d)
+        turned = np.linalg.norm(normal - normal[0], axis=2).max(axis=0)
+        self._count("seam", seam)
+        self._count("corner", seam & (turned > _TURNED))
+
+    def _count(self, name: str, which: NDArray[np.bool_]) -> None:
+        self._counts[name] += int(which.sum())
+
+    def _spread(self, name: str, sizes: Array) -> None:
+        sizes = sizes[(sizes > 0.0) & np.isfinite(sizes)]
+        if sizes.size:
+            low, high = (int(np.floor(np.log10(x))) for x in (sizes.min(), sizes.max()))
+            before = self._decades.get(name, (low, high))
+            self._decades[name] = min(low, before[0]), max(high, before[1])

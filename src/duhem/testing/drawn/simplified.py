@@ -1,0 +1,143 @@
+"""A failing case made short to read: what the failure does not need is put to nothing, and the rest rounded as far as it stays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields, replace
+from math import floor, isfinite, log10
+from typing import Any
+
+import numpy as np
+
+from duhem.projection.result import Array
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.decades import scaled
+
+__all__ = ["simplified", "unrounded"]
+
+_TRIES = 200
+_STRESSES = ("trial", "other", "third", "inside", "beside", "path")
+
+
+def unrounded(case: Case) -> int:
+    """How many numbers of a case have more than two digits; equal ones count once."""
+    parts = [getattr(case, f.name) for f in fields(case)[1:]]
+    every = {*case.parameters.values(), *(x for part in parts if part is not None for x in np.ravel(part).tolist())}
+    return sum(not _round(x) for x in every)
+
+
+def simplified(
+    case: Case,
+    fails: Callable[[Case], bool],
+    admitted: Callable[[Mapping[str, float]], bool],
+    *,
+    free: tuple[str, ...] = (),
+    stiffness: bool = True,
+    pressure: Callable[[float], bool] | None = lambda p: p <= 0.0,
+) -> Case:
+    """A case of one increment on which it still ``fails``, of rounder numbers, and of fewer that are not zero.
+
+    What is left as it is: parameters but those that are ``free``, whose values have to be ``admitted``; the stiffness unless
+    ``stiffness``; the pressure unless it may take the value that ``pressure`` is asked for.
+    """
+    shorter = _Shorter(case, fails)
+    shorter.whole()
+    if pressure is not None and case.pressure is not None:
+        shorter.pressed(pressure)
+    if stiffness:
+        shorter.stiff()
+    for name in free:
+        shorter.parameter(name, admitted)
+    for name in _STRESSES:
+        shorter.numbers(name)
+    return shorter.case
+
+
+class _Shorter:
+    """The shortest case so far; so many tries are ``left``."""
+
+    def __init__(self, case: Case, fails: Callable[[Case], bool]) -> None:
+        self.case, self.fails, self.left = case, fails, _TRIES
+
+    def put(self, **changes: Any) -> bool:
+        """Whether it still fails with something changed, which it then is."""
+        if self.left == 0:
+            return False
+        self.left -= 1
+        other = replace(self.case, **changes)
+        if not self.fails(other):
+            return False
+        self.case = other
+        return True
+
+    def whole(self) -> None:
+        """Parts that the failure does not look at."""
+        case = self.case
+        zero = np.zeros_like(case.trial)
+        loads = None if case.pressure is None else np.repeat(case.pressure[:, None], 2, axis=1)
+        if self.put(**{name: zero for name in _STRESSES[1:5]}, path=np.repeat(zero[:, None], 2, axis=1), loads=loads, factor=2.0):
+            return
+        for knots in range(2, case.path.shape[1]):
+            if self.put(path=case.path[:, :knots], loads=None if case.loads is None else case.loads[:, :knots]):
+                break
+        for name in _STRESSES[1:5]:
+            self.put(**{name: zero})
+
+    def pressed(self, may: Callable[[float], bool]) -> None:
+        """A pressure of 1 Pa, all stresses in proportion, or not; or a round one."""
+        assert self.case.pressure is not None
+        p = float(self.case.pressure[0])
+        if may(-1.0) and p < 0.0:
+            stresses = {name: getattr(self.case, name) / -p for name in _STRESSES}
+            loads = None if self.case.loads is None else self.case.loads / -p
+            if p == -1.0 or self.put(**stresses, pressure=[-1.0], loads=loads) or self.put(pressure=[-1.0]):
+                p = -1.0
+        for other in _rounder(p):
+            if may(other) and self.put(pressure=[other]):
+                break
+        if self.case.loads is not None and self.case.pressure is not None:
+            self.put(loads=np.full_like(self.case.loads, self.case.pressure[0]))
+
+    def stiff(self) -> None:
+        k = self.case.stiffness
+        for other in (np.eye(len(k)), np.diag(np.diag(k))):
+            if not np.array_equal(other, self.case.stiffness) and self.put(stiffness=other):
+                break
+        for i, j in zip(*np.triu_indices(len(k)), strict=True):
+            for x in _rounder(float(self.case.stiffness[i, j])):
+                other = self.case.stiffness.copy()
+                other[i, j] = other[j, i] = x
+                if (np.linalg.eigvalsh(other / np.abs(other).max()) > 1e-12).all() and self.put(stiffness=other):
+                    break
+
+    def parameter(self, name: str, admitted: Callable[[Mapping[str, float]], bool]) -> None:
+        now = self.case.parameters[name]
+        for x in (1.0, 0.5, *_rounder(now)):
+            if now in (1.0, x):
+                break
+            values = {**self.case.parameters, name: x}
+            if admitted(values) and self.put(parameters=values):
+                break
+
+    def numbers(self, name: str) -> None:
+        """Each number of a part by itself; equal ones together first, so that what is alike stays so."""
+        given: Array = getattr(self.case, name)
+        for x in np.unique(given[given != 0.0]).tolist():
+            for other in (0.0, *_rounder(x)):
+                now: Array = getattr(self.case, name)
+                if self.put(**{name: np.where(now == x, other, now)}):
+                    break
+
+
+def _rounder(x: float) -> Iterator[float]:
+    """Numbers near ``x`` of one digit and of two, and the next of two towards zero; none where it has no more itself."""
+    if _round(x):
+        return
+    yield float(f"{x:.0e}")
+    yield float(f"{x:.1e}")
+    power = floor(log10(abs(x))) - 1
+    yield float(np.copysign(scaled(float(floor(abs(x) / 10.0**power)), power), x))
+
+
+def _round(x: float) -> bool:
+    return not isfinite(x) or float(f"{x:.1e}") == x

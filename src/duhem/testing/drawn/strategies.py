@@ -1,0 +1,270 @@
+"""Hypothesis strategies for increments of a law, stratified by decade.
+
+``floats(1e-12, 1e12)`` draws hardly anything below 1e6; here each decade is as likely as the next, and points on, next to
+and one unit in the last place off the seams and the boundary are drawn on purpose.  The first value of every table is
+the simplest, which is what a failing case shrinks to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+from numpy.typing import ArrayLike
+
+from duhem.errors import InputError
+from duhem.law.catalogue import load, load_formula
+from duhem.law.formula_law import Criterion
+from duhem.projection.result import Array
+from duhem.projection.stiffness_factors import factors
+from duhem.testing.drawn.admitted_values import admitted
+from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.decades import MANTISSAS, Strategy, decades, scaled, table
+from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.seams import TURNS, turned
+
+__all__ = ["cases", "decades", "loadings", "parameters", "pressures", "stiffnesses", "trials", "ways"]
+
+_ULP = float(np.finfo(np.float64).eps)
+_LEAST, _SMALL = 5e-324, 1e-310  # a share of the first is nothing, of the second not
+_STEPS = 6  # of a loading path
+
+
+def pressures(low: int = -6, high: int = 6) -> Strategy:
+    """sigma_n <= 0 in Pa by decades, and none at all (the tip of a cone)."""
+    return table(_pressures(low, high))
+
+
+def _pressures(low: int, high: int) -> list[float]:
+    tips = 4
+    return [*(-scaled(m, k) for m in MANTISSAS for k in sorted(range(low, high + 1), key=abs)), *[0.0] * tips]
+
+
+def _admitted(law: Criterion) -> list[float]:
+    """Those in the range that the law declares, its ends among them."""
+    own = law.domain.get(law.pressure or "")
+    if own is None:
+        return _pressures(-6, 6)
+    low, high = own.ends
+    return [*(p for p in _pressures(-6, 6) if low <= p <= high), *(end for end in (high, low) if -np.inf < end <= 0.0)]
+
+
+def stiffnesses(d: int, low: int = -3, high: int = 3) -> Strategy:
+    """k (d, d) in Pa/m, symmetric positive definite: scalar, diagonal (each entry by decades), and coupled.
+
+    Coupled ones have the diagonal D and k = D^1/2 [(1 - c) I + c s s^T] D^1/2 with signs s and 0 < c < 1.
+    """
+    one = decades(low, high)
+    scalar = one.map(lambda x: np.eye(d) * x)
+    diagonal = st.tuples(*[one] * d).map(np.diag)
+
+    def coupled(drawn: tuple[Array, float, tuple[float, ...]]) -> Array:
+        k, c, signs = drawn
+        s, root = np.array(signs), np.sqrt(np.diag(k))
+        return k + np.where(np.eye(d) == 1.0, 0.0, c * np.outer(s * root, s * root))
+
+    full = st.tuples(diagonal, table([0.5, 0.1, 0.9, 0.99, 1e-6]), st.tuples(*[table([1.0, -1.0])] * d)).map(coupled)
+    return scalar | diagonal | full if d > 1 else scalar
+
+
+def parameters(law: Criterion | str | Path, values: Mapping[str, Any] | None = None) -> Strategy:
+    """A number for each parameter of ``law`` that ``values`` leaves open, inside its domain and the constraints.
+
+    Positive parameters by decades from 1e-3 to 1e3; ends of closed intervals, and their neighbours, among the others.  Each is
+    drawn from what the constraints leave to it, however little that is.
+    """
+    return _drawn(load_formula(law).fix(values))
+
+
+@st.composite
+def _drawn(draw: st.DrawFn, law: Criterion) -> dict[str, float]:
+    return admitted(law).values(lambda n: draw(st.integers(0, n - 1)))
+
+
+# Of size 1 at most, so that the largest of a direction can be put to 1 and the others stay as short as they are.
+_SIZES = [1.0, *(scaled(m, -k) for k in range(1, 13) for m in (*MANTISSAS[1:], 1.0)), _ULP, 0.0, _LEAST, _SMALL]
+_COMPONENTS = [s * x for x in (*_SIZES, *[_ULP, 0.0, _LEAST, _SMALL, 1.0] * 9) for s in (1.0, -1.0)]
+
+
+def ways(d: int) -> Strategy:
+    """Directions (d,) of largest component 1: components by decades from 1e-12, on an axis, and 5e-324 and 1e-310 beside one."""
+    return st.tuples(*[table(_COMPONENTS)] * d).map(lambda way: _unit(np.array([way]))[0])
+
+
+def _unit(ways: Array) -> Array:
+    """The same with components of the largest size, which is 1 at most, put to 1."""
+    size = np.abs(ways).max(axis=1, keepdims=True)
+    return np.where(size < 1e-300, np.eye(ways.shape[1])[0], np.where(np.abs(ways) == size, np.sign(ways), ways))
+
+
+# Where a trial stress lies: on a ray, at a multiple of its end on the boundary or so many units in the last place beyond
+# that; or off the boundary along its normal, where the closest point is known to be that end, on or beside a seam.
+_PLACES: list[tuple[str, float]] = [
+    ("ray", 2.0),
+    ("ray", 0.5),
+    *[("ray", 0.0)] * 2,
+    *(("ray", scaled(m, k)) for m in MANTISSAS for k in (0, -1, 1, -3, 2, 3)),
+    *(("normal", scaled(m, k)) for m in MANTISSAS[:6] for k in (0, -2, 1, -6, -10, 3)),
+    *(("ray", 1.0 + s * x) for x in (1e-3, 1e-6, 1e-8, 1e-12) for s in (1.0, -1.0)),
+    *(("ulps", n) for n in (1, 0, 2, -1) * 4),
+]
+_MOVES = [s * scaled(m, k) for m in MANTISSAS[:4] for k in (0, -1, -3, -6, -9, 1, 2) for s in (1.0, -1.0)]
+_SHARES = [1.0, 0.5, 0.0, 0.9, 0.99, 1.0 - 1e-6, 1.0 - 1e-12]
+_STRETCHES = [2.0, 0.5, 0.0, 1.5, 10.0, 0.1, 0.01, 100.0]
+_KINDS = ["cycle", "circle", "polygon"]
+_AMPLITUDES = [scaled(m, k) for m in MANTISSAS for k in (0, -1, 1, 2)]
+
+
+def trials(law: Criterion | str | Path, values: Mapping[str, float], pressure: float | None) -> Strategy:
+    """Trial stresses (d,) of one law: inside, far outside, on the boundary and next to it, and along its normals."""
+    region = Region(load(law), dict(values))
+    load_ = np.array([0.0 if pressure is None else pressure])
+    drawn = st.tuples(ways(len(region.law.forces)), table(_PLACES))
+
+    def placed(row: tuple[Array, tuple[str, float]]) -> Array:
+        way = row[0][None]
+        return _placed(region, way, region.reach(way, load_), [row[1]], load_, np.eye(way.shape[1]))[0][0]
+
+    return drawn.map(placed)
+
+
+def loadings(d: int, steps: int = _STEPS) -> Strategy:
+    """Loading paths (steps, d) of size 1, the first knot 0: to and fro along a line, round a circle, from corner to corner."""
+    drawn = st.tuples(table(_KINDS), ways(d), ways(d), ways(d))
+    return drawn.map(lambda row: _path(*row, steps))
+
+
+def _path(kind: str, first: Array, second: Array, third: Array, steps: int) -> Array:
+    share = np.arange(steps) / max(steps - 1, 1)
+    if kind == "cycle":
+        return np.sin(2.5 * np.pi * share)[:, None] * first
+    if kind == "circle":
+        angle = 2.0 * np.pi * share[:, None]
+        return np.sin(angle) * first + (1.0 - np.cos(angle)) * second
+    corners = np.array([np.zeros_like(first), first, second, third, -first])
+    return corners[np.arange(steps) % len(corners)]
+
+
+def _placed(
+    region: Region, way: Array, reach: Array, places: Sequence[tuple[str, float]], pressure: Array, stiffness: Array
+) -> tuple[Array, Array]:
+    """Trial stresses (N, d) and the boundary points on their rays; where K has no size or no end, of size 1."""
+    size = np.where(np.isfinite(reach) & (reach > 0.0), reach, 1.0)
+    kind = np.array([name for name, _ in places])
+    amount = np.array([x for _, x in places])[:, None]
+    edge = size[:, None] * way
+    trial = np.where(kind[:, None] == "ray", amount * edge, edge)
+    for n in np.unique(amount[kind == "ulps"]):
+        shifted = size.copy()
+        for _ in range(int(abs(n))):
+            shifted = np.nextafter(shifted, np.inf if n > 0 else 0.0)
+        at = (kind == "ulps") & (amount[:, 0] == n)
+        trial[at] = shifted[at, None] * way[at]
+    _, inverse = factors(stiffness)
+    with np.errstate(all="ignore"):
+        normal = region.slope(edge, pressure)[0] @ stiffness
+        length = np.sqrt(((normal @ inverse.T) ** 2).sum(axis=1))[:, None]
+        out = edge + amount * normal / length * np.sqrt(((edge @ inverse.T) ** 2).sum(axis=1))[:, None]
+    along = (kind == "normal") & np.isfinite(out).all(axis=1)
+    return np.where(along[:, None], out, trial), edge
+
+
+def cases(
+    law: Criterion | str | Path,
+    values: Mapping[str, Any] | None = None,
+    *,
+    stiffness: ArrayLike | Strategy | None = None,
+    pressure: float | Strategy | None = None,
+    rows: int = 1,
+) -> Strategy:
+    """A :class:`Case` of ``rows`` increments of ``law``; ``values``, ``stiffness`` and ``pressure`` are drawn where left out.
+
+    A case of one increment shrinks; the rows of a larger one are picked from the same tables by a seed.
+    """
+    known = load_formula(law)
+    fixed = known.fix(values)
+    d = len(known.forces)
+    numbers = {name: float(domain.value) for name, domain in fixed.parameters.items() if domain.value is not None}
+    k = _given(stiffness, stiffnesses(d)).map(lambda x: _matrix(x, d))
+    given = None if pressure is None or not known.pressure else _given(pressure, st.nothing())
+    tables = [*[_COMPONENTS] * (3 * d), *_TABLES, *[_admitted(known)] * 2]
+    return _cases(known, numbers, _drawn(fixed), k, given, tables, rows)
+
+
+@st.composite
+def _cases(
+    draw: st.DrawFn,
+    law: Criterion,
+    numbers: Mapping[str, float],
+    open_: Strategy,
+    stiffness: Strategy,
+    pressure: Strategy | None,
+    tables: list[list[Any]],
+    rows: int,
+) -> Case:
+    free = draw(open_)
+    values = {name: free[name] if name in free else numbers[name] for name in law.parameters}
+    k = draw(stiffness)
+    factor = draw(table([2.0, 0.5, 4.0, 2.0**20, 2.0**-20]))
+    lengths = [len(each) for each in tables]
+    if rows == 1:
+        picked = np.array([draw(st.tuples(*(st.integers(0, n - 1) for n in lengths)))])
+    else:
+        picked = np.random.default_rng(draw(st.integers(0, 2**32 - 1))).integers(0, lengths, (rows, len(lengths)))
+    columns = [[each[i] for i in column] for each, column in zip(tables, picked.T.tolist(), strict=True)]
+    loads = columns[-2:]
+    if pressure is not None:
+        loads = [draw(st.lists(pressure, min_size=rows, max_size=rows)) for _ in range(2)]
+    return _case(Region(law, values), k, factor, np.array(loads, dtype=np.float64), columns)
+
+
+_TABLES: list[list[Any]] = [
+    _PLACES, _MOVES, _MOVES, _SHARES, _SHARES, _STRETCHES, _KINDS, _AMPLITUDES, TURNS,
+]  # fmt: skip
+
+
+def _given(given: Any, otherwise: Strategy) -> Strategy:
+    return otherwise if given is None else given if isinstance(given, st.SearchStrategy) else st.just(given)
+
+
+def _matrix(given: ArrayLike, d: int) -> Array:
+    k = np.asarray(given, dtype=np.float64)
+    if k.shape not in ((), (d,), (d, d)):
+        raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=f"give one number, ({d},) or ({d}, {d})")
+    return k if k.ndim == 2 else np.diag(np.broadcast_to(k, (d,)))
+
+
+def _case(region: Region, k: Array, factor: float, loads: Array, columns: list[Any]) -> Case:
+    d, pressed = len(k), region.law.pressure is not None
+    loads = loads if pressed else np.zeros_like(loads)
+    pressure, n = loads[0], loads.shape[1]
+    all_ways = [_unit(np.array(columns[i * d : (i + 1) * d]).T) for i in range(3)]
+    all_ways[0] = turned(region, all_ways[0], all_ways[1], columns[3 * d + len(_TABLES) - 1], pressure)
+    reaches = region.reach(np.concatenate(all_ways), np.tile(pressure, 3)).reshape(3, n)
+    places, *others = columns[3 * d : 3 * d + len(_TABLES)]
+    move_2, move_3, share_2, share_3, stretch = (np.array(column)[:, None] for column in others[:5])
+    way, way_2, way_3 = all_ways
+    trial, edge = _placed(region, way, reaches[0], places, pressure, k)
+    size = np.maximum(np.abs(trial).max(axis=1), np.abs(edge).max(axis=1))[:, None]
+    ends = np.where(np.isfinite(reaches), reaches, 1.0)[:, :, None]  # any point where K does not end
+    amplitude = np.array(others[6]) * np.abs(edge).max(axis=1)
+    turns = zip(amplitude, others[5], way, way_2, way_3, strict=True)
+    path = np.array([size_ * _path(kind, a, b, c, _STEPS) for size_, kind, a, b, c in turns])
+    between = np.linspace(0.0, 1.0, _STEPS)
+    return Case(
+        parameters=region.parameters,
+        stiffness=k,
+        pressure=pressure if pressed else None,
+        trial=trial,
+        other=trial + move_2 * size * way_2,
+        third=trial + move_3 * size * way_3,
+        inside=share_2 * ends[1] * way_2,
+        beside=share_3 * ends[2] * way_3,
+        stretch=stretch[:, 0],
+        factor=factor,
+        path=path,
+        loads=(1.0 - between) * loads[0][:, None] + between * loads[1][:, None] if pressed else None,
+    )

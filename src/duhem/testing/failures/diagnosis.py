@@ -1,0 +1,199 @@
+"""What a failing routine does instead: suggestions tried on increments beside the failing one, and kept only if they give its answers.
+
+A suggestion is a few lines: what the routine may be doing, and what it would return then.  It is believed where it gives what
+was returned, to within the accuracy the routine is held to, at the failing increment and at every other one beside it that
+is wrong, three at the least; so nothing is said of a routine that only resembles one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from duhem.errors import InputError
+from duhem.projection.result import Array
+from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.failures.departure import Departure, closest
+
+__all__ = ["Part", "Probe", "constant", "diagnoses", "registered_suggestions", "suggests"]
+
+Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
+
+_LEAST = 3  # increments that a suggestion has to explain
+_CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
+
+
+@dataclass(frozen=True)
+class Probe:
+    """The routine asked at N increments beside a failing one, which is the first; ``query`` holds them."""
+
+    query: Query
+    reply: Reply
+
+    @property
+    def trial(self) -> Array:
+        return self.reply.trial
+
+    @property
+    def returned(self) -> Array:
+        return self.reply.stress
+
+    @property
+    def stiffness(self) -> Array:
+        return self.query.case.stiffness
+
+    @property
+    def pressure(self) -> Array:
+        return self.query.pressure
+
+    @cached_property
+    def closest(self) -> Array:
+        """duhem's own answers (N, d)."""
+        return self.projected()
+
+    @cached_property
+    def gradient(self) -> Array:
+        """grad g at the stress returned (N, d)."""
+        return self.query.region.slope(self.returned, self.pressure)[0]
+
+    @cached_property
+    def slopes(self) -> Array:
+        """d sigma/d u (N, d, d) of the routine itself, by central differences; nan where either way has a slope of its own."""
+        q = self.query
+        h = 1e-6 * np.maximum(q.length(self.trial), q.length(self.returned))[:, None]
+        columns = []
+        for axis in q.axes:
+            ahead, behind = q.ask(self.trial + h * axis, self.trial - h * axis)
+            ways = (ahead.stress - self.returned) / h, (self.returned - behind.stress) / h
+            smooth = q.length(ways[0] - ways[1]) <= 1e-4
+            columns.append(np.where(smooth[:, None], np.mean(ways, axis=0), np.nan))
+        return np.asarray(np.stack(columns, axis=2) @ q.axes)  # the axes are L, and along them go steps L^-T of displacement
+
+    def projected(
+        self,
+        trial: Array | None = None,
+        pressure: Array | None = None,
+        stiffness: Array | None = None,
+        parameters: Mapping[str, float] | None = None,
+    ) -> Array:
+        """The closest points (N, d) of what is not as it should be; nan where they are not known."""
+        region = self.query.region
+        loads = None if region.law.pressure is None else self.pressure if pressure is None else pressure
+        values = {**region.parameters, **(parameters or {})}
+        k = self.stiffness if stiffness is None else stiffness
+        return closest(region.law, values, self.trial if trial is None else trial, loads, k)
+
+
+# What a routine may be doing, and the answers (N, ...) it would give then.
+Suggest: TypeAlias = Callable[[Probe], Iterator[tuple[str, Array]]]
+
+_suggestions: dict[Part, dict[str, Suggest]] = {"stress": {}, "slip": {}, "multiplier": {}, "tangent": {}}
+
+
+def suggests(part: Part) -> Callable[[Suggest], Suggest]:
+    """Add a suggestion about what the routine returns as ``part``; of two that explain as much the first added is told."""
+
+    def add(suggest: Suggest) -> Suggest:
+        _suggestions[part][suggest.__name__] = suggest
+        return suggest
+
+    return add
+
+
+def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
+    """By name, what explains the answers beside ``found``, the best explanation first; empty where nothing does."""
+    believed: list[tuple[int, str, str]] = []
+    with suppress(NoReply, InputError, np.linalg.LinAlgError), np.errstate(all="ignore"):
+        probe = _probe(query, found)
+        given, right, allowed = _measured(part, probe)
+        wrong = ~(_apart(given, right) <= _CLEAR * allowed) & np.isfinite(right).all(axis=1)
+        if not wrong[0] or wrong.sum() < _LEAST:
+            return {}
+
+        def explains(answers: Array) -> int | None:
+            """How many increments that are right it says are wrong; None where it does not give all answers that are wrong."""
+            meant = _in_energy(part, probe, answers)
+            same = _apart(given, meant) <= _CLEAR * allowed
+            if not same[wrong].all() or not _apart(meant, right)[0] > _CLEAR * allowed[0]:
+                return None
+            return int((~same & ~wrong).sum())
+
+        for name, suggest in _suggestions[part].items():
+            found_of_it = [(beyond, name, said) for said, answers in suggest(probe) if (beyond := explains(answers)) is not None]
+            believed += sorted(found_of_it)[:1]
+    believed.sort(key=lambda b: b[0])
+    return {name: statement for _, name, statement in believed}
+
+
+def _apart(a: Array, b: Array) -> Array:
+    return np.asarray(np.linalg.norm(a - b, axis=1))
+
+
+def _measured(part: Part, probe: Probe) -> tuple[Array, Array, Array]:
+    """What was returned, what is right, and the error allowed, as lengths in the energy of the stiffness: (N, m), (N, m), (N,)."""
+    q, reply, u = probe.query, probe.reply, probe.query.unit(probe.reply)
+    given = getattr(reply, part)
+    if given is None:
+        raise NoReply(part)
+    if part == "stress":
+        right = probe.closest
+    elif part == "slip":
+        right = np.asarray(np.linalg.solve(probe.stiffness, (probe.trial - probe.returned).T).T)
+    elif part == "multiplier":
+        right = q.length(probe.trial - probe.returned) / q.dual_length(probe.gradient)
+    else:
+        right, u = probe.slopes, np.full(len(u), 1e-5 + q.accuracy)
+    return _in_energy(part, probe, given), _in_energy(part, probe, right), u
+
+
+def _in_energy(part: Part, probe: Probe, answers: Array) -> Array:
+    q = probe.query
+    if part == "stress":
+        return q.shadow(answers)
+    if part == "slip":
+        return q.shadow(answers @ probe.stiffness)
+    if part == "multiplier":
+        return np.asarray((answers * q.dual_length(probe.gradient))[:, None])
+    return q.whitened(answers).reshape(len(answers), -1)
+
+
+def _probe(query: Query, found: Departure) -> Probe:
+    """Increments beside, beyond and within, under other pressures too; the numbers are like no others, so that none is special."""
+    trial, at = np.array(found.trial), np.array(query.case.trial[0]) if found.closest is None else np.array(found.closest)
+    size, d = np.abs(trial).max(), len(trial)
+    signs = np.where(np.arange(d) % 2 == 0, 1.0, -1.0)
+    beside = [trial * (1.0 + s * 0.0437 * signs) + s * 0.0213 * size * np.roll(signs, i) for i in range(d) for s in (1.0, -1.0)]
+    far = [trial * c + 0.0371 * c * size * signs for c in (3.17, 11.3)]
+    rows = [trial, 1.071 * trial, *beside, *far, 1.0193 * at, 0.953 * at]
+    loads = [1.0] * len(rows)
+    rows, loads = [*rows, 1.731 * rows[2], trial, 2.93 * rows[3]], [*loads, 1.731, 1.297, 0.613]
+    mirrors = [-np.ones(d), *(1.0 - 2.0 * np.eye(d))] if d > 1 else [-np.ones(d)]
+    rows, loads = [*rows, *(m * rows[3] for m in mirrors)], [*loads, *[1.0] * len(mirrors)]
+    n = len(rows)
+    stacked, zero = np.array(rows), np.zeros((n, d))
+    pressure = None if found.pressure is None else found.pressure * np.array(loads)
+    path = np.zeros((n, 1, d))
+    case = replace(
+        query.case, stiffness=np.array(found.stiffness), pressure=pressure, trial=stacked, other=zero, third=zero, inside=zero, beside=zero,
+        stretch=np.ones(n), path=path, loads=None if pressure is None else pressure[:, None],
+    )  # fmt: skip
+    asked = Query(query.region, case, query.update, query.passed, query.accuracy)
+    return Probe(asked, asked.ask(stacked)[0])
+
+
+def constant(values: Array) -> float | None:
+    """The value that all of them have that are finite, but for 1e-6 of it; None where they differ."""
+    known = values[np.isfinite(values)]
+    if not known.size or np.ptp(known) > 1e-6 * np.abs(known).max():
+        return None
+    return float(np.median(known))
+
+
+def registered_suggestions() -> set[str]:
+    """The names of all that may be said."""
+    return {name for each in _suggestions.values() for name in each}

@@ -1,0 +1,190 @@
+"""What a routine was found to be: the checks it passed, and the failures, each with a few lines that show it again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from duhem.law.formula_law import Criterion
+from duhem.show.place import write
+from duhem.testing.checks.registry import Check
+from duhem.testing.drawn.case import Case
+from duhem.testing.failures.departure import Departure
+from duhem.testing.failures.replay import test_file, test_name
+from duhem.testing.routines.origin import Origin
+
+__all__ = ["Failure", "Report"]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A check that failed: ``case`` is one increment, shrunk; ``measured`` exceeds ``allowed`` there (or is nan).
+
+    ``departure`` is what the routine returned and the closest point; ``diagnoses`` what it does instead, by name, the likeliest
+    first, where that is known (:mod:`duhem.testing.failures.diagnosis`);
+    ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
+    """
+
+    check: Check
+    law: Criterion | None
+    message: str
+    case: Case
+    measured: float
+    allowed: float
+    accuracy: float
+    routine: str
+    open_parameters: tuple[str, ...]
+    explains: tuple[str, ...] = ()
+    departure: Departure | None = None
+    diagnoses: Mapping[str, str] = field(default_factory=dict)
+    origin: Origin = field(default_factory=Origin)
+
+    @property
+    def title(self) -> str:
+        """The check and its statement."""
+        return str(self.check)
+
+    @property
+    def diagnosis(self) -> str:
+        """What the routine likely does instead; '' where nothing is known that gives its answers."""
+        return next(iter(self.diagnoses.values()), "")
+
+    def reproducer(self) -> str:
+        """A few lines of Python that show the failure again; ``update`` is the routine."""
+        there = self.origin.making or f"update = ...  # {self.routine}"
+        free = "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
+        law = None if self.law is None else self.law.name
+        lines = [
+            "from duhem.testing import Case, violation",
+            there,
+            f"case = {self.case!r}",
+            f"print(violation({self.check.name!r}, {law!r}, update, case, accuracy={self.accuracy!r}{free}))",
+        ]
+        return "\n".join(lines)
+
+    def replay(self) -> str:
+        """The text of a test file that fails as long as the routine does.
+
+        Where the routine or the law has no name that a file can import, as one of ``__main__`` or a closure, it is a stub
+        that says so.
+        """
+        case = None if self.check.whole else self.case
+        return test_file(self.title, self.check.name, self.routine, self.origin, case, self.accuracy, self.open_parameters)
+
+    def __str__(self) -> str:
+        said = [f"  {name:<11} {text}" for name, text in self._said()]
+        shown = [] if self.check.whole else ["  to see it again:", *(f"    {line}" for line in self.reproducer().splitlines())]
+        return "\n".join([self.title, *said, *shown])
+
+    def _said(self) -> Iterator[tuple[str, str]]:
+        if self.diagnosis:
+            yield "likely", self.diagnosis
+        if not self.check.whole:
+            yield from self._increment()
+        yield "violated", f"{self.check.formula}: {self.message}"
+        yield "tolerance", self.check.tolerance
+        yield "source", self.check.source
+        if self.explains:
+            yield "explains", f"{', '.join(self.explains)}, which failed too"
+
+    def _increment(self) -> Iterator[tuple[str, str]]:
+        values = [f"{name} = {value:.6g}" for name, value in self.case.parameters.items()]
+        if self.law is not None or values:
+            yield "law", ", ".join(([] if self.law is None else [self.law.name]) + values)
+        case, found = self.case, self.departure
+        pressure = None if case.pressure is None else float(case.pressure[0])
+        yield "increment", _increment(case.trial[0].tolist(), pressure, case.stiffness.tolist())
+        if found is None or self.check.law_only:
+            return
+        if (found.trial, found.pressure, found.stiffness) != (tuple(case.trial[0]), pressure, tuple(map(tuple, case.stiffness.tolist()))):
+            yield "at", f"{_increment(found.trial, found.pressure, found.stiffness)}, which the check asks too"
+        yield "returned", _vector(found.returned)
+        if found.closest is not None and found.difference is not None:
+            yield "closest", _vector(found.closest)
+            yield "difference", _vector(found.difference) + ("" if found.apart else ", within what is allowed")
+
+
+def _increment(trial: Sequence[float], pressure: float | None, stiffness: Sequence[Sequence[float]]) -> str:
+    load = "" if pressure is None else f", pressure {pressure:.6g}"
+    return f"trial {_vector(trial)}{load}, stiffness {_matrix(stiffness)}"
+
+
+def _vector(values: Sequence[float]) -> str:
+    return f"[{', '.join(f'{x:.6g}' for x in values)}]"
+
+
+def _matrix(rows: Sequence[Sequence[float]]) -> str:
+    """A multiple of the identity as one number, a diagonal as such."""
+    diagonal = [row[i] for i, row in enumerate(rows)]
+    if any(x for i, row in enumerate(rows) for j, x in enumerate(row) if i != j):
+        return f"[{', '.join(map(_vector, rows))}]"
+    return f"{diagonal[0]:.6g}" if len(set(diagonal)) == 1 else f"diag {_vector(diagonal)}"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a routine was found to be: names of checks ``passed``, ``failures``, and ``left_out`` with the reason.
+
+    A check passed only if it judged an answer of the routine (or looks at the law alone).
+    ``points`` increments were asked of the routine, of which it flagged ``flagged`` as not solved: they are not judged.
+
+    ``failures`` are likely causes, the likeliest first; ``explained`` are those of the checks that a cause explains.
+    ``expected``: the checks that failed as was expected, with the reason given; ``unexpected``: those that passed though they
+    were expected to fail.  ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.visited.Visited`), and
+    ``decades`` the first and last power of ten of what was drawn, in ``examples`` cases by ``seed``.
+    """
+
+    law: str
+    passed: tuple[str, ...]
+    failures: tuple[Failure, ...]
+    left_out: Mapping[str, str]
+    points: int
+    flagged: int
+    explained: tuple[Failure, ...] = ()
+    expected: Mapping[str, str] = field(default_factory=dict)
+    unexpected: Mapping[str, str] = field(default_factory=dict)
+    visited: Mapping[str, float] = field(default_factory=dict)
+    decades: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    examples: int = 0
+    seed: int | None = None
+
+    @property
+    def ok(self) -> bool:
+        return not self.failures and not self.unexpected
+
+    @property
+    def failed(self) -> frozenset[str]:
+        """The names of the checks that failed, those that a cause explains and those expected to fail among them."""
+        return frozenset(f.check.name for f in (*self.failures, *self.explained)) | frozenset(self.expected)
+
+    @property
+    def flagged_share(self) -> float:
+        return self.flagged / self.points if self.points else 0.0
+
+    def failure_of(self, check: str) -> Failure | None:
+        """The failure of a check by its name, a cause or explained; None where it did not fail, or was expected to."""
+        return next((f for f in (*self.failures, *self.explained) if f.check.name == check), None)
+
+    def write_replays(self, folder: str | Path) -> tuple[Path, ...]:
+        """One test file a cause (:meth:`Failure.replay`), written to a folder that is made where there is none."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        written = []
+        for failure in self.failures:
+            written.append(place / test_name(failure.routine, failure.check.name))
+            write(str(written[-1]), failure.replay())
+        return tuple(written)
+
+    def __str__(self) -> str:
+        counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
+        counts += f", {len(self.left_out)} left out" if self.left_out else ""
+        return "\n".join(
+            [
+                f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged",
+                *map(str, self.failures),
+                *(f"{name} passed, and was expected to fail: {why}" for name, why in self.unexpected.items()),
+                *(f"{name} failed, as expected: {why}" for name, why in self.expected.items()),
+                *(f"left out {name}: {why}" for name, why in self.left_out.items()),
+            ]
+        )

@@ -1,0 +1,95 @@
+"""Reports for programs: as a dictionary for JSON, and as the XML that readers of JUnit take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+from xml.etree import ElementTree
+
+from duhem.testing.failures.report import Failure, Report
+
+__all__ = ["as_dict", "as_junit"]
+
+
+def as_dict(report: Report) -> dict[str, Any]:
+    """Everything a report holds, with what shows each failure again; numbers that are not finite as None."""
+    return {
+        "law": report.law,
+        "ok": report.ok,
+        "passed": list(report.passed),
+        "failures": [_failure(f) for f in report.failures],
+        "explained": [_failure(f) for f in report.explained],
+        "expected": dict(report.expected),
+        "unexpected": dict(report.unexpected),
+        "left_out": dict(report.left_out),
+        "increments": report.points,
+        "flagged": report.flagged,
+        "examples": report.examples,
+        "seed": report.seed,
+        "visited": dict(report.visited),
+        "decades": {name: list(ends) for name, ends in report.decades.items()},
+    }
+
+
+def _failure(failure: Failure) -> dict[str, Any]:
+    found = failure.departure
+    return {
+        "check": failure.check.name,
+        "statement": failure.check.statement,
+        "formula": failure.check.formula,
+        "message": failure.message,
+        "diagnosis": failure.diagnosis,
+        "explains": list(failure.explains),
+        "parameters": dict(failure.case.parameters),
+        "departure": None
+        if found is None
+        else {
+            "trial": list(found.trial),
+            "pressure": found.pressure,
+            "stiffness": [list(row) for row in found.stiffness],
+            "returned": [_finite(x) for x in found.returned],
+            "closest": None if found.closest is None else list(found.closest),
+        },
+        "replay": failure.replay(),
+    }
+
+
+def _finite(x: float) -> float | None:
+    return x if abs(x) < float("inf") else None
+
+
+def as_junit(reports: Mapping[str, Report]) -> str:
+    """One suite a routine, by its name, and one case a check; what was visited and drawn stands in properties."""
+    root = ElementTree.Element("testsuites", name="duhem")
+    for name, report in reports.items():
+        names = [*report.passed, *sorted(report.failed), *report.left_out]
+        counts = {"tests": len(names), "failures": len(names) - len(report.passed) - len(report.left_out) - len(report.expected)}
+        counts["failures"] += len(report.unexpected)
+        counts["skipped"] = len(report.left_out) + len(report.expected)
+        suite = ElementTree.SubElement(root, "testsuite", {"name": name} | {key: str(count) for key, count in counts.items()})
+        about = ElementTree.SubElement(suite, "properties")
+        said = {"law": report.law, "seed": report.seed, "examples": report.examples, "increments": report.points, "flagged": report.flagged}
+        for key, value in [*said.items(), *((f"visited {key}", f"{share:.6g}") for key, share in report.visited.items())]:
+            ElementTree.SubElement(about, "property", name=key, value=str(value))
+        for check in names:
+            _junit_case(ElementTree.SubElement(suite, "testcase", classname=name, name=check), check, report)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _junit_case(case: ElementTree.Element, check: str, report: Report) -> None:
+    if (failure := report.failure_of(check)) is not None:
+        cause = next((f.check.name for f in report.failures if check in f.explains), None)
+        message = failure.diagnosis or failure.message if cause is None else f"{failure.message}; likely explained by {cause}"
+        ElementTree.SubElement(case, "failure", message=message).text = _printable(str(failure))
+    elif check in report.unexpected:
+        ElementTree.SubElement(case, "failure", message=f"passed, and was expected to fail: {report.unexpected[check]}")
+    elif check in report.expected:
+        ElementTree.SubElement(case, "skipped", message=f"failed, as expected: {report.expected[check]}")
+    elif check in report.left_out:
+        ElementTree.SubElement(case, "skipped", message=_printable(report.left_out[check]))
+
+
+def _printable(text: str) -> str:
+    """Without the letters that XML has no way to write."""
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)

@@ -1,0 +1,193 @@
+"""What a routine may do instead of going to the closest point: one suggestion each, in the order in which they are told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from itertools import combinations
+from typing import TypeAlias
+
+import numpy as np
+from scipy.optimize import brentq
+
+from duhem.projection.result import Array
+from duhem.testing.drawn.region import Region
+from duhem.testing.failures.diagnosis import Probe, constant, suggests
+
+__all__: list[str] = []
+
+_SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pressure: where another one is looked for
+
+
+@suggests("stress")
+def trial_stress(p: Probe) -> Iterator[tuple[str, Array]]:
+    yield "the routine returns the trial stress: it corrects nothing", p.trial
+
+
+@suggests("stress")
+def no_stress(p: Probe) -> Iterator[tuple[str, Array]]:
+    yield "the routine returns no stress at all", np.zeros_like(p.trial)
+
+
+@suggests("stress")
+def radial_return(p: Probe) -> Iterator[tuple[str, Array]]:
+    reach = p.query.region.reach(p.trial, p.pressure)
+    yield (
+        "radial return: the trial stress is scaled down to the boundary, which is not its closest point",
+        np.where(reach[:, None] < 1.0, reach[:, None] * p.trial, p.trial),
+    )
+
+
+@suggests("stress")
+def metric_of_no_stiffness(p: Probe) -> Iterator[tuple[str, Array]]:
+    yield "the closest point is taken in the metric of the identity, not of the stiffness", p.projected(stiffness=np.eye(len(p.stiffness)))
+
+
+@suggests("stress")
+def metric_of_the_diagonal(p: Probe) -> Iterator[tuple[str, Array]]:
+    yield "the closest point is taken with the diagonal of the stiffness alone", p.projected(stiffness=np.diag(np.diag(p.stiffness)))
+
+
+@suggests("stress")
+def metric_of_the_inverse(p: Probe) -> Iterator[tuple[str, Array]]:
+    inverse = np.linalg.inv(p.stiffness)
+    yield "the closest point is taken in the metric of the inverse stiffness", p.projected(stiffness=0.5 * (inverse + inverse.T))
+
+
+@suggests("stress")
+def exchanged_parameters(p: Probe) -> Iterator[tuple[str, Array]]:
+    values = p.query.region.parameters
+    for a, b in combinations(values, 2):
+        if values[a] != values[b]:
+            yield f"{a} and {b} are exchanged", p.projected(parameters={a: values[b], b: values[a]})
+
+
+@suggests("stress")
+def exchanged_components(p: Probe) -> Iterator[tuple[str, Array]]:
+    forces = p.query.region.law.forces
+    for i, j in combinations(range(p.trial.shape[1]), 2):
+        order = np.arange(p.trial.shape[1])
+        order[[i, j]] = order[[j, i]]
+        turned = p.stiffness[np.ix_(order, order)]
+        yield f"{forces[i]} and {forces[j]} are exchanged in the set", p.projected(p.trial[:, order], stiffness=turned)[:, order]
+        yield f"{forces[i]} and {forces[j]} are exchanged in the answer", p.closest[:, order]
+
+
+@suggests("stress")
+def another_parameter(p: Probe) -> Iterator[tuple[str, Array]]:
+    region = p.query.region
+    for name, value in region.parameters.items():
+        for other in (x for i in _moved(p)[:1] for x in _roots(_levels(p, i, name), value or 1.0)):
+            factor = f", {other / value:.4g} times its value" if value else ""
+            yield f"{name} is taken as {other:.6g}, not {value:.6g}{factor}", p.projected(parameters={name: other})
+
+
+@suggests("stress")
+def another_pressure(p: Probe) -> Iterator[tuple[str, Array]]:
+    if p.query.region.law.pressure is None:
+        return
+    given = p.pressure
+    at = _moved(p)
+    taken = np.array([next(_roots(_levels(p, i), -max(abs(given[i]), np.abs(p.returned[i]).max())), np.nan) for i in at])
+    if (same := constant(taken)) is not None and np.ptp(given[at]) > 0.0:
+        yield f"the pressure is taken as {same:.6g}, whatever it is", p.projected(pressure=np.full_like(given, min(same, 0.0)))
+    if (factor := constant(taken / given[at])) is not None and factor > 0.0:
+        yield f"the pressure is taken {factor:.6g} times as large", p.projected(pressure=factor * given)
+    if (shift := constant(taken - given[at])) is not None:
+        yield f"a stress is built in: the pressure is taken with {shift:+.6g}", p.projected(pressure=np.minimum(given + shift, 0.0))
+
+
+@suggests("stress")
+def opposite_sign(p: Probe) -> Iterator[tuple[str, Array]]:
+    slips = (p.closest != p.trial).any(axis=1, keepdims=True)
+    yield "the stress has the opposite sign", -p.closest
+    yield "the stress has the opposite sign where there is slip", np.where(slips, -p.closest, p.trial)
+    yield "the trial stress is taken with the opposite sign", p.projected(-p.trial)
+
+
+@suggests("stress")
+def lost_sign(p: Probe) -> Iterator[tuple[str, Array]]:
+    yield "the signs of the forces are lost", p.projected(np.abs(p.trial))
+    yield "the signs of the forces are lost in the answer", np.abs(p.closest)
+
+
+@suggests("stress")
+def too_far(p: Probe) -> Iterator[tuple[str, Array]]:
+    q, way = p.query, p.closest - p.trial
+    share = constant(np.where(_slipping(p), q.inner(p.returned - p.trial, way) / q.inner(way, way), np.nan))
+    if share is not None:
+        yield f"the correction is {share:.6g} times what leads to the closest point", p.trial + share * way
+
+
+@suggests("stress")
+def multiple_of_the_answer(p: Probe) -> Iterator[tuple[str, Array]]:
+    q, slips = p.query, _slipping(p)
+    factor = constant(np.where(slips, q.inner(p.returned, p.closest) / q.inner(p.closest, p.closest), np.nan))
+    if factor == 0.0:
+        yield "all stress is gone where there is slip", np.where(slips[:, None], 0.0, p.trial)
+    elif factor is not None:
+        yield f"the stress is {factor:.6g} times the closest point where there is slip", np.where(slips[:, None], factor, 1.0) * p.closest
+
+
+@suggests("stress")
+def one_newton_step(p: Probe) -> Iterator[tuple[str, Array]]:
+    region = p.query.region
+    normal, level = region.slope(p.trial, p.pressure)[0], region.level(p.trial, p.pressure)
+    way = normal @ p.stiffness
+    once = p.trial - (level / np.einsum("ij,ij->i", normal, way))[:, None] * way
+    yield "one step of Newton's method is taken from the trial stress, and no more", np.where((level > 0.0)[:, None], once, p.trial)
+
+
+@suggests("stress")
+def component_by_component(p: Probe) -> Iterator[tuple[str, Array]]:
+    n, d = p.trial.shape
+    ends = [p.query.region.reach(np.tile(s * axis, (n, 1)), p.pressure) for axis in np.eye(d) for s in (1.0, -1.0)]
+    cut = np.stack([np.clip(p.trial[:, i], -ends[2 * i + 1], ends[2 * i]) for i in range(d)], axis=1)
+    yield "each component is cut at the end of its own axis", cut
+
+
+@suggests("stress")
+def forgotten_slip(p: Probe) -> Iterator[tuple[str, Array]]:
+    before = np.linalg.solve(p.stiffness, p.trial.T).T[:, ::-1] @ p.stiffness  # as from_displacements gives it
+    whole = p.trial + before
+    yield "the former slip is forgotten: the trial stress is taken from the whole displacement", p.trial - whole + p.projected(whole)
+
+
+@suggests("stress")
+def imprecise(p: Probe) -> Iterator[tuple[str, Array]]:
+    q = p.query
+    off = (q.length(p.returned - p.closest) / np.maximum(q.length(p.trial), q.length(p.closest))).max()
+    if off <= 1e-4:
+        yield f"the answer is right to {off:.1g} of the stress only: single precision, a loose tolerance, or too much promised", p.returned
+
+
+def _slipping(p: Probe) -> Array:
+    return np.asarray(p.query.length(p.closest - p.trial) > 1e-6 * p.query.length(p.trial))
+
+
+def _moved(p: Probe) -> list[int]:
+    """The increments whose answer is neither right nor the trial stress: it may lie on a boundary that is not that of K."""
+    q, u = p.query, p.query.unit(p.reply)
+    wrong = (q.length(p.returned - p.closest) > u) & (q.length(p.returned - p.trial) > u)
+    return [int(i) for i in np.flatnonzero(wrong)]
+
+
+Levels: TypeAlias = Callable[[Array], Array]
+
+
+def _levels(p: Probe, i: int, parameter: str | None = None) -> Levels:
+    """g at the stress returned for one increment, over values (M,) of a parameter or else of the pressure."""
+    law, known, stress = p.query.region.law, p.query.region.parameters, p.returned[i]
+
+    def level(values: Array) -> Array:
+        region = Region(law, known if parameter is None else {**known, parameter: values})  # type: ignore[dict-item]
+        load = values if parameter is None else np.full(values.shape, p.pressure[i])
+        return region.level(np.tile(stress, (len(values), 1)), load)
+
+    return level
+
+
+def _roots(level: Levels, size: float) -> Iterator[float]:
+    points = size * _SPREAD
+    signs = np.sign(level(points))
+    for i in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+        yield float(brentq(lambda x: level(np.array([x]))[0], points[i], points[i + 1], xtol=1e-300, rtol=1e-15))

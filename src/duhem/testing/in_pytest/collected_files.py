@@ -1,0 +1,160 @@
+"""Criterion and scene files as tests: a node a claim, and one for a run."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import pytest
+
+from duhem.errors import DuhemError, InputError
+from duhem.law.catalogue import load
+from duhem.law.placed_toml import parsed, text_of
+from duhem.path.batch_run import parts
+from duhem.path.scene import Scene
+from duhem.path.scene_file import MOST_BYTES, reads
+from duhem.proof.claims import CLAIMS
+from duhem.proof.verdict import Verdict
+from duhem.proof.verification import ClaimResult, Verification, verify
+from duhem.testing.in_pytest.groups import group
+
+__all__ = ["collected"]
+
+LookedInto: TypeAlias = Callable[[Scene], Scene]
+"""As :func:`duhem.vouched.histories.looked_into`, which this room does not know."""
+
+
+def collected(file: Path, parent: pytest.Collector, looked_into: LookedInto) -> pytest.Collector:
+    """The tests of a criterion or scene file."""
+    return TomlTests.from_parent(parent, path=file, looked_into=looked_into)
+
+
+class TomlTests(pytest.File):
+    """A criterion file or a scene; which of them, its tables say."""
+
+    def __init__(self, *, looked_into: LookedInto, **whole: Any) -> None:
+        super().__init__(**whole)
+        self.looked_into = looked_into
+
+    def collect(self) -> Iterator[pytest.Item]:
+        try:
+            text = text_of(self.path, "criterion or scene file", MOST_BYTES)
+            document = parsed(text, str(self.path)).document
+            if "criterion" in document:
+                self.law = load(self.path)
+                for claim in self._claims():
+                    yield ClaimTest.from_parent(self, name=claim)
+            elif "path" in document:
+                scene = reads(text, str(self.path), self.path.parent)
+                yield SceneTest.from_parent(self, name="simulate", scene=scene)
+            else:
+                remedy = "write a [criterion] (duhem init NAME) or a scene with a [path]"
+                raise InputError("this is neither a criterion file nor a scene", where=f"{self.path}", remedy=remedy)
+        except DuhemError as fault:
+            raise self.CollectError(str(fault)) from None
+
+    def _claims(self) -> tuple[str, ...]:
+        asked = self.config.getoption("--duhem-claims")
+        if asked is None:
+            return tuple(CLAIMS)
+        names = tuple(dict.fromkeys(name.strip() for name in asked.split(",") if name.strip()))
+        for name in names:
+            if name not in CLAIMS:
+                raise InputError(f"unknown claim {name!r}", where="--duhem-claims", remedy=f"claims are: {', '.join(CLAIMS)}")
+        return names
+
+    @cached_property
+    def verification(self) -> Verification | DuhemError:
+        """Of the claims that are selected, once for all their nodes."""
+        claims = [item.name for item in self.session.items if item.parent is self]
+        try:
+            return verify(self.law, claims=claims, effort=self.config.getoption("--duhem-effort"))
+        except DuhemError as fault:
+            return fault
+
+
+class ClaimTest(pytest.Item):
+    """Whether a claim is proved of a law."""
+
+    parent: TomlTests
+
+    def __init__(self, **whole: Any) -> None:
+        super().__init__(**whole)
+        group(self, self.parent.nodeid)
+
+    def runtest(self) -> None:
+        found = self.parent.verification
+        if isinstance(found, DuhemError):
+            pytest.fail(str(found), pytrace=False)
+        result = found[self.name]
+        self.user_properties += _properties(result)
+        if result.verdict is Verdict.PROVED:
+            return
+        if result.verdict is Verdict.NOT_APPLICABLE:
+            pytest.skip(result.detail)
+        said = "\n".join(_said(self.parent.law.name, result))
+        if result.verdict is not Verdict.REFUTED and self._undecided() == "xfail":
+            pytest.xfail(said)
+        pytest.fail(said, pytrace=False)
+
+    def _undecided(self) -> str:
+        return str(self.config.getoption("--duhem-undecided") or self.config.getini("duhem_undecided"))
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, None, f"{self.parent.law.name}: {self.name}"
+
+
+def _properties(result: ClaimResult) -> Iterator[tuple[str, object]]:
+    yield "duhem_verdict", result.verdict.value
+    yield "duhem_method", result.method
+    yield "duhem_scope", result.scope
+    if result.trust is not None:
+        yield "duhem_trust", result.trust.value
+    if result.witness is not None:
+        yield "duhem_witness", json.dumps(result.witness.to_dict(), sort_keys=True)
+
+
+def _said(law: str, result: ClaimResult) -> Iterator[str]:
+    yield f"{law}: {result.claim} is {result.verdict}: {result.detail}"
+    if (witness := result.witness) is None:
+        return
+    if witness.parameters:
+        yield f"  at {_listed(witness.parameters)}"
+    yield from (f"  {role}: {_listed(point)}" for role, point in witness.points.items())
+    yield from (f"  {name} in [{low}, {high}]" for name, (low, high) in witness.values.items())
+    yield from (f"  {name} = {value!r}" for name, value in witness.measures.items())
+    yield f"  {witness.statement}"
+
+
+def _listed(values: Any) -> str:
+    return ", ".join(f"{name} = {value}" for name, value in values.items())
+
+
+class SceneTest(pytest.Item):
+    """Whether a scene runs to its end without a step that is flagged; nothing is written."""
+
+    parent: TomlTests
+
+    def __init__(self, *, scene: Scene, **whole: Any) -> None:
+        super().__init__(**whole)
+        self.scene = scene
+        group(self, self.parent.nodeid)
+
+    def runtest(self) -> None:
+        try:
+            scene = self.parent.looked_into(self.scene)
+            if scene.many:
+                ended = sum(part.ended_early() for part in parts(scene.batch(), scene.method, scene.threads))
+                if ended:
+                    pytest.fail(f"{ended} points end early, at a step that cannot be vouched for or leaves a range", pytrace=False)
+                return
+            history = scene.run()
+        except DuhemError as fault:
+            pytest.fail(str(fault), pytrace=False)
+        self.user_properties += [("duhem_method", history.method), ("duhem_why", history.why)]
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, None, f"{self.path.name}: simulate"

@@ -1,0 +1,254 @@
+"""A marked routine as tests: a node a check, and one for what it flags; one run for all of them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import fields
+from functools import cached_property
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from duhem.errors import DuhemError
+from duhem.law.catalogue import load
+from duhem.testing.checks.registry import Check
+from duhem.testing.conformance import check, checks_for, conformance
+from duhem.testing.drawn.case import Case
+from duhem.testing.failures.report import Report
+from duhem.testing.in_pytest.groups import group, group_marks
+from duhem.testing.in_pytest.profiles import PROFILES
+from duhem.testing.routines.routine import Update
+from duhem.testing.without_law import free_check
+
+__all__ = ["check_items", "checked", "names_of_checks"]
+
+FLAGGED = "flagged"  # the node that says how many increments the routine gives up
+_TAKES = (
+    "law", "parameters", "stiffness", "pressure", "checks", "accuracy", "max_examples", "rows", "seconds", "seed",
+    "expected_failed_checks", "most_flagged",
+)  # fmt: skip
+_REMEDY = 'write for example @pytest.mark.duhem(law="coulomb", parameters={"mu": 0.3})'
+_ROUTINES = pytest.StashKey[dict[str, "Trial"]]()
+
+
+class Trial:
+    """One routine with what its marker asks; :meth:`outcome` of a node comes from one run of all that are selected."""
+
+    def __init__(self, node: str, marker: pytest.Mark, config: pytest.Config, name: str) -> None:
+        given = dict(zip(_TAKES, marker.args, strict=False)) | dict(marker.kwargs)
+        if unknown := [key for key in given if key not in _TAKES]:
+            raise _unusable(node, f"the marker duhem takes no {unknown[0]!r}", f"it takes {', '.join(_TAKES)}")
+        if "law" not in given:
+            raise _unusable(node, "the marker duhem names no law", _REMEDY)
+        self.node, self.config, self.name = node, config, name
+        self.law = given.pop("law")
+        self.parameters = given.pop("parameters", None)
+        self.most_flagged = float(given.pop("most_flagged", 0.0))
+        checks = given.pop("checks", None)
+        self.expected = dict(given.pop("expected_failed_checks", None) or {})
+        try:
+            named = checks_for(self.law) if checks is None else (checks,) if isinstance(checks, (str, Check)) else tuple(checks)
+            by_name = free_check if self.law is None else check
+            asked = [by_name(each) if isinstance(each, str) else each for each in named]
+            self.expects = {by_name(each).name for each in self.expected} - {each.name for each in asked}
+            if self.law is not None:
+                load(self.law).fix(self.parameters)
+        except DuhemError as fault:
+            raise _unusable(node, fault.what, fault.remedy) from None
+        if self.expects:
+            raise _unusable(node, f"{min(self.expects)} is expected to fail and not asked for", "name it in checks")
+        self.asked = {each.name: each for each in asked}
+        self.options = given | PROFILES.get(config.getoption("--duhem-profile") or "", {})
+        self.selected = list(self.asked)
+        self._outcome: Report | DuhemError | None = None
+
+    @property
+    def nodes(self) -> list[str]:
+        """The checks, and what is flagged."""
+        return [*self.asked, FLAGGED]
+
+    def report(self, update: Update) -> Report:
+        """The report of all checks that are selected; the routine is run once."""
+        if self._outcome is None:
+            checks = [self.asked[name] for name in self.selected if name in self.asked] or list(self.asked.values())
+            expected = {each.name: self.expected[each.name] for each in checks if each.name in self.expected}
+            try:
+                self._outcome = conformance(
+                    self.law,
+                    update,
+                    self.parameters,
+                    checks=checks,
+                    expected_failed_checks=expected,
+                    first=list(self._kept.values()),
+                    **self.options,
+                )
+            except DuhemError as fault:
+                self._outcome = fault
+            else:
+                self._keep(self._outcome)
+        if isinstance(self._outcome, DuhemError):
+            pytest.fail(f"{self.node}: {self._outcome}", pytrace=False)
+        return self._outcome
+
+    def judge(self, node: str, update: Update, properties: list[tuple[str, object]]) -> Report:
+        """Pass, fail, skip or xfail as one node says."""
+        report = self.report(update)
+        properties += self._properties(node, report)
+        if node == FLAGGED:
+            if report.flagged_share > self.most_flagged:
+                share = f"{report.flagged} of {report.points} increments as not solved"
+                pytest.fail(f"{self.node} flags {share}, more than a share {self.most_flagged}", pytrace=False)
+        elif node in report.expected:
+            pytest.xfail(report.expected[node])
+            pytest.fail(f"{self.node}: {node} fails, as expected: {report.expected[node]}", pytrace=False)  # with --runxfail
+        elif node in report.unexpected:
+            reason = f"{node} passes, and was expected to fail: {report.unexpected[node]}"
+            pytest.fail(f"{self.node}: {reason}; take it out of expected_failed_checks", pytrace=False)
+        elif (failure := report.failure_of(node)) is not None:
+            causes = [f.check.name for f in report.failures if node in f.explains]
+            if causes:
+                pytest.fail(f"{failure.title}: {failure.message}\n  likely for the same reason as [{causes[0]}], which see", pytrace=False)
+            pytest.fail(str(failure), pytrace=False)
+        elif node in report.left_out:
+            pytest.skip(report.left_out[node])
+        return report
+
+    def _properties(self, node: str, report: Report) -> Iterator[tuple[str, object]]:
+        failure = report.failure_of(node)
+        yield "duhem_law", report.law
+        yield "duhem_verdict", "refuted" if node in report.failed else "undecided" if node in report.left_out else "tested"
+        yield "duhem_method", "drawn cases"
+        yield "duhem_seed", str(report.seed)
+        yield "duhem_examples", str(report.examples)
+        yield "duhem_flagged", f"{report.flagged} of {report.points}"
+        if failure is not None:
+            yield "duhem_measured", repr(failure.measured)
+            yield "duhem_allowed", repr(failure.allowed)
+            yield "duhem_witness", json.dumps(_plain(failure.case), sort_keys=True)
+
+    # -- failing cases are kept, and tried first -----------------------------------------------------------------------
+
+    @property
+    def _key(self) -> str:
+        asked = repr((self.node, self.law, self.parameters, sorted(self.options.items())))
+        return f"duhem/cases/{hashlib.sha256(asked.encode()).hexdigest()[:24]}"
+
+    @cached_property
+    def _kept(self) -> dict[str, Case]:
+        cache = getattr(self.config, "cache", None)  # there is none with -p no:cacheprovider
+        kept: dict[str, Case] = {}
+        for name, parts in (cache.get(self._key, None) or {}).items() if cache is not None else ():
+            with suppress(KeyError, TypeError, ValueError):  # what another version has kept
+                kept[name] = Case(**parts)
+        return kept
+
+    def _keep(self, report: Report) -> None:
+        """The cases that fail now, and those of checks that were not asked."""
+        if getattr(self.config, "cache", None) is None or self.law is None:
+            return
+        ran = {*report.passed, *report.failed, *report.left_out}
+        failing = {f.check.name: f.case for f in (*report.failures, *report.explained) if f.check.whole is None}
+        cases = {name: case for name, case in self._kept.items() if name not in ran} | failing
+        if cases or self._kept:
+            self.config.cache.set(self._key, {name: _plain(case) for name, case in cases.items()})
+
+
+def _unusable(node: str, what: str, remedy: str) -> pytest.Collector.CollectError:
+    return pytest.Collector.CollectError(f"{node}: {what}" + (f"; {remedy}" if remedy else ""))
+
+
+def _plain(case: Case) -> dict[str, Any]:
+    """The case as numbers, lists and dictionaries, from which it is made again to the last bit."""
+    parts = {field.name: getattr(case, field.name) for field in fields(case)}
+    plain = {name: part.tolist() if isinstance(part, np.ndarray) else part for name, part in parts.items()}
+    return plain | {"parameters": dict(case.parameters)}
+
+
+# -- a marked function ---------------------------------------------------------------------------------------------------
+
+
+class CheckTest(pytest.Item):
+    """One check of a routine."""
+
+    def __init__(self, *, trial: Trial, check: str, update: Callable[[], Update], function: FunctionType, **whole: Any) -> None:
+        super().__init__(**whole)
+        self.trial, self.check, self.update, self.function = trial, check, update, function
+        self.own_markers += [mark for mark in function.pytestmark if mark.name != "duhem"]  # type: ignore[attr-defined]
+        group(self, trial.node)
+
+    def runtest(self) -> None:
+        self.trial.selected = [i.check for i in self.session.items if isinstance(i, CheckTest) and i.trial is self.trial]
+        self.trial.judge(self.check, self.update(), self.user_properties)
+
+    def reportinfo(self) -> tuple[Path, int | None, str]:
+        return self.path, self.function.__code__.co_firstlineno - 1, self.name
+
+
+def check_items(
+    collector: pytest.Module | pytest.Class, name: str, function: FunctionType, marks: Sequence[pytest.Mark]
+) -> list[pytest.Item]:
+    """The nodes of a marked function; CollectError, a line, where its marker cannot be used."""
+
+    def update() -> Update:
+        if isinstance(collector, pytest.Class):
+            return getattr(collector.newinstance(), name)  # type: ignore[no-untyped-call]
+        return function
+
+    items: list[pytest.Item] = []
+    for mark in reversed(marks):  # from the top down, as they are written
+        trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config, name)
+        law = f"{getattr(trial.law, 'name', trial.law)}-" if len(marks) > 1 else ""
+        trial.node += f"[{law.removesuffix('-')}]" if law else ""
+        for node in trial.nodes:
+            whole = f"{name}[{law}{node}]"
+            named = {"name": whole, "nodeid": f"{collector.nodeid}::{whole}"}  # as pytest names parameters, so that --lf knows it again
+            items.append(CheckTest.from_parent(collector, **named, trial=trial, check=node, update=update, function=function))
+    return items
+
+
+# -- a test that hands its routine over ----------------------------------------------------------------------------------
+
+
+def names_of_checks(definition: pytest.Item) -> list[Any]:
+    """What the fixture ``duhem_check`` is parametrised by."""
+    marks = group_marks(definition.config, definition.nodeid)
+    return [pytest.param(node, marks=marks, id=node) for node in _trial(definition, definition.name, definition.nodeid).nodes]
+
+
+def checked(request: pytest.FixtureRequest) -> Callable[..., Report]:
+    """The function that a test with a marker hands its routine to."""
+    item = request.node
+    key = _shared(item)
+    trials = item.config.stash.setdefault(_ROUTINES, {})
+    if key not in trials:
+        trials[key] = _trial(item, item.originalname, key)
+        trials[key].selected = [i.callspec.params["duhem_check"] for i in item.session.items if _shared(i) == key]
+
+    def check_routine(update: Update) -> Report:
+        __tracebackhide__ = True
+        return trials[key].judge(request.param, update, item.user_properties)
+
+    return check_routine
+
+
+def _trial(item: pytest.Item, name: str, node: str) -> Trial:
+    marker = item.get_closest_marker("duhem")
+    if marker is None:
+        raise _unusable(node, "the fixture duhem_check needs the marker duhem", _REMEDY)
+    return Trial(node, marker, item.config, name)
+
+
+def _shared(item: pytest.Item) -> str:
+    """What the nodes of one routine have in common: all but the check."""
+    call = getattr(item, "callspec", None)
+    if call is None or "duhem_check" not in call.params:
+        return ""
+    others: Mapping[str, int] = {name: index for name, index in call.indices.items() if name != "duhem_check"}
+    listed = "-".join(f"{name}{index}" for name, index in sorted(others.items()))
+    return item.nodeid.partition("[")[0] + (f"[{listed}]" if listed else "")

@@ -1,0 +1,148 @@
+"""A routine that is driven by increments of strain or displacement and carries a state: what it is given, and what it answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.errors import InputError
+from duhem.projection.result import Array
+from duhem.testing.routines.routine import Step, Update, named_after
+
+__all__ = ["Material", "MaterialState", "from_material", "stateless"]
+
+
+@dataclass(frozen=True)
+class MaterialState:
+    """N points of a material after a step.
+
+    ``strain`` (N, d), strain or displacement since the beginning, shears those of engineers; ``stress`` (N, d) in Pa, power
+    conjugate to it; ``variables`` (N, s), the state that the routine carries on.  ``stored`` and ``dissipated`` (N,), energies
+    since the beginning in J/m^3 (J/m^2 for displacements), None where the routine returns none.  Of the last step alone:
+    ``slip`` (N, d), ``tangent`` d stress/d increment (N, d, d) in Pa (Pa/m), and ``solved`` (N,), False where the routine itself
+    says that it found no answer.
+    """
+
+    strain: Array
+    stress: Array
+    variables: Array
+    stored: Array | None = None
+    dissipated: Array | None = None
+    slip: Array | None = None
+    tangent: Array | None = None
+    solved: NDArray[np.bool_] | None = None
+
+    def __len__(self) -> int:
+        return len(self.stress)
+
+    def rows(self, index: Any) -> MaterialState:
+        """Some of the points, or all several times."""
+        parts = (getattr(self, f.name) for f in fields(self))
+        return MaterialState(*(None if part is None else part[index] for part in parts))  # type: ignore[arg-type]
+
+
+# advance(before (N points), increment (N, d), pressure (N,) or None, duration in s) -> the points after the step
+Advance = Callable[[MaterialState, Array, Array | None, float], MaterialState]
+
+
+@dataclass(frozen=True)
+class Material:
+    """``stiffness`` (d, d), the elastic one, symmetric and positive definite; ``variables`` (s,) at the beginning, where stress is 0.
+
+    ``energies``: whether the routine returns both energies; ``towards``, of a routine whose only state is its stress, advances to a
+    trial stress instead of by an increment; ``line``: Python that makes it again as ``update``, where known.
+    InputError for a stiffness that is none.
+    """
+
+    advance: Advance
+    stiffness: ArrayLike
+    variables: ArrayLike = ()
+    energies: bool = False
+    name: str = "material"
+    line: str = ""
+    towards: Advance | None = None
+
+    def __post_init__(self) -> None:
+        k = np.array(self.stiffness, dtype=np.float64)
+        square = k.ndim == 2 and k.shape[0] == k.shape[1]
+        if not square or not np.allclose(k, k.T, rtol=1e-12, atol=0.0) or not (np.linalg.eigvalsh(k) > 0.0).all():
+            remedy = "give the elastic stiffness (d, d), symmetric and positive definite; shear strains are those of engineers"
+            raise InputError("the stiffness of a material is a symmetric, positive definite matrix", where=self.name, remedy=remedy)
+        object.__setattr__(self, "stiffness", k)
+        object.__setattr__(self, "variables", np.array(self.variables, dtype=np.float64).ravel())
+
+    @property
+    def __duhem_import__(self) -> str:
+        return self.line
+
+    @property
+    def elastic(self) -> Array:
+        return np.asarray(self.stiffness)
+
+    def virgin(self, n: int) -> MaterialState:
+        """n points at the beginning."""
+        zero, none = np.zeros((n, len(self.elastic))), np.zeros(n)
+        energies = (none, none.copy()) if self.energies else (None, None)
+        return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies)
+
+
+def stateless(update: Update, stiffness: Array, values: Mapping[str, float]) -> Material:
+    """An update routine as a material: the stress is its only state, sigma_tr = sigma + k du.
+
+    The energy it stores is sigma . k^-1 sigma/2; it dissipates sigma . slip, slip = k^-1 (sigma_tr - sigma) where it returns none.
+    """
+    inverse = np.linalg.inv(stiffness)
+
+    def towards(before: MaterialState, trial: Array, pressure: Array | None, duration: float) -> MaterialState:
+        given = update(trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy(), **values)
+        step = given if isinstance(given, Step) else Step(given)
+        n, d = trial.shape
+        shapes = {"stress": (n, d), "slip": (n, d), "tangent": (n, d, d), "solved": (n,)}
+        found = {name: shaped(getattr(step, name), name, shape) for name, shape in shapes.items()}
+        stress, slip = found["stress"], found["slip"]
+        assert stress is not None
+        increment = (trial - before.stress) @ inverse.T
+        with np.errstate(all="ignore"):
+            stored = 0.5 * np.einsum("ni,ij,nj->n", stress, inverse, stress)
+            amount = (trial - stress) @ inverse.T if slip is None else slip
+            loss = np.einsum("ni,ni->n", stress, amount)
+        lost = loss if before.dissipated is None else before.dissipated + loss
+        solved = None if found["solved"] is None else found["solved"].astype(np.bool_)
+        return MaterialState(before.strain + increment, stress, before.variables, stored, lost, slip, found["tangent"], solved)
+
+    def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
+        return towards(before, before.stress + increment @ stiffness.T, pressure, duration)
+
+    return Material(advance, stiffness, (), True, getattr(update, "__name__", "update"), getattr(update, "__duhem_import__", ""), towards)
+
+
+def shaped(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
+    """What a routine returned, as an array of the shape it must have; None for what is not returned.  Raises ValueError."""
+    if given is None and name != "stress":
+        return None
+    try:
+        array = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"the {name} is not made of numbers: {given!r}") from None
+    if array.shape != shape:
+        raise ValueError(f"the {name} has the shape {array.shape}, not {shape}")
+    return array
+
+
+def from_material(made: Callable[..., Material]) -> Update:
+    """A material's first step as an update routine, to be held against a law: ``made(stiffness, **parameters)`` makes the material.
+
+    The material begins without stress and is given the increment k^-1 sigma_tr of strain; the stress of the law is the
+    material's in its order of components.
+    """
+
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
+        material = made(stiffness, **parameters)
+        found = material.advance(material.virgin(len(trial)), np.asarray(np.linalg.solve(stiffness, trial.T).T), pressure, 1.0)
+        return Step(found.stress, found.slip, None, found.tangent, found.solved)
+
+    return named_after(update, made, "from_material")

@@ -1,0 +1,107 @@
+"""The routine under test: what it is given, what it may answer, and adapters for other shapes of routine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.law.catalogue import load
+from duhem.law.formula_law import Criterion
+from duhem.projection.projector import Projector
+from duhem.projection.result import Array, Status
+from duhem.projection.validation import check_associated
+from duhem.testing.routines.origin import law_as_written, made_by
+
+__all__ = ["Step", "Update", "called", "from_displacements", "named_after", "pointwise", "projection"]
+
+
+@dataclass(frozen=True)
+class Step:
+    """What a routine may return besides the stress (N, d) in Pa; None for what it does not compute.
+
+    ``slip`` (N, d) in m, taken to be k^-1 (sigma_tr - sigma) where left out; ``multiplier`` lambda (N,) with
+    slip = lambda dg/dsigma; ``tangent`` d sigma/d u (N, d, d) in Pa/m; ``solved`` (N,), False where the routine itself says
+    that it found no answer: such points are counted and not judged.
+    """
+
+    stress: ArrayLike
+    slip: ArrayLike | None = None
+    multiplier: ArrayLike | None = None
+    tangent: ArrayLike | None = None
+    solved: ArrayLike | None = None
+
+
+# update(trial (N, d), pressure (N,) or None for a law without, stiffness (d, d), **parameters left open) -> stress or Step
+Update: TypeAlias = Callable[..., ArrayLike | Step]
+
+
+def pointwise(step: Callable[..., Any]) -> Update:
+    """A routine for one increment, ``step(trial (d,), pressure, stiffness (d, d), **parameters) -> stress (d,) or Step``, for many."""
+
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
+        loads = [None] * len(trial) if pressure is None else pressure.tolist()
+        found = [step(t.copy(), p, stiffness.copy(), **parameters) for t, p in zip(trial, loads, strict=True)]
+        each = [f if isinstance(f, Step) else Step(f) for f in found]
+
+        def together(name: str) -> Any:
+            parts = [getattr(f, name) for f in each]
+            return None if any(p is None for p in parts) else np.array(parts)
+
+        return Step(*(together(name) for name in Step.__dataclass_fields__))
+
+    return named_after(update, step, "pointwise")
+
+
+def from_displacements(step: Callable[..., ArrayLike]) -> Update:
+    """A routine ``step(u (N, d), u_in (N, d), pressure, stiffness, **parameters) -> u_in (N, d)`` at the end of the increment.
+
+    It is given a former slip that is not zero, u_in = the elastic displacement with its components reversed: a routine
+    that forgets what has slipped before is found out.
+    """
+
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
+        elastic = np.linalg.solve(stiffness, trial.T).T
+        before = elastic[:, ::-1].copy()
+        slip = np.asarray(step(elastic + before, before.copy(), pressure, stiffness, **parameters), dtype=np.float64) - before
+        return Step(trial - slip @ stiffness, slip)
+
+    return named_after(update, step, "from_displacements")
+
+
+def projection(law: Criterion | str | Path, method: str = "auto", *, tangent: bool = False) -> Update:
+    """duhem's own routine for ``law`` (:func:`duhem.project`); flagged points count as not solved.
+
+    InputError for a law with a flow of its own, which has no such routine.
+    """
+    check_associated(load(law))
+
+    def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: Any) -> Step:
+        found = Projector.of(law, stiffness, parameters, method)(trial, pressure, tangent)
+        solved: NDArray[np.bool_] = found.status <= Status.SLIP
+        return Step(found.stress, found.slip, found.multiplier, found.tangent, solved)
+
+    update.__qualname__ = f"projection.{method}"
+    if named := law_as_written(load(law), law):
+        again = f"update = projection({named}, {method!r}, tangent={tangent!r})"
+        names = "from duhem import load\n" if named.startswith("load(") else ""
+        if names or not named.startswith("Criterion("):
+            update.__duhem_import__ = f"{names}from duhem.testing import projection\n\n{again}"  # type: ignore[attr-defined]
+    return update
+
+
+def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Update:
+    """An adapted routine with the name of what it adapts, and the Python that makes it again."""
+    update.__name__, update.__wrapped__ = getattr(step, "__name__", "update"), step  # type: ignore[attr-defined]
+    if making := made_by(step):
+        update.__duhem_import__ = f"{making}\nfrom duhem.testing import {adapter}\n\nupdate = {adapter}(update)"  # type: ignore[attr-defined]
+    return update
+
+
+def called(update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> ArrayLike | Step:
+    """Call a routine on copies, so that what it does to its arguments stays its own affair."""
+    return update(trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy(), **values)
