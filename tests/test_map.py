@@ -40,7 +40,9 @@ def contract(container: str) -> list[list[str]]:
     return [sorted(room.strip(" ()") for room in row.split("|")) for row in layers]
 
 
-@pytest.mark.parametrize(("title", "container"), [("Rooms", "duhem"), ("Inside `proof`", "duhem.proof")])
+@pytest.mark.parametrize(
+    ("title", "container"), [("Rooms", "duhem"), *((f"Inside `{room}`", f"duhem.{room}") for room in ("proof", "testing"))]
+)
 def test_the_rows_are_those_of_the_contract(title: str, container: str) -> None:
     assert [sorted(row) for row in rows(ARCHITECTURE, title)] == contract(container)
 
