@@ -25,6 +25,7 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
 
 gc.disable()  # until all tests are collected
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # each of the many processes that tests start would compile duhem anew
 
 SLOW = 50  # quick tests take as long as a slow one
 
