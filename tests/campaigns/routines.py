@@ -41,7 +41,7 @@ _SEEDS, _INCREMENTS, _A_CASE = (0, 1, 2), 2000, 40
 
 def found(mutant: Mutant) -> Report:
     """What the suite says of a wrong routine, on fewer than 200 increments."""
-    options = {"max_examples": _CASES, "rows": _ROWS, "seconds": 0.05, "seed": 0, **mutant.options}
+    options = {"max_examples": _CASES, "rows": _ROWS, "seed": 0, **mutant.options}
     return conformance(mutant.law, mutant.routine(), mutant.values, **options)
 
 
@@ -65,7 +65,7 @@ def mutants(names: Sequence[str]) -> int:
         print(f"| {' | '.join(map(str, cells))} | {time.process_time() - start:.1f} |", flush=True)
     for kind, name, bug, root in compiled(names):
         start = time.process_time()
-        report = conformance(None, **EXAMPLES[name](bug), max_examples=3, rows=12, seconds=0.05, seed=1)
+        report = conformance(None, **EXAMPLES[name](bug), max_examples=3, rows=12, seed=1)
         cause = first_cause(report)
         verdict = "" if cause == root else " NOT FOUND" if cause == "-" else " ANOTHER"
         missed[verdict.strip()] += 1
@@ -95,7 +95,7 @@ def alarms(part: str, place: Path | None) -> int:
     chosen = asked[index - 1 :: of_]
     refused = 0
     for name, seed in itertools.product(EXAMPLES, _SEEDS) if index == 1 else ():
-        report = conformance(None, **EXAMPLES[name](), max_examples=10, rows=20, seconds=1.0, seed=seed)
+        report = conformance(None, **EXAMPLES[name](), max_examples=10, rows=20, seed=seed)
         refused += not report.ok
         print(f"{name} {seed}: {'accepted' if report.ok else 'REFUSED ' + first_cause(report)}", flush=True)
     for name, values, method, seed in chosen:
@@ -115,7 +115,7 @@ def _alarm(law: Criterion, method: str, seed: int) -> str:
     """What the suite says of duhem's own routine."""
     if (reason := without_reason(law, method)) is not None:
         return f"left out: {reason.partition(';')[0]}"
-    options = {"accuracy": of(ACCURACY, method), "rows": _A_CASE, "max_examples": _INCREMENTS // _A_CASE, "seed": seed, "seconds": 1.0}
+    options = {"accuracy": of(ACCURACY, method), "rows": _A_CASE, "max_examples": _INCREMENTS // _A_CASE, "seed": seed}
     report = conformance(law, projection(law, method), **options)  # type: ignore[arg-type]
     if not report.ok:
         return f"REFUSED {first_cause(report)}: {report.failures[0].reproducer()!r}"

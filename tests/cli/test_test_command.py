@@ -45,7 +45,7 @@ def plain(trial, pressure, stiffness, limit):
 
 number = 3
 """
-FEW = ["--examples", "2", "--seed", "7", "--shrink", "0.1", "--checks"]
+FEW = ["--examples", "2", "--seed", "7", "--shrink", "20", "--checks"]
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -123,7 +123,7 @@ def test_a_law_is_tested_by_every_method_that_takes_it(run: Command, monkeypatch
 
 
 def test_a_routine_may_be_tested_without_a_law(run: Command) -> None:
-    asked = ["test", "my_routines:plain", "--stiffness", "1 1", "--set", "limit=0.5", "--examples", "3", "--seed", "7", "--shrink", "0.1"]
+    asked = ["test", "my_routines:plain", "--stiffness", "1 1", "--set", "limit=0.5", "--examples", "3", "--seed", "7", "--shrink", "20"]
     code, out, err = run(*asked)
     assert (code, err) == (0, "") and "without a law" in out and "0 failed" in out and "slip 0." in out
 

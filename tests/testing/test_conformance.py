@@ -91,7 +91,7 @@ def test_a_routine_that_forgets_the_former_slip() -> None:
         return u_in + duhem.project("orthotropic", u @ stiffness, pressure, stiffness, ELLIPSE).slip
 
     asked = ["feasibility", "variational-inequality"]
-    assert conformance("orthotropic", from_displacements(update), ELLIPSE, checks=asked, max_examples=10, seconds=0.3).failed
+    assert conformance("orthotropic", from_displacements(update), ELLIPSE, checks=asked, max_examples=10, tries=20).failed
 
 
 def test_what_is_not_returned_is_left_out_with_the_reason() -> None:
@@ -137,7 +137,7 @@ UNANSWERED = {
 
 @pytest.mark.parametrize("update", UNANSWERED, ids=lambda f: f.__name__)
 def test_what_never_saw_an_answer_has_not_passed(update: Callable[..., object]) -> None:
-    report = conformance("orthotropic", update, ELLIPSE, pressure=-1.0, max_examples=2, seconds=0.1)
+    report = conformance("orthotropic", update, ELLIPSE, pressure=-1.0, max_examples=2, tries=20)
     demanded = checks_for("orthotropic")
     assert set(report.passed) == {c.name for c in demanded if c.law_only}
     assert report.failed == (set() if update is gives_up else {"answers"})
@@ -150,7 +150,7 @@ def test_what_never_saw_an_answer_has_not_passed(update: Callable[..., object]) 
 @pytest.mark.parametrize("update", [raises, wrong_shape, no_numbers])
 @pytest.mark.parametrize("name", ["feasibility", "path"])
 def test_a_check_asked_for_alone_fails_where_there_is_no_answer(update: Callable[..., object], name: str) -> None:
-    report = conformance("orthotropic", update, ELLIPSE, checks=[name], max_examples=2, seconds=0.1)
+    report = conformance("orthotropic", update, ELLIPSE, checks=[name], max_examples=2, tries=20)
     (failure,) = report.failures
     assert report.failed == {name} and report.passed == () and UNANSWERED[update] in failure.message
     assert violation(name, "orthotropic", update, failure.case, open_parameters=()) == failure.message
@@ -162,7 +162,7 @@ def test_an_answer_now_and_then_is_judged() -> None:
             raise ArithmeticError("too stiff")
         return ellipse(trial, pressure, stiffness)
 
-    report = conformance("orthotropic", update, ELLIPSE, max_examples=10, seconds=0.1)
+    report = conformance("orthotropic", update, ELLIPSE, max_examples=10, tries=20)
     assert report.failed == {"answers"} and "feasibility" in report.passed
 
 
@@ -172,7 +172,7 @@ def test_an_answer_now_and_then_is_judged() -> None:
 @pytest.mark.slow
 def test_a_failure_says_what_where_and_how_to_see_it_again() -> None:
     with pytest.raises(AssertionError) as caught:
-        assert_conforms("orthotropic", nothing, ELLIPSE, checks=["feasibility"], seconds=0.2)
+        assert_conforms("orthotropic", nothing, ELLIPSE, checks=["feasibility"], tries=20)
     text = str(caught.value)
     for part in ("feasibility", "g(sigma, sigma_n) <= 0", "Antoni et al. (2007)", "mu_a = 0.5", "trial [", "to see it again", "Case("):
         assert part in text
@@ -180,16 +180,16 @@ def test_a_failure_says_what_where_and_how_to_see_it_again() -> None:
 
 @pytest.mark.slow
 def test_a_failure_is_shrunk() -> None:
-    (failure,) = conformance("coulomb", nothing, DISK, checks=["feasibility"], max_examples=20, seconds=4.0).failures
+    (failure,) = conformance("coulomb", nothing, DISK, checks=["feasibility"], max_examples=20).failures
     case = failure.case
     assert len(case) == 1
     assert case.pressure.tolist() == [-1.0] and case.stiffness.tolist() == [[1.0, 0.0], [0.0, 1.0]]
-    assert np.hypot(*case.trial[0]) == pytest.approx(0.6)  # twice as far as the boundary
+    assert case.trial.tolist() == [[0.4, 0.4]]  # about twice as far as the boundary
 
 
 @pytest.mark.slow
 def test_the_reproducer_runs() -> None:
-    (failure,) = conformance("orthotropic", nothing, ELLIPSE, checks=["feasibility"], max_examples=20, seconds=0.3).failures
+    (failure,) = conformance("orthotropic", nothing, ELLIPSE, checks=["feasibility"], max_examples=20).failures
     code = failure.reproducer().replace(f"from {__name__} import nothing as update", "update = lambda trial, pressure, stiffness: trial")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr

@@ -26,7 +26,7 @@ HEAD = """\
 import numpy as np
 import pytest
 
-MARK = {"law": "coulomb", "parameters": {"mu": 0.5}, "pressure": -1.0, "stiffness": 1.0, "max_examples": 2, "rows": 5, "seconds": 0.2}
+MARK = {"law": "coulomb", "parameters": {"mu": 0.5}, "pressure": -1.0, "stiffness": 1.0, "max_examples": 2, "rows": 5, "tries": 20}
 
 def right(trial, pressure, stiffness):
     size = np.hypot(*trial.T)

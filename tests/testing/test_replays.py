@@ -62,7 +62,7 @@ ROUTINES = {
 
 
 def failing(update: Callable[..., object], **options: object) -> Report:
-    report = conformance("coulomb", update, stiffness=1.0, checks=["feasibility"], max_examples=5, seconds=0.2, **options)
+    report = conformance("coulomb", update, stiffness=1.0, checks=["feasibility"], max_examples=5, tries=20, **options)
     assert report.failed == {"feasibility"}
     return report
 
@@ -96,7 +96,7 @@ def test_a_law_made_in_python_is_written_out(tmp_path: Path) -> None:
     law = duhem.Criterion(
         name="my-disk", g="sqrt(a**2 + b**2) - r", forces=("a", "b"), pressure=None, parameters={"r": duhem.Domain(positive=True)}
     )
-    (failure,) = conformance(law, lambda trial, pressure, stiffness, r: trial, checks=["feasibility"], max_examples=5, seconds=0.2).failures
+    (failure,) = conformance(law, lambda trial, pressure, stiffness, r: trial, checks=["feasibility"], max_examples=5, tries=20).failures
     text = failure.replay()
     assert "LAW = Criterion('my-disk', 'sqrt(a**2 + b**2) - r', {'r': Domain(positive=True)}, ('a', 'b'), None)" in text
     found = {}
@@ -116,6 +116,6 @@ def test_a_law_of_a_file_is_read_from_it(tmp_path: Path) -> None:
     file.write_text(
         '[criterion]\nname = "mine"\ng = "norm(sigma_a, sigma_b) + mu*sigma_n"\n[parameters]\nmu = { positive = true }\n', "utf-8"
     )
-    (failure,) = conformance(file, nothing, DISK, checks=["feasibility"], max_examples=5, seconds=0.2).failures
+    (failure,) = conformance(file, nothing, DISK, checks=["feasibility"], max_examples=5, tries=20).failures
     assert f"LAW = {str(file)!r}" in failure.replay()
     assert "from tests.oracles.routines import nothing as update" in failure.replay()

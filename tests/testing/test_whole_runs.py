@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import count
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from duhem.testing.checks.registry import registered
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.causes import CAUSES, by_cause
-from tests.oracles.routines import ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
+from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
 # -- visited -----------------------------------------------------------------------------------------------------------
 
@@ -110,7 +111,7 @@ def rows_share() -> Callable[..., object]:
 @pytest.mark.parametrize("made", [remembers_slip, rows_share])
 def test_a_routine_with_a_memory_is_told_to_have_one(made: Callable[[], Callable[..., object]]) -> None:
     asked = ["repeatability", "idempotence", "firmness", "variational-inequality"]
-    report = conformance("orthotropic", made(), ELLIPSE, checks=asked, max_examples=2, rows=8, seconds=0.02, seed=1)
+    report = conformance("orthotropic", made(), ELLIPSE, checks=asked, max_examples=2, rows=8, tries=20, seed=1)
     assert report.failures[0].check.name == "repeatability" and {"repeatability"} < report.failed
     assert {*report.failures[0].explains} == report.failed - {"repeatability"}
 
@@ -122,11 +123,11 @@ def test_what_fails_once_and_not_again_is_a_memory() -> None:
         calls.append(len(trial))
         return trial if len(calls) < 3 else ellipse(trial, pressure, stiffness)
 
-    report = conformance("orthotropic", update, ELLIPSE, checks=["feasibility", "repeatability"], max_examples=3, seconds=0.1)
+    report = conformance("orthotropic", update, ELLIPSE, checks=["feasibility", "repeatability"], max_examples=3, tries=20)
     assert report.failed == {"repeatability"} and "not when asked again" in report.failures[0].message
     calls.clear()
     with pytest.raises(InputError, match="in different ways"):
-        conformance("orthotropic", update, ELLIPSE, checks=["feasibility"], max_examples=3, seconds=0.1)
+        conformance("orthotropic", update, ELLIPSE, checks=["feasibility"], max_examples=3, tries=20)
 
 
 # -- checks expected to fail -------------------------------------------------------------------------------------------
@@ -136,7 +137,7 @@ def test_a_check_expected_to_fail_has_to() -> None:
     def put(update: Callable[..., object]) -> Report:
         expected = {"feasibility": "no projection yet", "slip": "none is returned"}
         asked = ["feasibility", "slip", "vacuity"]
-        return conformance("orthotropic", update, ELLIPSE, checks=asked, max_examples=3, seconds=0.1, expected_failed_checks=expected)
+        return conformance("orthotropic", update, ELLIPSE, checks=asked, max_examples=3, tries=20, expected_failed_checks=expected)
 
     failing, passing = put(nothing), put(ellipse)
     assert failing.ok and failing.failures == () and failing.expected == {"feasibility": "no projection yet"}
@@ -145,6 +146,37 @@ def test_a_check_expected_to_fail_has_to() -> None:
     assert "feasibility passed, and was expected to fail" in str(passing)
     with pytest.raises(InputError, match="unknown check 'feasible'"):
         conformance("orthotropic", ellipse, ELLIPSE, expected_failed_checks={"feasible": "?"})
+
+
+# -- what is told ------------------------------------------------------------------------------------------------------
+
+
+def test_what_is_told_does_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    def told(**bound: float) -> tuple[str, int]:
+        calls = []
+
+        def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+            calls.append(len(trial))
+            return trial
+
+        report = conformance("coulomb", update, DISK, checks="feasibility", stiffness=1.0, max_examples=3, rows=10, **bound)
+        return str(report), len(calls)
+
+    quick = told()
+    monkeypatch.setattr("duhem.testing.run.monotonic", count(step=1e6).__next__)  # days between two looks
+    assert told() == quick
+    assert told(seconds=1.0)[1] < quick[1] and told(tries=0)[1] < quick[1]
+
+
+def test_a_call_that_raises_is_told_by_the_increment_that_makes_it() -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        if (pressure == 0.0).any():
+            raise ZeroDivisionError("no pressure")
+        return 0.0 * trial
+
+    asked = ["answers", "repeatability"]
+    report = conformance("coulomb", update, DISK, checks=asked, stiffness=1.0, max_examples=4, rows=20, tries=20)
+    assert report.failed == {"answers"} and report.failures[0].case.pressure == [0.0], str(report)
 
 
 # -- seeds -------------------------------------------------------------------------------------------------------------
@@ -205,6 +237,6 @@ def test_two_bugs_are_two_causes() -> None:
         step = extras(trial, pressure, stiffness)
         return Step(over_projection(trial, pressure, stiffness), step.slip)
 
-    report = conformance("orthotropic", update, ELLIPSE, checks=["complementarity", "slip"], max_examples=5, seconds=0.1)
+    report = conformance("orthotropic", update, ELLIPSE, checks=["complementarity", "slip"], max_examples=5, tries=20)
     assert [f.check.name for f in report.failures] == ["complementarity", "slip"]
     assert "0.9 times" in report.failures[0].diagnosis

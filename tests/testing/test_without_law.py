@@ -18,7 +18,7 @@ QUICK = [case for case in MUTANTS if case[:2] in {("friction", 1), ("mises", 1),
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "bug", "first"), mostly_long(MUTANTS, *QUICK))
 def test_each_bug_is_told_by_the_right_check_first(name: str, bug: int, first: str) -> None:
-    report = conformance(None, max_examples=3, rows=12, seconds=0.05, seed=1, **EXAMPLES[name](bug))
+    report = conformance(None, max_examples=3, rows=12, tries=20, seed=1, **EXAMPLES[name](bug))
     assert report.failures and report.failures[0].check.name == first, str(report)
     failure = report.failures[0]
     if not failure.check.whole and first != "repeatability":  # what shows only between calls need not show again alone
@@ -40,7 +40,7 @@ def test_what_only_associated_laws_satisfy_is_asked_for_by_name() -> None:
     by_name = [c for c in checks_for(None, associated=True) if not c.demanded]
     assert [c.name for c in by_name if not c.name.startswith("associated-")] == ["isotropic-plastic-work"]
     symmetry = [c for c in by_name if c.name == "associated-symmetry"]
-    assert conformance(None, max_examples=2, rows=10, seconds=0.05, checks=symmetry, **interface()).failed == {"associated-symmetry"}
+    assert conformance(None, max_examples=2, rows=10, tries=20, checks=symmetry, **interface()).failed == {"associated-symmetry"}
     assert conformance(None, max_examples=1, rows=20, checks=by_name, **friction()).ok
 
 
@@ -65,9 +65,9 @@ def kinematic(hardening: float, back: float = 1.0) -> Material:
 def test_kinematic_hardening_is_not_accused() -> None:
     report = conformance(None, kinematic(0.5), max_examples=3)
     assert report.ok and {"dissipation", "energy", "rest", "subdivision", "stored-energy"} <= set(report.passed), str(report)
-    work = conformance(None, kinematic(3.0), checks=["isotropic-plastic-work"], max_examples=5, seconds=0.05)
+    work = conformance(None, kinematic(3.0), checks=["isotropic-plastic-work"], max_examples=5, tries=20)
     assert work.failed == {"isotropic-plastic-work"}  # which is why it is asked for by name
-    assert not conformance(None, kinematic(0.5, back=0.5), max_examples=3, seconds=0.05).ok
+    assert not conformance(None, kinematic(0.5, back=0.5), max_examples=3, tries=20).ok
 
 
 def creeping(trial: Array, pressure: Array, stiffness: Array) -> Step:
@@ -77,7 +77,7 @@ def creeping(trial: Array, pressure: Array, stiffness: Array) -> Step:
 
 
 def test_a_stress_that_creeps_without_an_increment_is_told() -> None:
-    report = conformance(None, creeping, stiffness=[1.0, 1.0], pressure=-1.0, max_examples=1, seconds=0.05)
+    report = conformance(None, creeping, stiffness=[1.0, 1.0], pressure=-1.0, max_examples=1, tries=20)
     assert "rest" in report.failed, str(report)
 
 
@@ -93,7 +93,7 @@ def alternating(low: float) -> Material:
 
 
 def test_steps_that_do_not_converge_are_told_by_dividing_them() -> None:
-    report = conformance(None, alternating(0.2), checks="subdivision", max_examples=5, seconds=0.05)
+    report = conformance(None, alternating(0.2), checks="subdivision", max_examples=5, tries=20)
     assert report.failed == {"subdivision"}, str(report)
     assert conformance(None, alternating(1.0), checks="subdivision", max_examples=2).ok
 

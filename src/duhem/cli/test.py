@@ -62,7 +62,14 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
 @click.option(
     "--expect", metavar="CHECK=REASON", multiple=True, help="A check known to fail, and why; that it passes is an error. Repeatable."
 )
-@click.option("--shrink", metavar="SECONDS", default="10", show_default=True, help="How long each failing case is made smaller, at most.")
+@click.option(
+    "--shrink",
+    type=click.IntRange(0),
+    metavar="N",
+    default=200,
+    show_default=True,
+    help="Tries to make each failing case smaller, at most.",
+)
 @click.option("--replay", metavar="FOLDER", help="Also write each failure to FOLDER as a test file.")
 @click.option(
     "--format",
@@ -84,7 +91,7 @@ def test(
     accuracy: str | None,
     checks: str | None,
     expect: Sequence[str],
-    shrink: str,
+    shrink: int,
     replay: str | None,
     form: str,
 ) -> int:
@@ -113,7 +120,6 @@ def test(
     about = _About(subject, asked, examples or _EXAMPLES[profile], drawn)
     expected = _expected(expect)
     named = None if checks is None else tuple(dict.fromkeys(name.strip() for name in checks.split(",") if name.strip()))
-    seconds = read_number(shrink, "--shrink")
     held_to = None if accuracy is None else read_number(accuracy, "--accuracy")
     if held_to is not None and held_to <= 0.0:
         raise InputError("the accuracy is not positive", where="--accuracy", remedy="give a relative error, for example 1e-9")
@@ -124,7 +130,7 @@ def test(
     free = law is None and about.is_routine()
     checks_of = about.checks(free, named, expected)
     routines = about.without_law(settings, held_to) if free else about.routines(law, settings, held_to)
-    options = {"max_examples": about.examples, "rows": 30, "seconds": seconds, "seed": about.seed, "expected": expected, **fixed}
+    options = {"max_examples": about.examples, "rows": 30, "tries": shrink, "seed": about.seed, "expected": expected, **fixed}
     interrupted = about.carry_out(routines, checks_of, options)
     say(about.told(form))
     if replay is not None:

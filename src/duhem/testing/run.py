@@ -33,11 +33,12 @@ from duhem.testing.failures.report import Failure, Report
 from duhem.testing.routines.origin import origin
 from duhem.testing.routines.routine import Update
 
-__all__ = ["ConformanceRun", "judged"]
+__all__ = ["TRIES", "ConformanceRun", "judged"]
 
 _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _MEMORY = "repeatability"
+TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
 
@@ -62,21 +63,23 @@ def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
 
 
 class _Enough(BaseException):
-    """Shrinking has had its time.  No Exception, which Hypothesis would take for one more failure."""
+    """Shrinking has had its tries.  No Exception, which Hypothesis would take for one more failure."""
 
 
 class _Search:
-    """One search for a case on which one of ``checks`` fails; ``seconds`` bound its shrinking."""
+    """One search for a case on which one of ``checks`` fails; so many tries are ``left`` to make it smaller."""
 
-    def __init__(self, run: ConformanceRun, checks: Sequence[Check], seconds: float, drawn: Callable[[Query], None] | None = None) -> None:
-        self.run, self.checks, self.seconds, self.drawn = run, checks, seconds, drawn
+    def __init__(self, run: ConformanceRun, checks: Sequence[Check], drawn: Callable[[Query], None] | None = None) -> None:
+        self.run, self.checks, self.drawn, self.left = run, checks, drawn, run.tries
         self.least: Case | None = None
         self.until = float("inf")
 
     def fails(self, case: Case) -> bool:
         """Whether a check that is looked for fails on the case; from the first that does on, only that one counts."""
-        if monotonic() > self.until:
-            raise _Enough
+        if self.least is not None:
+            if self.left == 0 or monotonic() > self.until:
+                raise _Enough
+            self.left -= 1
         query = self.run.query(case)
         found = next(self.run.failures(query, self.checks), None)
         if self.drawn is not None:
@@ -84,7 +87,8 @@ class _Search:
         if found is None:
             return False
         if self.least is None:
-            self.checks, self.until = (found.check,), monotonic() + self.seconds
+            self.checks = (found.check,)
+            self.until = float("inf") if self.run.seconds is None else monotonic() + self.run.seconds
         self.least = found.case
         return True
 
@@ -110,13 +114,15 @@ class ConformanceRun:
         accuracy: float,
         max_examples: int | None,
         rows: int,
-        seconds: float,
+        tries: int = TRIES,
+        seconds: float | None = None,
         seed: int | None = None,
         expected: Mapping[str, str] | None = None,
         on_case: Callable[[ConformanceRun], None] | None = None,
         given: Any = None,
     ) -> None:
-        self.law, self.update, self.accuracy, self.seconds, self.on_case = law, update, accuracy, seconds, on_case
+        self.law, self.update, self.accuracy, self.on_case = law, update, accuracy, on_case
+        self.tries, self.seconds = tries, seconds
         self.given = law if given is None else given
         self.parameters, self.stiffness, self.pressure, self.rows = parameters, stiffness, pressure, rows
         self.passed = self._open()
@@ -169,7 +175,7 @@ class ConformanceRun:
         drawn = self._cases(self.parameters, self.stiffness, self.rows)
         while self.pending:
             self.visited, self.examples = self._nothing_visited(), 0
-            search = _Search(self, self.pending, self.seconds, self._drawn)
+            search = _Search(self, self.pending, self._drawn)
             first = search.among(drawn, settings(self.profile, phases=(Phase.generate,)))
             if first is None:
                 self._look_at_the_whole()
@@ -193,9 +199,9 @@ class ConformanceRun:
             self._note_all(self._unrepeatable(first, checks[0]))
             return
         least = first
-        shrinking = settings(self.profile, max_examples=_SINGLE)
+        shrinking = settings(self.profile, max_examples=_SINGLE, phases=(Phase.generate, Phase.shrink))
         for fixed, k in ((self.parameters, self.stiffness), (first.parameters, first.stiffness)):  # the second is closer to what failed
-            if (met := _Search(self, checks, self.seconds).among(self._cases(fixed, k), shrinking)) is not None:
+            if (met := _Search(self, checks).among(self._cases(fixed, k), shrinking)) is not None:
                 least = met
                 break
         again = list(self.failures(self.query(least), self.pending))
@@ -245,7 +251,7 @@ class ConformanceRun:
                     if self.silence_told and asked.name != "answers":
                         self.left_out[asked.name] = f"not run: {fault}"
                         continue
-                    found = 0, str(fault), float("nan"), 0.0
+                    found = self._silent(asked, query.case), str(fault), float("nan"), 0.0
                 self.judged.add(asked.name)
                 if found is not None:
                     row, message, measured, allowed = found
@@ -253,6 +259,11 @@ class ConformanceRun:
         finally:
             self.points += query.points
             self.flagged += query.flagged
+
+    def _silent(self, asked: Check, case: Case) -> int:
+        """The first row to which the routine gives no answer by itself; 0 where it is silent about several at once only."""
+        rows = range(len(case)) if len(case) > 1 else ()
+        return next((i for i in rows if any(self.failures(self.query(case.row(i)), [asked]))), 0)
 
     def query(self, case: Case) -> Query:
         """The routine asked about one case."""

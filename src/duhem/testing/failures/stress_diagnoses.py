@@ -54,6 +54,16 @@ def metric_of_the_inverse(p: Probe) -> Iterator[tuple[str, Array]]:
 
 
 @suggests("stress")
+def metric_of_exchanged_entries(p: Probe) -> Iterator[tuple[str, Array]]:
+    forces = p.query.region.law.forces
+    for i, j in combinations(range(len(p.stiffness)), 2):
+        order = np.arange(len(p.stiffness))
+        order[[i, j]] = order[[j, i]]
+        said = f"the closest point is taken with the entries of the stiffness for {forces[i]} and {forces[j]} exchanged"
+        yield said, p.projected(stiffness=p.stiffness[np.ix_(order, order)])
+
+
+@suggests("stress")
 def exchanged_parameters(p: Probe) -> Iterator[tuple[str, Array]]:
     values = p.query.region.parameters
     for a, b in combinations(values, 2):
