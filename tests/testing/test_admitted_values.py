@@ -57,6 +57,8 @@ def test_a_dead_end_is_left_by_what_is_known() -> None:
     blind = Admitted(chain, ("c", "a", "b"), {"c": 3.0, "a": 1.0, "b": 2.0})
     assert blind.table("b", {"c": 1.0, "a": 2.0}) == []
     assert all(blind.holds(each) for each in values(blind, 4))
+    changed = blind.values(lambda n: 0)  # 1 for the first two
+    assert blind.holds(changed) and changed["c"] != 3.0
     with pytest.raises(InputError, match="no parameters that x admits"):
         Admitted(chain, ("c", "a", "b")).values(lambda n: 0)
 

@@ -23,7 +23,7 @@ def test_a_seam_is_met_to_the_last_digit_from_either_side() -> None:
     assert (small < 1e-15).all()
     pieces = np.asarray(region.slope(found * region.reach(found, -np.ones(4))[:, None], -np.ones(4))[1])
     start = np.asarray(region.slope(0.01 * FIRST, -np.ones(4))[1])
-    assert (pieces == start).all(axis=1).tolist()[::2] == [True, True]
+    assert (pieces == start).all(axis=1).tolist() == [True, False, True, False]
 
 
 def test_a_direction_stays_where_no_piece_ends() -> None:
@@ -33,6 +33,9 @@ def test_a_direction_stays_where_no_piece_ends() -> None:
 
 
 def test_corners_and_apexes() -> None:
+    disk = Region(duhem.load("coulomb"), {"mu": 0.3})
+    few = np.array([[1.0, 1e-4], [-0.2, 1.0], [0.0, 1.0]])
+    assert turned(disk, few, few, ["corner", "equal", "equal"], -np.ones(3)).tolist() == [[1.0, 0.0], [-1.0, -1.0], [0.0, 1.0]]
     plane = turned(Region(duhem.load("box"), {"mu_a": 1.0, "mu_b": 1.0}), FIRST, LAST, ["corner", "equal", "mean", "as drawn"], -np.ones(4))
     assert plane.tolist() == [[1.0, 1.0], [1.0, 1.0], [0.2, 1.0], [-0.5, 1.0]]
     stress = duhem.load("drucker-prager")

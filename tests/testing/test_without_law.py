@@ -12,7 +12,7 @@ from tests.oracles.routines import Array
 from tests.testing.examples import BUGS, EXAMPLES, friction, interface
 
 MUTANTS = [(name, bug, first) for name, found in BUGS.items() for bug, first in enumerate(found, start=1)]
-QUICK = [case for case in MUTANTS if case[:2] in {("friction", 1), ("mises", 1), ("mises", 4), ("interface", 5)}]
+QUICK = [case for case in MUTANTS if case[:2] in {("friction", 1), ("mises", 4), ("interface", 5)}]
 
 
 @pytest.mark.slow
@@ -93,7 +93,7 @@ def alternating(low: float) -> Material:
 
 
 def test_steps_that_do_not_converge_are_told_by_dividing_them() -> None:
-    report = conformance(None, alternating(0.2), checks="subdivision", max_examples=5, tries=20)
+    report = conformance(None, alternating(0.2), checks="subdivision", max_examples=2, rows=10, tries=0)
     assert report.failed == {"subdivision"}, str(report)
     assert conformance(None, alternating(1.0), checks="subdivision", max_examples=2).ok
 
@@ -115,7 +115,7 @@ def test_duhems_own_routines_pass_what_needs_no_law(law: str, values: dict[str, 
     k = decades(-2, 2).map(lambda size: size * np.array([[2.0, 0.5], [0.5, 1.0]]))
     asked = checks_for(None, associated=True)
     report: Report = conformance(
-        None, projection(law, tangent=True), numbers, stiffness=k, pressure=decades(-3, 3).map(lambda p: -p), checks=asked, max_examples=2
+        None, projection(law, tangent=True), numbers, stiffness=k, pressure=decades(-3, 3).map(lambda p: -p), checks=asked, max_examples=1
     )
     assert report.ok, str(report)
 
