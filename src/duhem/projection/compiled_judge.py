@@ -92,13 +92,14 @@ def _loop(level: Level, forces: tuple[sp.Symbol, ...]) -> _Loop | None:
     try:
         jets = scalar_jets(formula.expr, forces, others)
         bounds = scalar_bounds(formula.expr, forces, others, len(others) + len(jets.constants))
+        first = len(others) + len(jets.constants) + len(bounds.constants)
+        start = scalar_bounds(formula.unstressed(forces), (), others, first, "unstressed")
         data = _data(formula)
     except InputError:  # a word without text
         return None
     sources = (below, grown, length, eliminated, corner_kernel, known_points_kernel, judge_kernel)
-    text = module_text(formula, len(forces), jets.kinks, (jets.level, jets.gradient, bounds.text, data[0]), sources)
-    none = (0.0,) * len(jets.constants)
-    own = jets.constants + bounds.constants, none + bounds.off
+    text = module_text(formula, len(forces), jets.kinks, (jets.level, jets.gradient, bounds.text, start.text, data[0]), sources)
+    own = jets.constants + bounds.constants + start.constants, (0.0,) * len(jets.constants) + bounds.off + start.off
     return _Loop(compiled_text(text, "judge", judge_kernel.INLINED), (*data[1:], *own))
 
 

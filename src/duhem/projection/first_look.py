@@ -102,6 +102,8 @@ class FirstLook:
         multiplier, (missed, plain) = self.level.multiplier(of.multiplier, of.size), self._missed(of)
         squares = room2, far2 = _squared(point), _squared(moved)
         room, far, height = np.sqrt(room2), np.sqrt(far2), dot(slopes.T, of.there.s.T)
+        if self.level.jets.kinks:  # a piece that is as high may be flatter
+            height = np.minimum(height, of.there.rise())
         unit, value = of.size / (room * np.sqrt(_squared(normal))), np.abs(of.value)  # of h, as a share of the stress
         depth, sunk, ratio = value * unit, of.hidden / height, far / room
         gap = np.sqrt(_squared(columns_times(missed, metric.of_stress)))

@@ -23,6 +23,7 @@ from duhem.projection.newton_step import below, grown
 __all__ = ["INLINED", "SLIP", "STICK", "UNJUDGED", "judge"]
 
 D = 0  # how many forces the law has
+KINKS = 0  # how many kinks
 
 
 def known(p: float, q: Any, b: Any) -> Any:
@@ -40,13 +41,18 @@ def bounded(v: Any, x: int, q: Any, b: Any) -> tuple[float, float]:
     raise NotImplementedError
 
 
+def unstressed(v: Any, x: int, q: Any, b: Any) -> tuple[float, float]:
+    """The same of no stress."""
+    raise NotImplementedError
+
+
 def gradient(v: Any, x: int, q: Any, slopes: int) -> None:
     """dh/ds there into the row ``slopes``."""
     raise NotImplementedError
 
 
 INLINED = ("below", "bounded", "gradient", "hypot", "known", "levels", "lengths", "looked", "seen_in_metric", "shares", "sized", "sorted_",
-           "taken", "tried")  # fmt: skip
+           "taken", "tried", "unstressed")  # fmt: skip
 """Functions that every point goes through, so that the compiler knows the rows they work on apart."""
 
 # -- compiled from here ----------------------------------------------------------------------------------------
@@ -55,13 +61,14 @@ STICK, SLIP, UNJUDGED = 0, 1, -1
 ROUNDING, NOISE, HIDDEN_SHARE, SUSPECT, SHORT, ACCURACY = 4e-15, 0.5e-13, 0.5e-9, 0.5e-9, 20.0, 0.5e-7
 ENDS = 2.0**-1017, 2.0**1020
 CHUNK = 128  # points: so few that their rows stay in the nearest cache
-# Rows of seen: of every point its unit, level and what rounding hides of it; of the slips the same, then pressure and multiplier,
-# the length of the gradient, the unit of lengths and the lengths over it, what is off in them, residuals, whether a known point
-# may be beyond, and what to think of it; by components trial, stress and slip, then aim, stress, k slip and lambda k n in the metric.
+# Rows of seen: of every point its unit, level, what rounding hides of it and how far it is up from no stress; of the slips the same,
+# then pressure and multiplier, the length of the gradient, the unit of lengths and the lengths over it, what is off in them, residuals,
+# whether a known point may be beyond, and what to think of it; by components trial, stress and slip, then aim, stress, k slip and
+# lambda k n in the metric.
 EVERY = 0
-UNIT, LEVEL, HIDDEN, PRESSURE, GIVEN, STEEP, SIZE, AIM, ROOM, DISTANCE, GAP, TURNED, SHALLOW = 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15
-OFF, BALANCE, FEASIBLE, COMPLETE, OVER, WORK, FAR, STATE, TRIAL = 16, 17, 18, 19, 20, 21, 22, 23, 24
-STRESS, SLIPPED, AIMS, POINTS, MOVES, PULLS, ROWS = D + 24, 2 * D + 24, 3 * D + 24, 4 * D + 24, 5 * D + 24, 6 * D + 24, 7 * D + 24
+UNIT, LEVEL, HIDDEN, RISE, PRESSURE, GIVEN, STEEP, SIZE, AIM, ROOM, DISTANCE, GAP, TURNED = 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16
+SHALLOW, OFF, BALANCE, FEASIBLE, COMPLETE, OVER, WORK, FAR, STATE, TRIAL = 17, 18, 19, 20, 21, 22, 23, 24, 25, 26
+STRESS, SLIPPED, AIMS, POINTS, MOVES, PULLS, ROWS = D + 26, 2 * D + 26, 3 * D + 26, 4 * D + 26, 5 * D + 26, 6 * D + 26, 7 * D + 26
 LEFT, PLAIN, BENT = 0.0, 1.0, 2.0
 S, POINT, MOVED, ROOMS = 0, 3, 4, 10  # rows of v, for one slip
 
@@ -139,7 +146,9 @@ def levels(pressure: Any, pressed: Any, pressed_off: Any, constants: Any, consta
     for x in range(pressure.shape[0]):
         unit = seen[EVERY, x]
         data, offs = known(pressure[x], pressed, pressed_off)
-        seen[EVERY + 1, x], seen[EVERY + 2, x] = bounded(at, x, sized(data, unit) + constants, sized(offs, unit) + constants_off)
+        q, b = sized(data, unit) + constants, sized(offs, unit) + constants_off
+        seen[EVERY + 1, x], seen[EVERY + 2, x] = bounded(at, x, q, b)
+        seen[EVERY + 3, x] = -unstressed(at, x, q, b)[0]
 
 
 def sorted_(trial: Any, stress: Any, slip: Any, multiplier: Any, seen: Any, dissipation: Any, status: Any, which: Any) -> int:
@@ -167,7 +176,7 @@ def taken(count: int, which: Any, trial: Any, pressure: Any, stress: Any, slip: 
             at[CHUNK + j, i] = at[x, i]
             seen[TRIAL + i, j], seen[STRESS + i, j], seen[SLIPPED + i, j] = trial[x, i], stress[x, i], slip[x, i]
         seen[UNIT, j], seen[LEVEL, j], seen[HIDDEN, j] = seen[EVERY, x], seen[EVERY + 1, x], seen[EVERY + 2, x]
-        seen[PRESSURE, j], seen[GIVEN, j] = pressure[x], multiplier[x]
+        seen[RISE, j], seen[PRESSURE, j], seen[GIVEN, j] = seen[EVERY + 3, x], pressure[x], multiplier[x]
 
 
 def seen_in_metric(
@@ -242,6 +251,7 @@ def shares(count: int, blur: float, good: float, certain: float, of_slip: Any, a
             part = at[2 * CHUNK + j, i] * at[CHUNK + j, i]
             inner += abs(part)
             height += part
+        height = height if (KINKS == 0) | (height <= seen[RISE, j]) else seen[RISE, j]  # a piece that is as high may be flatter
         shallow = (abs(value) + seen[HIDDEN, j]) / height * room + seen[GAP, j] + blur * whole
         off = turned / (whole if 2.0 * turned <= ROUNDING * sqrt(rounding) else room)
         long = distance > SHORT * room

@@ -32,6 +32,7 @@ class Level:
     value: Program
     bounds: BoundedProgram
     jets: JetProgram
+    unstressed: Program
 
     def __call__(self, *values: Array) -> Array:
         """h over arrays of the forces and the pressure, like a program of the formula, each point in units of its own."""
@@ -44,6 +45,10 @@ class Level:
     def limit(self, stress: Array, pressure: Array, size: Array) -> Array:
         """h at stresses (N, d), or its limit where it is 0/0; R = ``size`` (N,)."""
         return self.value(*(stress / size[:, None]).T, *self.scaled.values(pressure, size).values())
+
+    def rise(self, pressure: Array, size: Array) -> Array:
+        """-h at no stress, one or (N,), R = ``size`` (N,): of a convex h no piece that holds at a stress rises less on the way there."""
+        return -self.unstressed(*self.scaled.values(pressure, size).values())
 
     def bounded(self, stress: Array, pressure: Array, size: Array) -> tuple[Array, Array]:
         """h at stresses (N, d) and a bound of its rounding; R = ``size`` (N,), powers of two."""
@@ -100,6 +105,10 @@ class Placed:
         """h (N,) and a bound of its rounding."""
         return self.level.bounds([*self.s, *(v for v, _ in self.data)], [*[0.0] * len(self.s), *(b for _, b in self.data)])
 
+    def rise(self) -> Array:
+        """As of the level."""
+        return -self.level.unstressed(*(v for v, _ in self.data))
+
     def slopes(self) -> Array:
         """dh/ds (d, N)."""
         found = self.level.jets(self.s.T, [v for v, _ in self.data], None, second=False)[0].gradient
@@ -112,4 +121,6 @@ def level(g: sp.Expr, forces: tuple[sp.Symbol, ...], pressure: sp.Symbol | None)
     """``g`` over ``forces`` and ``pressure``, with numbers for parameters."""
     found = scaled(g, forces, pressure)
     names = (*forces, *found.data)
-    return Level(found, len(forces), program(found.expr, names), bounded(found.expr, names), formula(found.expr, forces, tuple(found.data)))
+    jets = formula(found.expr, forces, tuple(found.data))
+    unstressed = program(found.unstressed(forces), tuple(found.data))
+    return Level(found, len(forces), program(found.expr, names), bounded(found.expr, names), jets, unstressed)

@@ -198,13 +198,16 @@ class Judge:
         """How many times as far as the boundary the closest point goes (M,), as from no stress where that tells enough.
 
         ``reach`` is the length of the stress times that of the slope, ``missing`` a share of the stress or of the slip, the shorter.
+        Where g has kinks a flatter piece may be missed by as much as the one that holds, and no curvature tells how far it is.
         """
-        height = dot(slope, stress / units[:, None]) * units
+        height, bent = dot(slope, stress / units[:, None]) * units, bool(self.level.jets.kinks) and self.known.around_origin
+        if bent:
+            height = np.minimum(height, self.level.rise(pressure, units) * units)
         alike = np.where(height > 0.0, reach / height, np.inf) if self.known.around_origin else np.full(len(reach), np.inf)
         alike = np.where(reach > 0.0, alike, 1.0)
         if (few := np.flatnonzero(~(missing * alike <= self.metric.certain))).size:
             found = shifts(self.level, self.metric, stress[few], pressure[few], units[few], multiplier[few])
-            alike[few] = np.where(np.isnan(found), alike[few], found)
+            alike[few] = np.fmax(alike[few], found) if bent else np.where(np.isnan(found), alike[few], found)
         return np.clip(np.where(np.isnan(alike), _ENDLESS, alike), 1.0, _ENDLESS)
 
     def _unbalanced(self, trial: Array, stress: Array, slip: Array) -> Array:

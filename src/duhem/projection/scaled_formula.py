@@ -45,6 +45,13 @@ class ScaledFormula:
     data: Mapping[sp.Symbol, Datum]
     pressure: sp.Symbol | None
 
+    def unstressed(self, forces: Iterable[sp.Symbol]) -> sp.Expr:
+        """h where no force acts, over the data; nan where it is not defined."""
+        try:
+            return self.expr.xreplace(dict.fromkeys(forces, sp.S.Zero))
+        except ValueError:  # of a word that compares what is infinite
+            return sp.nan
+
     def values(self, pressure: Array, scale: Array) -> dict[sp.Symbol, Array]:
         """The data at each point, in units of ``scale`` = R > 0 (N,); ``pressure`` sigma_n (N,) in Pa.  Overflow shows as inf."""
         given, found = self._known(pressure), {}
