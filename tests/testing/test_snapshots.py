@@ -86,6 +86,16 @@ CHANGES: dict[str, tuple[Callable[[Entry], Any], str]] = {
 }
 
 
+def test_forces_that_stand_in_no_order_of_the_alphabet_are_compared_by_name(tmp_path: Path) -> None:
+    law = duhem.Criterion(name="turned", g="norm(z/2, a) - 1", forces=("z", "a"), pressure=None)
+    file, taken = str(tmp_path / "kept.json"), snapshot(law, duhem.project, claims="origin")
+    SnapshotFile({"turned": taken}).write(file)
+    read = SnapshotFile.read(file).entry("turned", file)
+    assert differences(read, snapshot(law, duhem.project, claims="origin", increments=read["increments"])) == ()
+    read["increments"][1]["stress"] = dict(zip("za", [read["increments"][1]["stress"][f] for f in "az"], strict=True))
+    assert [line[:11] for line in differences(read, taken)] == ["increment 2"]
+
+
 def test_what_was_not_solved_may_move(kept: Entry) -> None:
     before = deepcopy(kept)
     before["increments"][1]["status"] = "inaccurate"

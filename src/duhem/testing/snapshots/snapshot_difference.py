@@ -93,9 +93,10 @@ def _increment(old: Mapping[str, Any], new: Mapping[str, Any], tolerance: float)
         yield f"status {old['status']} → {new['status']}"
     if old["status"] in _NO_ANSWER:
         return
-    least = {"stress": _size(old["trial"].values()), "slip": _size(old["trial"][f] / old["stiffness"][f] for f in old["trial"])}
+    forces = new["trial"]  # in the order of the law; a file has that of the alphabet
+    least = {"stress": _size(old["trial"].values()), "slip": _size(old["trial"][f] / old["stiffness"][f] for f in forces)}
     for part, trial in least.items():
-        before, after = ([float(x) for x in each[part].values()] for each in (old, new))
+        before, after = ([float(each[part][f]) for f in forces] for each in (old, new))
         moved = _size(b - a for a, b in zip(before, after, strict=True))
         size = _size(before) or trial
         if not moved <= tolerance * size and not _alike(before, after):
