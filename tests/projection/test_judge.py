@@ -285,6 +285,17 @@ def test_where_k_is_one_point_every_slip_goes(
     assert (done.multiplier > 0).all() and np.isfinite(done.multiplier).all()
 
 
+@pytest.mark.parametrize("ratio", [1.0, 7.0, 30.0])
+@pytest.mark.parametrize("coupling", [0.5, -0.9])
+def test_where_a_box_is_one_point_every_slip_goes_though_its_long_sides_are_seen_seldom(ratio: float, coupling: float) -> None:
+    k = np.array([[0.15, coupling * np.sqrt(0.15)], [coupling * np.sqrt(0.15), 1.0]])
+    angle = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False) + 0.1
+    trial = np.column_stack([np.cos(angle), np.sin(angle)])
+    done = duhem.project("box", trial, 0.0, k, {"mu_a": 51.0 * ratio, "mu_b": 51.0}, method="newton")
+    assert (done.status == Status.SLIP).all() and not done.stress.any()
+    assert done.slip == pytest.approx(np.linalg.solve(k, trial.T).T, rel=1e-13)
+
+
 @pytest.mark.slow
 def test_multipliers_where_k_is_one_point() -> None:
     """At the tip of a cone the dissipation potential at unit pressure; where g has no slope, the length of the slip."""

@@ -71,7 +71,7 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
         found = np.maximum(_off_normals(level, metric, suspect.of(left), share * way), near)
         best[left] = np.fmin(best[left], found)
         left = left[~(best[left] <= 10.0 * near)]
-    for share in _APEX if best.size and suspect.slip.shape[1] > 2 else ():
+    for share in _APEX if best.size and suspect.slip.shape[1] > 1 else ():
         near = share * suspect.grain[left]
         best[left] = np.fmin(best[left], np.maximum(_off_tangents(level, metric, suspect.of(left), share), near))
         left = left[~(best[left] <= 10.0 * near)]
