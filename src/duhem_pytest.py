@@ -93,7 +93,8 @@ def duhem_check(request: pytest.FixtureRequest) -> Callable[..., Report]:
 def duhem_snapshot(request: pytest.FixtureRequest) -> Callable[..., Entry]:
     """``duhem_snapshot(law, parameters=None, claims=None)`` fails where a law is not as it was kept; see ``duhem snapshot``.
 
-    What is kept stands beside the test, in ``snapshots/<module>/<test>.json``; ``--duhem-update`` writes it.
+    What is kept stands beside the test, in ``snapshots/<module>/<class>.<test>.json``, by the law and the values given;
+    ``--duhem-update`` writes it.
     """
     from duhem.testing.in_pytest.snapshot_fixture import compared
     from duhem.vouched.increments import project

@@ -299,14 +299,54 @@ def test_a_snapshot_is_kept_beside_the_test_and_compared(pytester: pytest.Pytest
     pytester.makepyfile(test_it='def test_law(duhem_snapshot):\n    duhem_snapshot("coulomb", {"mu": 0.5}, claims=["origin"])\n')
     done = tried(pytester)
     done.assert_outcomes(failed=1)
-    done.stdout.fnmatch_lines(["coulomb: snapshots/test_it/test_law.json: there is no such file; * keep it with --duhem-update"])
+    done.stdout.fnmatch_lines(["coulomb, mu = 0.5: snapshots/test_it/test_law.json: there is no such file; * keep it with --duhem-update"])
     tried(pytester, "--duhem-update").assert_outcomes(passed=1)
     tried(pytester).assert_outcomes(passed=1)
     file = pytester.path / "snapshots" / "test_it" / "test_law.json"
     file.write_text(file.read_text("utf-8").replace('"proved"', '"refuted"'), "utf-8")
     done = tried(pytester)
     done.assert_outcomes(failed=1)
-    done.stdout.fnmatch_lines(["coulomb is not as snapshots/test_it/test_law.json has it; *", "  origin: refuted → proved"])
+    done.stdout.fnmatch_lines(["coulomb, mu = 0.5 is not as snapshots/test_it/test_law.json has it; *", "  origin: refuted → proved"])
+
+
+SHARED = """
+class TestX:
+    def test_law(self, duhem_snapshot):
+        duhem_snapshot("coulomb", {"mu": 0.5}, claims=["origin"])
+        duhem_snapshot("coulomb", {"mu": 0.25}, claims=["origin"])
+
+class TestY:
+    def test_law(self, duhem_snapshot):
+        duhem_snapshot("coulomb", {"mu": 0.75}, claims=["origin"])
+
+def test_law(duhem_snapshot):
+    duhem_snapshot("coulomb", {"mu": 1}, claims=["origin"])
+"""
+
+
+def test_snapshots_of_one_name_and_of_one_law_stay_apart(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(test_it=SHARED)
+    tried(pytester, "--duhem-update").assert_outcomes(passed=3)
+    tried(pytester).assert_outcomes(passed=3)
+    folder = pytester.path / "snapshots" / "test_it"
+    kept = {file.stem: {*json.loads(file.read_text("utf-8"))["laws"]} for file in folder.iterdir()}
+    values = {"TestX.test_law": (0.5, 0.25), "TestY.test_law": (0.75,), "test_law": (1.0,)}
+    assert kept == {name: {f"coulomb, mu = {mu}" for mu in each} for name, each in values.items()}
+
+
+def test_a_snapshot_of_an_earlier_layout_is_read(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_it="class TestX:\n    def test_law(self, duhem_snapshot):\n        duhem_snapshot('coulomb', {'mu': 0.5}, ['origin'])\n"
+    )
+    tried(pytester, "--duhem-update").assert_outcomes(passed=1)
+    folder = pytester.path / "snapshots" / "test_it"
+    file = (folder / "TestX.test_law.json").rename(folder / "test_law.json")
+    file.write_text(file.read_text("utf-8").replace("coulomb, mu = 0.5", "coulomb"), "utf-8")
+    tried(pytester).assert_outcomes(passed=1)
+    file.write_text(file.read_text("utf-8").replace('"proved"', '"refuted"'), "utf-8")
+    tried(pytester).assert_outcomes(failed=1)
+    file.rename(folder / "other.json")
+    tried(pytester).assert_outcomes(failed=1)
 
 
 # -- what it costs, and how it is shipped ------------------------------------------------------------------------------

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable, Mapping
+from hashlib import sha256
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -19,40 +21,70 @@ from duhem.testing.snapshots.snapshot_file import SnapshotFile
 
 __all__ = ["compared"]
 
+_LONGEST = 100
+
 
 def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., Entry]:
-    """A function that compares a law, or keeps it where ``--duhem-update`` is given, and returns what was found."""
+    """A function that compares a law, or keeps it where ``--duhem-update`` is given, and returns what was found.
+
+    The file is of the test with its classes, ``snapshots/test_m/TestX.test_a.json``, and an entry of the law with the values it
+    is given.  Where there is none, what was kept of the law by its name alone is read, in this file or in one of the test's name.
+    """
     test = request.node
-    file = test.path.parent / "snapshots" / test.path.stem / f"{re.sub(r'[^A-Za-z0-9_.=+-]+', '-', test.name).strip('-')[:100]}.json"
+    folder = test.path.parent / "snapshots" / test.path.stem
+    classes = [each.name for each in test.listchain() if isinstance(each, pytest.Class)]
+    file = folder / f"{_short('.'.join([*classes, test.name]))}.json"
+    former = folder / f"{_plain(test.name)[:_LONGEST]}.json"
     update = bool(test.config.getoption("--duhem-update"))
     asked: dict[str, Entry] = {}
 
     def compare(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, claims: Iterable[str] | None = None) -> Entry:
         __tracebackhide__ = True
         name = load(law).name
+        key = _key(name, parameters)
         shown = os.path.relpath(file, test.config.rootpath)
         if update:
-            asked[name] = snapshot(law, project, parameters, claims=claims)
+            asked[key] = snapshot(law, project, parameters, claims=claims)
             file.parent.mkdir(parents=True, exist_ok=True)
             SnapshotFile(asked).write(file)
-            return asked[name]
-        found = _kept(file, name)
+            return asked[key]
+        found = _kept([(file, key), (file, name), (former, name)])
         if isinstance(found, DuhemError):
-            pytest.fail(f"{name}: {shown}: {found.what}; look at what is found and keep it with --duhem-update", pytrace=False)
+            pytest.fail(f"{key}: {shown}: {found.what}; look at what is found and keep it with --duhem-update", pytrace=False)
         entry, tolerance = found
         now = snapshot(law, project, parameters, claims=claims, increments=entry["increments"])
         if lines := differences(entry, now, tolerance):
-            head = f"{name} is not as {shown} has it; if it is meant, keep it with --duhem-update"
+            head = f"{key} is not as {shown} has it; if it is meant, keep it with --duhem-update"
             pytest.fail("\n  ".join([head, *lines]), pytrace=False)
         return now
 
     return compare
 
 
-def _kept(file: Path, name: str) -> tuple[Entry, float] | DuhemError:
-    """What is kept of a law and how far numbers may move; the error where nothing is."""
-    try:
-        kept = SnapshotFile.read(file)
-        return kept.entry(name, file), kept.tolerance
-    except DuhemError as fault:
-        return fault
+def _plain(name: str) -> str:
+    """As every file system takes it."""
+    return re.sub(r"[^A-Za-z0-9_.=+-]+", "-", name).strip("-")
+
+
+def _short(name: str) -> str:
+    """The same, and what is cut off of a long one still tells it from others."""
+    plain = _plain(name)
+    return plain if len(plain) <= _LONGEST else f"{plain[: _LONGEST - 9]}-{sha256(name.encode()).hexdigest()[:8]}"
+
+
+def _key(name: str, parameters: Mapping[str, Any] | None) -> str:
+    """A law with the values that it is given, whatever their order: ``orthotropic, mu_a = 0.2, mu_b = 0.1``."""
+    values = ((each, float(value) if isinstance(value, Real) else value) for each, value in (parameters or {}).items())
+    return ", ".join([name, *sorted(f"{each} = {value}" for each, value in values)])
+
+
+def _kept(places: Iterable[tuple[Path, str]]) -> tuple[Entry, float] | DuhemError:
+    """What is kept in the first of the places that has it, and how far numbers may move; the error of the first where none has."""
+    faults = []
+    for file, name in places:
+        try:
+            kept = SnapshotFile.read(file)
+            return kept.entry(name, file), kept.tolerance
+        except DuhemError as fault:
+            faults.append(fault)
+    return faults[0]
