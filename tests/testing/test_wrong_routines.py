@@ -276,3 +276,50 @@ def test_a_tangent_is_accused_though_the_routine_gives_up_elsewhere() -> None:
 
     report = conformance("coulomb", update, {"mu": 0.3}, stiffness=1.0, checks=["idempotence", "tangent"], max_examples=3, tries=20)
     assert [failure.check.name for failure in report.failures] == ["tangent"]
+
+
+def at(parameters: dict[str, float], trial: list[float], pressure: float, k: list[float]) -> Case:
+    """One increment of a law in a plane, and nothing else."""
+    zero = np.zeros((1, 2))
+    return Case(parameters, np.diag(k), [pressure], [trial], zero, zero, zero, zero, [2.0], 2.0, np.zeros((1, 2, 2)), [[pressure] * 2])
+
+
+@pytest.mark.parametrize("beyond", [0.0, -1e-15, 1e-15, 1e-12, 1e-10])
+def test_a_tangent_is_not_accused_where_the_slope_jumps(beyond: float) -> None:
+    """A trial at the end of an ellipse whose curvature differences cannot see: the slope is k inside and turns fast outside."""
+    values = {"mu_a": 0.03, "mu_b": 510.0}
+    case = at(values, [0.0, 510.0 * (1.0 + beyond)], -1.0, [1500.0, 0.15])
+    assert violation("slope", "orthotropic", projection("orthotropic", tangent=True), case) is None
+
+
+@pytest.mark.parametrize("beyond", [-1e-6, 1e-6])
+def test_a_tangent_is_accused_next_to_where_the_slope_jumps(beyond: float) -> None:
+    right = projection("orthotropic", tangent=True)
+
+    def update(*given: np.ndarray, **values: float) -> Step:
+        found = right(*given, **values)
+        assert isinstance(found, Step) and found.tangent is not None
+        return Step(found.stress, tangent=0.5 * np.asarray(found.tangent))
+
+    case = at({"mu_a": 0.5, "mu_b": 0.1}, [0.0, 0.1 * (1.0 + beyond)], -1.0, [1.0, 1.0])
+    assert violation("slope", "orthotropic", update, case) is not None
+    assert violation("slope", "orthotropic", right, case) is None
+
+
+@pytest.mark.parametrize(("law", "values"), [("coulomb", {"mu": 0.3}), ("box", {"mu_a": 0.3, "mu_b": 0.2})])
+def test_a_set_that_is_one_point_has_either_tangent_there(law: str, values: dict[str, float]) -> None:
+    for share, trial, right in ((1.0, 0.0, True), (0.0, 0.0, True), (1.0, 1.0, False), (0.0, 1.0, True)):
+
+        def update(trial: np.ndarray, pressure: np.ndarray, k: np.ndarray, share: float = share, **_: float) -> Step:
+            return Step(0.0 * trial, tangent=np.tile(share * k, (len(trial), 1, 1)))
+
+        case = at(values, [trial, trial], 0.0, [2.0, 3.0])
+        assert (violation("slope", law, update, case) is None) == right
+
+
+def test_a_complex_stress_is_no_answer() -> None:
+    def update(trial: np.ndarray, *_: object) -> np.ndarray:
+        return np.clip(trial, -0.3, 0.3) + 1e-3j
+
+    found = violation("answers", "box", update, at({"mu_a": 0.3, "mu_b": 0.3}, [0.0, 1.0], -1.0, [1.0, 1.0]), open_parameters=())
+    assert found is not None and "the stress is complex" in found

@@ -23,6 +23,7 @@ from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
+from duhem.testing.routines.material import shaped
 from duhem.testing.routines.routine import Step, Update, called
 
 __all__ = ["NoReply", "NothingToCheck", "Query", "Reply"]
@@ -177,12 +178,7 @@ class Query:
 
 
 def _array(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
-    if given is None and name != "stress":
-        return None
     try:
-        array = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise NoReply(f"the {name} is not made of numbers: {given!r}") from None
-    if array.shape != shape:
-        raise NoReply(f"the {name} has the shape {array.shape}, not {shape}")
-    return array
+        return shaped(given, name, shape)
+    except ValueError as fault:
+        raise NoReply(str(fault)) from None

@@ -23,11 +23,17 @@ _FINER = 12  # steps, each a quarter of the one before: the last is some thousan
     tolerance="d^2 (accuracy + 8 eps), in the metric of k",
 )
 def tangent(q: Query) -> Finding:
-    d = q.case.trial.shape[1]
     c, finite = _tangent(q)
+    off, allowed = _beyond(q, c)
+    return Finding(np.where(finite, off, np.inf), allowed)
+
+
+def _beyond(q: Query, c: Array) -> tuple[Array, Array]:
+    """By how much tangents are not symmetric or leave [0, k], and what they may."""
+    d = q.case.trial.shape[1]
     eigen = np.linalg.eigvalsh(0.5 * (c + np.swapaxes(c, 1, 2)))
     off = np.maximum(np.abs(c - np.swapaxes(c, 1, 2)).max(axis=(1, 2)), np.maximum(-eigen.min(axis=1), eigen.max(axis=1) - 1.0))
-    return Finding(np.where(finite, off, np.inf), np.full(len(c), d * d * (q.accuracy + 8.0 * _EPS)))
+    return off, np.full(len(c), d * d * (q.accuracy + 8.0 * _EPS))
 
 
 @register(
@@ -37,7 +43,7 @@ def tangent(q: Query) -> Finding:
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
     tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
     "|sigma_tr| + |sigma|; what they are off by there, where smaller steps one way come ten times closer (K may be thinner than h), "
-    "or where at all of them the two ways disagree by a quarter of it (no slope)",
+    "or where at all of them the two ways disagree by a quarter of it (no slope); any in [0, k] within 4 u of the boundary, where it jumps",
 )
 def slope(q: Query) -> Finding:
     here, (c, finite) = q.first[0], _tangent(q)
@@ -63,7 +69,20 @@ def slope(q: Query) -> Finding:
             kink &= np.linalg.norm(slopes[:2].mean(axis=0) - slopes[2:].mean(axis=0), axis=1) >= off / 4.0
         ratio = np.where(kink, np.minimum(ratio, 1.0), ratio)
         worst = np.maximum(worst, ratio)
+    if (q.sound & finite & ~(worst <= 1.0)).any():
+        off, allowed = _beyond(q, c)
+        worst = np.where(finite & (off <= allowed) & _at_the_end(q), np.minimum(worst, 1.0), worst)
     return Finding(worst, np.ones(len(worst)))
+
+
+def _at_the_end(q: Query) -> NDArray[np.bool_]:
+    """Where the trial lies within 4 u of the end of K and comes back so near: k from inside, and outside what curvature makes of it."""
+    here, (n, d) = q.first[0], q.case.trial.shape
+    u = q.unit(here)
+    ways = np.vstack([q.axes, -q.axes])
+    around = (here.trial[:, None, :] + 4.0 * u[:, None, None] * ways).reshape(n * 2 * d, d)
+    outside = (q.region.level(around, np.repeat(q.pressure, 2 * d)) > 0.0).reshape(n, 2 * d).any(axis=1)
+    return np.asarray((q.length(here.stress - here.trial) <= 4.0 * u) & (outside | (u == 0.0)))
 
 
 def _slopes(q: Query, h: Array, axis: Array) -> Array:

@@ -125,9 +125,12 @@ def shaped(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
     if given is None and name != "stress":
         return None
     try:
-        array = np.asarray(given, dtype=np.float64)
+        whole = np.asarray(given)
+        array = np.asarray(whole.real, dtype=np.float64)
     except (TypeError, ValueError):
         raise ValueError(f"the {name} is not made of numbers: {given!r}") from None
+    if np.iscomplexobj(whole):
+        raise ValueError(f"the {name} is complex ({whole.dtype}), not real")
     if array.shape != shape:
         raise ValueError(f"the {name} has the shape {array.shape}, not {shape}")
     return array

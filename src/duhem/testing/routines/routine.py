@@ -67,7 +67,7 @@ def from_displacements(step: Callable[..., ArrayLike]) -> Update:
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
         elastic = np.linalg.solve(stiffness, trial.T).T
         before = elastic[:, ::-1].copy()
-        slip = np.asarray(step(elastic + before, before.copy(), pressure, stiffness, **parameters), dtype=np.float64) - before
+        slip = np.asarray(step(elastic + before, before.copy(), pressure, stiffness, **parameters)) - before
         return Step(trial - slip @ stiffness, slip)
 
     return named_after(update, step, "from_displacements")
