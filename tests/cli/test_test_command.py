@@ -144,7 +144,9 @@ def test_who_interrupts_sees_what_was_found(run: Command) -> None:
         ([*of("right"), "--checks", ","], "no check is named"),
         ([*of("right"), "--expect", "slope"], "not of the form CHECK=REASON"),
         ([*of("right"), "--expect", "slop=because"], "did you mean 'slope'?"),
-        ([*of("right"), "--accuracy", "0"], "the accuracy is not positive"),
+        ([*of("right"), "--accuracy", "0"], "--accuracy: the accuracy is not positive"),
+        ([*of("right"), "--pressure", "1"], "--pressure: sigma_n = 1.0 is positive; sigma_n <= 0 in compression"),
+        ([*of("right"), "--stiffness", "1 2 3"], "--stiffness: stiffness has the shape (3,); give one number, "),
         (["test", "plesha"], "has a flow of its own"),
     ],
     ids=lambda x: x if isinstance(x, str) else "",
@@ -152,3 +154,8 @@ def test_who_interrupts_sees_what_was_found(run: Command) -> None:
 def test_what_cannot_be_asked_is_said(arguments: list[str], said: str, run: Command) -> None:
     code, out, err = run(*arguments)
     assert (code, out) == (2, "") and said in err and err.count("\n") == 1
+
+
+def test_one_number_is_a_stiffness(run: Command) -> None:
+    code, out, _ = run(*of("right"), "--stiffness", "1e9", "--checks", "answers", "--examples", "1")
+    assert code == 0 and "1 checks passed, 0 failed" in out

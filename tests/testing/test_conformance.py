@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -225,3 +227,63 @@ def test_checks_are_described() -> None:
 def test_the_package_and_its_command_do_not_import_hypothesis() -> None:
     code = "import sys, duhem, duhem.projection, duhem.path; from duhem.__main__ import main; sys.exit('hypothesis' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"expected_failed_checks": ["slope"]}, "expected_failed_checks: ['slope'] says not which check fails why; "),
+        ({"expected_failed_checks": {"slope": None}}, "expected_failed_checks: "),
+        ({"most_flagged": "all"}, "most_flagged: 'all' is no share; "),
+        ({"accuracy": "1e-9"}, "accuracy: '1e-9' is no relative error; "),
+        ({"accuracy": 0}, "accuracy: the accuracy is not positive; "),
+        ({"accuracy": 1.0}, "accuracy: 1.0 is no relative error; "),
+        ({"accuracy": math.nan}, "accuracy: nan is no relative error; "),
+        ({"max_examples": 0}, "max_examples: 0 is too small; give 1 or more"),
+        ({"max_examples": 2.0}, "max_examples: 2.0 is not a whole number; "),
+        ({"rows": 0}, "rows: 0 is too small; give 1 or more"),
+        ({"rows": True}, "rows: True is not a whole number; "),
+        ({"tries": -1}, "tries: -1 is too small; give 0 or more"),
+        ({"seconds": "1"}, "seconds: '1' is no time; "),
+        ({"seed": "x"}, "seed: 'x' is not a whole number; "),
+        ({"stiffness": math.nan}, "stiffness: 'nan' is not made of finite numbers; "),
+        ({"stiffness": [1.0, 0.0]}, "stiffness: 0.0 is not positive; "),
+        ({"stiffness": [[1.0, 2.0], [3.0, 9.0]]}, "stiffness: the matrix is not symmetric; "),
+        ({"stiffness": [[1.0, 2.0], [2.0, 1.0]]}, "stiffness: the matrix is not positive definite; "),
+        ({"checks": []}, "checks: no check is asked for; "),
+        ({"checks": [1]}, "checks: 1 is no check; "),
+        ({"checks": 1}, "checks: 1 names no checks; "),
+        ({"pressure": 1.0}, "pressure: sigma_n = 1.0 is positive; sigma_n <= 0 in compression: give a number <= 0"),
+        ({"pressure": [-1.0, -2.0]}, "pressure: pressure has the shape (2,); give one number, "),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("law", ["coulomb", None])
+def test_an_argument_that_cannot_be_used_is_told_before_the_routine_is_asked(law: str | None, given: dict[str, Any], said: str) -> None:
+    def update(*given: Any) -> Any:
+        raise AssertionError
+
+    options = {"stiffness": [1.0, 1.0]} | given if law is None else given
+    with pytest.raises(InputError) as fault:
+        assert_conforms(law, update, **options)
+    assert str(fault.value).startswith(said)
+
+
+SHAPE = "stiffness: stiffness has the shape "
+
+
+@pytest.mark.parametrize(
+    ("law", "stiffness", "said"),
+    [
+        ("coulomb", [1.0, 2.0, 3.0], "(3,); give one number, (2,) or (2, 2)"),
+        ("coulomb", [[1.0]], "(1, 1); give one number, (2,) or (2, 2)"),
+        (None, 2.0, "(); without a law give (d,) or (d, d)"),
+        (None, [], "(0,); without a law give (d,) or (d, d)"),
+        (None, [[1.0, 2.0]], "(1, 2); without a law give (d,) or (d, d)"),
+    ],
+    ids=str,
+)
+def test_a_stiffness_of_another_shape_is_told(law: str | None, stiffness: Any, said: str) -> None:
+    with pytest.raises(InputError) as fault:
+        assert_conforms(law, lambda trial, *_: trial, stiffness=stiffness)
+    assert str(fault.value) == f"{SHAPE}{said}"

@@ -191,6 +191,13 @@ WRONG = {
     'law="coulomb", tolerance=1': "the marker duhem takes no 'tolerance'; it takes law, *",
     'law="coulomb", parameters={"nu": 1}': "*nu*",
     'law="coulomb", checks="slip", expected_failed_checks={"ray": "?"}': "ray is expected to fail and not asked for; name it in checks",
+    'law="coulomb", checks=[]': "checks: no check is asked for; *",
+    'law="coulomb", checks=[3]': "checks: 3 is no check; *",
+    'law="coulomb", expected_failed_checks=["slope"]': "expected_failed_checks: [[]'slope'[]] says not which check fails why; *",
+    'law="coulomb", most_flagged="all"': "most_flagged: 'all' is no share; give a number from 0 to 1, *",
+    'law="coulomb", pressure=1.0': "pressure: sigma_n = 1.0 is positive; sigma_n <= 0 in compression: *",
+    "law=None, stiffness=[[1.0, 2.0], [2.0, 1.0]]": "stiffness: the matrix is not positive definite; *",
+    'law="coulomb"': "it takes (), and an update routine takes (trial, pressure, stiffness); use the fixture duhem_check, *",
 }
 
 
@@ -203,6 +210,28 @@ def test_a_marker_that_cannot_be_used_is_one_line(pytester: pytest.Pytester, giv
     (at,) = (i for i, line in enumerate(lines) if line.startswith("___"))
     assert pytest.LineMatcher(lines[at + 1 : at + 2]).fnmatch_lines([f"test_it.py::update: {WRONG[given]}*"]) is None
     assert lines[at + 2].startswith("===")
+
+
+@pytest.mark.parametrize(
+    ("routine", "said"),
+    [
+        ("async def update(trial, pressure, stiffness): ...", "it is async, *"),
+        ("def update(trial, pressure, stiffness, made): ...", "nothing gives it the argument 'made'; *"),
+        ("class TestIt:\n    @MARK\n    def update(self, made, pressure): ...", "it takes (made, pressure), and *"),
+        ("@pytest.mark.parametrize('mu', [1, 2])\ndef update(trial, pressure, stiffness, mu): ...", "it is parametrised, *"),
+    ],
+)
+def test_a_marked_routine_that_only_a_test_could_call_is_one_line(pytester: pytest.Pytester, routine: str, said: str) -> None:
+    head = "import pytest\nMARK = pytest.mark.duhem(law='coulomb')\n"
+    pytester.makepyfile(test_it=f"{head}{'' if routine.startswith('class') else '@MARK'}\n{routine}\n")
+    done = tried(pytester, "--collect-only")
+    done.assert_outcomes(errors=1)
+    done.stdout.fnmatch_lines([f"test_it.py::*update: {said}use the fixture duhem_check, in a test that hands a routine over: *"])
+
+
+def test_a_marked_routine_with_open_parameters_is_called(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile("import pytest\n\n@pytest.mark.duhem(law='coulomb')\ndef update(trial, pressure, stiffness, mu): ...\n")
+    tried(pytester, "--collect-only").assert_outcomes(errors=0)
 
 
 def test_the_fixture_needs_the_marker(pytester: pytest.Pytester) -> None:

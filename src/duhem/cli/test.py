@@ -121,13 +121,11 @@ def test(
     expected = _expected(expect)
     named = None if checks is None else tuple(dict.fromkeys(name.strip() for name in checks.split(",") if name.strip()))
     held_to = None if accuracy is None else read_number(accuracy, "--accuracy")
-    if held_to is not None and held_to <= 0.0:
-        raise InputError("the accuracy is not positive", where="--accuracy", remedy="give a relative error, for example 1e-9")
+    free = law is None and about.is_routine()
     fixed = {
-        "stiffness": None if stiffness is None else _matrix(read_numbers(stiffness, "--stiffness")),
+        "stiffness": None if stiffness is None else _matrix(read_numbers(stiffness, "--stiffness"), free),
         "pressure": None if pressure is None else read_number(pressure, "--pressure"),
     }
-    free = law is None and about.is_routine()
     checks_of = about.checks(free, named, expected)
     routines = about.without_law(settings, held_to) if free else about.routines(law, settings, held_to)
     options = {"max_examples": about.examples, "rows": 30, "tries": shrink, "seed": about.seed, "expected": expected, **fixed}
@@ -139,8 +137,10 @@ def test(
     return INTERRUPTED if interrupted else about.code()
 
 
-def _matrix(numbers: list[float]) -> Any:
-    """One number a force, or a square of them row by row."""
+def _matrix(numbers: list[float], free: bool) -> Any:
+    """One number a force, one for all where a law says how many there are, or a square of them row by row."""
+    if len(numbers) == 1 and not free:
+        return numbers[0]
     d = isqrt(len(numbers))
     return [numbers[i : i + d] for i in range(0, d * d, d)] if d * d == len(numbers) and d > 1 else numbers
 
@@ -155,6 +155,16 @@ def _expected(given: Sequence[str]) -> dict[str, str]:
             )
         expected[name] = reason
     return expected
+
+
+def _made(made: Callable[..., ConformanceRun], checks: Sequence[Check], **options: Any) -> ConformanceRun:
+    """A run; what cannot be used is told by the name of its option."""
+    try:
+        return made(checks, **options)
+    except InputError as fault:
+        if fault.where not in ("stiffness", "pressure", "accuracy"):
+            raise
+        raise InputError(fault.what, where=f"--{fault.where}", remedy=fault.remedy) from None
 
 
 @dataclass
@@ -203,7 +213,7 @@ class _About:
             if isinstance(given, Material):
                 remedy = "name a routine that from_material makes of it, or leave out --law"
                 raise InputError("a material has its own stiffness", where=self.subject, remedy=remedy)
-            return {self.subject: (partial(ConformanceRun, known, given, None, given=law), accuracy or ACCURACY)}
+            return {self.subject: (partial(ConformanceRun, known, given, None, given=law), ACCURACY if accuracy is None else accuracy)}
         known = read_fixed_formula(self.subject, settings)
         found: dict[str, Routine] = {}
         for method, routine in own_solvers(known):
@@ -211,7 +221,7 @@ class _About:
                 self.without[method] = routine
             else:
                 run = partial(ConformanceRun, known, routine, None, given=self.subject)
-                found[f"{known.name} {method}"] = run, accuracy or PROMISED.get(method, ACCURACY)
+                found[f"{known.name} {method}"] = run, PROMISED.get(method, ACCURACY) if accuracy is None else accuracy
         return found
 
     def without_law(self, settings: Sequence[str], accuracy: float | None) -> dict[str, Routine]:
@@ -227,7 +237,7 @@ class _About:
             what = f"{self.subject} is a routine: without a law nothing says how many forces there are"
             raise InputError(what, where="--law", remedy="say which law it is for, as --law coulomb, or give --stiffness")
         given = None if isinstance(routine, Material) else {name: float(value) for name, value in values.items()}
-        return {self.subject: (partial(FreeRun, routine, given), accuracy or ACCURACY)}
+        return {self.subject: (partial(FreeRun, routine, given), ACCURACY if accuracy is None else accuracy)}
 
     def carry_out(self, routines: Mapping[str, Routine], checks: Sequence[Check], options: Mapping[str, Any]) -> bool:
         """Test them one after the other; whether somebody interrupted."""
@@ -241,7 +251,7 @@ class _About:
                     slip = f", slip {shares['slip']:.0%}" if shares else ""
                     progress.show(f"{name}: {run.examples} of {self.examples}, {rate:.0f}/s{slip}, {len(run.found)} failed")
 
-                run = made(checks, accuracy=accuracy, on_case=seen, **options)
+                run = _made(made, checks, accuracy=accuracy, on_case=seen, **options)
                 try:
                     run.to_the_end()
                 except KeyboardInterrupt:

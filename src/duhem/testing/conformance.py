@@ -17,6 +17,7 @@ from duhem.testing.checks.registry import Check, registered
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.decades import Strategy
 from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.usable_options import check_share
 from duhem.testing.failures import output_diagnoses, stress_diagnoses  # noqa: F401 (they register)
 from duhem.testing.failures.report import Report
 from duhem.testing.routines.material import Material
@@ -24,7 +25,17 @@ from duhem.testing.routines.routine import Update
 from duhem.testing.run import TRIES, ConformanceRun, judged
 from duhem.testing.without_law import FreeRun, free_check, free_checks, free_violation
 
-__all__ = ["ACCURACY", "assert_conforms", "check", "checks_for", "conformance", "every_check", "violation"]
+__all__ = [
+    "ACCURACY",
+    "assert_conforms",
+    "check",
+    "check_expected",
+    "checks_asked",
+    "checks_for",
+    "conformance",
+    "every_check",
+    "violation",
+]
 
 ACCURACY = 1e-9  # relative error in stress a routine is held to, unless it promises another
 
@@ -52,6 +63,36 @@ def check(name: str) -> Check:
     if name not in known:
         raise InputError(f"unknown check {name!r}", remedy=f"choose one of {', '.join(known)}")
     return known[name]
+
+
+def checks_asked(law: Criterion | str | Path | None, checks: Iterable[Check | str] | Check | str | None) -> tuple[Check, ...]:
+    """The checks that ``checks`` name, of a law or of none; all that are demanded where left out.
+
+    InputError for one that there is not, for what names none, and where none is asked for: nothing would be tested.
+    """
+    if checks is None:
+        return checks_for(law)
+    remedy = 'name some, for example checks=["feasibility"], or leave it out for all'
+    if not isinstance(checks, str | Check | Iterable):
+        raise InputError(f"{checks!r} names no checks", where="checks", remedy=remedy)
+    named = (checks,) if isinstance(checks, str | Check) else tuple(checks)
+    if not named:
+        raise InputError("no check is asked for", where="checks", remedy=remedy)
+    if wrong := [each for each in named if not isinstance(each, str | Check)]:
+        raise InputError(f"{wrong[0]!r} is no check", where="checks", remedy=remedy)
+    by_name = free_check if law is None else check
+    return tuple(by_name(each) if isinstance(each, str) else each for each in named)
+
+
+def check_expected(law: Criterion | str | Path | None, expected: Mapping[str, str] | None) -> None:
+    """InputError unless it maps names of checks to the reasons why they fail."""
+    if expected is None:
+        return
+    if not isinstance(expected, Mapping) or not all(isinstance(each, str) for pair in expected.items() for each in pair):
+        remedy = 'give each check with its reason, for example {"slope": "no tangent yet"}'
+        raise InputError(f"{expected!r} says not which check fails why", where="expected_failed_checks", remedy=remedy)
+    for name in expected:
+        _ = free_check(name) if law is None else check(name)
 
 
 def violation(
@@ -111,14 +152,13 @@ def conformance(
     numbers or strategies, all passed by name, and ``pressure``, None for a routine that is given none; or a
     :class:`Material`, which has its own.  It is put to the checks that need no law.
 
-    A failing check is data in the report, not an exception: see :func:`assert_conforms`.
+    A failing check is data in the report, not an exception: see :func:`assert_conforms`.  InputError where an argument cannot be
+    used: no check asked for, an accuracy not between 0 and 1, a count below 1, a stiffness not symmetric and positive definite,
+    a pressure > 0 (sigma_n <= 0 in compression).
     """
     known = None if law is None else load(law)
-    by_name = free_check if known is None else check
-    named = checks_for(known) if checks is None else (checks,) if isinstance(checks, str | Check) else checks
-    asked = [by_name(c) if isinstance(c, str) else c for c in named]
-    for name in expected_failed_checks or {}:
-        by_name(name)
+    asked = checks_asked(known, checks)
+    check_expected(known, expected_failed_checks)
     options: dict[str, Any] = {
         "stiffness": stiffness,
         "pressure": pressure,
@@ -155,6 +195,7 @@ def assert_conforms(
     **options: Any,
 ) -> Report:
     """:func:`conformance`, raising AssertionError with the shrunk cases if a check fails or more than ``most_flagged`` is flagged."""
+    check_share(most_flagged, "most_flagged")
     report = conformance(law, update, parameters, **options)
     if not report.ok:
         raise AssertionError(str(report))

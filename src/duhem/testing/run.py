@@ -26,10 +26,12 @@ from duhem.testing.drawn.decades import Strategy
 from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.simplified import simplified
 from duhem.testing.drawn.strategies import cases
+from duhem.testing.drawn.usable_options import check_options
 from duhem.testing.failures.causes import by_cause, likeliest_first
 from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses
 from duhem.testing.failures.report import Failure, Report
+from duhem.testing.routines.material import Material
 from duhem.testing.routines.origin import origin
 from duhem.testing.routines.routine import Update
 
@@ -121,6 +123,18 @@ class ConformanceRun:
         on_case: Callable[[ConformanceRun], None] | None = None,
         given: Any = None,
     ) -> None:
+        own = isinstance(update, Material)  # which has its stiffness, as its routine gives it
+        check_options(
+            law,
+            stiffness=None if own else stiffness,
+            pressure=pressure,
+            accuracy=accuracy,
+            max_examples=max_examples,
+            rows=rows,
+            tries=tries,
+            seconds=seconds,
+            seed=seed,
+        )
         self.law, self.update, self.accuracy, self.on_case = law, update, accuracy, on_case
         self.tries, self.seconds = tries, seconds
         self.given = law if given is None else given

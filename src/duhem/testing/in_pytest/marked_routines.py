@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields
 from functools import cached_property
+from inspect import CO_ASYNC_GENERATOR, CO_COROUTINE, getattr_static, signature
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -17,14 +18,13 @@ import pytest
 
 from duhem.errors import DuhemError
 from duhem.law.catalogue import load
-from duhem.testing.checks.registry import Check
-from duhem.testing.conformance import check, checks_for, conformance
+from duhem.testing.conformance import check_expected, checks_asked, conformance
 from duhem.testing.drawn.case import Case
+from duhem.testing.drawn.usable_options import check_options, check_share
 from duhem.testing.failures.report import Report
 from duhem.testing.in_pytest.groups import group, group_marks
 from duhem.testing.in_pytest.profiles import PROFILES
 from duhem.testing.routines.routine import Update
-from duhem.testing.without_law import free_check
 
 __all__ = ["check_items", "checked", "names_of_checks"]
 
@@ -49,20 +49,21 @@ class Trial:
         self.node, self.config, self.name = node, config, name
         self.law = given.pop("law")
         self.parameters = given.pop("parameters", None)
-        self.most_flagged = float(given.pop("most_flagged", 0.0))
-        checks = given.pop("checks", None)
-        self.expected = dict(given.pop("expected_failed_checks", None) or {})
+        self.most_flagged = given.pop("most_flagged", 0.0)
+        checks, expected = given.pop("checks", None), given.pop("expected_failed_checks", None)
         try:
-            named = checks_for(self.law) if checks is None else (checks,) if isinstance(checks, (str, Check)) else tuple(checks)
-            by_name = free_check if self.law is None else check
-            asked = [by_name(each) if isinstance(each, str) else each for each in named]
-            self.expects = {by_name(each).name for each in self.expected} - {each.name for each in asked}
-            if self.law is not None:
-                load(self.law).fix(self.parameters)
+            check_share(self.most_flagged, "most_flagged")
+            known = None if self.law is None else load(self.law)
+            asked = checks_asked(known, checks)
+            check_expected(known, expected)
+            if known is not None:
+                known.fix(self.parameters)
+            check_options(known, **given)
         except DuhemError as fault:
-            raise _unusable(node, fault.what, fault.remedy) from None
-        if self.expects:
-            raise _unusable(node, f"{min(self.expects)} is expected to fail and not asked for", "name it in checks")
+            raise _unusable(node, f"{fault}", "") from None
+        self.expected: dict[str, str] = dict(expected or {})
+        if besides := {*self.expected} - {each.name for each in asked}:
+            raise _unusable(node, f"{min(besides)} is expected to fail and not asked for", "name it in checks")
         self.asked = {each.name: each for each in asked}
         self.options = given | PROFILES.get(config.getoption("--duhem-profile") or "", {})
         self.selected = list(self.asked)
@@ -203,6 +204,9 @@ def check_items(
     items: list[pytest.Item] = []
     for mark in reversed(marks):  # from the top down, as they are written
         trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config, name)
+        if fault := _needs_pytest(function, collector, trial):
+            remedy = "use the fixture duhem_check, in a test that hands a routine over: def test_it(duhem_check): duhem_check(update)"
+            raise _unusable(trial.node, fault, remedy)
         law = f"{getattr(trial.law, 'name', trial.law)}-" if len(marks) > 1 else ""
         trial.node += f"[{law.removesuffix('-')}]" if law else ""
         for node in trial.nodes:
@@ -210,6 +214,26 @@ def check_items(
             named = {"name": whole, "nodeid": f"{collector.nodeid}::{whole}"}  # as pytest names parameters, so that --lf knows it again
             items.append(CheckTest.from_parent(collector, **named, trial=trial, check=node, update=update, function=function))
     return items
+
+
+def _needs_pytest(function: FunctionType, collector: pytest.Module | pytest.Class, trial: Trial) -> str:
+    """Why a marked function cannot be called as an update routine, "" where it can: what only a test is given, or awaited."""
+    if function.__code__.co_flags & (CO_COROUTINE | CO_ASYNC_GENERATOR):
+        return "it is async, and an update routine returns the stress"
+    own = [mark.name for mark in (*function.pytestmark, *collector.iter_markers())]  # type: ignore[attr-defined]
+    if "parametrize" in own:
+        return "it is parametrised, and nobody gives an update routine such a value"
+    takes = list(signature(function, follow_wrapped=False).parameters.values())
+    if isinstance(collector, pytest.Class) and not isinstance(getattr_static(collector.obj, function.__name__, None), staticmethod):
+        takes = takes[1:]
+    if any(p.kind is p.VAR_POSITIONAL for p in takes):
+        return ""
+    in_order = [p for p in takes if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
+    if len(in_order) < 3:
+        return f"it takes ({', '.join(p.name for p in in_order)}), and an update routine takes (trial, pressure, stiffness)"
+    besides = [p.name for p in takes if p not in in_order[:3] and p.default is p.empty and p.kind is not p.VAR_KEYWORD]
+    given = (trial.parameters or {}) if trial.law is None else load(trial.law).parameters
+    return next((f"nothing gives it the argument {name!r}" for name in besides if name not in given), "")
 
 
 # -- a test that hands its routine over ----------------------------------------------------------------------------------

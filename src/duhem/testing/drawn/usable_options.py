@@ -1,0 +1,120 @@
+"""What a run may be asked: an option that cannot be used is told before anything is drawn."""
+
+from __future__ import annotations
+
+from math import isfinite
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+from hypothesis.strategies import SearchStrategy
+from numpy.typing import ArrayLike
+
+from duhem.errors import InputError
+from duhem.law.formula_law import Criterion
+from duhem.projection.declared_ranges import refused
+from duhem.projection.stiffness_factors import factors
+from duhem.testing.drawn.decades import Strategy
+
+__all__ = ["check_options", "check_share"]
+
+_SYMMETRIC = "give a symmetric positive definite stiffness, in Pa/m"
+
+
+def check_options(
+    law: Criterion | None,
+    *,
+    stiffness: ArrayLike | Strategy | None = None,
+    pressure: float | Strategy | None = None,
+    accuracy: float = 1e-9,
+    max_examples: int | None = None,
+    rows: int = 1,
+    tries: int = 0,
+    seconds: float | None = None,
+    seed: int | None = None,
+) -> None:
+    """InputError for the first argument of :func:`duhem.testing.conformance` that cannot be used."""
+    _check_stiffness(stiffness, law)
+    _check_pressure(pressure, law)
+    _check_accuracy(accuracy)
+    if seconds is not None and not (_is_number(seconds) and seconds >= 0.0):
+        raise InputError(f"{seconds!r} is no time", where="seconds", remedy="give a number >= 0, or leave it out")
+    _check_count(rows, "rows", 1)
+    _check_count(tries, "tries", 0)
+    if max_examples is not None:
+        _check_count(max_examples, "max_examples", 1)
+    if seed is not None:
+        _check_count(seed, "seed", None)
+
+
+def _check_count(given: Any, where: str, least: int | None) -> None:
+    """InputError unless it is a whole number, and not below ``least``."""
+    if isinstance(given, bool) or not isinstance(given, Integral):
+        raise InputError(f"{given!r} is not a whole number", where=where, remedy=f"give one, for example {max(least or 0, 1) * 10}")
+    if least is not None and given < least:
+        raise InputError(f"{given} is too small", where=where, remedy=f"give {least} or more")
+
+
+def _check_accuracy(given: Any) -> None:
+    """InputError unless 0 < accuracy < 1: beyond, every stress would do."""
+    if not _is_number(given) or not 0.0 < given < 1.0:
+        what = "the accuracy is not positive" if _is_number(given) and given <= 0.0 else f"{given!r} is no relative error"
+        raise InputError(what, where="accuracy", remedy="give a number between 0 and 1, for example 1e-9")
+
+
+def check_share(given: Any, where: str) -> None:
+    """InputError unless it is a number from 0 to 1."""
+    if not _is_number(given) or not 0.0 <= given <= 1.0:
+        raise InputError(f"{given!r} is no share", where=where, remedy="give a number from 0 to 1, for example 0.1")
+
+
+def _check_stiffness(given: ArrayLike | Strategy | None, law: Criterion | None) -> None:
+    """InputError unless it is of a shape that the law takes, and positive definite; a strategy is not looked into.
+
+    One number, (d,) or (d, d) in Pa/m, without a law (d,) or (d, d).
+    """
+    if given is None or isinstance(given, SearchStrategy):
+        return
+    d = 0 if law is None else len(law.forces)
+    remedy = f"give one number, ({d},) or ({d}, {d})" if d else "without a law give (d,) or (d, d)"
+    k = _numbers(given, "stiffness", remedy)
+    n = d or len(np.atleast_1d(k))
+    if k.size == 0 or k.shape not in ([(), (n,), (n, n)] if d else [(n,), (n, n)]):
+        raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
+    if k.ndim < 2:
+        if k.min() <= 0.0:
+            raise InputError(f"{k.min()} is not positive", where="stiffness", remedy=_SYMMETRIC)
+        return
+    scale = np.sqrt(np.abs(np.diagonal(k)))
+    if (np.abs(k - k.T) > 4.0 * np.finfo(float).eps * np.outer(scale, scale)).any():
+        raise InputError("the matrix is not symmetric", where="stiffness", remedy=_SYMMETRIC)
+    factors(np.tril(k) + np.tril(k, -1).T)
+
+
+def _check_pressure(given: float | Strategy | None, law: Criterion | None) -> None:
+    """InputError unless it is one number <= 0, in Pa, that the law admits; a strategy is not looked into."""
+    if given is None or isinstance(given, SearchStrategy):
+        return
+    value = _numbers(given, "pressure", "give one number, for example -1e6")
+    name = "sigma_n" if law is None or law.pressure is None else law.pressure
+    if value.ndim:
+        raise InputError(f"pressure has the shape {value.shape}", where="pressure", remedy="give one number, for example -1e6")
+    if value > 0.0:
+        raise InputError(f"{name} = {value} is positive", where="pressure", remedy=f"{name} <= 0 in compression: give a number <= 0")
+    if law is not None and law.pressure is not None and refused(law, value[None])[0]:
+        what = f"{name} = {value} is outside the range of {law.domain[name].stated(name)}"
+        raise InputError(what, where="pressure", remedy="give a number within it")
+
+
+def _is_number(given: Any) -> bool:
+    return isinstance(given, Real) and not isinstance(given, bool | np.bool_) and isfinite(given)
+
+
+def _numbers(given: Any, where: str, remedy: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    try:
+        raw = np.asarray(given)
+    except ValueError:
+        raw = np.asarray(None)
+    if raw.dtype.kind not in "iuf" or not np.isfinite(raw).all():
+        raise InputError(f"{str(given)[:60]!r} is not made of finite numbers", where=where, remedy=remedy)
+    return raw.astype(np.float64)
