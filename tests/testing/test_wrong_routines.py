@@ -323,3 +323,18 @@ def test_a_complex_stress_is_no_answer() -> None:
 
     found = violation("answers", "box", update, at({"mu_a": 0.3, "mu_b": 0.3}, [0.0, 1.0], -1.0, [1.0, 1.0]), open_parameters=())
     assert found is not None and "the stress is complex" in found
+
+
+@pytest.mark.parametrize("spoilt", [None, 0, 1, 2])
+def test_a_routine_leaves_what_it_is_given(spoilt: int | None) -> None:
+    right = projection("coulomb")
+
+    def update(*given: np.ndarray, **values: float) -> object:
+        found = right(*(array.copy() for array in given), **values)
+        if spoilt is not None:
+            given[spoilt][...] = 0.0
+        return found
+
+    case = at({"mu": 0.3}, [0.0, 1.0], -1.0, [1.0, 1.0])
+    assert (violation("inputs", "coulomb", update, case) is None) == (spoilt is None)
+    assert violation("feasibility", "coulomb", update, case) is None

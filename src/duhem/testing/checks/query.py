@@ -55,7 +55,8 @@ class Reply:
 
 @dataclass
 class Query:
-    """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies."""
+    """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies;
+    ``spoilt`` (N,): the rows of which the routine overwrote what it was given."""
 
     region: Region
     case: Case
@@ -65,10 +66,12 @@ class Query:
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
+    spoilt: NDArray[np.bool_] = field(init=False)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.sound = np.ones(len(self.case), dtype=np.bool_)
+        self.spoilt = np.zeros(len(self.case), dtype=np.bool_)
         self._lower, self._inverse = factors(self.case.stiffness)
 
     # -- measures ------------------------------------------------------------------------------------------------------
@@ -155,9 +158,10 @@ class Query:
     def _reply(self, trial: Array, pressure: Array | None, stiffness: Array) -> Reply:
         values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
         try:
-            given = called(self.update, values, trial, pressure, stiffness)
+            given, spoilt = called(self.update, values, trial, pressure, stiffness)
         except Exception as fault:
             raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
+        self.spoilt = self.spoilt | spoilt.reshape(-1, len(self.case)).any(axis=0)
         step = given if isinstance(given, Step) else Step(given)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}

@@ -1,4 +1,4 @@
-"""What is asked of a run as a whole: that it visited something, and that its routine keeps nothing from one call to the next."""
+"""What is asked of a run as a whole: that it visited something, that its routine keeps nothing between calls and spoils nothing."""
 
 from __future__ import annotations
 
@@ -48,3 +48,15 @@ def repeatability(q: Query) -> Finding:
     stress = again.stress[::-1]
     silent = ~np.isfinite(stress) & ~np.isfinite(here.stress)  # a nan twice is the same answer
     return Finding(q.length(np.where(silent, 0.0, stress - here.stress)), 2.0 * q.unit(here))
+
+
+@register(
+    "inputs",
+    statement="the routine leaves what it is given as it was",
+    formula="sigma_tr, sigma_n and k after the call are those before it",
+    source="who calls it goes on with the trial stress, the pressure and the stiffness",
+    tolerance="none: to the last bit",
+)
+def inputs(q: Query) -> Finding:
+    none = np.zeros(len(q.first[0].trial))
+    return Finding(q.spoilt.astype(np.float64), none)

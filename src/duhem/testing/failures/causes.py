@@ -50,6 +50,7 @@ CAUSES: tuple[Cause, ...] = (
     _cause("convexity", _SHAPE, "on a set that is not convex the closest point is not unique and has none of these properties"),
     _cause("smoothness", (), "a corner of K breaks none of the others"),
     _cause("repeatability", (*_STRESS, *_OUTPUTS), "an answer that depends on what was asked before cannot satisfy a rule"),
+    _cause("inputs", (), "an answer may be right though what was given is gone"),
     *(_cause(name, _STRESS[i:], "each follows from the stress being the closest point") for i, name in enumerate(_STRESS)),
     _cause("slip", ("energy",), "the balance of energy is taken with the slip returned"),
     _cause("energy", (), "no other check looks at it"),

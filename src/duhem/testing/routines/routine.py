@@ -102,6 +102,16 @@ def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Updat
     return update
 
 
-def called(update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> ArrayLike | Step:
-    """Call a routine on copies, so that what it does to its arguments stays its own affair."""
-    return update(trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy(), **values)
+def called(
+    update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array
+) -> tuple[ArrayLike | Step, NDArray[np.bool_]]:
+    """What a routine answers, called on copies, and the increments (N,) whose trial, pressure or stiffness it overwrote."""
+    given = trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy()
+    answer = update(*given, **values)
+    spoilt = np.asarray(_differs(given[0], trial).any(axis=1) | _differs(given[2], stiffness).any())
+    return answer, spoilt if pressure is None or given[1] is None else spoilt | _differs(given[1], pressure)
+
+
+def _differs(one: Array, other: Array) -> NDArray[np.bool_]:
+    """Entry by entry; a nan is the same as another."""
+    return np.asarray((one != other) & ~(np.isnan(one) & np.isnan(other)))
