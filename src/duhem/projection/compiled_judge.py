@@ -18,7 +18,7 @@ from duhem.expression.scalar_bounds import scalar_bounds
 from duhem.expression.scalar_jets import scalar_jets
 from duhem.projection import corner_kernel, judge_kernel, known_points_kernel
 from duhem.projection.allocation import keep_freed_memory
-from duhem.projection.in_blocks import evenly, in_blocks
+from duhem.projection.in_blocks import in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.judge_kernel import UNJUDGED
 from duhem.projection.kept_code import compiled_text
@@ -34,7 +34,7 @@ from duhem.projection.told import Told
 
 __all__ = ["told"]
 
-_BLOCK = 4_096, 16_384  # points, from and to: fewer are done before a thread has begun
+_BLOCK = 16_384  # fewer are judged before a second thread has begun: ten thousand points took twice as long in shares
 
 Numbers = tuple[float, ...]
 
@@ -64,8 +64,7 @@ def told(increment: Increment, solution: Solution, judge: Judge, threads: int | 
         got = solution.stress[block], solution.slip[block], solution.multiplier[block]
         loop.run(*given, *loop.constants, *matrices, *tips, *figures, *got, dissipation[block], status[block], residuals[:, block])
 
-    least, most = _BLOCK
-    in_blocks(n, evenly(n, most, least), fill, threads)
+    in_blocks(n, _BLOCK, fill, threads)
     status[solution.failed] = UNJUDGED
     return Told(dissipation, status, Residuals(*residuals), np.flatnonzero(status == UNJUDGED))
 
