@@ -139,5 +139,5 @@ def test_one_normal_at_every_seam(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CORNERS)
 def test_two_normals_at_a_corner(name: str) -> None:
-    report = conformance(name, cone, checks=[check("smoothness")], rows=10, max_examples=30)
+    report = conformance(name, cone, checks=[check("smoothness")], rows=10, max_examples=30, tries=5)  # that it fails is asked, not where
     assert report.failed == {"smoothness"}
