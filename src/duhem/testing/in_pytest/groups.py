@@ -10,7 +10,7 @@ __all__ = ["group", "group_marks"]
 
 
 def group(item: pytest.Item, name: str) -> None:
-    """Mark a test; with ``--dist loadgroup`` those of one ``name`` go to one worker."""
+    """Mark a test; with ``--dist loadgroup`` those of one ``name`` ask for one worker (xdist 3.8 splits them under pytest 9.2)."""
     item.add_marker("duhem")
     for mark in group_marks(item.config, name):
         item.add_marker(mark)
