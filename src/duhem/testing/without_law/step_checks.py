@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from duhem.testing.checks import tangent_checks
+from duhem.testing.checks import routine_checks, tangent_checks
 from duhem.testing.checks.query import NothingToCheck
 from duhem.testing.checks.registry import Finding
 from duhem.testing.without_law.history import FINER, HistoryQuery
@@ -152,7 +152,4 @@ def slope(h: HistoryQuery) -> Finding:
     tolerance="2 u",
 )
 def slip(h: HistoryQuery) -> Finding:
-    found = h.first[0]
-    if found.slip is None:
-        raise NothingToCheck("the routine returns no slip")
-    return Finding(h.length(found.slip @ h.case.stiffness - (found.trial - found.stress)), 2.0 * h.unit(found))
+    return routine_checks.slip(h)
