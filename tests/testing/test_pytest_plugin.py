@@ -363,19 +363,15 @@ def test_snapshots_of_one_name_and_of_one_law_stay_apart(pytester: pytest.Pytest
     assert kept == {name: {f"coulomb, mu = {mu}" for mu in each} for name, each in values.items()}
 
 
-def test_a_snapshot_of_an_earlier_layout_is_read(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        test_it="class TestX:\n    def test_law(self, duhem_snapshot):\n        duhem_snapshot('coulomb', {'mu': 0.5}, ['origin'])\n"
-    )
+def test_the_tolerance_of_a_snapshot_is_its_owners(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(test_it="def test_law(duhem_snapshot):\n    duhem_snapshot('coulomb', {'mu': 0.5}, ['origin'])\n")
     tried(pytester, "--duhem-update").assert_outcomes(passed=1)
-    folder = pytester.path / "snapshots" / "test_it"
-    file = (folder / "TestX.test_law.json").rename(folder / "test_law.json")
-    file.write_text(file.read_text("utf-8").replace("coulomb, mu = 0.5", "coulomb"), "utf-8")
-    tried(pytester).assert_outcomes(passed=1)
-    file.write_text(file.read_text("utf-8").replace('"proved"', '"refuted"'), "utf-8")
-    tried(pytester).assert_outcomes(failed=1)
-    file.rename(folder / "other.json")
-    tried(pytester).assert_outcomes(failed=1)
+    file = pytester.path / "snapshots" / "test_it" / "test_law.json"
+    whole = json.loads(file.read_text("utf-8"))
+    assert whole["tolerance"] == 1e-9
+    file.write_text(json.dumps(whole | {"tolerance": 1e-6}), "utf-8")
+    tried(pytester, "--duhem-update").assert_outcomes(passed=1)
+    assert json.loads(file.read_text("utf-8"))["tolerance"] == 1e-6
 
 
 # -- what it costs, and how it is shipped ------------------------------------------------------------------------------

@@ -28,30 +28,29 @@ def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., 
     """A function that compares a law, or keeps it where ``--duhem-update`` is given, and returns what was found.
 
     The file is of the test with its classes, ``snapshots/test_m/TestX.test_a.json``, and an entry of the law with the values it
-    is given.  Where there is none, what was kept of the law by its name alone is read, in this file or in one of the test's name.
+    is given.  The tolerance that the file states stays when it is written again.
     """
     test = request.node
     folder = test.path.parent / "snapshots" / test.path.stem
     classes = [each.name for each in test.listchain() if isinstance(each, pytest.Class)]
     file = folder / f"{_short('.'.join([*classes, test.name]))}.json"
-    former = folder / f"{_plain(test.name)[:_LONGEST]}.json"
     update = bool(test.config.getoption("--duhem-update"))
     asked: dict[str, Entry] = {}
 
     def compare(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, claims: Iterable[str] | None = None) -> Entry:
         __tracebackhide__ = True
-        name = load(law).name
-        key = _key(name, parameters)
+        key = _key(load(law).name, parameters)
         shown = os.path.relpath(file, test.config.rootpath)
         if update:
             asked[key] = snapshot(law, project, parameters, claims=claims)
             file.parent.mkdir(parents=True, exist_ok=True)
-            SnapshotFile(asked).write(file)
+            SnapshotFile(asked, _tolerance(file)).write(file)
             return asked[key]
-        found = _kept([(file, key), (file, name), (former, name)])
-        if isinstance(found, DuhemError):
-            pytest.fail(f"{key}: {shown}: {found.what}; look at what is found and keep it with --duhem-update", pytrace=False)
-        entry, tolerance = found
+        try:
+            kept = SnapshotFile.read(file)
+            entry, tolerance = kept.entry(key, file), kept.tolerance
+        except DuhemError as fault:
+            pytest.fail(f"{key}: {shown}: {fault.what}; look at what is found and keep it with --duhem-update", pytrace=False)
         now = snapshot(law, project, parameters, claims=claims, increments=entry["increments"])
         if lines := differences(entry, now, tolerance):
             head = f"{key} is not as {shown} has it; if it is meant, keep it with --duhem-update"
@@ -78,13 +77,9 @@ def _key(name: str, parameters: Mapping[str, Any] | None) -> str:
     return ", ".join([name, *sorted(f"{each} = {value}" for each, value in values)])
 
 
-def _kept(places: Iterable[tuple[Path, str]]) -> tuple[Entry, float] | DuhemError:
-    """What is kept in the first of the places that has it, and how far numbers may move; the error of the first where none has."""
-    faults = []
-    for file, name in places:
-        try:
-            kept = SnapshotFile.read(file)
-            return kept.entry(name, file), kept.tolerance
-        except DuhemError as fault:
-            faults.append(fault)
-    return faults[0]
+def _tolerance(file: Path) -> float:
+    """What the file states, which is its owner's to change; of none, or of one that cannot be read, the tolerance of a new one."""
+    try:
+        return SnapshotFile.read(file).tolerance
+    except DuhemError:
+        return SnapshotFile().tolerance
