@@ -301,6 +301,10 @@ for name, extras, roots in [
     ("one component of the slip", lambda f, t, k: {"slip": f.slip * [1.0, 0.0]}, ["slip"]),
     ("a multiplier without slip", lambda f, t, k: {"multiplier": f.multiplier + 1.0}, ["multiplier"]),
     ("a negative multiplier", lambda f, t, k: {"multiplier": -f.multiplier}, ["multiplier"]),
+    ("twice the multiplier", lambda f, t, k: {"multiplier": 2.0 * f.multiplier}, ["multiplier"]),
+    ("no multiplier", lambda f, t, k: {"multiplier": 0.0 * f.multiplier}, ["multiplier"]),
+    ("a multiplier wrong in the seventh digit", lambda f, t, k: {"multiplier": f.multiplier * (1 + 1e-7)}, ["multiplier"]),
+    ("the length of the slip for a multiplier", lambda f, t, k: {"multiplier": np.linalg.norm(f.slip, axis=1)}, ["multiplier"]),
     (
         "nan for a multiplier where it sticks",
         lambda f, t, k: {"multiplier": np.where(f.multiplier == 0, np.nan, f.multiplier)},

@@ -73,6 +73,18 @@ def secant(trial: Array, stress: Array, gradient: Array, stiffness: Array) -> Ar
     return (np.linalg.norm(stress, axis=1) / np.linalg.norm(trial, axis=1))[:, None, None] * stiffness
 
 
+def by_pressure(trial: Array, pressure: Array, stiffness: Array) -> Step:
+    """The multiplier of g/|sigma_n|."""
+    found = duhem.project("orthotropic", trial, pressure, stiffness, ELLIPSE)
+    return Step(found.stress, multiplier=found.multiplier * np.abs(pressure))
+
+
+def squared(trial: Array, pressure: Array, stiffness: Array) -> Step:
+    """The multiplier of (a/mu_a)^2 + (b/mu_b)^2 - sigma_n^2, where the law has the root."""
+    found = duhem.project("orthotropic", trial, pressure, stiffness, ELLIPSE)
+    return Step(found.stress, multiplier=found.multiplier / (2.0 * np.abs(pressure)))
+
+
 # suggestion: part, routine, what is said
 INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     "trial_stress": [("stress", nothing, "returns the trial stress")],
@@ -119,6 +131,15 @@ INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     "multiple_of_the_slip": [("slip", with_extras(slip=lambda x: 0.5 * x), "0.5 times what the stress lacks")],
     "opposite_multiplier": [("multiplier", with_extras(multiplier=np.negative), "the multiplier has the opposite sign")],
     "multiplier_with_a_shift": [("multiplier", with_extras(multiplier=lambda x: x + 1.0), "off by +1 everywhere")],
+    "multiple_of_the_multiplier": [
+        ("multiplier", with_extras(multiplier=lambda x: 2.0 * x), "2 times the slip over the gradient"),
+        ("multiplier", with_extras(multiplier=lambda x: 0.0 * x), "always zero"),
+    ],
+    "multiplier_of_another_g": [
+        ("multiplier", of_step(lambda t, s, g, k: np.linalg.norm(np.linalg.solve(k, (t - s).T), axis=0), "multiplier"), "has length 1"),
+        ("multiplier", of_step(lambda t, s, g, k: np.linalg.norm(t - s, axis=1), "multiplier"), "not divided by the stiffness"),
+        ("multiplier", squared, "with its parts squared"),
+    ],
     "elastic_tangent": [("tangent", of_step(lambda t, s, g, k: np.tile(k, (len(t), 1, 1)), "tangent"), "the elastic one")],
     "no_tangent": [("tangent", with_extras(tangent=lambda x: 0.0 * x), "the tangent is zero")],
     "continuum_tangent": [("tangent", of_step(rates, "tangent"), "that of the rates")],
@@ -138,9 +159,12 @@ WITH_PARAMETERS: dict[str, list[tuple[Part, Routine, str]]] = {
 }
 
 
-def asked(update: Routine, law: str = "orthotropic", values: dict[str, float] = ELLIPSE, accuracy: float = 1e-9) -> Query:
+def asked(
+    update: Routine, law: str = "orthotropic", values: dict[str, float] = ELLIPSE, accuracy: float = 1e-9, pressure: float = -1.0
+) -> Query:
     trial, zero = np.array([[0.8, 0.3]]), np.zeros((1, 2))
-    case = Case(values, K, [-1.0], trial, -trial, zero, zero, zero, [2.0], 2.0, np.zeros((1, 2, 2)), [[-1.0, -1.0]])  # type: ignore[arg-type]
+    loads = [[pressure] * 2]
+    case = Case(values, K, [pressure], -pressure * trial, -trial, zero, zero, zero, [2.0], 2.0, np.zeros((1, 2, 2)), loads)  # type: ignore[arg-type]
     return Query(Region(duhem.load(law), values), case, update, (), accuracy)
 
 
@@ -165,6 +189,11 @@ def test_which_coefficient_is_another_one_is_told(name: str) -> None:
     for part, update, said in WITH_PARAMETERS[name]:
         found = told(part, asked(update, "antoni2007", MU))
         assert next(iter(found)) == name and said in found[name]
+
+
+def test_the_multiplier_of_a_formula_over_its_pressure_is_told() -> None:
+    found = told("multiplier", asked(by_pressure, pressure=-3.0))
+    assert "that of g divided by the pressure" in found["multiplier_of_another_g"]
 
 
 def test_every_suggestion_has_a_routine_that_does_so() -> None:

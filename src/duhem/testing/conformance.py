@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
-from duhem.testing.checks import law_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
+from duhem.testing.checks import law_checks, multiplier_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
 from duhem.testing.checks.query import NoReply, Query
 from duhem.testing.checks.registry import Check, registered
 from duhem.testing.drawn.case import Case

@@ -157,28 +157,6 @@ def complementarity(q: Query) -> Finding:
 
 
 @register(
-    "multiplier",
-    statement="the multiplier is never negative, and zero where the trial is admissible",
-    formula="lambda >= 0; sigma_tr in K => lambda = 0",
-    source=_LAW,
-    tolerance="sign: none; zero: lambda |grad g| <= 2 u, the slip that rounding of the boundary explains",
-)
-def multiplier(q: Query) -> Finding:
-    found = q.first[0]
-    if found.multiplier is None:
-        raise NothingToCheck("the routine returns no multiplier")
-    amount = np.where(found.multiplier >= 0.0, found.multiplier, np.inf)
-    gradient, _ = q.region.slope(found.stress, q.pressure)
-    with np.errstate(all="ignore"):
-        size = np.where(amount == 0.0, 0.0, amount * q.dual_length(gradient))
-    allowed = 2.0 * q.unit(found)
-    free = q.certainly((size > allowed) & np.isfinite(amount), found.trial, outside=False)
-    return Finding(
-        np.where(free | ~np.isfinite(found.multiplier) & ~(found.multiplier > 0.0) | (amount != found.multiplier), size, 0.0), allowed
-    )
-
-
-@register(
     "dissipation",
     statement="the step dissipates",
     formula="sigma . slip >= 0",

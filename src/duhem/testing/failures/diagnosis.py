@@ -125,7 +125,7 @@ def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
 
         for name, suggest in _suggestions[part].items():
             found_of_it = [(beyond, name, said) for said, answers in suggest(probe) if (beyond := explains(answers)) is not None]
-            believed += sorted(found_of_it)[:1]
+            believed += sorted(found_of_it, key=lambda b: b[0])[:1]  # of equals the one yielded first
     believed.sort(key=lambda b: b[0])
     return {name: statement for _, name, statement in believed}
 

@@ -74,6 +74,33 @@ def multiplier_with_a_shift(p: Probe) -> Iterator[tuple[str, Array]]:
         yield f"the multiplier is off by {shift:+.6g} everywhere", _multiplier(p) + shift
 
 
+@suggests("multiplier")
+def multiple_of_the_multiplier(p: Probe) -> Iterator[tuple[str, Array]]:
+    right = _multiplier(p)
+    with np.errstate(all="ignore"):
+        factor = constant(np.where(right > 0.0, np.asarray(p.reply.multiplier) / right, np.nan))
+    if factor == 0.0:
+        yield "the multiplier returned is always zero", np.zeros_like(right)
+    elif factor is not None:
+        yield f"the multiplier is {factor:.6g} times the slip over the gradient of g", factor * right
+
+
+@suggests("multiplier")
+def multiplier_of_another_g(p: Probe) -> Iterator[tuple[str, Array]]:
+    right, size = _multiplier(p), -p.query.region.level(np.zeros_like(p.trial), p.pressure)  # of g = N - R or N^p - R^p
+    yield "the multiplier is the length of the slip, of a g whose gradient has length 1", _length(_slip(p))
+    yield "the multiplier is the length of trial stress less stress: it is not divided by the stiffness", _length(p.trial - p.returned)
+    if p.query.region.law.pressure is not None:
+        yield "the multiplier is that of g divided by the pressure, not of g as it is written", right * np.abs(p.pressure)
+    yield "the multiplier is that of g divided by its size, -g(0): of a gauge, not of g as it is written", right * size
+    yield "the multiplier is that of g with its parts squared, not of g as it is written", right / (2.0 * size)
+    yield "the multiplier is that of g with the root of its parts, not of g as it is written", right * 2.0 * np.sqrt(size)
+
+
+def _length(vectors: Array) -> Array:
+    return np.asarray(np.linalg.norm(vectors, axis=1))
+
+
 @suggests("tangent")
 def elastic_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
     yield "the tangent is the elastic one, the stiffness, where there is slip too", np.broadcast_to(p.stiffness, _shape(p))
@@ -107,7 +134,7 @@ def opposite_tangent(p: Probe) -> Iterator[tuple[str, Array]]:
 
 @suggests("tangent")
 def secant(p: Probe) -> Iterator[tuple[str, Array]]:
-    share = np.linalg.norm(p.returned, axis=1) / np.linalg.norm(p.trial, axis=1)
+    share = _length(p.returned) / _length(p.trial)
     yield "the tangent is a secant: the stiffness times stress over trial stress", share[:, None, None] * p.stiffness
 
 
