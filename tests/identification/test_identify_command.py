@@ -120,6 +120,9 @@ def test_arguments_that_cannot_be_used():
         duhem.identify(table(PAPER), bootstrap=-1)
     with pytest.raises(InputError, match="no free parameter"):
         duhem.identify(table(PAPER), "coulomb", parameters={"mu": 0.3})
+    for dates in (np.array([2020], "M8[Y]"), np.array([3], "m8[s]"), np.array([True])):  # NumPy would make numbers of them
+        with pytest.raises(InputError, match="sigma_a does not hold real numbers"):
+            duhem.identify({"sigma_a": dates, "sigma_b": [0.1], "sigma_n": [-1.0]}, "coulomb")
     with pytest.raises(InputError, match="no column sigma_n"):
         duhem.identify({"sigma_a": [1.0], "sigma_b": [1.0]})
     with pytest.raises(InputError, match="no formula"):

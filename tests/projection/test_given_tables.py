@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import duhem
-from duhem import InputError, Path
+from duhem import InputError, Path, Paths
 from duhem.expression.given_array import columns
 
 TRIAL = np.array([[1.0, 0.5], [2.0, -0.25], [0.1, 3.0]])  # sigma_a, sigma_b: not alike, so that a wrong order shows
@@ -131,7 +131,70 @@ def test_names_that_are_none_or_twice():
         stress({})
 
 
+class Column:
+    """A column as xarray has them: along named dimensions, whose entries may have labels."""
+
+    def __init__(self, values, *dims, **coords):
+        self.values, self.dims, self.coords = np.asarray(values), dims, coords
+
+    def __array__(self, dtype=None, copy=None):
+        return self.values
+
+
+class Index(list):
+    """Labels of rows, as pandas has them."""
+
+    def equals(self, other):
+        return self == other
+
+
+class Rows(Column):
+    """A column as pandas has them."""
+
+    def __init__(self, values, *labels):
+        self.values, self.index = np.asarray(values), Index(labels)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ({("s", "sigma_a"): B, ("s", "sigma_b"): A}, "trial: the columns are named at several levels"),
+        ({"sigma_a": A, ("sigma_b", 0): B}, "trial: the columns are named at several levels"),
+        ({"sigma_a": A > 1.0, "sigma_b": B}, r"trial\['sigma_a'\]: these are not real numbers"),
+        ({"sigma_a": A, "sigma_b": np.array(["2020", "2021", "2022"], "M8[Y]")}, r"trial\['sigma_b'\]: these are not real numbers"),
+        ({"sigma_a": A, "sigma_b": B.astype(object)}, r"trial\['sigma_b'\]: these are not real numbers"),
+        ({"sigma_a": A, "sigma_b": B.astype([("x", "f8")])}, r"trial\['sigma_b'\]: these are not real numbers"),
+        ({"sigma_a": Column(A, "p"), "sigma_b": Column(B, "q")}, "rows of 'sigma_b' have other labels than those of 'sigma_a'"),
+        ({"sigma_a": Column(A, "p", p=[1, 2, 3]), "sigma_b": Column(B, "p", p=[1, 3, 2])}, "rows of 'sigma_b' have other labels"),
+        ({"sigma_a": Rows(A, 1, 2, 3), "sigma_b": Rows(B, 1, 3, 2)}, "rows of 'sigma_b' have other labels"),
+        ({"sigma_a": TRIAL, "sigma_b": TRIAL}, r"trial has the shape \(3, 2, 2\)"),
+    ],
+)
+def test_columns_that_are_none(content, words):
+    for table in (content, Frame(**content)) if all(isinstance(label, str) for label in content) else (content,):
+        with pytest.raises(InputError, match=words):
+            stress(table)
+
+
+def test_labels_of_rows_and_of_forces(expected):
+    assert np.array_equal(stress({"sigma_b": Rows(B, 1, 2, 3), "sigma_a": Rows(A, 1, 2, 3)}), expected)
+    both = {"row": Column(["p", "q", "r"], "row"), "force": Column(["sigma_b", "sigma_a"], "force")}
+    beside = {"named": Column(["sigma_b", "sigma_a"], "force")}
+    for coords in (both, beside):
+        assert np.array_equal(stress(Column(TRIAL[:, ::-1], "row", "force", **coords)), expected)
+    table = Column(TRIAL, "row", "force", row=np.arange(3))
+    assert np.array_equal(stress(table, Column([-1.0] * 3, "row", row=np.arange(3))), expected)
+    with pytest.raises(InputError, match="pressure: its rows have other labels"):
+        stress(table, Column([-1.0] * 3, "row", row=np.arange(3)[::-1]))
+
+
 def test_what_has_no_order_is_not_taken_in_one():
+    for attempt in (
+        lambda named: Paths.linear(named, pressure=-1.0),
+        lambda named: Paths.scaled(Path.linear([[0.0, 0.0], [1.0, 1.0]]), named),
+    ):
+        with pytest.raises(InputError, match="nothing says in which order"):
+            attempt(Frame(u_b=[0.0, 1.0], u_a=[0.0, 2.0]))
     with pytest.raises(InputError, match="nothing says in which order"):
         duhem.project("antoni2007", TRIAL, -1.0, Frame(sigma_b=[2.0], sigma_a=[1.0]), MU)
     with pytest.raises(InputError, match="nothing says in which order"):
@@ -149,6 +212,9 @@ def test_masked_entries_are_refused_and_an_idle_mask_is_not(expected):
         (lambda: Path.linear(TRIAL, pressure=np.ma.masked_array([-1.0] * 3, [0, 1, 0])), r"pressure\[1\]"),
         (lambda: duhem.identify(np.ma.masked_array([[0.1, 0.2, -1.0]] * 5, [[0, 0, 0]] * 4 + [[0, 1, 0]]), "coulomb"), r"\[4, 1\]"),
         (lambda: stress(np.ma.masked), "trial"),
+        (lambda: stress([*TRIAL[:2], masked[1]]), r"trial\[2\]\[1\]"),
+        (lambda: stress([(0.1, np.ma.masked)]), r"trial\[0\]\[1\]"),
+        (lambda: stress({"sigma_a": A, "sigma_b": [0.1, np.ma.masked, 0.1]}), r"trial\['sigma_b'\]\[1\]"),
     ):
         with pytest.raises(InputError, match=f"{place} is masked"):
             attempt()

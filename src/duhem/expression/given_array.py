@@ -17,25 +17,34 @@ from duhem.expression.spelling import spelled
 __all__ = ["check_rows", "columns", "in_order", "unlabelled", "unmasked"]
 
 _PLAIN = (np.generic, list, tuple, int, float, str)
+_ONE_ORDER = "bring both into one order, or give an array"
 
 
-def columns(given: Any, where: str) -> dict[str, Any] | None:
+def columns(given: Any, where: str, names: Sequence[str] = ()) -> dict[str, Any] | None:
     """The columns of a table by name, in one spelling; None of what has no names, such as an array.
 
     A table is a mapping (``xarray.Dataset`` is one), a data frame, a series or an ``xarray.DataArray`` labelled by names, or a
-    NumPy array of records.  InputError for names that are there twice, and for labels of which only some are names.
+    NumPy array of records; where several dimensions of an array have names, that of the ``names`` counts.  InputError for names
+    that are there twice, for labels of which only some are names or that are made of several, and for columns whose rows differ.
     """
-    found = _labelled(given)
+    found = _labelled(given, names)
     labels = [label for label, _ in found or ()]
+    if any(isinstance(label, tuple) and any(isinstance(part, str) for part in label) for label in labels):
+        raise InputError("the columns are named at several levels", where=where, remedy="give each one name, or give a plain array")
     if not any(isinstance(label, str) for label in labels):
         return {} if isinstance(given, Mapping) else None
     if not all(isinstance(label, str) for label in labels):
         raise InputError("only some of the columns have a name", where=where, remedy="name each, or give a plain array")
     made = {spelled(label): column for label, column in found or ()}
     if len(made) < len(labels):
-        names = [spelled(label) for label in labels]
-        twice = next(name for name in names if names.count(name) > 1)
+        spellings = [spelled(label) for label in labels]
+        twice = next(name for name in spellings if spellings.count(name) > 1)
         raise InputError(f"the column {twice!r} is there twice", where=where, remedy="give each column a name of its own")
+    first = next(iter(made.values()))
+    ways = getattr(first, "dims", ())
+    if other := next((name for name, column in made.items() if _apart(first, column) or getattr(column, "dims", ways) != ways), None):
+        what = f"the rows of {other!r} have other labels than those of {next(iter(made))!r}"
+        raise InputError(what, where=where, remedy=_ONE_ORDER)
     return made
 
 
@@ -45,7 +54,7 @@ def in_order(given: Any, names: Sequence[str], where: str) -> Any:
     InputError where a name is missing, and for columns besides, which might be meant.
     """
     unmasked(given, where)
-    table = columns(given, where)
+    table = columns(given, where, names)
     if table is None:
         return given
     absent, besides = [n for n in names if n not in table], [n for n in table if n not in names]
@@ -53,9 +62,11 @@ def in_order(given: Any, names: Sequence[str], where: str) -> Any:
         lacks, has = f"there is no column {', '.join(absent)}", f"no column {', '.join(besides)[:60]} is asked for"
         what = " and ".join([lacks] * bool(absent) + [has] * bool(besides))
         raise InputError(what, where=where, remedy=f"give the columns {', '.join(names)}, in any order, and no other")
-    parts = [unmasked(table[name], f"{where}[{name!r}]") for name in names]
+    parts = [np.asarray(unmasked(table[name], f"{where}[{name!r}]")) for name in names]
+    if strange := next((name for name, part in zip(names, parts, strict=True) if part.dtype.kind not in "iuf"), None):
+        raise InputError("these are not real numbers", where=f"{where}[{strange!r}]", remedy="give a column of floats")
     try:
-        return np.stack([np.asarray(part) for part in parts], axis=-1)
+        return np.stack(parts, axis=-1)
     except ValueError:
         raise InputError("the columns differ in length", where=where, remedy="give one number a row in each") from None
 
@@ -74,18 +85,30 @@ def unmasked(given: Any, where: str) -> Any:
         if len(bad := np.argwhere(mask)):
             index = f"[{', '.join(map(str, bad[0].tolist()))}]" if mask.ndim else ""
             raise InputError(f"{where}{index} is masked", remedy="leave the row out, or give its number")
+    elif isinstance(given, list | tuple):  # NumPy takes what is below the masks of its parts
+        for i, part in enumerate(given):
+            if isinstance(part, list | tuple | np.ma.MaskedArray):
+                unmasked(part, f"{where}[{i}]")
     return given
 
 
 def check_rows(table: Any, column: Any, where: str) -> None:
-    """InputError where ``column`` has rows of other labels than the data frame ``table``: they are taken in order, and not joined."""
-    rows: Any = getattr(column, "index", None)
-    if hasattr(table, "columns") and hasattr(rows, "equals") and len(rows) == len(table) and not rows.equals(table.index):
-        remedy = "bring both into one order, or give an array"
-        raise InputError("its rows have other labels than those of the table of forces", where=where, remedy=remedy)
+    """InputError where ``column`` has rows of other labels than ``table``: they are taken in order, and not joined."""
+    if (hasattr(table, "columns") or hasattr(table, "dims")) and _apart(table, column):
+        raise InputError("its rows have other labels than those of the table of forces", where=where, remedy=_ONE_ORDER)
 
 
-def _labelled(given: Any) -> list[tuple[Any, Any]] | None:
+def _apart(table: Any, column: Any) -> bool:
+    """Whether the rows of a table and a column have labels that differ: pandas' index, xarray's dimensions."""
+    if hasattr(table, "dims") and hasattr(column, "dims"):
+        known = [name for name in column.dims if name in table.coords and name in column.coords]
+        return any(not np.array_equal(np.asarray(table.coords[name]), np.asarray(column.coords[name])) for name in known)
+    ours: Any = getattr(table, "index", None)
+    theirs: Any = getattr(column, "index", None)
+    return hasattr(ours, "equals") and hasattr(theirs, "equals") and len(ours) == len(theirs) and not ours.equals(theirs)
+
+
+def _labelled(given: Any, names: Sequence[str]) -> list[tuple[Any, Any]] | None:
     """Label and column, one by one; None of what has no labels."""
     if isinstance(given, np.ndarray):
         return None if given.dtype.names is None else [(name, given[name]) for name in given.dtype.names]
@@ -96,11 +119,15 @@ def _labelled(given: Any) -> list[tuple[Any, Any]] | None:
     if hasattr(given, "columns") and hasattr(given, "__getitem__"):  # data frames, and tables of Arrow
         return [(label, given[label]) for label in getattr(given, "column_names", given.columns)]
     if hasattr(given, "dims") and hasattr(given, "coords"):  # xarray: along one dimension the labels may be names
-        array = np.asarray(given)
-        for axis, dimension in enumerate(given.dims):
-            labels: list[Any] = np.asarray(given.coords[dimension]).tolist() if dimension in given.coords else []
+        array, found = np.asarray(given), list[tuple[int, list[Any]]]()
+        for name in given.coords:  # a dimension's own, or beside it
+            along = getattr(given.coords[name], "dims", (name,))
+            labels: list[Any] = np.asarray(given.coords[name]).tolist() if len(along) == 1 else []
             if any(isinstance(label, str) for label in labels):
-                return [(label, array.take(i, axis)) for i, label in enumerate(labels)]
-        return None
+                found.append((given.dims.index(along[0]), labels))
+        if not found:
+            return None
+        axis, labels = next((each for each in found if any(spelled(x) in names for x in each[1] if isinstance(x, str))), min(found))
+        return [(label, array.take(i, axis)) for i, label in enumerate(labels)]
     index = getattr(given, "index", None)
     return None if index is None or callable(index) else list(zip(index, np.asarray(given), strict=True))  # a series

@@ -63,7 +63,7 @@ class Points:
         names = (*law.forces, *([law.pressure] if law.pressure else []))
         if isinstance(given, (str, PathLike)):
             return _of_columns(*_read(given, names), law, f"{fspath(given)}")
-        if (table := columns(given, "points")) is not None:
+        if (table := columns(given, "points", names)) is not None:
             known = {n: _numbers(table[n], n) for n in (*names, *_OPTIONAL) if n in table}
             _complete(known, names, tuple(table), "points")
             return _of_columns(known, (), law, "points")
@@ -81,7 +81,7 @@ class Points:
 def _numbers(given: ArrayLike, what: str) -> Array:
     unmasked(given, what)
     try:
-        if not np.iscomplexobj(given):
+        if np.asarray(given).dtype.kind not in "bcmM":  # truth values, complex numbers, times and dates become doubles too
             return np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         pass

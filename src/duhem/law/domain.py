@@ -119,7 +119,8 @@ def range_fault(name: str, own: Domain, forces: Sequence[str], pressure: str | N
 def by_name(given: Mapping[str, Any] | None, what: str = "a value") -> Mapping[str, Any]:
     """``given`` by names in one spelling, nothing for None; InputError where it does not map names to anything."""
     if given is not None and not isinstance(given, Mapping):
-        raise InputError(f"{given!r} does not say which parameter has which value", where="parameters", remedy=f"map each name to {what}")
+        shown = " ".join(repr(given).split())[:60]
+        raise InputError(f"{shown} does not say which parameter has which value", where="parameters", remedy=f"map each name to {what}")
     return respelled(given or {}, "parameters")
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
+from duhem.expression.given_array import unlabelled
 from duhem.path.loading import Path, between, given_numbers
 from duhem.projection.result import Array
 
@@ -46,7 +47,7 @@ class Paths:
         ``pressure`` as NumPy spreads it over (N, m): one number, (m,) a knot, (N, 1) a point, or (N, m).  Arrays of doubles
         are not copied: they may lie in a file (numpy.memmap).
         """
-        values = _doubles(points, "points")
+        values = _doubles(unlabelled(points, "points", "give its numbers as an array, in the order of the forces"), "points")
         values = values[..., None] if values.ndim == 2 else values
         if values.ndim != 3 or values.shape[1] < 2 or not values.shape[0] or not values.shape[2]:
             what = f"points has the shape {np.shape(points)}"
@@ -65,7 +66,8 @@ class Paths:
             raise InputError(
                 "this is no path of displacements", where="paths", remedy="give one made with Path.linear(points, pressure=...)"
             )
-        factor = given_numbers(by, "by")
+        remedy = "give (N,), or (N, d) as an array, in the order of the forces"
+        factor = given_numbers(unlabelled(by, "by", remedy), "by")
         m, d = path.values.shape
         factor = factor[:, None] if factor.ndim == 1 else factor
         if factor.ndim != 2 or not len(factor) or factor.shape[1] not in (1, d):

@@ -153,12 +153,11 @@ def _at(where: str, index: tuple[int, ...]) -> str:
 
 
 def _trial(given: ArrayLike, d: int, law: Criterion) -> Array:
-    trial = _array(in_order(given, law.forces, "trial"), "trial")
-    if trial.ndim == 1:
-        trial = trial[None]
+    array = _array(in_order(given, law.forces, "trial"), "trial")
+    trial = array[None] if array.ndim == 1 else array
     if trial.ndim != 2 or trial.shape[1] != d:
         raise InputError(
-            f"trial has the shape {np.shape(given)}", where="trial", remedy=f"give (N, {d}) or ({d},), columns {', '.join(law.forces)}"
+            f"trial has the shape {array.shape}", where="trial", remedy=f"give (N, {d}) or ({d},), columns {', '.join(law.forces)}"
         )
     return trial
 
