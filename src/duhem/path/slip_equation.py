@@ -20,10 +20,11 @@ import sympy as sp
 from duhem.errors import DuhemError, InputError
 from duhem.expression import EigMax, Neg, Norm, Pos, Where
 from duhem.expression.angles import algebraic_angles
-from duhem.expression.numpy_ import Program, compiled
 from duhem.expression.pnorm import PNorm, recognised
+from duhem.expression.scalar_jets import FUNCTIONS, scalar_values
 from duhem.path.straight_step import Move
 from duhem.projection.increment import Increment
+from duhem.projection.kept_code import interpreted_text
 from duhem.projection.result import Array
 
 __all__ = ["Boundary", "Drive", "boundary", "corner", "moves"]
@@ -34,6 +35,7 @@ _MOST_EVENTS = 1000
 _GLANCE = 1e-10
 _SAMPLES = np.linspace(0.0, 1.0, 65)
 
+Values = Callable[[Array, float], list[Any]]  # formulas at one stress and pressure; nan or infinite where they are undefined
 Drive = Callable[[float], tuple[Array, Array]]  # tau in [0, 1] -> displacement since tau = 0, and its rate
 
 
@@ -61,19 +63,18 @@ def corner(increment: Increment) -> str | None:
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """g, its derivatives and its seams as programs over (forces, pressure)."""
+    """g, its derivatives in the forces and then in the pressure, and its seams, at one stress and pressure."""
 
-    g: Program
-    gradient: tuple[Program, ...]
-    rate: Program
-    seams: tuple[Program, ...]
+    g: Values
+    slopes: Values
+    seams: tuple[Values, ...]
     stiffness: Array
 
     def value(self, stress: Array, pressure: float) -> float:
-        return float(self.g(*stress, pressure))
+        return float(self.g(stress, pressure)[0])
 
     def normal(self, stress: Array, pressure: float) -> Array:
-        return np.array([float(part(*stress, pressure)) for part in self.gradient])
+        return np.array(self.slopes(stress, pressure)[:-1])
 
 
 def boundary(increment: Increment) -> Boundary:
@@ -91,12 +92,26 @@ def boundary(increment: Increment) -> Boundary:
     kinks = {node.args[0] for node in increment.g.atoms(Pos, Neg, sp.Abs) if node.free_symbols & set(forces)}
     kinks |= _of_the_load(increment.g, pressure)
     return Boundary(
-        g=compiled(increment.g, order),
-        gradient=tuple(compiled(_derivative(increment.g, f), order) for f in forces),
-        rate=compiled(_derivative(increment.g, pressure), order),
-        seams=tuple(compiled(s, order) for s in sorted(kinks, key=str)),
+        g=_values([increment.g], order),
+        slopes=_values([_derivative(increment.g, x) for x in order], order),
+        seams=tuple(_values([kink], order) for kink in sorted(kinks, key=str)),
         stiffness=increment.stiffness,
     )
+
+
+def _values(formulas: Sequence[sp.Expr], order: Sequence[sp.Symbol]) -> Values:
+    """Formulas as lines of Python over numbers: at one point arrays take ten times as long."""
+    text, constants = scalar_values("values", formulas, order)
+    run = interpreted_text(f"from numpy import {', '.join(FUNCTIONS)}\n{text}\n", "values")
+    fixed = [np.float64(c) for c in constants]
+
+    def at(stress: Array, pressure: float) -> list[Any]:
+        found = [0.0] * len(formulas)
+        with np.errstate(all="ignore"):
+            run([*stress, np.float64(pressure), *fixed], found)
+        return found
+
+    return at
 
 
 def _of_the_load(g: sp.Expr, pressure: sp.Symbol) -> set[sp.Expr]:
@@ -134,9 +149,10 @@ def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, flo
 
     def pushed(tau: float, s: Array) -> tuple[Array, Array, Array, float]:
         du = drive(tau)[1]
-        n = on.normal(s, load(tau))
+        *normal, opening = on.slopes(s, load(tau))
+        n = np.array(normal)
         kn = k @ n
-        return du, n, kn, float(kn @ du) + float(on.rate(*s, load(tau))) * rate
+        return du, n, kn, float(kn @ du) + float(opening) * rate
 
     def slipping(tau: float, state: Array) -> Array:
         du, n, kn, push = pushed(tau, state[:d])
@@ -149,9 +165,9 @@ def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, flo
 
     unloads.terminal, unloads.direction = True, -1.0  # type: ignore[attr-defined]
 
-    def seam(program: Program, sign: float) -> Callable[[float, Array], float]:
+    def seam(kink: Values, sign: float) -> Callable[[float, Array], float]:
         def event(tau: float, state: Array) -> float:
-            return sign * float(program(*state[:d], load(tau)))
+            return sign * float(kink(state[:d], load(tau))[0])
 
         event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
         return event
@@ -186,8 +202,8 @@ def moves(on: Boundary, stress: Array, drive: Drive, pressures: tuple[float, flo
         state[:d] -= on.value(state[:d], load(tau)) * n / float(n @ n)
         ahead = state[:d] + _GLANCE * (1.0 - tau) * slipping(tau, state)[:d]  # on a seam, it is watched from where the stress goes
         soon = load(tau + _GLANCE * (1.0 - tau))
-        signs = [float(np.sign(float(p(*ahead, soon)))) for p in on.seams]
-        watched = [seam(p, -s) for p, s in zip(on.seams, signs, strict=True) if s != 0.0]
+        signs = [float(np.sign(kink(ahead, soon)[0])) for kink in on.seams]
+        watched = [seam(kink, -s) for kink, s in zip(on.seams, signs, strict=True) if s != 0.0]
         inner = len(reached) < len(parts) and parts[len(reached)] < 1.0
         events = [unloads, *watched]
         run = solve_ivp(slipping, (tau, 1.0), state, method="DOP853", rtol=_RTOL, atol=atol, events=events, dense_output=inner)

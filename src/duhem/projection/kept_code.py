@@ -17,7 +17,7 @@ from typing import Any
 
 from duhem.errors import MissingExtraError
 
-__all__ = ["compiled_text"]
+__all__ = ["compiled_text", "interpreted_text"]
 
 
 @lru_cache(maxsize=128)
@@ -42,6 +42,14 @@ def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Calla
         if name != entry:
             space[name] = numba.njit(error_model="numpy", cache=False, forceinline=name in inlined)(space[name])
     run: Callable[..., None] = numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[entry])
+    return run
+
+
+def interpreted_text(text: str, entry: str) -> Callable[..., None]:
+    """The function ``entry`` of our own text as Python runs it: for what is called too seldom to be worth compiling."""
+    space: dict[str, Any] = {}
+    exec(compile(text, "<generated>", "exec"), space)
+    run: Callable[..., None] = space[entry]
     return run
 
 
