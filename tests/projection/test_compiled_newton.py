@@ -187,7 +187,7 @@ def test_compiled_it_is_the_same_and_is_kept(tmp_path: Any) -> None:
         assert done.returncode == 0, done.stderr
         assert max(map(float, done.stdout.split())) < 1e-14
     kept = {path.suffix for path in (tmp_path / "kept").rglob("*") if path.is_file()}
-    assert kept == {".py", ".nbi", ".nbc"}
+    assert kept == {".py", ".nbi", ".nbc", ".o"}
 
 
 def test_a_folder_that_cannot_be_written_is_no_fault(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> None:

@@ -8,41 +8,85 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Lock
 from types import ModuleType
 from typing import Any
 
 from duhem.errors import MissingExtraError
+from duhem.projection import machine_code
 
 __all__ = ["compiled_text", "interpreted_text"]
 
 
 @lru_cache(maxsize=128)
-def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Callable[..., None]:
+def compiled_text(text: str, entry: str, inlined: tuple[str, ...] = ()) -> Callable[..., Any]:
     """The function ``entry`` of a module of our own text, compiled with the functions it calls; it lets go of the interpreter.
 
     ``inlined``: functions that are put where they are called, which spares handing over many arrays.  What is not yet on disk is
     compiled at the first call (some seconds).  MissingExtraError without numba.
     """
-    numba = _numba()
+    if find_spec("numba") is None:
+        raise MissingExtraError("numba", "fast")
     if inlined:  # other machine code, and what is kept is found by its text alone
         text = f"{text}\n# where they are called: {', '.join(inlined)}\n"
-    kept = _kept(text)
-    module = ModuleType(f"duhem_{kept.stem}" if kept else f"duhem_generated_{_name(text)}")
-    sys.modules[module.__name__] = module  # where what was kept looks for it
-    space = module.__dict__
-    exec(
-        compile(text, str(kept or "<generated>"), "exec"), space
-    )  # our own text: of the user's formula it has SymPy's numbers and our names
-    functions = [name for name, value in space.items() if inspect.isfunction(value) and value.__module__ == module.__name__]
-    for name in functions:
-        if name != entry:
-            space[name] = numba.njit(error_model="numpy", cache=False, forceinline=name in inlined)(space[name])
-    run: Callable[..., None] = numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[entry])
-    return run
+    return _Entry(text, entry, inlined)
+
+
+class _Entry:
+    """A function that runs as machine code from disk where there is some for its arguments, and else through numba."""
+
+    def __init__(self, text: str, name: str, inlined: tuple[str, ...]) -> None:
+        self._text, self._name, self._inlined = text, name, inlined
+        self._kept = _kept(text)
+        self._runs: dict[machine_code.Kinds, Callable[..., Any]] = {}
+        self._lock = Lock()
+
+    def __call__(self, *arguments: Any) -> Any:
+        try:
+            known = machine_code.kinds(arguments)
+        except LookupError:
+            return self._by_numba(*arguments)
+        if (run := self._runs.get(known)) is None:
+            with self._lock:
+                run = self._runs.get(known) or self._found(known)
+            if run is None:
+                return self._first(known, arguments)
+        return run(*arguments)
+
+    def _found(self, known: machine_code.Kinds) -> Callable[..., Any] | None:
+        path = None if self._kept is None else machine_code.place(self._kept, self._name, known)
+        run = None if path is None else machine_code.kept(path, self._name)
+        if run is not None:
+            self._runs[known] = run
+        return run
+
+    def _first(self, known: machine_code.Kinds, arguments: tuple[Any, ...]) -> Any:
+        """Compiled by numba, or found where that keeps it, and kept for the next process."""
+        result = self._by_numba(*arguments)
+        self._runs[known] = self._by_numba
+        if self._kept is not None and (path := machine_code.place(self._kept, self._name, known)) is not None:
+            machine_code.keep(path, self._by_numba, arguments)
+        return result
+
+    @cached_property
+    def _by_numba(self) -> Any:
+        numba = _numba()
+        kept, text = self._kept, self._text
+        module = ModuleType(f"duhem_{kept.stem}" if kept else f"duhem_generated_{_name(text)}")
+        sys.modules[module.__name__] = module  # where what was kept looks for it
+        space = module.__dict__
+        exec(
+            compile(text, str(kept or "<generated>"), "exec"), space
+        )  # our own text: of the user's formula it has SymPy's numbers and our names
+        functions = [name for name, value in space.items() if inspect.isfunction(value) and value.__module__ == module.__name__]
+        for name in functions:
+            if name != self._name:
+                space[name] = numba.njit(error_model="numpy", cache=False, forceinline=name in self._inlined)(space[name])
+        return numba.njit(error_model="numpy", cache=kept is not None, nogil=True)(space[self._name])
 
 
 def interpreted_text(text: str, entry: str) -> Callable[..., None]:
