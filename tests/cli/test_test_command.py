@@ -12,9 +12,12 @@ from xml.etree import ElementTree
 
 import pytest
 
+from duhem.errors import DuhemError
+
 ROUTINES = """
 import numpy as np
 from duhem.testing import Step
+from duhem.testing.routines.unfinished import Unfinished
 
 def right(trial, pressure, stiffness, mu):
     size, limit = np.hypot(*trial.T), -mu * pressure
@@ -29,6 +32,11 @@ def flags_slip(trial, pressure, stiffness, mu):
 
 def gives_up(trial, pressure, stiffness, mu):
     return Step(trial, solved=np.zeros(len(trial), dtype=bool))
+
+def endless(trial, pressure, stiffness, mu):
+    if (pressure < -2.0).any():
+        raise Unfinished("endless has not answered within 120 s", remedy="look where its loop ends")
+    return right(trial, pressure, stiffness, mu)
 
 calls = 0
 
@@ -131,6 +139,18 @@ def test_a_routine_may_be_tested_without_a_law(run: Command) -> None:
 def test_who_interrupts_sees_what_was_found(run: Command) -> None:
     code, out, _ = run(*of("stopped"), "--checks", "feasibility,answers", "--seed", "7")
     assert code == 130 and "2 checks passed, 0 failed" in out and "visited: " in out
+
+
+def test_a_routine_that_does_not_come_back_is_an_error_and_written_as_a_test(run: Command, tmp_path: Path) -> None:
+    code, _, err = run(*of("endless"), *FEW, "feasibility", "--replay", "replays")
+    assert (
+        code == 4
+        and err.startswith("duhem: coulomb, mu = ")
+        and err.endswith(", asked by the check feasibility: endless has not answered within 120 s; look where its loop ends\n")
+    )
+    (file,) = (tmp_path / "replays").iterdir()
+    with pytest.raises(DuhemError, match="has not answered"):
+        runpy.run_path(str(file))["test_feasibility"]()
 
 
 @pytest.mark.parametrize(

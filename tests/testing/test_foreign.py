@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -11,11 +12,12 @@ import pytest
 
 from duhem import Criterion, Domain
 from duhem.errors import InputError
-from duhem.testing import conformance, decades, from_material, violation
+from duhem.testing import Material, MaterialState, conformance, decades, from_material, violation
 from duhem.testing.foreign import jax_routine, mgis_material, shared_library, shared_material, umat
 from duhem.testing.foreign.abaqus import rotation
 from duhem.testing.foreign.native import NativeFault
 from duhem.testing.foreign.prototype import Prototype
+from duhem.testing.routines.unfinished import Unfinished
 from tests.export.shared_library import compiler
 from tests.long import mostly_long
 from tests.testing.examples import MISES, STEEL, elastic, friction, interface, library, mises
@@ -23,6 +25,7 @@ from tests.testing.examples import MISES, STEEL, elastic, friction, interface, l
 BATCHED = """
 #include <math.h>
 #include <stdlib.h>
+#include <unistd.h>
 void many(int n, int d, const double *trial, const double *pressure, double mu, double *stress, int *status) {
     for (int i = 0; i < n; i++) {
         double size = 0;
@@ -34,7 +37,18 @@ void many(int n, int d, const double *trial, const double *pressure, double mu, 
 }
 void crash(const double *trial, double *stress) { stress[0] = trial[0] > 2 ? *(volatile double *)0 : trial[0]; }
 void leaves(const double *trial, double *stress) { if (trial[0] > 2) exit(3); stress[0] = trial[0]; }
+void endless(const double *trial, double *stress) { while (trial[0] > 2) sleep(1); stress[0] = trial[0]; }
+void clobbers(double *trial, double *pressure, double *stiffness, double *mu, double *stress, double *slip) {
+    for (int i = 0; i < 2; i++) slip[i] = 0, stress[i] = trial[i];
+    if (mu[0] == 1) trial[1] = 0;
+    if (mu[0] == 2) pressure[0] = 1;
+    if (mu[0] == 3) stiffness[3] += 1;
+    if (mu[0] == 4) mu[0] = 5;
+    if (mu[0] == 6) stress[2] = 0;
+    if (mu[0] == 7) slip[-1] = 1, trial[0] = 1;
+}
 """
+CLOBBERS = "void clobbers(double *trial, double *pressure, double *stiffness, double *mu, double *stress, double *slip)"
 
 
 @pytest.fixture(scope="module")
@@ -147,6 +161,62 @@ def test_what_ends_its_process_is_told_and_the_next_call_is_answered(many: Path,
     with pytest.raises(NativeFault, match=rf"{symbol} of .*many\.so ended its process {how}"):
         update(np.array([[1.0], [3.0]]), None, np.eye(1))
     assert update(np.array([[-1.0]]), None, np.eye(1)).stress.tolist() == [[-1.0]]
+
+
+SPOILT = [(0, ""), (1, "trial"), (2, "pressure"), (3, "stiffness"), (4, "mu"), (6, "beside stress"), (7, "trial, beside slip")]
+
+
+@pytest.mark.parametrize("isolated", [False, True])
+def test_what_a_library_overwrites_is_told(many: Path, isolated: bool) -> None:
+    update = shared_library(many, CLOBBERS, isolated=isolated)
+    trial, pressure, k = np.array([[1.5, 2.5], [3.5, 4.5]]), np.array([-1.0, -2.0]), np.eye(2)
+    for mu, said in SPOILT:
+        found = update(trial, pressure, k, mu=float(mu))
+        assert found.stress.tolist() == trial.tolist() == [[1.5, 2.5], [3.5, 4.5]] and k.tolist() == [[1.0, 0.0], [0.0, 1.0]]
+        assert (found.overwritten is None) if not said else (found.overwritten.tolist() == [said] * 2)
+
+
+@pytest.mark.parametrize(("mu", "said"), mostly_long(SPOILT, (0, ""), (7, "trial, beside slip")))
+def test_a_library_that_overwrites_is_refused(many: Path, mu: int, said: str) -> None:
+    update = shared_library(many, CLOBBERS)
+    options = {"stiffness": [2.0, 3.0], "pressure": -1.0, "checks": ["inputs"], "max_examples": 1, "rows": 3, "tries": 5}
+    report = conformance(None, update, {"mu": float(mu)}, **options)
+    assert report.failed == ({"inputs"} if said else set())
+    assert all(f.message == f"overwritten: {said}" for f in report.failures)
+
+
+def test_a_material_that_overwrites_its_state_is_refused() -> None:
+    def advance(before: MaterialState, increment: np.ndarray, pressure: object, duration: float) -> MaterialState:
+        before.stress[...] += 2.0 * increment
+        return MaterialState(before.strain + increment, before.stress, before.variables)
+
+    report = conformance(None, Material(advance, [[2.0]]), checks=["inputs"], max_examples=1, rows=3, tries=5)
+    assert [f.message for f in report.failures] == ["overwritten: stress before the step"]
+
+
+def test_a_umat_that_overwrites_what_it_is_given_is_told(tmp_path: Path) -> None:
+    source = tmp_path / "spoils.f90"
+    source.write_text(UMAT.replace("  sse =", "  dstran(6) = 0; statev(3) = 1; dtime = 7\n  sse ="), "utf-8")
+    subprocess.run([compiler("FC", "gfortran"), "-shared", "-fPIC", str(source), "-o", str(tmp_path / "spoils.so")], check=True)
+    material = umat(tmp_path / "spoils.so", list(np.eye(6).ravel()), np.eye(6), variables=[0.0, 0.0])
+    after = material.advance(material.virgin(2), np.ones((2, 6)), None, 1.0)
+    assert after.overwritten is not None and after.overwritten.tolist() == ["DSTRAN, DTIME, beside STATEV"] * 2
+    assert after.variables.tolist() == [[0.0, 0.0]] * 2
+
+
+def test_a_call_without_end_is_an_error_that_names_its_increment(many: Path, tmp_path: Path) -> None:
+    update = shared_library(many, "void endless(const double *trial, double *stress)", isolated=True, seconds=0.5)
+    assert update(np.array([[1.0]]), None, np.eye(1)).stress.tolist() == [[1.0]]
+    options = {"stiffness": [1.0], "max_examples": 3, "rows": 4, "tries": 5, "seed": 0}
+    with pytest.raises(Unfinished, match=r"endless of .*many\.so has not answered within 0\.5 s; look where") as fault:
+        conformance(None, update, **options)
+    failure = fault.value.failure
+    assert failure.case.trial[0, 0] > 2 or failure.case.path.max() > 2
+    assert str(fault.value).startswith("trial [") and f"asked by the check {failure.check.name}" in str(fault.value)
+    (tmp_path / "test_replay.py").write_text(failure.replay(), "utf-8")
+    with pytest.raises(Unfinished):
+        runpy.run_path(str(tmp_path / "test_replay.py"))[f"test_{failure.check.name.replace('-', '_')}"]()
+    assert update(np.array([[1.5]]), None, np.eye(1)).stress.tolist() == [[1.5]]
 
 
 @pytest.mark.slow

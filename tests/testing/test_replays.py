@@ -7,6 +7,7 @@ import runpy
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,21 @@ def test_a_replay_fails_with_the_bug_and_passes_without(routine: str, friction: 
         runpy.run_path(str(file))["test_feasibility"]()
     friction(1.0)
     runpy.run_path(str(file))["test_feasibility"]()
+
+
+def test_a_replay_moves_with_the_project(friction: Callable[[float], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (file,) = failing(friction(2.0).disk).write_replays(tmp_path / "replays")
+    moved = tmp_path / "elsewhere" / "replays" / file.name
+    moved.parent.mkdir(parents=True)
+    moved.write_text(file.read_text("utf-8"), "utf-8")
+    (tmp_path / "elsewhere" / "my_friction.py").write_text(WRONG.format(factor=1.0), "utf-8")
+    monkeypatch.setattr(sys, "path", [each for each in sys.path if each != str(tmp_path)])
+    for place, wrong in ((moved, False), (file, True)):
+        sys.modules.pop("my_friction", None)
+        importlib.invalidate_caches()
+        monkeypatch.setattr(sys, "path", [each for each in sys.path if not each.startswith(str(tmp_path))])
+        with pytest.raises(AssertionError, match="measured") if wrong else nullcontext():
+            runpy.run_path(str(place))["test_feasibility"]()
 
 
 @pytest.mark.slow

@@ -31,6 +31,7 @@ from duhem.errors import InputError
 if TYPE_CHECKING:
     from duhem.testing.checks.registry import Check
     from duhem.testing.failures.report import Report
+    from duhem.testing.routines.unfinished import Unfinished
     from duhem.testing.run import ConformanceRun
 
     Routine = tuple[Callable[..., ConformanceRun], float]  # what makes its run, and the accuracy it is held to
@@ -102,8 +103,8 @@ def test(
     it is a Material, or --stiffness says how many forces there are and --set what its parameters are.  Increments are drawn by
     Hypothesis on, beside and far off the boundary, failing ones shrunk; each likely cause is told once.
 
-    Exit codes: 0 every check passed; 1 a check failed; 2 usage or file error; 4 a solver answered nothing; 130 interrupted,
-    after printing what was found.
+    Exit codes: 0 every check passed; 1 a check failed; 2 usage or file error; 4 a routine answered nothing, or did not come back
+    in its time; 130 interrupted, after printing what was found.
     """
     asked = {
         "law": law,
@@ -132,8 +133,9 @@ def test(
     interrupted = about.carry_out(routines, checks_of, options)
     say(about.told(form))
     if replay is not None:
-        for report in about.reports.values():
-            report.write_replays(replay)
+        about.write_replays(replay)
+    if about.unfinished is not None:
+        click.echo(f"duhem: {about.unfinished}", err=True)
     return INTERRUPTED if interrupted else about.code()
 
 
@@ -178,6 +180,7 @@ class _About:
     reports: dict[str, Report] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
     without: dict[str, str] = field(default_factory=dict)
+    unfinished: Unfinished | None = None
 
     def checks(self, free: bool, named: Sequence[str] | None, expected: Mapping[str, str]) -> list[Check]:
         """Those that are asked for; InputError for one that there is not."""
@@ -241,6 +244,8 @@ class _About:
 
     def carry_out(self, routines: Mapping[str, Routine], checks: Sequence[Check], options: Mapping[str, Any]) -> bool:
         """Test them one after the other; whether somebody interrupted."""
+        from duhem.testing.routines.unfinished import Unfinished
+
         with Progress("testing") as progress:
             for name, (made, accuracy) in routines.items():
                 begun = monotonic()
@@ -257,6 +262,9 @@ class _About:
                 except KeyboardInterrupt:
                     self._keep(name, run, begun)
                     return True
+                except Unfinished as fault:
+                    self.unfinished = fault
+                    return False
                 self._keep(name, run, begun)
         return False
 
@@ -264,7 +272,18 @@ class _About:
         self.seconds[name] = monotonic() - begun
         self.reports[name] = run.report()
 
+    def write_replays(self, folder: str) -> None:
+        """A test file for each cause, and for the increment that a routine does not come back from."""
+        from duhem.testing.failures.report import write_replays
+
+        for report in self.reports.values():
+            report.write_replays(folder)
+        if self.unfinished is not None and self.unfinished.failure is not None:
+            write_replays([self.unfinished.failure], folder)
+
     def code(self) -> int:
+        if self.unfinished is not None:
+            return FAILED
         if not all(report.ok for report in self.reports.values()):
             return REFUTED
         silent = not self.reports or any(r.points and r.flagged == r.points for r in self.reports.values())

@@ -32,8 +32,9 @@ from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses
 from duhem.testing.failures.report import Failure, Report
 from duhem.testing.routines.material import Material
-from duhem.testing.routines.origin import origin
+from duhem.testing.routines.origin import Origin, origin
 from duhem.testing.routines.routine import Update
+from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["TRIES", "ConformanceRun", "judged"]
 
@@ -61,11 +62,12 @@ def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
         excess = np.where(bad, np.nan_to_num(finding.measured - finding.allowed, nan=np.inf, posinf=1e300), -np.inf)
     i = int(np.argmax(excess))
     measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
-    return i, f"measured {measured:.3g}, allowed {allowed:.3g}", measured, allowed
+    said = f"measured {measured:.3g}, allowed {allowed:.3g}" if finding.said is None else str(finding.said[i])
+    return i, said, measured, allowed
 
 
 class _Enough(BaseException):
-    """Shrinking has had its tries.  No Exception, which Hypothesis would take for one more failure."""
+    """Shrinking has had its tries, or the routine does not come back.  No Exception, which Hypothesis would take for one more failure."""
 
 
 class _Search:
@@ -75,9 +77,17 @@ class _Search:
         self.run, self.checks, self.drawn, self.left = run, checks, drawn, run.tries
         self.least: Case | None = None
         self.until = float("inf")
+        self.unfinished: Unfinished | None = None
 
     def fails(self, case: Case) -> bool:
         """Whether a check that is looked for fails on the case; from the first that does on, only that one counts."""
+        try:
+            return self._fails(case)
+        except Unfinished as fault:
+            self.unfinished = fault
+            raise _Enough from None
+
+    def _fails(self, case: Case) -> bool:
         if self.least is not None:
             if self.left == 0 or monotonic() > self.until:
                 raise _Enough
@@ -98,6 +108,8 @@ class _Search:
         """The least failing case of one increment that was met."""
         with suppress(NoSuchExample, Flaky, _Enough):  # flaky: the routine has a memory, and the case that failed first is told
             find(drawn, self.fails, settings=profile, random=Random(self.run.seed))
+        if self.unfinished is not None:
+            raise self.unfinished
         return self.least
 
 
@@ -261,6 +273,8 @@ class ConformanceRun:
                 except NothingToCheck as reason:
                     self.left_out[asked.name] = str(reason)
                     continue
+                except Unfinished as fault:
+                    raise self._placed(fault, asked, query.case) from None
                 except NoReply as fault:
                     if self.silence_told and asked.name != "answers":
                         self.left_out[asked.name] = f"not run: {fault}"
@@ -273,6 +287,17 @@ class ConformanceRun:
         finally:
             self.points += query.points
             self.flagged += query.flagged
+
+    def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
+        """The same with the increment, and what shows it again."""
+        row = 0 if fault.row is None else fault.row % len(case)
+        failure = replace(self._failure(asked, fault.what, case.row(row), float("nan"), 0.0), origin=self._origin())
+        placed = Unfinished(fault.what, where=f"{failure.increment}, asked by the check {asked.name}", remedy=fault.remedy)
+        placed.failure = failure
+        return placed
+
+    def _origin(self) -> Origin:
+        return origin(self.update, self.law, self.given)
 
     def _silent(self, asked: Check, case: Case) -> int:
         """The first row to which the routine gives no answer by itself; 0 where it is silent about several at once only."""
@@ -343,7 +368,7 @@ class ConformanceRun:
         """With what the routine returned, asked again; of those that speak of one part of it the likeliest causes are diagnosed."""
         told: list[Failure] = []
         tried: Counter[Part] = Counter()
-        made = origin(self.update, self.law, self.given)
+        made = self._origin()
         for failure in sorted(failures, key=likeliest_first):
             now = replace(failure, origin=made)
             if not (failure.check.law_only or failure.check.whole) and len(failure.case) == 1:

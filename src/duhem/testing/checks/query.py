@@ -24,7 +24,9 @@ from duhem.projection.stiffness_factors import factors
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import shaped
-from duhem.testing.routines.routine import Step, Update, called
+from duhem.testing.routines.overwritten import Overwritten
+from duhem.testing.routines.routine import Update, called
+from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["NoReply", "NothingToCheck", "Query", "Reply"]
 
@@ -56,7 +58,7 @@ class Reply:
 @dataclass
 class Query:
     """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies;
-    ``spoilt`` (N,): the rows of which the routine overwrote what it was given."""
+    ``overwritten`` (N,): the names of what the routine was only given and has changed, "" where nothing."""
 
     region: Region
     case: Case
@@ -66,12 +68,12 @@ class Query:
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
-    spoilt: NDArray[np.bool_] = field(init=False)
+    overwritten: Overwritten = field(init=False)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.sound = np.ones(len(self.case), dtype=np.bool_)
-        self.spoilt = np.zeros(len(self.case), dtype=np.bool_)
+        self.overwritten = np.full(len(self.case), "", dtype=object)
         self._lower, self._inverse = factors(self.case.stiffness)
 
     # -- measures ------------------------------------------------------------------------------------------------------
@@ -158,16 +160,26 @@ class Query:
     def _reply(self, trial: Array, pressure: Array | None, stiffness: Array) -> Reply:
         values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
         try:
-            given, spoilt = called(self.update, values, trial, pressure, stiffness)
+            step = called(self.update, values, trial, pressure, stiffness)
+        except Unfinished as fault:
+            fault.locate(
+                lambda at: called(self.update, values, trial[at], None if pressure is None else pressure[at], stiffness), len(trial)
+            )
+            raise
         except Exception as fault:
             raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
-        self.spoilt = self.spoilt | spoilt.reshape(-1, len(self.case)).any(axis=0)
-        step = given if isinstance(given, Step) else Step(given)
+        self.note_overwritten(step.overwritten)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
         parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}
         solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.asarray(step.solved, dtype=np.bool_).reshape(n)
         return Reply(trial, **parts, solved=solved)  # type: ignore[arg-type]
+
+    def note_overwritten(self, names: Any) -> None:
+        """Keep the names (M N,) that a reply to every row M times brings."""
+        if names is not None:
+            for each in np.asarray(names, dtype=object).reshape(-1, len(self.case)):
+                self.overwritten = np.where(self.overwritten == "", each, self.overwritten)
 
     @cached_property
     def first(self) -> list[Reply]:

@@ -17,10 +17,11 @@ __all__ = ["Check", "Finding", "register", "registered"]
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check measured at each row (N,) and what it allows; more, or nan, is a violation."""
+    """What a check measured at each row (N,) and what it allows; more, or nan, is a violation; ``said`` (N,) instead of the numbers."""
 
     measured: Array
     allowed: Array
+    said: NDArray[np.object_] | None = None
 
     @property
     def violated(self) -> NDArray[np.bool_]:

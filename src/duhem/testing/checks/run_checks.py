@@ -52,11 +52,11 @@ def repeatability(q: Query) -> Finding:
 
 @register(
     "inputs",
-    statement="the routine leaves what it is given as it was",
+    statement="the routine leaves what it is given as it was, and writes to nothing that it is not given",
     formula="sigma_tr, sigma_n and k after the call are those before it",
     source="who calls it goes on with the trial stress, the pressure and the stiffness",
-    tolerance="none: to the last bit",
+    tolerance="none: to the last bit; of C and Fortran, all arguments that are not returned, and 64 bytes either side of each array",
 )
 def inputs(q: Query) -> Finding:
     none = np.zeros(len(q.first[0].trial))
-    return Finding(q.spoilt.astype(np.float64), none)
+    return Finding((q.overwritten != "").astype(np.float64), none, "overwritten: " + q.overwritten)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+from pathlib import Path
 
 from duhem.testing.drawn.case import Case
 from duhem.testing.routines.origin import Origin
@@ -19,22 +21,34 @@ def _words(text: str) -> str:
     return re.sub(r"\W+", "_", text).strip("_") or "routine"
 
 
-def test_file(title: str, check: str, routine: str, found: Origin, case: Case | None, accuracy: float, passed: tuple[str, ...]) -> str:
+def test_file(
+    title: str,
+    check: str,
+    routine: str,
+    found: Origin,
+    case: Case | None,
+    accuracy: float,
+    passed: tuple[str, ...],
+    place: Path | None = None,
+) -> str:
     """The text of a file that fails with the bug and passes without; a stub where routine or law have to be filled in.
 
-    Without a ``case`` no single increment shows the failure, and the file draws them again.
+    The folder of the routine is said from the folder ``place`` of the file, where they have one above them in common, so that both may
+    move together.  Without a ``case`` no single increment shows the failure, and the file draws them again.
     """
     law = found.law or "None  # the law has no name that a file can import: put it here"
     names = [name for name in ("Criterion", "Domain", "load") if f"{name}(" in law or f"{name}." in law]
     what = "Case, violation" if case is not None else "conformance"
+    beside = _from(place, found.folder)
+    paths = [f"sys.path.append({beside or repr(found.folder)})  # where the routine is", ""]
     lines = [
         f'"""{title} (of {routine})."""',
         "",
-        *(["import sys", ""] if found.making and found.folder else []),
+        *(["import sys", *(["from pathlib import Path"] if beside else []), ""] if found.making and found.folder else []),
         *([f"from duhem import {', '.join(names)}"] if names else []),
         f"from duhem.testing import {what}",
         "",
-        *([f"sys.path.append({found.folder!r})  # where the routine is", ""] if found.making and found.folder else []),
+        *(paths if found.making and found.folder else []),
         *(found.making or _stub(routine)).splitlines(),
         "",
         f"LAW = {law}",
@@ -52,6 +66,19 @@ def test_file(title: str, check: str, routine: str, found: Origin, case: Case | 
             "    assert wrong is None, wrong",
         ]
     return "\n".join([*lines, "", "", f"def test_{_words(check)}() -> None:", *run, ""])
+
+
+def _from(place: Path | None, folder: str) -> str:
+    """Python for a folder as seen from the one of the file; '' where they have nothing in common."""
+    if place is None or not folder:
+        return ""
+    try:
+        if os.path.commonpath([place, folder]) == Path(folder).anchor:
+            return ""
+        way = Path(os.path.relpath(folder, place)).as_posix()
+    except ValueError:  # another drive
+        return ""
+    return f"str((Path(__file__).parent / {way!r}).resolve())"
 
 
 def _stub(routine: str) -> str:

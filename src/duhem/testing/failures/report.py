@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from duhem.testing.failures.departure import Departure
 from duhem.testing.failures.replay import test_file, test_name
 from duhem.testing.routines.origin import Origin
 
-__all__ = ["Failure", "Report"]
+__all__ = ["Failure", "Report", "write_replays"]
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,11 @@ class Failure:
         return str(self.check)
 
     @property
+    def increment(self) -> str:
+        """The increment of the case with its parameters, in round numbers."""
+        return "; ".join(text for name, text in self._increment() if name in ("law", "increment"))
+
+    @property
     def diagnosis(self) -> str:
         """What the routine likely does instead; '' where nothing is known that gives its answers."""
         return next(iter(self.diagnoses.values()), "")
@@ -63,14 +68,14 @@ class Failure:
         ]
         return "\n".join(lines)
 
-    def replay(self) -> str:
-        """The text of a test file that fails as long as the routine does.
+    def replay(self, place: Path | None = None) -> str:
+        """The text of a test file that fails as long as the routine does, for the folder ``place``, from which it finds the routine.
 
         Where the routine or the law has no name that a file can import, as one of ``__main__`` or a closure, it is a stub
         that says so.
         """
         case = None if self.check.whole else self.case
-        return test_file(self.title, self.check.name, self.routine, self.origin, case, self.accuracy, self.open_parameters)
+        return test_file(self.title, self.check.name, self.routine, self.origin, case, self.accuracy, self.open_parameters, place)
 
     def __str__(self) -> str:
         said = [f"  {name:<11} {text}" for name, text in self._said()]
@@ -122,6 +127,17 @@ def _matrix(rows: Sequence[Sequence[float]]) -> str:
     return f"{diagonal[0]:.6g}" if len(set(diagonal)) == 1 else f"diag {_vector(diagonal)}"
 
 
+def write_replays(failures: Iterable[Failure], folder: str | Path) -> tuple[Path, ...]:
+    """One test file each, in a folder that is made where there is none."""
+    place = Path(folder)
+    place.mkdir(parents=True, exist_ok=True)
+    written = []
+    for failure in failures:
+        written.append(place / test_name(failure.routine, failure.check.name))
+        write(str(written[-1]), failure.replay(place.resolve()))
+    return tuple(written)
+
+
 @dataclass(frozen=True)
 class Report:
     """What a routine was found to be: names of checks ``passed``, ``failures``, and ``left_out`` with the reason.
@@ -168,13 +184,7 @@ class Report:
 
     def write_replays(self, folder: str | Path) -> tuple[Path, ...]:
         """One test file a cause (:meth:`Failure.replay`), written to a folder that is made where there is none."""
-        place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        written = []
-        for failure in self.failures:
-            written.append(place / test_name(failure.routine, failure.check.name))
-            write(str(written[-1]), failure.replay())
-        return tuple(written)
+        return write_replays(self.failures, folder)
 
     def __str__(self) -> str:
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"

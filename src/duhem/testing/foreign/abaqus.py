@@ -15,13 +15,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.foreign.shared import loaded
+from duhem.testing.foreign.native import SECONDS
+from duhem.testing.foreign.shared import loaded, watched
 from duhem.testing.routines.material import Material, MaterialState
 
 __all__ = ["rotation", "umat"]
 
-# 37 arguments by reference, then the length of CMNAME by value, which compilers of Fortran pass after them
-_KINDS = "p" * 37 + "n"
+_RETURNED = ("STRESS", "STATEV", "DDSDDE", "SSE", "SPD", "SCD", "RPL", "DDSDDT", "DRPLDE", "DRPLDT")
+_GIVEN = (
+    "STRAN", "DSTRAN", "TIME", "DTIME", "TEMP", "DTEMP", "PREDEF", "DPRED", "CMNAME", "NDI", "NSHR", "NTENS", "NSTATV", "PROPS",
+    "NPROPS", "COORDS", "DROT", "PNEWDT", "CELENT", "DFGRD0", "DFGRD1", "NOEL", "NPT", "LAYER", "KSPT", "JSTEP", "KINC",
+)  # fmt: skip
+# by reference, then the length of CMNAME by value, which compilers of Fortran pass after them
+_NAMES = (*_RETURNED, *_GIVEN, "the length of CMNAME")
+_KINDS = "p" * len((*_RETURNED, *_GIVEN)) + "n"
+_KEPT = frozenset(_GIVEN) - {"PNEWDT"}
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
@@ -53,6 +61,7 @@ def umat(
     name: str = "MATERIAL",
     symbol: str = "umat_",
     isolated: bool = False,
+    seconds: float = SECONDS,
 ) -> Material:
     """The UMAT of a shared library as a material.
 
@@ -61,12 +70,13 @@ def umat(
     not those of the strains: what UMAT is given and returns is then turned, six components alone.  ``energies``, ``tangent``:
     whether it sets SSE and SPD, and DDSDDE.  A PNEWDT below 1 says that the increment is not solved.  The last argument beside
     Abaqus' is the length of CMNAME, as gfortran and ifort pass it.  DFGRD0, DFGRD1 and DROT are the identity (small strains); times
-    are in s, the temperature 0, each point an element of its own (NOEL).  ``isolated`` as in :func:`shared_library`.
+    are in s, the temperature 0, each point an element of its own (NOEL).  ``isolated``, ``seconds`` and
+    what it has to leave as it is, as in :func:`shared_library`.
 
     Raises InputError for a missing file or symbol, and for sizes that do not fit.
     """
     k = np.array(stiffness, dtype=np.float64)
-    native = loaded(path, symbol, _KINDS, isolated)
+    native = loaded(path, symbol, _KINDS, isolated, seconds)
     size = len(k) if k.ndim == 2 else 0
     if not 1 <= direct <= size:
         raise InputError(f"{direct} direct stresses among {size}", where="umat", remedy="give a stiffness (NTENS, NTENS), NDI <= NTENS")
@@ -92,7 +102,7 @@ def umat(
             return np.ascontiguousarray(x @ back)  # T^-T x
 
         stress = np.ascontiguousarray(before.stress @ turn.T)
-        state = np.hstack([before.variables, np.zeros((n, 1))])  # never empty
+        state = np.array(before.variables, dtype=np.double, order="C")
         slopes = np.full((n, size, size), np.nan)
         sse = np.zeros((n, 1)) if before.stored is None else before.stored[:, None].copy()
         spd = np.zeros((n, 1)) if before.dissipated is None else before.dissipated[:, None].copy()
@@ -102,25 +112,27 @@ def umat(
             stress, state, slopes, sse, spd, scalar.copy(), scalar.copy(), rows(np.zeros(size)), rows(np.zeros(size)), scalar.copy(),
             strain(before.strain), strain(increment), rows([0.0, 0.0]), rows([duration]), scalar.copy(), scalar.copy(), scalar.copy(),
             scalar.copy(), np.tile(material_name, (n, 1)), integer(direct), integer(size - direct), integer(size),
-            integer(len(variables)), rows([*properties, 0.0]), integer(len(properties)), rows(np.zeros(3)), rows(ones), smaller,
+            integer(len(variables)), rows([*properties]), integer(len(properties)), rows(np.zeros(3)), rows(ones), smaller,
             rows([1.0]), rows(ones), rows(ones), np.arange(1, n + 1, dtype=np.intc)[:, None], integer(1), integer(1), integer(1),
             rows([1, 1, 0, 0], np.intc), integer(1), np.full(n, 80, dtype=np.uintp),
         ]  # fmt: skip
-        native(columns, n)
+        _, spoilt = watched(native, columns, n, _NAMES, _KEPT, n)
         found = np.swapaxes(slopes, 1, 2)  # Fortran keeps columns together
         return MaterialState(
             before.strain + increment,
             stress @ back.T,
-            state[:, :-1].copy(),
+            state,
             sse[:, 0] if energies else None,
             spd[:, 0] if energies else None,
             None,
             back @ found @ back.T if tangent else None,
             ~(smaller[:, 0] < 1.0),
+            spoilt,
         )
 
     given = {"variables": tuple(variables), "axes": None if axes is None else np.asarray(axes).tolist(), "isolated": isolated}
     given |= {"direct": direct, "energies": energies, "tangent": tangent, "name": name, "symbol": symbol}
+    given |= {} if seconds == SECONDS else {"seconds": seconds}
     said = ", ".join([repr(str(path)), repr(list(properties)), repr(k.tolist()), *(f"{key}={value!r}" for key, value in given.items())])
     line = f"from duhem.testing.foreign import umat\nupdate = umat({said})"
     return Material(advance, k, tuple(variables), energies, symbol.rstrip("_"), line)

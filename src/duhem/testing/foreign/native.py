@@ -11,22 +11,33 @@ import pickle
 import signal
 import subprocess
 import sys
+import threading
 import weakref
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Native", "NativeFault", "call_rows"]
+__all__ = ["SECONDS", "Called", "Native", "NativeFault", "OutOfTime", "call_rows"]
+
+SECONDS = 120.0  # that all rows of one call may take
 
 _VALUES = {"d": ctypes.c_double, "i": ctypes.c_int, "n": ctypes.c_size_t}
+_GUARD = 64  # bytes before and after each array that a routine is given
+_NOBODYS = 0xFF  # what they hold: a double of it is nan, so that reading there is seen too
+
+Called: TypeAlias = tuple[NDArray[np.int64], NDArray[np.bool_]]
 
 
 class NativeFault(RuntimeError):
     """The library cannot be loaded, has no such symbol, or ended the process that ran it."""
+
+
+class OutOfTime(NativeFault):
+    """The library has not answered in the time that it is given, and its process was ended."""
 
 
 @dataclass(frozen=True)
@@ -34,13 +45,15 @@ class Native:
     """``symbol`` of the library at ``path``; ``kinds`` has a letter for each argument.
 
     "p" is a pointer to the row's numbers; "d", "i" and "n" are a double, an int and a size_t by value.  ``isolated``: it runs in
-    a process of its own, so that a crash there is a fault reported here.  Raises NativeFault at once where it cannot be loaded.
+    a process of its own, so that a crash there is a fault reported here, and so is an answer to all rows that takes more than
+    ``seconds``.  Raises NativeFault at once where it cannot be loaded.
     """
 
     path: str
     symbol: str
     kinds: str
     isolated: bool = False
+    seconds: float = SECONDS
 
     def __post_init__(self) -> None:
         _ = self._process if self.isolated else self._function
@@ -51,28 +64,29 @@ class Native:
 
     @cached_property
     def _process(self) -> _Process:
-        process = _Process(self.path, self.symbol, self.kinds)
+        process = _Process(self.path, self.symbol, self.kinds, self.seconds)
         weakref.finalize(self, process.close)
         return process
 
     def __reduce__(self) -> Any:  # a copy loads the library again
-        return Native, (self.path, self.symbol, self.kinds, self.isolated)
+        return Native, (self.path, self.symbol, self.kinds, self.isolated, self.seconds)
 
-    def __call__(self, columns: list[NDArray[Any]], rows: int) -> NDArray[np.int64]:
-        """Call it for each row: ``columns`` has (rows, …) arrays, changed in place where the routine does.  What it returned (rows,).
+    def __call__(self, columns: list[NDArray[Any]], rows: int) -> Called:
+        """Call it for each row: ``columns`` has (rows, …) arrays, changed in place where the routine does.
 
-        Raises NativeFault where the library ends its process; the next call starts another.
+        What it returned (rows,), and beside which of its arrays it wrote (rows, arguments): 64 bytes either side are watched.
+        Raises NativeFault where the library ends its process, OutOfTime where that had to be ended; the next call starts another.
         """
         if not self.isolated:
             return call_rows(self._function, self.kinds, columns, rows)
         try:
-            codes, changed = self._process.ask(columns, rows)
+            called, changed = self._process.ask(columns, rows)
         except NativeFault:
             del self.__dict__["_process"]
             raise
         for column, new in zip(columns, changed, strict=True):
             column[...] = new
-        return codes
+        return called
 
 
 def _loaded(path: str, symbol: str, kinds: str) -> Any:
@@ -89,30 +103,68 @@ def _loaded(path: str, symbol: str, kinds: str) -> Any:
     return function
 
 
-def call_rows(function: Any, kinds: str, columns: list[NDArray[Any]], rows: int) -> NDArray[np.int64]:
+class _Guarded:
+    """Rows of an array, each between bytes that are nobody's to write to."""
+
+    def __init__(self, column: NDArray[Any]) -> None:
+        self.column, self.size = column, column[0].nbytes
+        width = 2 * _GUARD + -(-self.size // _GUARD) * _GUARD
+        self.whole = np.full((len(column), width), _NOBODYS, dtype=np.uint8)
+        self.inside = self.whole[:, _GUARD : _GUARD + self.size]
+        self.inside[...] = np.frombuffer(column.tobytes(), dtype=np.uint8).reshape(self.inside.shape)
+
+    def place(self, row: int) -> int:
+        return int(self.whole.ctypes.data) + row * self.whole.shape[1] + _GUARD
+
+    def taken(self) -> NDArray[np.bool_]:
+        """Put what is inside back into the array; of which rows there is something outside."""
+        self.column[...] = np.frombuffer(self.inside.tobytes(), dtype=self.column.dtype).reshape(self.column.shape)
+        self.inside[...] = _NOBODYS
+        return np.asarray((self.whole != _NOBODYS).any(axis=1))
+
+
+def call_rows(function: Any, kinds: str, columns: list[NDArray[Any]], rows: int) -> Called:
     """Call a loaded function once a row."""
-    starts = [(c.ctypes.data, c.strides[0]) if kind == "p" else c.tolist() for kind, c in zip(kinds, columns, strict=True)]
-    codes = np.zeros(rows, dtype=np.int64)
+    given = [_Guarded(c) if kind == "p" else c.tolist() for kind, c in zip(kinds, columns, strict=True)]
+    codes, beside = np.zeros(rows, dtype=np.int64), np.zeros((rows, len(kinds)), dtype=np.bool_)
     for i in range(rows):
-        codes[i] = function(*[s[0] + i * s[1] if kind == "p" else s[i] for kind, s in zip(kinds, starts, strict=True)])
-    return codes
+        codes[i] = function(*(g.place(i) if isinstance(g, _Guarded) else g[i] for g in given))
+    for j, g in enumerate(given):
+        if isinstance(g, _Guarded):
+            beside[:, j] = g.taken()
+    return codes, beside
 
 
 class _Process:
     """A process that runs one routine."""
 
-    def __init__(self, path: str, symbol: str, kinds: str) -> None:
-        self.name = f"{symbol} of {path}"
+    def __init__(self, path: str, symbol: str, kinds: str, seconds: float) -> None:
+        self.name, self.seconds, self.late, self.waiting, self.lock = f"{symbol} of {path}", seconds, False, False, threading.Lock()
         self.child = subprocess.Popen([sys.executable, "-P", __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         self._say((path, symbol, kinds))
         if fault := self._hear():
             self.close()
             raise NativeFault(str(fault))
 
-    def ask(self, columns: list[NDArray[Any]], rows: int) -> tuple[NDArray[np.int64], list[NDArray[Any]]]:
-        self._say((columns, rows))
-        codes, changed = self._hear()
-        return codes, changed
+    def ask(self, columns: list[NDArray[Any]], rows: int) -> tuple[Called, list[NDArray[Any]]]:
+        self.waiting = True
+        watch = threading.Timer(self.seconds, self._give_up)
+        watch.daemon = True
+        watch.start()
+        try:
+            self._say((columns, rows))
+            called, changed = self._hear()
+        finally:
+            watch.cancel()
+            with self.lock:
+                self.waiting = False
+        return called, changed
+
+    def _give_up(self) -> None:
+        with self.lock:
+            if self.waiting:
+                self.late = True
+                self.child.kill()
 
     def _say(self, what: object) -> None:
         assert self.child.stdin is not None
@@ -131,6 +183,8 @@ class _Process:
 
     def _ended(self) -> NativeFault:
         self.close()
+        if self.late:
+            return OutOfTime(f"{self.name} has not answered within {self.seconds:g} s")
         code = self.child.returncode
         how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
         return NativeFault(f"{self.name} ended its process {how}")

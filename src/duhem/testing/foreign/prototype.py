@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 from duhem.errors import InputError
 
-__all__ = ["MEANINGS", "Argument", "Prototype"]
+__all__ = ["MEANINGS", "RETURNED", "Argument", "Prototype"]
 
 _GIVEN = ("pressure", "stiffness", "parameters", "n", "d", "trial", "increment", "strain", "duration")
-_RETURNED = ("stress", "tangent", "slip", "multiplier", "status", "variables", "stored", "dissipated")
-MEANINGS = frozenset((*_GIVEN, *_RETURNED))
+RETURNED = ("stress", "tangent", "slip", "multiplier", "status", "variables", "stored", "dissipated")
+MEANINGS = frozenset((*_GIVEN, *RETURNED))
 _ARGUMENT = re.compile(
     r"(?:const\s+)?(double|int|size_t)\s*(?:const\s*)?(\*?)\s*(?:(?:restrict|const)\s+)?([A-Za-z_]\w*)\s*((?:\[\w*\]\s*)*)"
 )
@@ -57,7 +57,7 @@ class Prototype:
         if twice := [name for name in names if names.count(name) > 1]:
             raise InputError(f"{twice[0]!r} is named twice", where=f"signature of {symbol}", remedy="give each argument a name of its own")
         words = [*_GIVEN[:5], driver, *(("strain", "duration") if driver == "increment" else ())]
-        words += _RETURNED[:3] + (("variables", "stored", "dissipated") if driver == "increment" else ("multiplier",)) + ("status",)
+        words += RETURNED[:3] + (("variables", "stored", "dissipated") if driver == "increment" else ("multiplier",)) + ("status",)
         remedy = f"name the arguments by what they hold: {', '.join(words)}, or a parameter"
         if lacking := [needed for needed in (driver, "stress") if needed not in names]:
             raise InputError(f"there is no argument {lacking[0]!r}", where=f"signature of {symbol}", remedy=remedy)
@@ -100,7 +100,7 @@ def _argument(text: str) -> Argument:
     argument = Argument(name, number, bool(star or brackets))
     if (number == "double") == (name in ("n", "d", "status")):
         raise InputError(f"{text.strip()!r}: a {number}", where="signature", remedy="n, d and status are integers, all else is double")
-    if name in _RETURNED and not argument.place:
+    if name in RETURNED and not argument.place:
         raise InputError(f"{text.strip()!r} cannot be written to", where="signature", remedy=f"make it a pointer: '{number} *{name}'")
     if not argument.place and name in ("trial", "increment", "strain", "stiffness", "parameters"):
         raise InputError(f"{text.strip()!r} is one number", where="signature", remedy=f"make it a pointer: 'const double *{name}'")

@@ -7,41 +7,67 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.foreign.native import Native, NativeFault
-from duhem.testing.foreign.prototype import Prototype
+from duhem.testing.foreign.native import SECONDS, Native, NativeFault, OutOfTime
+from duhem.testing.foreign.prototype import RETURNED, Prototype
 from duhem.testing.routines.material import Material, MaterialState
+from duhem.testing.routines.overwritten import Overwritten, differs, overwritten
 from duhem.testing.routines.routine import Step
+from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["SharedLibrary", "loaded", "shared_library", "shared_material"]
+__all__ = ["SharedLibrary", "loaded", "shared_library", "shared_material", "watched"]
 
 _KEPT = {"double": np.double, "int": np.intc, "size_t": np.uintp}
 
 
-def loaded(path: str | Path, symbol: str, kinds: str, isolated: bool) -> Native:
-    """The routine of a library.  Raises InputError for a file or symbol that is not there."""
+def loaded(path: str | Path, symbol: str, kinds: str, isolated: bool, seconds: float) -> Native:
+    """The routine of a library.  Raises InputError for a file or symbol that is not there, and for no time at all."""
     where = Path(path)
+    if not seconds > 0.0:
+        raise InputError(f"{seconds!r} s are no time to answer in", where="seconds", remedy="give a number > 0, or leave it out")
     if not where.is_file():
         raise InputError("there is no such file", where=str(path), remedy="give the place of the shared library (.so, .dylib, .dll)")
     try:
-        return Native(str(where.resolve()), symbol, kinds, isolated)
+        return Native(str(where.resolve()), symbol, kinds, isolated, seconds)
     except NativeFault as fault:
         remedy = "name an exported function (nm -D lists them; Fortran without bind(C) adds an underscore)"
         raise InputError(str(fault), where="shared library", remedy=remedy) from None
 
 
+def watched(
+    native: Native, columns: Sequence[NDArray[Any]], rows: int, names: Sequence[str], given: Collection[str], n: int
+) -> tuple[NDArray[np.int64], Overwritten | None]:
+    """Call it for each of ``rows``, each of them one or all of n increments: what it returns (rows,), and what it has overwritten (n,).
+
+    That is those of its arrays that it is only ``given``, and what lies before and behind any of them.  Raises Unfinished.
+    """
+    before = {j: column.copy() for j, (name, column) in enumerate(zip(names, columns, strict=True)) if name in given}
+    try:
+        codes, beside = native(list(columns), rows)
+    except OutOfTime as fault:
+        remedy = "look where its loop ends, or give it more time with seconds=..."
+        raise Unfinished(str(fault), where="the routine", remedy=remedy) from None
+    every = n // rows
+    changed = {names[j]: np.repeat(differs(column, columns[j]), every) for j, column in before.items()}
+    changed |= {f"beside {name}": np.repeat(beside[:, j], every) for j, name in enumerate(names)}
+    return codes, overwritten(changed)
+
+
 class _Call:
     """A function and the meaning of its arguments."""
 
-    def __init__(self, path: str | Path, prototype: Prototype, solved: Collection[int], isolated: bool) -> None:
+    def __init__(self, path: str | Path, prototype: Prototype, solved: Collection[int], isolated: bool, seconds: float) -> None:
         self.prototype, self.solved = prototype, tuple(solved)
-        self.native = loaded(path, prototype.symbol, "".join(a.kind for a in prototype.arguments), isolated)
+        self.native = loaded(path, prototype.symbol, "".join(a.kind for a in prototype.arguments), isolated, seconds)
 
-    def __call__(self, by_row: Mapping[str, Any], same: Mapping[str, Any]) -> tuple[dict[str, Array], Any]:
-        """``by_row`` (n, …), copies of which come back as the routine leaves them, and ``same`` for all; which are solved (n,)."""
+    def __call__(self, by_row: Mapping[str, Any], same: Mapping[str, Any]) -> tuple[dict[str, Array], Any, Overwritten | None]:
+        """``by_row`` (n, …), copies of which come back as the routine leaves them, and ``same`` for all; which are solved (n,).
+
+        What it has overwritten (n,) comes last.
+        """
         n = len(next(iter(by_row.values())))
         filled = {"status": np.zeros(n, dtype=np.intc), **by_row}
         batched, columns = self.prototype.batched, []
@@ -54,16 +80,17 @@ class _Call:
                 column = np.tile(column, (1 if batched else n, 1))
                 column = column if a.place else column[:, 0]
             columns.append(column)
-        codes = self.native(columns, 1 if batched else n)
+        names = [a.name for a in self.prototype.arguments]
+        codes, spoilt = watched(self.native, columns, 1 if batched else n, names, [x for x in names if x not in RETURNED], n)
         named = zip(self.prototype.arguments, columns, strict=True)
         back = {a.name: c.reshape(np.shape(filled[a.name])) for a, c in named if a.name in filled}
         status = back.pop("status", np.repeat(codes, n // len(codes)) if self.prototype.returns else np.full(n, self.solved[0]))
-        return back, np.isin(status, self.solved)
+        return back, np.isin(status, self.solved), spoilt
 
 
 def _line(function: str, *arguments: Any, **options: Any) -> str:
     """The Python that makes a routine again, options at their defaults left out."""
-    said = [*map(repr, arguments), *(f"{name}={value!r}" for name, value in options.items() if value not in ({}, (0,), (), False))]
+    said = [*map(repr, arguments), *(f"{name}={value!r}" for name, value in options.items() if value not in ({}, (0,), (), False, SECONDS))]
     return f"from duhem.testing.foreign import {function}\nupdate = {function}({', '.join(said)})"
 
 
@@ -82,11 +109,11 @@ class SharedLibrary:
         sizes: dict[str, tuple[int, ...]] = {"stress": (d,), "slip": (d,), "multiplier": (), "tangent": (d, d)}
         by_row = {name: np.full((n, *size), np.nan) for name, size in sizes.items()}
         by_row |= {"trial": trial, "pressure": np.zeros(n) if pressure is None else pressure}
-        back, solved = self._call(by_row, {"stiffness": stiffness, "parameters": [*values.values(), 0.0], "d": d, **values})
+        back, solved, spoilt = self._call(by_row, {"stiffness": stiffness, "parameters": [*values.values()], "d": d, **values})
         tangent = back.get("tangent")
         if tangent is not None and self._column_major:
             tangent = np.swapaxes(tangent, 1, 2)
-        return Step(back["stress"], back.get("slip"), back.get("multiplier"), tangent, solved)
+        return Step(back["stress"], back.get("slip"), back.get("multiplier"), tangent, solved, spoilt)
 
 
 def shared_library(
@@ -97,6 +124,7 @@ def shared_library(
     solved: Collection[int] = (0,),
     column_major: bool = False,
     isolated: bool = False,
+    seconds: float = SECONDS,
 ) -> SharedLibrary:
     """The routine of a shared library with the prototype ``signature``, as C has it, as an update routine:
 
@@ -113,17 +141,22 @@ def shared_library(
     ``parameters`` are further numbers, fixed ones; what conformance leaves open comes by name.  An int that the function returns,
     or writes to ``status``, is its status: the increment counts as solved where it is one of ``solved``.  ``column_major``: the
     tangent is in Fortran's order.  ``isolated``: run in a process of its own, so that a crash is a failed check, not the end of
-    the test run.  What is returned is filled with nan before, so that what the routine leaves out is seen.
+    the test run, and a call that takes more than ``seconds``, as one without end does, an error that names the increment
+    (:class:`duhem.testing.routines.unfinished.Unfinished`): no check is decided by the clock.  What is returned is filled with nan
+    before, so that what the routine leaves out is seen; what it is only given, and 64 bytes before and behind each array, it has to
+    leave as they are (the check ``inputs``).
 
     A library does not say how many arguments its function has: a prototype that differs from the source is not found out.
 
-    Raises InputError for a missing file or symbol, and for a signature that is not understood or has no place for a parameter.
+    Raises InputError for a missing file or symbol, and for a signature that is not understood or has no place for a parameter;
+    called, NativeFault where the library ends its process.
     """
     read, fixed = Prototype.read(signature, "trial"), dict(parameters or {})
     line = _line(
-        "shared_library", str(path), signature, parameters=fixed, solved=tuple(solved), column_major=column_major, isolated=isolated
-    )
-    return SharedLibrary(_Call(path, read, solved, isolated), fixed, column_major, line)
+        "shared_library", str(path), signature, parameters=fixed, solved=tuple(solved), column_major=column_major, isolated=isolated,
+        seconds=seconds,
+    )  # fmt: skip
+    return SharedLibrary(_Call(path, read, solved, isolated, seconds), fixed, column_major, line)
 
 
 def shared_material(
@@ -136,6 +169,7 @@ def shared_material(
     solved: Collection[int] = (0,),
     column_major: bool = False,
     isolated: bool = False,
+    seconds: float = SECONDS,
 ) -> Material:
     """The routine of a shared library that is given increments of strain or displacement and carries a state, as a material:
 
@@ -149,7 +183,7 @@ def shared_material(
     """
     read, fixed = Prototype.read(signature, "increment"), dict(parameters or {})
     read.covers(fixed)
-    call, k = _Call(path, read, solved, isolated), np.array(stiffness, dtype=np.float64)
+    call, k = _Call(path, read, solved, isolated, seconds), np.array(stiffness, dtype=np.float64)
     names = [a.name for a in read.arguments]
     energies = "stored" in names and "dissipated" in names
 
@@ -160,16 +194,17 @@ def shared_material(
         by_row |= {"stored": zero if before.stored is None else before.stored, "tangent": np.full((n, d, d), np.nan)}
         by_row |= {"dissipated": zero if before.dissipated is None else before.dissipated, "slip": np.full((n, d), np.nan)}
         by_row |= {"pressure": zero if pressure is None else pressure}
-        back, good = call(by_row, {"stiffness": k, "parameters": [*fixed.values(), 0.0], "d": d, "duration": duration, **fixed})
+        back, good, spoilt = call(by_row, {"stiffness": k, "parameters": [*fixed.values()], "d": d, "duration": duration, **fixed})
         tangent = back.get("tangent")
         if tangent is not None and column_major:
             tangent = np.swapaxes(tangent, 1, 2)
         state = back.get("variables", before.variables)
         stored, dissipated = (back["stored"], back["dissipated"]) if energies else (None, None)
-        return MaterialState(before.strain + increment, back["stress"], state, stored, dissipated, back.get("slip"), tangent, good)
+        after = before.strain + increment, back["stress"], state, stored, dissipated
+        return MaterialState(*after, back.get("slip"), tangent, good, spoilt)
 
     line = _line(
         "shared_material", str(path), signature, k.tolist(), variables=tuple(variables), parameters=fixed, solved=tuple(solved),
-        column_major=column_major, isolated=isolated,
+        column_major=column_major, isolated=isolated, seconds=seconds,
     )  # fmt: skip
     return Material(advance, k, tuple(variables), energies, name=read.symbol, line=line)

@@ -25,6 +25,7 @@ from duhem.testing.failures.report import Report
 from duhem.testing.in_pytest.groups import group, group_marks
 from duhem.testing.in_pytest.profiles import PROFILES
 from duhem.testing.routines.routine import Update
+from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["check_items", "checked", "names_of_checks"]
 
@@ -93,6 +94,8 @@ class Trial:
                 self._outcome = fault
             else:
                 self._keep(self._outcome)
+        if isinstance(self._outcome, Unfinished) and self._outcome.failure is not None:
+            pytest.fail(f"{self.node}: {self._outcome}\nto see it again:\n{self._outcome.failure.reproducer()}", pytrace=False)
         if isinstance(self._outcome, DuhemError):
             pytest.fail(f"{self.node}: {self._outcome}", pytrace=False)
         return self._outcome

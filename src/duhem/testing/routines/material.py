@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.routines.routine import Step, Update, named_after
+from duhem.testing.routines.overwritten import Overwritten, differs, overwritten
+from duhem.testing.routines.routine import Step, Update, called, named_after
 
-__all__ = ["Material", "MaterialState", "from_material", "stateless"]
+__all__ = ["Material", "MaterialState", "advanced", "from_material", "stateless"]
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class MaterialState:
     conjugate to it; ``variables`` (N, s), the state that the routine carries on.  ``stored`` and ``dissipated`` (N,), energies
     since the beginning in J/m^3 (J/m^2 for displacements), None where the routine returns none.  Of the last step alone:
     ``slip`` (N, d), ``tangent`` d stress/d increment (N, d, d) in Pa (Pa/m), and ``solved`` (N,), False where the routine itself
-    says that it found no answer.
+    says that it found no answer; ``overwritten`` (N,) as in :class:`duhem.testing.Step`.
     """
 
     strain: Array
@@ -35,6 +36,7 @@ class MaterialState:
     slip: Array | None = None
     tangent: Array | None = None
     solved: NDArray[np.bool_] | None = None
+    overwritten: Overwritten | None = None
 
     def __len__(self) -> int:
         return len(self.stress)
@@ -90,6 +92,21 @@ class Material:
         return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies)
 
 
+def advanced(material: Material, before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
+    """A step of a material, which is given copies, and which of them it has overwritten."""
+    own, step, load = before.rows(np.arange(len(before))), increment.copy(), None if pressure is None else pressure.copy()
+    after = material.advance(own, step, load, duration)
+    if after.overwritten is not None:
+        return after
+    parts = {name: (getattr(own, name), getattr(before, name)) for name in ("stress", "strain", "variables", "stored", "dissipated")}
+    parts = {f"{name} before the step": pair for name, pair in parts.items()} | {
+        "increment": (step, increment),
+        "pressure": (load, pressure),
+    }
+    changed = {name: differs(*pair) for name, pair in parts.items() if pair[1] is not None}
+    return after if (found := overwritten(changed)) is None else replace(after, overwritten=found)
+
+
 def stateless(update: Update, stiffness: Array, values: Mapping[str, float]) -> Material:
     """An update routine as a material: the stress is its only state, sigma_tr = sigma + k du.
 
@@ -98,8 +115,7 @@ def stateless(update: Update, stiffness: Array, values: Mapping[str, float]) -> 
     inverse = np.linalg.inv(stiffness)
 
     def towards(before: MaterialState, trial: Array, pressure: Array | None, duration: float) -> MaterialState:
-        given = update(trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy(), **values)
-        step = given if isinstance(given, Step) else Step(given)
+        step = called(update, values, trial, pressure, stiffness)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "tangent": (n, d, d), "solved": (n,)}
         found = {name: shaped(getattr(step, name), name, shape) for name, shape in shapes.items()}
@@ -112,7 +128,8 @@ def stateless(update: Update, stiffness: Array, values: Mapping[str, float]) -> 
             loss = np.einsum("ni,ni->n", stress, amount)
         lost = loss if before.dissipated is None else before.dissipated + loss
         solved = None if found["solved"] is None else found["solved"].astype(np.bool_)
-        return MaterialState(before.strain + increment, stress, before.variables, stored, lost, slip, found["tangent"], solved)
+        spoilt = None if step.overwritten is None else np.asarray(step.overwritten, dtype=object)
+        return MaterialState(before.strain + increment, stress, before.variables, stored, lost, slip, found["tangent"], solved, spoilt)
 
     def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
         return towards(before, before.stress + increment @ stiffness.T, pressure, duration)
@@ -146,6 +163,6 @@ def from_material(made: Callable[..., Material]) -> Update:
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
         material = made(stiffness, **parameters)
         found = material.advance(material.virgin(len(trial)), np.asarray(np.linalg.solve(stiffness, trial.T).T), pressure, 1.0)
-        return Step(found.stress, found.slip, None, found.tangent, found.solved)
+        return Step(found.stress, found.slip, None, found.tangent, found.solved, found.overwritten)
 
     return named_after(update, made, "from_material")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -16,6 +16,7 @@ from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
 from duhem.testing.routines.origin import law_as_written, made_by
+from duhem.testing.routines.overwritten import differs, overwritten
 
 __all__ = ["Step", "Update", "called", "from_displacements", "named_after", "pointwise", "projection"]
 
@@ -26,7 +27,8 @@ class Step:
 
     ``slip`` (N, d) in m, taken to be k^-1 (sigma_tr - sigma) where left out; ``multiplier`` lambda (N,) with
     slip = lambda dg/dsigma; ``tangent`` d sigma/d u (N, d, d) in Pa/m; ``solved`` (N,), False where the routine itself says
-    that it found no answer: such points are counted and not judged.
+    that it found no answer: such points are counted and not judged.  ``overwritten`` (N,), set by what calls routines of other
+    languages: the names of what they were only given and have changed, "" where nothing.
     """
 
     stress: ArrayLike
@@ -34,6 +36,7 @@ class Step:
     multiplier: ArrayLike | None = None
     tangent: ArrayLike | None = None
     solved: ArrayLike | None = None
+    overwritten: ArrayLike | None = None
 
 
 # update(trial (N, d), pressure (N,) or None for a law without, stiffness (d, d), **parameters left open) -> stress or Step
@@ -102,16 +105,13 @@ def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Updat
     return update
 
 
-def called(
-    update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array
-) -> tuple[ArrayLike | Step, NDArray[np.bool_]]:
-    """What a routine answers, called on copies, and the increments (N,) whose trial, pressure or stiffness it overwrote."""
+def called(update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> Step:
+    """What a routine answers, called on copies, and which of them it has overwritten."""
     given = trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy()
     answer = update(*given, **values)
-    spoilt = np.asarray(_differs(given[0], trial).any(axis=1) | _differs(given[2], stiffness).any())
-    return answer, spoilt if pressure is None or given[1] is None else spoilt | _differs(given[1], pressure)
-
-
-def _differs(one: Array, other: Array) -> NDArray[np.bool_]:
-    """Entry by entry; a nan is the same as another."""
-    return np.asarray((one != other) & ~(np.isnan(one) & np.isnan(other)))
+    step = answer if isinstance(answer, Step) else Step(answer)
+    changed = {"trial": differs(given[0], trial)}
+    if pressure is not None and given[1] is not None:
+        changed["pressure"] = differs(given[1], pressure)
+    changed["stiffness"] = np.full(len(trial), differs(given[2], stiffness).any())
+    return step if (found := overwritten(changed)) is None else replace(step, overwritten=found)

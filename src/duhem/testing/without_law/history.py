@@ -19,8 +19,9 @@ from duhem.projection.result import Array
 from duhem.testing.checks.query import NoReply, Query, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
-from duhem.testing.routines.material import Material, MaterialState
+from duhem.testing.routines.material import Material, MaterialState, advanced
 from duhem.testing.routines.routine import Step
+from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["FINER", "HistoryQuery"]
 
@@ -67,18 +68,30 @@ class HistoryQuery(Query):
 
     def step(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0) -> MaterialState:
         """The points after the increment of strain that asks for the stress ``trial`` (M, d).  What the routine raises passes."""
+        try:
+            return self._stepped(before, trial, pressure, duration)
+        except Unfinished as fault:
+            fault.locate(
+                lambda at: self._stepped(before.rows(at), trial[at], None if pressure is None else pressure[at], duration), len(trial)
+            )
+            raise
+
+    def _stepped(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float) -> MaterialState:
         if self.material.towards is not None:
             return self.material.towards(before, trial, pressure, duration)
         increment: Array = np.asarray(np.linalg.solve(self.case.stiffness, (trial - before.stress).T).T)
-        return self.material.advance(before, increment, pressure, duration)
+        return advanced(self.material, before, increment, pressure, duration)
 
     def counted(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0) -> MaterialState:
         """:meth:`step` of all the rows; rows that the routine flags are not judged.  Raises NoReply."""
         try:
             after = self.step(before, trial, pressure, duration)
+        except Unfinished:
+            raise
         except Exception as fault:
             raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
         self.points += len(after)
+        self.note_overwritten(after.overwritten)
         if after.solved is not None:
             self.flagged += int((~after.solved).sum())
             self.sound = self.sound & after.solved
@@ -87,7 +100,7 @@ class HistoryQuery(Query):
     def _from_start(self, trial: Array, pressure: Array | None, stiffness: Array) -> Step:
         times = len(trial) // len(self.case)
         after = self.step(self.start.rows(np.tile(np.arange(len(self.case)), times)), trial, pressure)
-        return Step(after.stress, after.slip, None, after.tangent, after.solved)
+        return Step(after.stress, after.slip, None, after.tangent, after.solved, after.overwritten)
 
     @cached_property
     def virgin(self) -> MaterialState:

@@ -1,4 +1,4 @@
-"""What is asked of a run without a law as a whole."""
+"""What is asked of a run without a law as a whole, and of what its routine leaves behind."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from duhem.testing.without_law.registry import register
 
 __all__: list[str] = []
 
-_ = run_checks  # it registers the check whose words and whole these are
-_WHOLE = next(c for c in registered() if c.name == "vacuity")
+_OF_LAWS = {c.name: c for c in registered()}
+_WHOLE = _OF_LAWS["vacuity"]
+_INPUTS = _OF_LAWS["inputs"]
 
 
 @register(
@@ -26,3 +27,14 @@ _WHOLE = next(c for c in registered() if c.name == "vacuity")
 def vacuity(h: HistoryQuery) -> Finding:
     none = np.zeros(len(h.first[0].trial))
     return Finding(none, none)
+
+
+@register(
+    "inputs",
+    statement=_INPUTS.statement,
+    formula="the state before the step, the increment and all that is not returned are as before the call",
+    source="who calls it goes on with the state before the step, or tries a shorter one",
+    tolerance=_INPUTS.tolerance,
+)
+def inputs(h: HistoryQuery) -> Finding:
+    return run_checks.inputs(h)

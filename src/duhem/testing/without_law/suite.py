@@ -20,7 +20,7 @@ from duhem.testing.drawn.decades import Strategy
 from duhem.testing.failures.departure import Departure
 from duhem.testing.failures.report import Failure
 from duhem.testing.routines.material import Material, stateless
-from duhem.testing.routines.origin import origin
+from duhem.testing.routines.origin import Origin, origin
 from duhem.testing.routines.routine import Update
 from duhem.testing.run import ConformanceRun, judged
 from duhem.testing.without_law import associated_checks, energy_checks, run_checks, step_checks  # noqa: F401 (they register their checks)
@@ -37,6 +37,7 @@ _ASSOCIATED = ("associated-symmetry", "associated-non-expansiveness", "associate
 _EXPLAINS: dict[str, tuple[str, ...]] = {
     "answers": ("repeatability", "elasticity", "vacuity", "rate", *_STRESS, *_ASSOCIATED),
     "repeatability": ("elasticity", "vacuity", "rate", *_STRESS, *_ASSOCIATED),
+    "inputs": (),
     "elasticity": ("vacuity", *_STRESS, "isotropic-plastic-work"),
     "vacuity": (),
     "rate": ("energy", "subdivision"),
@@ -169,8 +170,11 @@ class FreeRun(ConformanceRun):
                 explained.append(failure)
         return tuple(replace(failure, explains=tuple(names)) for failure, names in roots.values()), tuple(explained)
 
+    def _origin(self) -> Origin:
+        return origin(self.routine, None, None)
+
     def _told(self, failures: Iterable[Failure]) -> list[Failure]:
-        made = origin(self.routine, None, None)
+        made = self._origin()
         return [replace(failure, origin=made, departure=self._returned(failure)) for failure in failures]
 
     def _returned(self, failure: Failure) -> Departure | None:
