@@ -51,9 +51,9 @@ class Rays:
             inner, outer = self._cut(inner, inner[:, None] + (outer - inner)[:, None] * shares, outer)
         return inner, outer
 
-    def ended(self, inner: Array, outer: Array, at_once: int = 4) -> tuple[Array, Array]:
+    def ended(self, inner: Array, outer: Array, at_once: int = 4, bits: int = 64) -> tuple[Array, Array]:
         """As :meth:`narrowed`, for numbers >= 0 that may be hundreds of decades apart: half of the doubles between them go a bit."""
-        for _ in range(0, 64, at_once):
+        for _ in range(0, bits, at_once):
             inner, outer = self._cut(inner, evenly_between(inner, outer, 2**at_once), outer)
         return inner, outer
 

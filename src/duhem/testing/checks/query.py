@@ -12,9 +12,11 @@ tolerance of each check follows from u by the triangle inequality, and is writte
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +30,11 @@ from duhem.testing.routines.overwritten import Overwritten
 from duhem.testing.routines.routine import Update, called
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["NoReply", "NothingToCheck", "Query", "Reply"]
+__all__ = ["Asked", "NoReply", "NothingToCheck", "Query", "Reply"]
+
+_SIZE = 20  # bits: the size of K to a part in a thousand
+
+Asked: TypeAlias = tuple[Array, Array | None]  # trial stresses (N, d) and their pressures (N,)
 
 
 class NoReply(Exception):
@@ -123,7 +129,7 @@ class Query:
         """|K| (N,)."""
         n, d = self.case.trial.shape
         ways = np.vstack([np.eye(d), -np.eye(d)])
-        reach = self.region.reach(np.tile(ways, (n, 1)), np.repeat(self.pressure, 2 * d)).reshape(n, 2 * d)
+        reach = self.region.reach(np.tile(ways, (n, 1)), np.repeat(self.pressure, 2 * d), _SIZE).reshape(n, 2 * d)
         return np.asarray((np.where(np.isfinite(reach), reach, 0.0) * self.length(ways)).max(axis=1))
 
     # -- the law -------------------------------------------------------------------------------------------------------
@@ -144,18 +150,23 @@ class Query:
 
     def ask(self, *trials: Array, pressure: Array | None = None, stiffness: Array | None = None) -> list[Reply]:
         """The routine's replies to several trial stresses (N, d) a row, asked in one call."""
-        count, n = len(trials), len(self.case)
-        stacked = np.concatenate(trials)
-        loads = None
-        if self.case.pressure is not None:
-            given = self.case.pressure if pressure is None else pressure
-            loads = given if len(given) == len(stacked) else np.tile(given, count)
-        k = self.case.stiffness if stiffness is None else stiffness
-        whole = self._reply(stacked, loads, k)
-        self.points += len(stacked)
+        loads = self.case.pressure if pressure is None else pressure
+        asked = [(trial, loads) for trial in trials]
+        return [self.heeded(reply) for reply in self.together(asked, self.case.stiffness if stiffness is None else stiffness)]
+
+    def heeded(self, reply: Reply) -> Reply:
+        """A reply to all the rows; those that it flags are not judged from here on."""
+        self.sound = self.sound & reply.solved
+        return reply
+
+    def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
+        """The replies to trial stresses (N, d) under pressures (N,), asked in one call."""
+        loads = None if self.case.pressure is None else np.concatenate([pressure for _, pressure in asked if pressure is not None])
+        whole = self._reply(np.concatenate([trial for trial, _ in asked]), loads, stiffness)
+        self.points += len(whole.trial)
         self.flagged += int((~whole.solved).sum())
-        self.sound = self.sound & whole.solved.reshape(count, n).all(axis=0)
-        return [whole.part(slice(i * n, (i + 1) * n)) for i in range(count)]
+        n = len(self.case)
+        return [whole.part(slice(i * n, (i + 1) * n)) for i in range(len(asked))]
 
     def _reply(self, trial: Array, pressure: Array | None, stiffness: Array) -> Reply:
         values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
@@ -184,13 +195,77 @@ class Query:
     @cached_property
     def first(self) -> list[Reply]:
         """The replies to ``trial``, ``other`` and ``third``."""
-        return self.ask(self.case.trial, self.case.other, self.case.third)
+        return [self.heeded(self._round_1[name]) for name in ("trial", "other", "third")]
 
     @cached_property
     def second(self) -> list[Reply]:
         """The replies to the stress found, and to a point on its way to the trial."""
-        here = self.first[0]
-        return self.ask(here.stress, here.stress + self.case.stretch[:, None] * (here.trial - here.stress))
+        return [self.heeded(self._round_2[name]) for name in ("stress", "way")]
+
+    @cached_property
+    def larger(self) -> Reply:
+        """The reply to ``factor`` times the trial under ``factor`` times the pressure."""
+        return self.heeded(self._known_or_asked(self._round_1, "larger", self._enlarged))
+
+    @cached_property
+    def again(self) -> Reply:
+        """The reply to ``trial``, asked after other questions and the last row first."""
+        return self.heeded(self._known_or_asked(self._round_2, "again", self._backwards).part(slice(None, None, -1)))
+
+    def along_the_path(self) -> Iterator[Reply]:
+        """The replies to the increments of ``path``, from no stress on, each from where the one before has ended."""
+        stress = np.zeros_like(self.case.trial)
+        for i in range(1, self.case.path.shape[1]):
+            known = self._round_1 if i == 1 else self._round_2 if i == 2 else {}
+            reply = self.heeded(self._known_or_asked(known, "step", self._step(i, stress)))
+            yield reply
+            stress = reply.stress
+
+    # A routine that works on arrays may spend as long on a call as on its rows: what can be asked at once is.
+
+    @cached_property
+    def _round_1(self) -> Mapping[str, Reply]:
+        case = self.case
+        asked = {"trial": (case.trial, case.pressure), "other": (case.other, case.pressure), "third": (case.third, case.pressure)}
+        return self._at_once(asked, self.ahead())
+
+    @cached_property
+    def _round_2(self) -> Mapping[str, Reply]:
+        here, load = self.first[0], self.case.pressure
+        way = here.stress + self.case.stretch[:, None] * (here.trial - here.stress)
+        more = {"again": self._backwards}
+        if "step" in self._round_1 and self.case.path.shape[1] > 2:
+            more["step"] = self._step(2, self._round_1["step"].stress)
+        return self._at_once({"stress": (here.stress, load), "way": (way, load)}, more)
+
+    def ahead(self) -> Mapping[str, Asked]:
+        """What may be asked with the first, and is needed later, if at all."""
+        larger = {"larger": self._enlarged} if self.region.homogeneous else {}
+        return larger | ({"step": self._step(1, np.zeros_like(self.case.trial))} if self.case.path.shape[1] > 1 else {})
+
+    @property
+    def _enlarged(self) -> Asked:
+        case = self.case
+        return case.trial * case.factor, None if case.pressure is None else case.pressure * case.factor
+
+    @property
+    def _backwards(self) -> Asked:
+        case = self.case
+        return case.trial[::-1], None if case.pressure is None else case.pressure[::-1]
+
+    def _step(self, i: int, stress: Array) -> Asked:
+        case = self.case
+        return stress + (case.path[:, i] - case.path[:, i - 1]), None if case.loads is None else case.loads[:, i]
+
+    def _at_once(self, asked: Mapping[str, Asked], more: Mapping[str, Asked]) -> Mapping[str, Reply]:
+        """The replies to what is ``asked``, and to ``more`` where the routine can answer all of it."""
+        if more:
+            with suppress(NoReply):
+                return self._at_once({**asked, **more}, {})
+        return dict(zip(asked, self.together([*asked.values()], self.case.stiffness), strict=True))
+
+    def _known_or_asked(self, known: Mapping[str, Reply], name: str, asked: Asked) -> Reply:
+        return known[name] if name in known else self.together([asked], self.case.stiffness)[0]
 
 
 def _array(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:

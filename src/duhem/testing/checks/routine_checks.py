@@ -12,7 +12,6 @@ import numpy as np
 from duhem.projection.result import Array
 from duhem.testing.checks.query import NothingToCheck, Query, Reply
 from duhem.testing.checks.registry import Finding, register
-from duhem.testing.drawn.region import homogeneous
 
 __all__: list[str] = []
 
@@ -247,11 +246,10 @@ def stiffness_scale(q: Query) -> Finding:
     tolerance="2 u (c is a power of two)",
 )
 def homogeneity(q: Query) -> Finding:
-    if not homogeneous(q.region.law):
+    if not q.region.homogeneous:
         raise NothingToCheck(f"K of {q.region.law.name} has a size of its own")
-    here, c = q.first[0], q.case.factor
-    there = q.ask(q.case.trial * c, pressure=q.pressure * c)[0]
-    return Finding(q.length(there.stress / c - here.stress), 2.0 * q.unit(here))
+    here, there = q.first[0], q.larger
+    return Finding(q.length(there.stress / q.case.factor - here.stress), 2.0 * q.unit(here))
 
 
 @register(
@@ -262,14 +260,11 @@ def homogeneity(q: Query) -> Finding:
     tolerance="the sum of what each step is allowed",
 )
 def path(q: Query) -> Finding:
-    case = q.case
-    stress, total, allowed = np.zeros_like(case.trial), np.zeros(len(case)), np.zeros(len(case))
-    worst, bound = np.full(len(case), -np.inf), np.zeros(len(case))
-    for i in range(1, case.path.shape[1]):
-        trial = stress + (case.path[:, i] - case.path[:, i - 1])
-        found = q.ask(trial, pressure=None if case.loads is None else case.loads[:, i])[0]
+    n = len(q.case)
+    total, allowed, worst, bound = np.zeros(n), np.zeros(n), np.full(n, -np.inf), np.zeros(n)
+    for found in q.along_the_path():
         loss, may = _loss(q, found)
-        total, allowed, stress = total + loss, allowed + may, found.stress
+        total, allowed = total + loss, allowed + may
         more = ~(total - allowed <= worst - bound)
         worst, bound = np.where(more, total, worst), np.where(more, allowed, bound)
     return Finding(worst, bound)

@@ -7,25 +7,23 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-import flint
 import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from duhem.expression import balls, mpmath_
-from duhem.expression.balls import precision
+from duhem.expression import mpmath_
 from duhem.expression.jets import Choices, JetProgram, formula
 from duhem.expression.limits import filled
 from duhem.expression.numpy_ import Program
 from duhem.expression.rays import Rays
+from duhem.expression.rounding import bounded
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 from duhem.projection.scaled_formula import scaled
 
-__all__ = ["Region", "homogeneous"]
+__all__ = ["Region"]
 
 _DIGITS = 60
-_DOUBLE = 53  # bits
 _FAR = 2.0**64  # a ray that ends farther out, where g has no value in doubles, ends in overflow
 _NEAREST, _FARTHEST = 2.0**-128, 2.0**512  # powers of smaller stresses vanish in double precision, and K is the origin alone
 
@@ -36,6 +34,11 @@ class Region:
 
     law: Criterion
     parameters: Mapping[str, float]
+
+    @property
+    def homogeneous(self) -> bool:
+        """Whether K(c sigma_n) = c K(sigma_n) for all c > 0: no stress but the pressure sets its size, and none is left out."""
+        return _homogeneous(self.law)
 
     def level(self, stress: Array, pressure: Array) -> Array:
         """g (N,), in double precision; nan where it is undefined."""
@@ -54,17 +57,14 @@ class Region:
     def rounding(self, stress: Array, pressure: Array) -> Array:
         """A bound (N,) on what evaluating g in doubles may be off by, as the formula is written; 0 where none is known.
 
-        Ball arithmetic with the precision of doubles: F. Johansson (2017), IEEE Trans. Comput. 66, 1281-1292.
+        Running bounds (:mod:`duhem.expression.rounding`): N. J. Higham (2002), Accuracy and Stability, section 3.3.
         """
-        enclosed = _in_balls(self.law)
-        fixed = [flint.arb(self.parameters[name]) for name in self.law.parameters]
-        rest = pressure[:, None] if self.law.pressure else np.zeros((len(pressure), 0))
-        with precision(_DOUBLE):
-            values = [enclosed(*map(flint.arb, row), *fixed) for row in np.hstack([stress, rest]).tolist()]
-        return np.array([float(value.rad()) if value.is_finite() else 0.0 for value in values])
+        values = [np.asarray(x) for x in (*stress.T, *self._others(pressure))]
+        _, bound = bounded(self.law.g, tuple(self.law.symbols().values()))(values, [0.0] * len(values))
+        return np.where(np.isfinite(bound), bound, 0.0)
 
-    def reach(self, way: Array, pressure: Array) -> Array:
-        """The largest r (N,) with r ``way`` in K, to the last digit from within; 0 without the origin.
+    def reach(self, way: Array, pressure: Array, bits: int = 64) -> Array:
+        """The largest r (N,) with r ``way`` in K, from within, to the last digit or so many ``bits`` of 64; 0 without the origin.
 
         inf where K does not end, or not before powers of the stress overflow.
 
@@ -77,7 +77,8 @@ class Region:
 
         rays, ends = Rays(level, np.zeros(way.shape[1]), way), np.array([_NEAREST, _FARTHEST])
         inside = rays.inside(ends)
-        last, beyond = rays.ended(*np.repeat(ends[:, None], len(way), axis=1))
+        near, far = np.repeat(ends[:, None], len(way), axis=1)
+        last, beyond = rays.ended(near, far, bits=bits)
         lost = (last > _FAR) & ~np.isfinite(level(rays.at(beyond)[:, None, :])[:, 0])
         found = np.where(~inside[:, 0], 0.0, np.where(inside[:, 1] | lost, np.inf, last))
         edge = np.flatnonzero((found > 0.0) & np.isfinite(found) & ~(level(np.zeros((len(way), 1, way.shape[1])))[:, 0] < 0.0))
@@ -102,20 +103,13 @@ def _programs(law: Criterion) -> tuple[Program, JetProgram]:
 
 
 @lru_cache(maxsize=64)
-def _in_balls(law: Criterion) -> Callable[..., Any]:
-    """g of a ball for every symbol."""
-    return balls.compiled(law.g, law.symbols().values())
-
-
-@lru_cache(maxsize=64)
 def _in_digits(law: Criterion) -> Callable[..., list[Any]]:
     """g of the values of all symbols, in 60 digits."""
     return mpmath_.compiled([law.g], law.symbols().values(), mpmath_.digits(_DIGITS))
 
 
 @lru_cache(maxsize=64)
-def homogeneous(law: Criterion) -> bool:
-    """Whether K(c sigma_n) = c K(sigma_n) for all c > 0: no stress but the pressure sets its size, and none is left out."""
+def _homogeneous(law: Criterion) -> bool:
     if law.pressure is None or law.domain:
         return False
     pressure = law.symbols()[law.pressure]

@@ -84,10 +84,6 @@ def _increments(query: Query) -> Iterator[tuple[Array, Array, Reply]]:
     for reply in query.second:
         yield p, k, reply
     yield p, k * case.factor, query.ask(case.trial, stiffness=k * case.factor)[0]
-    yield p * case.factor, k, query.ask(case.trial * case.factor, pressure=p * case.factor)[0]
-    stress = np.zeros_like(case.trial)
-    for i in range(1, case.path.shape[1]):
-        loads = p if case.loads is None else case.loads[:, i]
-        reply = query.ask(stress + case.path[:, i] - case.path[:, i - 1], pressure=loads)[0]
-        yield loads, k, reply
-        stress = reply.stress
+    yield p * case.factor, k, query.larger
+    for i, reply in enumerate(query.along_the_path(), 1):
+        yield p if case.loads is None else case.loads[:, i], k, reply

@@ -9,14 +9,14 @@ sigma_0 the stress at the beginning of the step; the second part is what a few r
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
 
 from duhem.expression.jets import Choices
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.checks.query import Asked, NoReply, Query, Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import Material, MaterialState, advanced
@@ -46,9 +46,12 @@ class HistoryQuery(Query):
         super().__init__(_Unknown(case.parameters), case, self._from_start, (), accuracy)
         self.material = material
 
-    def ask(self, *trials: Array, pressure: Array | None = None, stiffness: Array | None = None) -> list[Reply]:
+    def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
         _ = self.start  # what fails on the way there is no fault of this step
-        return super().ask(*trials, pressure=pressure, stiffness=stiffness)
+        return super().together(asked, stiffness)
+
+    def ahead(self) -> Mapping[str, Asked]:
+        return {}
 
     def unit(self, reply: Reply) -> Array:
         """The error u in stress the routine is held to (N,), in a step from the start."""
