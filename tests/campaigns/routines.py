@@ -2,8 +2,9 @@
 
 mutants [NAME ...]           each wrong routine of tests/oracles/mutant_routines.py (those whose name contains NAME): what is
                              named as its cause, by which case it is found; 1 where one is not found, or not for its cause
-alarms --part 3/40 [--to F]  every admissible law and every method, three seeds, 2,000 increments each; 1 where a right one is
-                             refused.  Of the parts, the third of forty; --to keeps what is done, and a second start goes on there
+alarms [METHOD ...]          every admissible law and every method, or those named, with --seeds 3 of --increments 2000 each; 1 where
+                             a right one is refused.  --part 3/40: of forty parts the third; --to F keeps what is done, and a second
+                             start goes on there; the examples in C and Fortran are among the first part
 cost [LAW ...]               processor time of all checks over that of a bare Hypothesis test, which draws the same cases and
                              calls the routine once a case
 """
@@ -36,7 +37,7 @@ from tests.testing.test_properties import ACCURACY, ALWAYS, AT_VALUES, of, witho
 __all__ = ["first_cause", "found"]
 
 _CASES, _ROWS = 7, 28  # 196 increments
-_SEEDS, _INCREMENTS, _A_CASE = (0, 1, 2), 2000, 40
+_A_CASE = 40  # increments
 
 
 def found(mutant: Mutant) -> Report:
@@ -82,26 +83,27 @@ def compiled(names: Sequence[str]) -> Iterator[tuple[str, str, int, str]]:
             yield from (("Fortran" if name == "interface" else "C", name, bug, root) for bug, root in enumerate(roots, 1))
 
 
-def questions() -> Iterator[tuple[str, dict[str, str], str, int]]:
+def questions(methods: Sequence[str], seeds: int) -> Iterator[tuple[str, dict[str, str], str, int]]:
     """Law, values, method, seed."""
-    yield from ((name, values, method, seed) for seed in _SEEDS for name, values in [*ALWAYS, *AT_VALUES] for method in METHODS)
+    laws = [*ALWAYS, *AT_VALUES]
+    yield from ((*law, method, seed) for seed in range(seeds) for law in laws for method in methods or METHODS)
 
 
-def alarms(part: str, place: Path | None) -> int:
+def alarms(methods: Sequence[str], part: str, seeds: int, increments: int, place: Path | None) -> int:
     """One line a question; 1 where a right routine is refused."""
     index, of_ = map(int, part.split("/"))
     done = dict(line.split("\t", 1) for line in place.read_text("utf-8").splitlines()) if place and place.exists() else {}
-    asked = list(questions())
+    asked = list(questions(methods, seeds))
     chosen = asked[index - 1 :: of_]
     refused = 0
-    for name, seed in itertools.product(EXAMPLES, _SEEDS) if index == 1 else ():
-        report = conformance(None, **EXAMPLES[name](), max_examples=10, rows=20, seed=seed)
+    for name, seed in itertools.product(EXAMPLES, range(seeds)) if index == 1 else ():
+        report = conformance(None, **EXAMPLES[name](), max_examples=max(1, increments // 200), rows=20, seed=seed)
         refused += not report.ok
         print(f"{name} {seed}: {'accepted' if report.ok else 'REFUSED ' + first_cause(report)}", flush=True)
     for name, values, method, seed in chosen:
-        key = f"{name} {values} {method} {seed}"
+        key = f"{name} {values} {method} {seed} {increments}"
         if key not in done:
-            done[key] = _alarm(duhem.load(name).fix(values), method, seed)
+            done[key] = _alarm(duhem.load(name).fix(values), method, seed, increments)
             if place is not None:
                 with place.open("a", encoding="utf-8") as file:
                     file.write(f"{key}\t{done[key]}\n")
@@ -111,15 +113,17 @@ def alarms(part: str, place: Path | None) -> int:
     return int(refused > 0)
 
 
-def _alarm(law: Criterion, method: str, seed: int) -> str:
+def _alarm(law: Criterion, method: str, seed: int, increments: int) -> str:
     """What the suite says of duhem's own routine."""
     if (reason := without_reason(law, method)) is not None:
         return f"left out: {reason.partition(';')[0]}"
-    options = {"accuracy": of(ACCURACY, method), "rows": _A_CASE, "max_examples": _INCREMENTS // _A_CASE, "seed": seed}
+    start, rows = time.process_time(), min(_A_CASE, increments)
+    options = {"accuracy": of(ACCURACY, method), "rows": rows, "max_examples": increments // rows, "seed": seed}
     report = conformance(law, projection(law, method), **options)  # type: ignore[arg-type]
     if not report.ok:
         return f"REFUSED {first_cause(report)}: {report.failures[0].reproducer()!r}"
-    return f"{len(report.passed)} pass, {report.points} increments asked, {report.flagged} flagged"
+    seconds = time.process_time() - start
+    return f"{len(report.passed)} pass, {report.points} increments asked, {report.flagged} flagged, {seconds:.1f} s"
 
 
 def coulomb(trial: Array, pressure: Array, stiffness: Array, mu: float) -> Array:
@@ -175,10 +179,14 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("what", choices=["mutants", "alarms", "cost"])
     parser.add_argument("names", nargs="*")
     parser.add_argument("--part", default="1/1")
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--increments", type=int, default=2000)
     parser.add_argument("--to", type=Path)
     asked = parser.parse_args(arguments)
     try:
-        return alarms(asked.part, asked.to) if asked.what == "alarms" else {"mutants": mutants, "cost": cost}[asked.what](asked.names)
+        if asked.what == "alarms":
+            return alarms(asked.names, asked.part, asked.seeds, asked.increments, asked.to)
+        return {"mutants": mutants, "cost": cost}[asked.what](asked.names)
     except InputError as fault:
         print(fault)
         return 2
