@@ -12,6 +12,7 @@ from duhem.errors import InputError
 from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks import law_checks, multiplier_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
+from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NoReply, Query
 from duhem.testing.checks.registry import Check, registered
 from duhem.testing.drawn.case import Case
@@ -22,7 +23,7 @@ from duhem.testing.failures import output_diagnoses, stress_diagnoses  # noqa: F
 from duhem.testing.failures.report import Report
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.routine import Update
-from duhem.testing.run import TRIES, ConformanceRun, judged
+from duhem.testing.run import TRIES, ConformanceRun
 from duhem.testing.without_law import FreeRun, free_check, free_checks, free_violation
 
 __all__ = [

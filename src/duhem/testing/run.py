@@ -10,13 +10,13 @@ from random import Random
 from time import monotonic
 from typing import Any
 
-import numpy as np
 from hypothesis import Phase, Verbosity, find, settings
 from hypothesis.errors import Flaky, NoSuchExample
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NoReply, NothingToCheck, Query
 from duhem.testing.checks.registry import Check
 from duhem.testing.checks.visited import Visited
@@ -32,38 +32,17 @@ from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses
 from duhem.testing.failures.report import Failure, Report
 from duhem.testing.routines.material import Material
-from duhem.testing.routines.origin import Origin, origin
+from duhem.testing.routines.origin import Origin, named, origin
 from duhem.testing.routines.routine import Update
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["TRIES", "ConformanceRun", "judged"]
+__all__ = ["TRIES", "ConformanceRun"]
 
 _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _MEMORY = "repeatability"
 TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
-
-
-def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
-    """The worst row, a message, what was measured and what is allowed.
-
-    Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
-    """
-    with np.errstate(all="ignore"):
-        finding = asked.measure(query)
-    counts = query.sound | asked.law_only
-    if not counts.any():
-        raise NothingToCheck("the routine flags every increment as not solved")
-    bad = finding.violated & counts
-    if not bad.any():
-        return None
-    with np.errstate(all="ignore"):
-        excess = np.where(bad, np.nan_to_num(finding.measured - finding.allowed, nan=np.inf, posinf=1e300), -np.inf)
-    i = int(np.argmax(excess))
-    measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
-    said = f"measured {measured:.3g}, allowed {allowed:.3g}" if finding.said is None else str(finding.said[i])
-    return i, said, measured, allowed
 
 
 class _Enough(BaseException):
@@ -379,11 +358,3 @@ class ConformanceRun:
                     tried[part] += _TRIED if now.diagnoses else 1
             told.append(now)
         return told
-
-
-def named(update: Update) -> str:
-    """Module and name of a routine, as it says itself; of the routine inside, where it is wrapped."""
-    while hasattr(update, "__wrapped__"):
-        update = update.__wrapped__
-    name = getattr(update, "__qualname__", type(update).__qualname__)
-    return f"{getattr(update, '__module__', '')}.{name}"

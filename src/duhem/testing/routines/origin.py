@@ -14,7 +14,7 @@ from duhem.law.catalogue import load, load_named, shipped
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 
-__all__ = ["Origin", "law_as_written", "made_by", "origin"]
+__all__ = ["Origin", "law_as_written", "made_by", "named", "origin"]
 
 
 @dataclass(frozen=True)
@@ -96,3 +96,11 @@ def _domain(domain: Domain) -> str:
 def _same(known: Any, law: Criterion) -> bool:
     same = isinstance(known, Criterion) and (known.forces, known.pressure) == (law.forces, law.pressure)
     return same and str(known.g) == str(law.g)
+
+
+def named(update: Any) -> str:
+    """Module and name of a routine, as it says itself; of the routine inside, where it is wrapped."""
+    while hasattr(update, "__wrapped__"):
+        update = update.__wrapped__
+    name = getattr(update, "__qualname__", type(update).__qualname__)
+    return f"{getattr(update, '__module__', '')}.{name}"

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
+from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NoReply, Query, Reply
 from duhem.testing.checks.registry import Check
 from duhem.testing.checks.visited import Visited
@@ -22,7 +23,7 @@ from duhem.testing.failures.report import Failure
 from duhem.testing.routines.material import Material, stateless
 from duhem.testing.routines.origin import Origin, origin
 from duhem.testing.routines.routine import Update
-from duhem.testing.run import ConformanceRun, judged
+from duhem.testing.run import ConformanceRun
 from duhem.testing.without_law import associated_checks, energy_checks, run_checks, step_checks  # noqa: F401 (they register their checks)
 from duhem.testing.without_law.energy_checks import slipped
 from duhem.testing.without_law.histories import histories

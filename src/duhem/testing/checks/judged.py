@@ -1,0 +1,31 @@
+"""A check put to one case: the row that violates it most."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from duhem.testing.checks.query import NothingToCheck, Query
+from duhem.testing.checks.registry import Check
+
+__all__ = ["judged"]
+
+
+def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
+    """The worst row, a message, what was measured and what is allowed.
+
+    Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
+    """
+    with np.errstate(all="ignore"):
+        finding = asked.measure(query)
+    counts = query.sound | asked.law_only
+    if not counts.any():
+        raise NothingToCheck("the routine flags every increment as not solved")
+    bad = finding.violated & counts
+    if not bad.any():
+        return None
+    with np.errstate(all="ignore"):
+        excess = np.where(bad, np.nan_to_num(finding.measured - finding.allowed, nan=np.inf, posinf=1e300), -np.inf)
+    i = int(np.argmax(excess))
+    measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
+    said = f"measured {measured:.3g}, allowed {allowed:.3g}" if finding.said is None else str(finding.said[i])
+    return i, said, measured, allowed
