@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from mpmath import MPContext
@@ -26,10 +27,16 @@ class Exact:
     slips: bool
 
 
-def closest(trial: Sequence[float], load: float, mu: Sequence[float], k: Sequence[Sequence[float]], digits: int = 160) -> Exact:
-    """Closest point to ``trial`` in the metric of k^-1 for mu = (a_plus, a_minus, b_plus, b_minus)."""
+@cache
+def _context(digits: int) -> MPContext:
     mp = MPContext()
     mp.dps = digits
+    return mp
+
+
+def closest(trial: Sequence[float], load: float, mu: Sequence[float], k: Sequence[Sequence[float]], digits: int = 160) -> Exact:
+    """Closest point to ``trial`` in the metric of k^-1 for mu = (a_plus, a_minus, b_plus, b_minus)."""
+    mp = _context(digits)
     t = (mp.mpf(trial[0]), mp.mpf(trial[1]))
     e = mp.mpf(load)
     zero = mp.mpf(0)

@@ -233,7 +233,7 @@ WAYS = {
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("p", "way"),
-    mostly_long(product(("2.5", "3", "5", "6"), WAYS), ("2.5", "back along a"), ("3", "along a"), ("5", "across a"), ("6", "along b")),
+    mostly_long(product(("2.5", "3", "5", "6"), WAYS), ("5", "across a"), ("6", "along b")),
 )
 def test_powers_of_every_kind_go_along_and_across_the_axes(p, way):
     """|x|^p has a derivative on its axis, 0, whichever way it is written; small second-order steps come to the same stress."""

@@ -14,6 +14,7 @@ from duhem.path.plan import Plan
 from duhem.path.run import Run
 from duhem.path.simulate import Interrupted, simulate
 from duhem.projection import compiled_newton
+from tests.long import mostly_long
 from tests.path.scenes import walk
 
 CASES = {
@@ -45,7 +46,7 @@ def driven(name):
     return Path.linear(points, pressure=load), {"stiffness": k, "parameters": mu, "compiled": True}
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", mostly_long(CASES, "box", "von-mises"))
 def test_the_loop_takes_the_steps_of_the_search(name, monkeypatch):
     path, given = driven(name)
     whole, right = simulate(name, path, **given), simulate(name, path, **given | {"compiled": False})
@@ -64,7 +65,7 @@ def _stop(done, steps):
     raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize("fault", ["wrong stress", "wrong slip", "left"])
+@pytest.mark.parametrize("fault", ["wrong stress", pytest.param("wrong slip", marks=pytest.mark.long), "left"])
 def test_what_the_judge_does_not_take_is_a_step_of_the_search(fault, monkeypatch):
     """A loop that is wrong at its first slip each time it is called."""
     path, given = driven("box")

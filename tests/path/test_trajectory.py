@@ -53,7 +53,7 @@ def gauge(history):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(RUNS, "centre", "line", "slow arc", "equation"))
+@pytest.mark.parametrize("name", mostly_long(RUNS, "centre", "line", "equation"))
 def test_the_curve_keeps_the_knots_slips_on_the_boundary_and_rests_inside(name):
     history = run(name)
     seen = trajectory(history, 16)
@@ -75,7 +75,7 @@ def test_the_curve_keeps_the_knots_slips_on_the_boundary_and_rests_inside(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(RUNS, "centre", "line", "slow arc", "pressure"))
+@pytest.mark.parametrize("name", mostly_long(RUNS, "line", "slow arc", "pressure"))
 def test_stress_slip_and_energies_between_the_knots_fit_each_other(name):
     history = run(name)
     states = trajectory(history, 200).states
@@ -92,7 +92,7 @@ def test_stress_slip_and_energies_between_the_knots_fit_each_other(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "coupling"), mostly_long([(10, 0.0), (36, 0.0), (10, 1e-15), (36, 1e-15)], (10, 0.0), (36, 1e-15)))
+@pytest.mark.parametrize(("seed", "coupling"), mostly_long([(10, 0.0), (36, 0.0), (10, 1e-15), (36, 1e-15)], (36, 1e-15)))
 def test_states_between_the_knots_agree_with_thirty_digits(seed, coupling):
     draw = np.random.default_rng(seed)
     mu, k = 10 ** draw.uniform(-1, 0, 4), 10 ** draw.uniform(-0.5, 0.5, 2)
@@ -111,7 +111,7 @@ def test_states_between_the_knots_agree_with_thirty_digits(seed, coupling):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(RUNS, "straight", "arc", "equation", "pressure"))
+@pytest.mark.parametrize("name", mostly_long(RUNS, "arc", "equation"))
 def test_between_the_knots_the_curve_is_what_smaller_steps_find(name):
     history, fine = run(name), run(name, substeps=8)
     seen = trajectory(history, 8)

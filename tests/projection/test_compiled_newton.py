@@ -96,7 +96,7 @@ def test_at_a_corner_as_many_pieces_press_as_meet() -> None:
     assert state.tolist() == [SLIP, SLIP, SLIP, 0]
 
 
-@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("d", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_far_from_a_body_of_many_sides_pieces_are_exchanged(d: int) -> None:
     """Along the way there are more sides than can meet: one leaves for each that comes."""
     rng = np.random.default_rng(d)

@@ -85,7 +85,11 @@ def trials(rng: np.random.Generator, mu: np.ndarray, load: np.ndarray) -> np.nda
 
 
 def exact(trial: np.ndarray, load: np.ndarray, mu: Any, k: Any) -> list[Exact]:
-    return [closest(t, e, mu, k) for t, e in zip(trial.tolist(), load.tolist(), strict=True)]
+    numbers, matrix = tuple(map(float, mu)), tuple(map(tuple, np.asarray(k, dtype=float).tolist()))
+    return [_closest(tuple(t), e, numbers, matrix) for t, e in zip(trial.tolist(), load.tolist(), strict=True)]
+
+
+_closest = cache(closest)  # for both kernels
 
 
 @pytest.mark.slow

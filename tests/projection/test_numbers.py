@@ -30,7 +30,12 @@ def total(counts: list[Count]) -> Count:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "every", "right"),
-    [pytest.param("cancelling", 4, 60, marks=pytest.mark.long), ("cancelling", 16, 14), ("powers", 7, 200), ("ulps", 15, 50)],
+    [
+        pytest.param("cancelling", 4, 60, marks=pytest.mark.long),
+        ("cancelling", 16, 14),
+        ("powers", 7, 200),
+        pytest.param("ulps", 15, 50, marks=pytest.mark.long),
+    ],
 )
 def test_families_of_extremes(name: str, every: int, right: int) -> None:
     """A part of ``tests.campaigns.numbers``; the reference has 60 digits and shares nothing with the methods."""
