@@ -125,7 +125,7 @@ def _name(text: str) -> str:
 
 def _kept(text: str) -> Path | None:
     """The file with this text, beside which numba keeps what it compiles; None where there is no place for it."""
-    folder = _folder()
+    folder = kept_folder()
     path = folder / f"law_{_name(text)}.py"
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -138,8 +138,8 @@ def _kept(text: str) -> Path | None:
         return None
 
 
-def _folder() -> Path:
-    """Where compiled laws are kept: DUHEM_CACHE_DIR, else the user's folder for such things."""
+def kept_folder() -> Path:
+    """Where is kept what the next process need not make again: DUHEM_CACHE_DIR, else the user's folder for such things."""
     if own := os.environ.get("DUHEM_CACHE_DIR"):
         return Path(own)
     if sys.platform == "win32":

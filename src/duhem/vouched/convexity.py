@@ -21,6 +21,7 @@ from duhem.law.convex import check_convex
 from duhem.law.domain import Domain, by_name
 from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Convexity
+from duhem.vouched import kept_verdicts
 
 __all__ = ["asked"]
 Ranges = tuple[tuple[str, Domain], ...]
@@ -71,15 +72,22 @@ def _holds(law: Criterion, ranges: Ranges, of: Callable[[Criterion], Criterion |
 
 @lru_cache(maxsize=1024)
 def _verdict(law: Criterion | None) -> str:
-    """The verdict on K over every number that the law leaves open; none, "", where the question has no meaning."""
-    from duhem.proof.verification import verify
-
+    """The verdict on K over every number that the law leaves open, kept where it stands; none, "", where the question has no meaning."""
     if law is None:
         return ""
     try:
-        return verify(_everywhere(law), claims="convexity", effort=_EFFORT)["convexity"].verdict.value
+        law = _everywhere(law)
+        path = kept_verdicts.place(law, f"convexity {_EFFORT}")
+        if path is not None and (found := kept_verdicts.recalled(path)):
+            return found
+        from duhem.proof.verification import verify
+
+        found = verify(law, claims="convexity", effort=_EFFORT)["convexity"].verdict.value
     except DuhemError:  # undefined somewhere, or no numbers at all
         return ""
+    if path is not None:
+        kept_verdicts.keep(path, found)
+    return found
 
 
 def _everywhere(law: Criterion) -> Criterion:

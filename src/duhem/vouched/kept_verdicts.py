@@ -1,0 +1,104 @@
+"""Verdicts that stand, kept on disk: the next process reads that K is convex without loading what proves it.
+
+Only ``proved`` and ``refuted`` are kept; what is open may be settled another time.  A verdict is found by the whole law and everything
+that had a part in it: the text of duhem by its files' sizes and times, as Python finds its bytecode, and the packages that decide.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import fields, is_dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import sympy as sp
+
+from duhem.law.formula_law import Criterion
+from duhem.projection.kept_code import kept_folder
+
+__all__ = ["STANDS", "keep", "place", "recalled"]
+
+STANDS = "proved", "refuted"
+
+_MOST = 10_000  # files: of a law that is convex for some numbers alone there is a question each time
+_DECIDE = "sympy", "mpmath", "flint", "z3", "numpy"
+
+
+def place(law: Criterion, question: str) -> Path | None:
+    """Where the verdict on a ``question`` about the law is kept; None where there is no telling what it rests on."""
+    try:
+        digest = hashlib.sha256("\n".join([*_made_with(), question, *_told(law)]).encode()).hexdigest()
+        return kept_folder() / "verdicts" / digest[:40]
+    except (LookupError, OSError, ValueError, RuntimeError):  # a value of another kind, no file, no folder of the user's own
+        return None
+
+
+def recalled(path: Path) -> str | None:
+    """The verdict that is kept there; None where there is none, or not a whole one."""
+    try:
+        verdict, _, seal = path.read_text("utf-8").partition(" ")
+    except (OSError, ValueError):
+        return None
+    return verdict if verdict in STANDS and seal == _seal(path, verdict) else None
+
+
+def keep(path: Path, verdict: str) -> None:
+    """Write the verdict down where it stands and there is room."""
+    with suppress(OSError):
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if verdict in STANDS and len(os.listdir(path.parent)) < _MOST:
+            beside = path.with_suffix(f".{os.getpid()}")
+            beside.write_text(f"{verdict} {_seal(path, verdict)}", "utf-8")
+            beside.replace(path)
+
+
+def _seal(path: Path, verdict: str) -> str:
+    return hashlib.sha256(f"{path.name} {verdict}".encode()).hexdigest()
+
+
+def _told(value: Any) -> Iterator[str]:
+    """A value in words that tell it from every other.  LookupError for a kind that is not known here."""
+    if isinstance(value, sp.Basic):
+        yield sp.srepr(value)
+    elif value is None or isinstance(value, (str, int)):
+        yield repr(value)
+    elif isinstance(value, tuple):
+        yield f"tuple of {len(value)}"
+        for each in value:
+            yield from _told(each)
+    elif isinstance(value, Mapping):
+        yield f"mapping of {len(value)}"
+        for item in value.items():
+            yield from _told(item)
+    elif is_dataclass(value) and type(value).__module__.startswith("duhem."):
+        yield f"{type(value).__module__}.{type(value).__qualname__}"
+        for field in fields(value):
+            if field.init:  # what else it knows is made of these
+                yield from _told(getattr(value, field.name))
+    else:
+        raise LookupError(type(value))
+
+
+@cache
+def _made_with() -> tuple[str, ...]:
+    """What a proof rests on: Python, duhem's text and the packages that decide."""
+    own = Path(__file__).parents[1]
+    told = [sys.version, sp.__version__, *sorted(f"{k}={v}" for k, v in os.environ.items() if k.startswith("SYMPY_"))]
+    for folder, below, names in os.walk(own):
+        below.sort()
+        told += [_file(Path(folder, name)) for name in sorted(names) if name.endswith(".py")]
+    for name in _DECIDE:
+        found = find_spec(name)
+        told.append(name if found is None or found.origin is None else _file(Path(found.origin)))
+    return tuple(told)
+
+
+def _file(path: Path) -> str:
+    seen = path.stat()
+    return f"{path} {seen.st_size} {seen.st_mtime_ns}"
