@@ -30,6 +30,13 @@ def elastic(trial, pressure, stiffness, mu):
 def flags_slip(trial, pressure, stiffness, mu):
     return Step(trial, solved=np.hypot(*trial.T) <= -mu * pressure)
 
+def flags_most_slip(trial, pressure, stiffness, mu):
+    step = right(trial, pressure, stiffness, mu)
+    return Step(step, solved=np.hypot(*trial.T) <= -mu * pressure * (1 + 1e-9))
+
+def flags_some(trial, pressure, stiffness, mu):
+    return Step(right(trial, pressure, stiffness, mu), solved=trial[:, 0] < -pressure)
+
 def gives_up(trial, pressure, stiffness, mu):
     return Step(trial, solved=np.zeros(len(trial), dtype=bool))
 
@@ -84,10 +91,27 @@ def test_a_right_routine_passes_and_what_was_visited_is_said(run: Command) -> No
 
 
 @pytest.mark.parametrize(
-    ("routine", "checks", "code"), [("elastic", "feasibility", 1), ("flags_slip", "vacuity", 1), ("gives_up", "ray", 4)]
+    ("routine", "checks", "code"),
+    [
+        ("elastic", "feasibility", 1),
+        ("flags_slip", "vacuity", 1),
+        ("gives_up", "ray", 4),
+        ("flags_most_slip", "vacuity", 1),
+        ("gives_up", "vacuity", 4),
+        ("flags_some", "answers,vacuity", 1),
+    ],
 )
 def test_the_exit_code_says_what_came_out(routine: str, checks: str, code: int, run: Command) -> None:
     assert run(*of(routine), *FEW, checks)[0] == code
+
+
+def test_how_much_may_be_flagged_is_asked_for(run: Command) -> None:
+    for share, code in (("0.01", 1), ("0.9", 0)):
+        found, out, _ = run(*of("flags_some"), *FEW, "answers", "--most-flagged", share)
+        assert found == code and (f"increments as not solved, more than a share {share}" in out) == bool(code)
+        assert f"--most-flagged {share}" in out
+    assert run(*of("flags_some"), *FEW, "answers", "--most-flagged", "2")[2].startswith("duhem: --most-flagged: 2.0 is no share; ")
+    assert "it is for a routine of your own" in run("test", "coulomb", "--most-flagged", "0.1")[2]
 
 
 def test_a_failure_is_told_once_and_written_as_a_test(run: Command, tmp_path: Path) -> None:

@@ -238,9 +238,10 @@ class ConformanceRun:
     def _look_at_the_whole(self) -> None:
         """The checks that no case alone can fail."""
         for asked in self.pending:
-            if asked.whole is None or asked.name not in self.judged or self.last is None:
+            if asked.whole is None or self.last is None or not (asked.name in self.judged or self.flagged):
                 continue
             if (message := asked.whole(self.visited)) is not None:
+                self.judged.add(asked.name)
                 self.found.append(self._failure(asked, message, self.last.row(0), float("nan"), 0.0))
 
     def failures(self, query: Query, checks: Sequence[Check]) -> Iterator[Failure]:

@@ -32,7 +32,7 @@ class Visited:
         self.forces = forces
         self._counts = Counter(dict.fromkeys(["stick", "slip", "boundary", *(["tip"] if pressed else []), "seam", "corner"], 0))
         self._counts.update({f"{name}{sign}": 0 for name in forces for sign in "+-"})
-        self._asked = self._looked = 0
+        self._asked = self._looked = self._slipping = self._given_up = 0
         self._decades: dict[str, tuple[int, int]] = {}
 
     @property
@@ -47,6 +47,11 @@ class Visited:
     def increments(self) -> int:
         """How many were counted."""
         return self._asked
+
+    @property
+    def given_up(self) -> float:
+        """The share of the increments that slip which the routine flags as not solved; without a law, of all increments."""
+        return self._given_up / self._slipping if self._slipping else 0.0
 
     @property
     def decades(self) -> Mapping[str, tuple[int, int]]:
@@ -71,6 +76,8 @@ class Visited:
         self._asked += int(solved.sum())
         self._count("stick", inside & solved)
         self._count("slip", ~inside & solved)
+        self._slipping += int((~inside).sum())
+        self._given_up += int((~inside & ~solved).sum())
         self._count("boundary", within & ~beyond & solved)
         if "tip" in self._counts:
             self._count("tip", (query.pressure == 0.0) & solved)

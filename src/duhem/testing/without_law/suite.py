@@ -101,6 +101,8 @@ class _Answered(Visited):
         self._asked += int(solved.sum())
         self._count("stick", ~out & solved)
         self._count("slip", out & solved)
+        self._slipping += len(solved)
+        self._given_up += int((~solved).sum())
         self._count("boundary", out & near & solved)
         if "tip" in self._counts:
             self._count("tip", (query.pressure == 0.0) & solved)
