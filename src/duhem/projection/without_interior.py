@@ -24,6 +24,7 @@ from duhem.projection.whitened_body import Body, Index, body, whitening
 __all__ = ["shrunk"]
 
 _ROUNDS = 200
+_STILL = 1e-16  # a point that a round moves by no more than the rounding of its trial is where the next leaves it
 _REACHED = 1e-9  # distances from K, in lengths of the trial
 _ORIGIN = (1e-7, 1e-4)  # within this of the origin, the origin is meant if it is in K; where g is flat, the rounding of g hides more
 _FLAT = 1e-3  # of the slope at the trial: less is none at the point
@@ -102,7 +103,9 @@ def _nearest(k: Body, trial: Array) -> _Nearest:
         first[left], last[left] = np.where(np.isnan(first[left]), slope, first[left]), slope
         slot = outer.free_slot(left)
         slopes[left, slot] = slope
-        outer.add(left, slot, normal, np.einsum("nd,nd->n", normal, outer.point[left]) - level)
+        before = outer.point[left]
+        outer.add(left, slot, normal, np.einsum("nd,nd->n", normal, before) - level)
+        left = left[np.abs(outer.point[left] - before).max(axis=1) > _STILL]
     x = times(outer.point, k.root.T)
     origin = np.zeros_like(x)
     flat = last < _FLAT * first
