@@ -154,6 +154,11 @@ def test_a_law_is_tested_by_every_method_that_takes_it(run: Command, monkeypatch
     assert "tresca newton" in out.splitlines() and "closed-form left out: " in out
 
 
+def test_a_routine_that_misses_a_parameter_that_is_set_is_told_why(run: Command) -> None:
+    code, out, _ = run(*of("right"), "--set", "mu=0.3", *FEW, "answers")
+    assert code == 1 and "missing 1 required positional argument: 'mu' (parameters that are left open are passed: mu is fixed, so " in out
+
+
 def test_a_routine_may_be_tested_without_a_law(run: Command) -> None:
     asked = ["test", "my_routines:plain", "--stiffness", "1 1", "--set", "limit=0.5", "--examples", "3", "--seed", "7", "--shrink", "20"]
     code, out, err = run(*asked)

@@ -116,6 +116,30 @@ def properties(file: Path) -> dict[str, dict[str, str]]:
     return {case.get("name", ""): {p.get("name", ""): p.get("value", "") for p in case.iter("property")} for case in cases}
 
 
+def test_a_routine_expected_to_fail_fails_one_check_at_least(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_friction=HEAD
+        + """
+def marked(mark, factor):
+    def update(trial, pressure, stiffness):
+        return factor * right(trial, pressure, stiffness)
+    return mark(pytest.mark.duhem(checks=["answers", "feasibility"], **MARK)(update))
+
+wrong = marked(pytest.mark.xfail(reason="too strong"), 2.0)
+strict = marked(pytest.mark.xfail(reason="too strong", strict=True), 2.0)
+right_after_all = marked(pytest.mark.xfail(reason="too strong"), 1.0)
+told = marked(pytest.mark.xfail(reason="too strong", strict=True), 1.0)
+elsewhere = marked(pytest.mark.xfail(False, reason="too strong"), 2.0)
+never = marked(pytest.mark.xfail(reason="too slow", run=False), 2.0)
+"""
+    )
+    done = tried(pytester)
+    done.assert_outcomes(passed=6, failed=4, xfailed=5, xpassed=3)
+    done.stdout.fnmatch_lines_random(
+        ["XFAIL *wrong[[]feasibility]*", "PASSED *strict[[]flagged]", "XPASS *right_after_all[[]flagged]*", "FAILED *told[[]answers]*"]
+    )
+
+
 def test_the_cases_are_drawn_once_and_only_for_what_is_selected(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         HEAD

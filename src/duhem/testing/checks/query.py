@@ -12,6 +12,7 @@ tolerance of each check follows from u by the triangle inequality, and is writte
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -178,13 +179,21 @@ class Query:
             )
             raise
         except Exception as fault:
-            raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
+            raise NoReply(f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}") from fault
         self.note_overwritten(step.overwritten)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
         parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}
         solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.asarray(step.solved, dtype=np.bool_).reshape(n)
         return Reply(trial, **parts, solved=solved)  # type: ignore[arg-type]
+
+    def _not_passed(self, fault: Exception) -> str:
+        """What there is to say of an argument that the routine misses, if it is a parameter of the law that was given a value."""
+        missed = re.search(r"missing .* argument.*?'(\w+)'", str(fault)) if isinstance(fault, TypeError) else None
+        if missed is None or missed[1] not in self.region.parameters or missed[1] in self.passed:
+            return ""
+        name = missed[1]
+        return f" (parameters that are left open are passed: {name} is fixed, so leave it open, or give the routine its value as a default)"
 
     def note_overwritten(self, names: Any) -> None:
         """Keep the names (M N,) that a reply to every row M times brings."""

@@ -100,6 +100,11 @@ class Trial:
             pytest.fail(f"{self.node}: {self._outcome}", pytrace=False)
         return self._outcome
 
+    def fails(self, update: Update) -> bool:
+        """Whether one of the selected nodes does."""
+        report = self.report(update)
+        return not report.ok or (FLAGGED in self.selected and report.flagged_share > self.most_flagged)
+
     def judge(self, node: str, update: Update, properties: list[tuple[str, object]]) -> Report:
         """Pass, fail, skip or xfail as one node says."""
         report = self.report(update)
@@ -183,12 +188,26 @@ class CheckTest(pytest.Item):
     def __init__(self, *, trial: Trial, check: str, update: Callable[[], Update], function: FunctionType, **whole: Any) -> None:
         super().__init__(**whole)
         self.trial, self.check, self.update, self.function = trial, check, update, function
-        self.own_markers += [mark for mark in function.pytestmark if mark.name != "duhem"]  # type: ignore[attr-defined]
+        marks = [mark for mark in function.pytestmark if mark.name != "duhem"]  # type: ignore[attr-defined]
+        self.of_the_whole = [mark for mark in marks if mark.name == "xfail" and mark.kwargs.get("run", True)]
+        self.own_markers += [mark for mark in marks if mark not in self.of_the_whole]
         group(self, trial.node)
 
     def runtest(self) -> None:
         self.trial.selected = [i.check for i in self.session.items if isinstance(i, CheckTest) and i.trial is self.trial]
-        self.trial.judge(self.check, self.update(), self.user_properties)
+        update = self.update()
+        try:
+            self.trial.judge(self.check, update, self.user_properties)
+        except pytest.fail.Exception:
+            self._expected_to_fail()
+            raise
+        if self.of_the_whole and not self.trial.fails(update):
+            self._expected_to_fail()
+
+    def _expected_to_fail(self) -> None:
+        """The routine's xfail, which says that some check fails, is that of a check that does, and of all where none does."""
+        for mark in self.of_the_whole:
+            self.add_marker(pytest.mark.xfail(*mark.args, **mark.kwargs))
 
     def reportinfo(self) -> tuple[Path, int | None, str]:
         return self.path, self.function.__code__.co_firstlineno - 1, self.name
