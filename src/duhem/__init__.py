@@ -36,6 +36,7 @@ __all__ = [
     "derive",
     "identify",
     "load",
+    "plot",
     "project",
     "simulate",
     "verify",
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     from duhem.law.formula_law import Criterion, criterion
     from duhem.law.yield_surface import YieldSurface
     from duhem.path import Histories, History, Path, Paths
+    from duhem.portrait import plot
     from duhem.projection.result import Projection, Status
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
@@ -67,6 +69,7 @@ _HOMES = {
     "law.formula_law": ("Criterion", "criterion"),
     "law.yield_surface": ("YieldSurface",),
     "path": ("Histories", "History", "Path", "Paths"),
+    "portrait": ("plot",),
     "projection.result": ("Projection", "Status"),
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),

@@ -14,6 +14,7 @@ from duhem.cli.figures import figures
 from duhem.cli.identify import identify
 from duhem.cli.init import init
 from duhem.cli.list_laws import list_laws
+from duhem.cli.plot import plot
 from duhem.cli.project import project
 from duhem.cli.recheck import recheck
 from duhem.cli.simulate import simulate
@@ -42,6 +43,7 @@ for command in (
     verify,
     recheck,
     derive,
+    plot,
     project,
     simulate,
     export,

@@ -33,6 +33,7 @@ __all__ = [
     "pen",
     "save",
     "shortened",
+    "snug",
     "style",
     "wrapped",
 ]
@@ -209,7 +210,7 @@ def legend(axes: Axes, where: Literal["above", "best", "lower right"] = "above")
     handles, labels = axes.get_legend_handles_labels()
     if not labels:
         return
-    labels = [shortened(label) if "$" not in label else label for label in labels]
+    labels = [_entry(label) for label in labels]
     if where != "above":
         axes.legend(handles, labels, loc=where)
         return
@@ -219,12 +220,22 @@ def legend(axes: Axes, where: Literal["above", "best", "lower right"] = "above")
             return
 
 
+def _entry(label: str) -> str:
+    """A label of a legend, not too long; mathematics is not cut."""
+    return label if "$" in label else shortened(label)
+
+
+def snug(places: tuple[Axes, ...]) -> None:
+    """Bring axes of a fixed shape close to each other, on a sheet of their own."""
+    _sheet_of(places).set_layout_engine("compressed")
+
+
 def legend_below(places: tuple[Axes, ...]) -> None:
     """One legend for several axes, below them all; on the first of them where the sheet does not make room for it."""
     named: dict[str, Any] = {}
     for axes in places:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            named.setdefault(shortened(label), handle)
+            named.setdefault(_entry(label), handle)
     if not named:
         return
     sheet = _sheet_of(places)

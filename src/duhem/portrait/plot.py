@@ -1,0 +1,138 @@
+"""The portrait of a law on one sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from duhem.errors import InputError
+from duhem.law.catalogue import load
+from duhem.law.curve_law import Law
+from duhem.portrait.drawing import paint_section, paint_step, paint_violation
+from duhem.portrait.numbers import Numbered, numbered
+from duhem.portrait.plane import Plane, elsewhere, named, usual
+from duhem.portrait.section import View, section
+from duhem.portrait.step import TrialStep, step
+from duhem.portrait.violation import Violation, drawable, violation
+from duhem.proof.verification import verify
+from duhem.show import figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["cut", "plot", "stated"]
+
+Painter = Callable[["Axes"], None]
+_VALUES = 8  # of parameters in a title
+
+
+def plot(
+    law: Law | str | Path,
+    file: figure.Target | None = None,
+    *,
+    parameters: Mapping[str, Any] | None = None,
+    pressure: float | None = None,
+    planes: str | Sequence[str] = (),
+    trial: ArrayLike | None = None,
+    stiffness: ArrayLike = 1.0,
+    witness: bool = False,
+    unit: str = "",
+    axes: Iterable[Axes] | None = None,
+) -> tuple[Axes, ...]:
+    """Draw K = {g <= 0} of a law: sections with their boundary, outward normals, seams and slips that are not normal; the axes.
+
+    ``parameters`` fixes some; what is left open gets a plain number of its domain, which the title states.  ``pressure`` sigma_n <= 0
+    of the sections, -1 if nobody says; of a law without one that declares a stress tensor the mean stress of the deviatoric plane.
+    ``planes``: two forces, or the pressure and a force, as ``a,b``; ``deviatoric`` and ``meridian`` (p, q) of a stress tensor; ``all``;
+    none for a choice of them.  ``trial`` (d,) and ``stiffness`` as for :func:`duhem.project` draw one increment.  With ``witness``
+    the law is verified and each witness of a refuted claim is drawn, at its own numbers.  ``unit`` of stresses, "Pa" for prefixes.
+
+    Raises InputError for what does not fit the law or cannot be written, MissingExtraError without matplotlib.
+    """
+    if file is not None:
+        figure.check(file)
+    chosen = load(law)
+    refuted: tuple[Violation, ...] = ()
+    if witness:
+        found = verify(chosen, parameters)
+        refuted = tuple(violation(found.criterion, result) for result in drawable(found))
+    given = refuted[0].numbered if refuted and not parameters else numbered(chosen, parameters)
+    asked = [planes] if isinstance(planes, str) else list(planes)
+    _check_pressure(chosen, pressure)
+    shown = [p for text in asked for p in named(chosen, text, pressure)] or list(usual(chosen, pressure))
+    painters: list[Painter] = []
+    for i, plane in enumerate(shown):
+        seen = cut(given, plane, moves=pressure is None)
+        plane = seen.plane
+        if trial is not None and i == 0:
+            taken = step(given, trial, stiffness, plane, 0.22 * seen.size)
+            painters.append(partial(_increment, seen=_reaching(given, seen, taken), taken=taken, unit=unit))
+        else:
+            painters.append(partial(paint_section, found=seen, unit=unit))
+    for each in refuted:
+        painters.append(partial(paint_violation, seen=each, unit=unit, title=f"{each.claim} refuted"))
+
+    def paint(*places: Axes) -> None:
+        for place, painter in zip(places, painters, strict=True):
+            painter(place)
+        if axes is None:
+            figure.snug(places)
+        figure.legend_below(places)
+
+    many = len(painters)
+    columns = many if many < 4 else 2 if many == 4 else 3
+    return figure.drawn(paint, file, axes, panels=many, columns=columns, size=(4.9, 4.7), title=stated(given))
+
+
+def cut(given: Numbered, plane: Plane, *, moves: bool = True) -> View:
+    """The section by a plane, or where K has none there and the plane ``moves``, by one beside it."""
+    every = [plane, *(elsewhere(given.law, plane, given.size) if moves else ())]
+    for each in every[:-1]:
+        if (found := section(given, each, needed=False)).lines:
+            return found
+    return section(given, every[-1])
+
+
+def stated(given: Numbered) -> str:
+    """The law with its numbers, as a title says it; those that nobody gave are marked."""
+    values = [f"{name} = {_short(value)}" for name, value in given.values().items()]
+    more = f", and {len(values) - _VALUES} more" if len(values) > _VALUES else ""
+    said = ", ".join(values[:_VALUES]) + more
+    note = f" (taken to draw it: {', '.join(given.chosen[:_VALUES])})" if given.chosen and len(given.chosen) < len(values) else ""
+    note = " (taken to draw it)" if given.chosen and not note else note
+    return "\n".join(filter(None, (given.law.name, said + note)))
+
+
+def _short(value: Any) -> str:
+    text = str(value)
+    return text if len(text) <= 8 else f"{float(value):.6g}"
+
+
+def _check_pressure(law: Law, pressure: float | None) -> None:
+    if pressure is None:
+        return
+    if not np.isfinite(pressure):
+        raise InputError(f"{pressure} is no pressure", where="pressure", remedy="give a finite number")
+    if law.pressure is None and not any(p.guides for p in usual(law, None)):
+        raise InputError(f"{law.name} has no pressure", where="pressure", remedy="leave it out")
+    if law.pressure is not None and pressure > 0.0:
+        raise InputError(f"{law.pressure} = {pressure:g} is tension", where="pressure", remedy="give it <= 0, compression is negative")
+
+
+def _reaching(given: Numbered, seen: View, taken: TrialStep) -> View:
+    """The section in a window that holds the increment too."""
+    points = np.array([taken.trial, taken.stress, *([taken.stress + taken.slip] if taken.slip is not None else [])])
+    free = 0.06 * max(seen.size, float(np.abs(points).max()))
+    (a, c), (b, d) = points.min(axis=0) - free, points.max(axis=0) + free
+    box = (min(a, seen.window[0]), max(b, seen.window[1]), min(c, seen.window[2]), max(d, seen.window[3]))
+    return seen if box == seen.window else section(given, seen.plane, tuple(map(float, box)))  # type: ignore[arg-type]
+
+
+def _increment(axes: Axes, seen: View, taken: TrialStep, unit: str) -> None:
+    paint_section(axes, seen, unit)
+    paint_step(axes, taken)

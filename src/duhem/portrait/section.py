@@ -1,0 +1,314 @@
+"""K in a plane: its boundary with corners, seams, normals and slips, as plain numbers that are drawn as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.errors import InputError
+from duhem.expression.gradient import gradient
+from duhem.expression.numpy_ import Program, compiled
+from duhem.law.curve_law import ParametricCriterion
+from duhem.law.formula_law import Criterion
+from duhem.portrait.lines import Line, Vertex, Window, closed, level_lines, normals, region, traced
+from duhem.portrait.numbers import Numbered
+from duhem.portrait.plane import Plane
+from duhem.portrait.seams import switches
+
+__all__ = ["Arrow", "View", "beside", "section"]
+
+Array = NDArray[np.float64]
+
+_ANGLES, _DECADES = 96, (-6.0, 8.0)
+_PER_DECADE = 10
+_MARGIN = 0.16  # of the size of K that is left free around it, for normals
+_GUIDED = 0.26  # and where the names of axes stand beyond them
+_ENDLESS = 2.5  # how much more than what ends is shown of a K that does not end
+_ARROWS = 18
+_FEW = 5  # rays, of which the ends of so many tell how large a K is that does not end
+_STEPS = 721  # angles at which a boundary curve is computed
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """A direction (2,) at a point (2,), of length 1 where it lies in the plane."""
+
+    at: Array
+    along: Array
+
+
+@dataclass(frozen=True)
+class View:
+    """K in a plane, in a window of it.
+
+    ``lines`` bound K, which lies on their left.  ``grid`` x, y and a value on them that is <= 0 in K where a formula is known; None
+    for a boundary curve, which encloses K.  ``normals`` are outward and stand aside from corners; ``slips`` are there where the law's
+    slip is not normal to K by definition.  ``whole`` where all of K is in the window.
+    """
+
+    plane: Plane
+    window: Window
+    lines: tuple[Line, ...]
+    grid: tuple[Array, Array, Array] | None = None
+    seams: tuple[Array, ...] = ()
+    normals: tuple[Arrow, ...] = ()
+    slips: tuple[Arrow, ...] = ()
+    whole: bool = True
+
+    @property
+    def corners(self) -> tuple[Vertex, ...]:
+        """The corners of all lines."""
+        return tuple(corner for line in self.lines for corner in line.corners)
+
+    @property
+    def size(self) -> float:
+        """The greater side of the window."""
+        return max(self.window[1] - self.window[0], self.window[3] - self.window[2])
+
+
+@dataclass(frozen=True)
+class Formula:
+    """The formulas of a law over the coordinates of stress space, at fixed numbers."""
+
+    law: Criterion
+    g: Program = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "g", self.program(self.law.g))
+
+    def program(self, expr: sp.Expr) -> Program:
+        """The expression as a function of the forces and the pressure; an InputError for numbers beyond the doubles."""
+        known = self.law.symbols()
+        names = [*self.law.forces, *([self.law.pressure] if self.law.pressure else [])]
+        return compiled(expr.xreplace(self.law.settled()), [known[name] for name in names])
+
+    def level(self, plane: Plane) -> Callable[[Array], Array]:
+        """g at points (..., 2) of a plane; nan where the pressure is above 0."""
+
+        def value(points: Array) -> Array:
+            at = plane.at(points)
+            found = self.g(*np.moveaxis(at, -1, 0))
+            return np.where(at[..., -1] > 0.0, np.nan, found) if self.law.pressure else found
+
+        return value
+
+
+def section(given: Numbered, plane: Plane, window: Window | None = None, *, needed: bool = True) -> View:
+    """The section of K by a plane, in a window that shows all of it where that can be.
+
+    InputError where it has no point of K and one is ``needed``.
+    """
+    if isinstance(given.law, ParametricCriterion):
+        return _of_curve(given.law, plane, window)
+    formula = Formula(given.law)
+    level = formula.level(plane)
+    scale = max(given.size, float(np.abs(plane.base).max()))
+    if window is None:
+        window, whole = _window(level, plane, scale, given.law.name if needed else "")
+        window = _closer(level, plane, window) if whole else window
+    else:
+        whole = True
+    lines, value = traced(level, window)
+    x, y, _ = region(lambda points: points[..., 0], window)
+    found = View(plane, window, lines, (x, y, value), _seams(formula, plane, (x, y, value)), whole=whole)
+    if not plane.slips:
+        return found
+    found = replace(found, normals=tuple(_normals(found)))
+    return found if given.law.associated else replace(found, slips=_slips(formula, plane, found.normals))
+
+
+def _window(level: Callable[[Array], Array], plane: Plane, scale: float, law: str) -> tuple[Window, bool]:
+    """A box around K, and whether it holds all of K; seen from the plane's 0 along rays of many lengths."""
+    angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
+    radii = scale * np.logspace(*_DECADES, int(_PER_DECADE * (_DECADES[1] - _DECADES[0])) + 1)
+    points = radii[:, None, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    inside = level(points) <= 0.0
+    if not inside.any() and not law:
+        return (-scale, 0.0 if plane.pressed else scale, -scale, scale), False
+    if not inside.any():
+        raise InputError(f"no point of K is found in this plane ({plane.caption or plane.x_symbol})", where=law, remedy="choose another")
+    ends = inside[-_PER_DECADE:].any(axis=0)
+    if not ends.any():
+        x, y = points[inside].T
+        return (float(x.min()), float(x.max()), float(y.min()), float(y.max())), True
+    reach = np.where(inside, radii[:, None], 0.0).max(axis=0)[~ends]
+    reach = reach[(reach > radii[0]) & (reach < radii[-_PER_DECADE])]
+    first = inside[0].any()
+    near = radii[inside.any(axis=1)][0]
+    size = _ENDLESS * (float(np.median(reach)) if len(reach) >= _FEW else max(scale if first else 0.0, 1.5 * near))
+    box = (-size, 0.0 if plane.pressed else size, -size, size)
+    if not plane.pressed:
+        return box, False
+    _, y, value = region(level, box, 121)
+    rows = y[(value <= 0).any(axis=1)]
+    if not len(rows):
+        return box, False
+    free = _MARGIN * max(size, rows[-1] - rows[0]) / 2.0
+    return (*box[:2], float(max(rows[0] - free, -size)), float(min(rows[-1] + free, size))), False
+
+
+def _closer(level: Callable[[Array], Array], plane: Plane, box: Window) -> Window:
+    """The window of a K that ends: first by the rays, then by the boundary in it."""
+    for grow in (0.35, _GUIDED if plane.guides else _MARGIN):
+        wide, high = box[1] - box[0], box[3] - box[2]
+        free = grow * max(wide, high) or 1.0
+        box = (box[0] - free, box[1] + free, box[2] - free, box[3] + free)
+        if plane.pressed:
+            box = (box[0], min(box[1], 0.0), *box[2:])
+        if grow == 0.35:
+            x, y, value = region(level, box, 121)
+            if (found := level_lines(x, y, value)) and not (value[0] <= 0).any() and not (value[-1] <= 0).any():
+                every = np.vstack(found)
+                (a, c), (b, d) = every.min(axis=0), every.max(axis=0)
+                box = (float(a), float(b), float(c), float(d))
+                box = (box[0], 0.0, *box[2:]) if plane.pressed and (value[:, -1] <= 0).any() else box
+    return box
+
+
+def _seams(formula: Formula, plane: Plane, grid: tuple[Array, Array, Array]) -> tuple[Array, ...]:
+    """Lines inside K on which g changes its piece."""
+    x, y, _ = grid
+    level, law = formula.level(plane), formula.law
+    found = []
+    for switch, others in switches(law.g, law.force_symbols()):
+        at, rest = formula.program(switch), [formula.program(other) for other in others]
+
+        def on(points: Array, at: Program = at) -> Array:
+            return np.asarray(at(*np.moveaxis(plane.at(points), -1, 0)))
+
+        value = on(np.stack(np.meshgrid(x, y), axis=-1))
+        size = float(np.nanmax(np.abs(value))) if np.isfinite(value).any() else 0.0
+        if size == 0.0 or not np.isfinite(size) or not ((value > 1e-9 * size).any() and (value < -1e-9 * size).any()):
+            continue
+        for line in level_lines(x, y, value / size):
+            there = np.moveaxis(plane.at(line), -1, 0)
+            kept = level(line) <= 0.0
+            for other in rest:
+                kept &= other(*there) <= 1e-9 * size
+            ends = np.flatnonzero(np.diff(np.concatenate([[False], kept, [False]]).astype(int)))
+            found += [line[a:b] for a, b in zip(ends[::2], ends[1::2], strict=True) if b - a > 1]
+    return tuple(found)
+
+
+def _normals(found: View) -> list[Arrow]:
+    """Evenly along the boundary, aside from corners, whose normals are a fan."""
+    step = sum(_length(line.points) for line in found.lines) / _ARROWS
+    arrows: list[Arrow] = []
+    for line in found.lines:
+        points = line.points
+        passed = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+        count = max(1, round(passed[-1] / step))
+        ways = normals(points)
+        tips = [corner.point for corner in line.corners]
+        for place in (np.arange(count) + 0.5) * passed[-1] / count:
+            i = min(int(np.searchsorted(passed, place)), len(points) - 1)
+            if i in (0, len(points) - 1) and not closed(points):
+                continue
+            if all(np.hypot(*(points[i] - tip)) > 0.03 * found.size for tip in tips):
+                arrows.append(Arrow(points[i], ways[i]))
+    return arrows
+
+
+def _length(points: Array) -> float:
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
+
+
+def beside(given: Numbered, found: View, point: Array) -> View:
+    """The section with no normals but that of the boundary next to a point (2,), and the law's own slip there."""
+    if not found.lines or not found.plane.slips:
+        return replace(found, normals=(), slips=())
+    points = np.vstack([line.points for line in found.lines])
+    ways = np.vstack([normals(line.points) for line in found.lines])
+    nearest = int(np.argmin(np.hypot(*(points - point).T)))
+    arrows = (Arrow(points[nearest], ways[nearest]),)
+    law = given.law
+    if law.associated:
+        return replace(found, normals=arrows, slips=())
+    if isinstance(law, ParametricCriterion):
+        return replace(found, normals=arrows, slips=_Curve(law, found.plane).slips(arrows))
+    slips = _slips(Formula(law), found.plane, arrows)
+    return replace(found, normals=arrows, slips=slips)
+
+
+def _slips(formula: Formula, plane: Plane, at_normals: Sequence[Arrow]) -> tuple[Arrow, ...]:
+    """The law's own slip where the normals stand, as long in the plane as its part there; of several surfaces that of the one reached."""
+    law = formula.law
+    if not at_normals:
+        return ()
+    points = np.array([arrow.at for arrow in at_normals])
+    at = np.moveaxis(plane.at(points), -1, 0)
+    if law.surfaces:
+        reached = np.array([formula.program(s.g)(*at) for s in law.surfaces]).argmax(axis=0)
+        flows = [s.flow or gradient(s.g, law.force_symbols()) for s in law.surfaces]
+    else:
+        reached, flows = np.zeros(len(points), dtype=int), [law.flow or ()]
+    rate = np.array([[formula.program(part)(*at) for part in flow] for flow in flows])  # surface, force, point
+    chosen = rate[reached, :, np.arange(len(points))]
+    if law.pressure:
+        chosen = np.column_stack([chosen, np.zeros(len(points))])
+    shares = plane.shares(chosen)
+    size = np.linalg.norm(chosen, axis=1)
+    return tuple(Arrow(p, s / w) for p, s, w in zip(points, shares, size, strict=True) if np.isfinite(s).all() and w > 0.0)
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """A boundary curve at fixed numbers, seen in a plane of its two forces."""
+
+    law: ParametricCriterion
+    plane: Plane
+
+    def at(self, parts: Sequence[sp.Expr], angles: Array) -> Array:
+        """Two components (m, 2) at angles (m,), in the order of the plane's axes."""
+        known = self.law.symbols()
+        fixed = {known[name]: domain.value for name, domain in self.law.parameters.items() if domain.value is not None}
+        values = [compiled(part.xreplace(fixed), [known[self.law.angle]])(angles) for part in parts]
+        return np.stack(values, axis=-1)[:, [int(np.argmax(self.plane.x)), int(np.argmax(self.plane.y))]]
+
+    def points(self, angles: Array) -> Array:
+        """The boundary (m, 2) under the pressure of the plane."""
+        return abs(float(self.plane.base[-1])) * self.at(self.law.boundary, angles)
+
+    def slips(self, normals: Sequence[Arrow]) -> tuple[Arrow, ...]:
+        """The law's own slip at the points of the curve next to those of normals."""
+        angles = np.linspace(0.0, 2.0 * np.pi, 8 * _STEPS)
+        points = self.points(angles)
+        at = angles[[int(np.argmin(np.hypot(*(points - arrow.at).T))) for arrow in normals]]
+        ways = self.at(self.law.flow or (), at)
+        return tuple(Arrow(arrow.at, way / np.hypot(*way)) for arrow, way in zip(normals, ways, strict=True))
+
+
+def _of_curve(law: ParametricCriterion, plane: Plane, window: Window | None) -> View:
+    """A boundary curve, computed at angles; its corners are where its tangent jumps."""
+    curve = _Curve(law, plane)
+    points = curve.points(np.linspace(0.0, 2.0 * np.pi, _STEPS))
+    points[-1] = points[0]
+    if window is None:
+        (a, c), (b, d) = points.min(axis=0), points.max(axis=0)
+        free = _MARGIN * max(b - a, d - c)
+        window = (float(a - free), float(b + free), float(c - free), float(d + free))
+    size = max(window[1] - window[0], window[3] - window[2])
+    shown = points[np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9 * size])]
+    found = View(plane, window, (Line(shown, tuple(_jumps(shown))),))
+    found = replace(found, normals=tuple(_normals(found)))
+    return found if law.flow is None else replace(found, slips=curve.slips(found.normals))
+
+
+def _jumps(points: Array) -> list[Vertex]:
+    """Corners of a curve that is computed at many points: a turn by far more than beside it."""
+    chords = np.diff(np.vstack([points[-2:-1], points]), axis=0)
+    units = chords / np.hypot(*chords.T)[:, None]
+    turns = np.array([np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b) for a, b in pairwise(units)])
+    size = len(turns)
+    found = []
+    for i, turn in enumerate(turns):
+        beside = max(abs(turns[(i - 2) % size]), abs(turns[(i + 2) % size]))
+        if turn > np.radians(5.0) and turn > 4.0 * beside and turn >= max(turns[i - 1], turns[(i + 1) % size]):
+            a, b = units[i], units[i + 1]
+            found.append(Vertex(points[i], np.array([a[1], -a[0]]), np.array([b[1], -b[0]])))
+    return found

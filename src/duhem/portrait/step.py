@@ -1,0 +1,66 @@
+"""One increment in a plane: the trial stress, the closest point of K and the slip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from duhem.errors import InputError
+from duhem.law.catalogue import load_formula
+from duhem.law.formula_law import Criterion
+from duhem.portrait.numbers import Numbered
+from duhem.portrait.plane import Plane
+from duhem.projection.increment import Convexity
+from duhem.projection.projector import Projector
+from duhem.projection.result import Status
+from duhem.projection.validation import posed
+from duhem.proof.verdict import Verdict
+from duhem.proof.verification import verify
+
+__all__ = ["TrialStep", "step"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TrialStep:
+    """Trial and end (2,) of an increment in a plane; ``slip`` (2,) the slip's part in it at some length, None at 0."""
+
+    trial: Array
+    stress: Array
+    slip: Array | None
+    status: str
+
+
+def step(given: Numbered, trial: ArrayLike, stiffness: ArrayLike, plane: Plane, length: float) -> TrialStep:
+    """An increment from one trial stress (d,) as a plane of forces shows it: what lies across is left out; the slip gets ``length``.
+
+    Its status is that of :func:`duhem.project`.  InputError for a plane along the pressure and for input that it refuses.
+    """
+    if not plane.slips:
+        raise InputError("an increment is drawn in a plane of forces", where="trial", remedy="name such a plane first")
+    law = load_formula(given.law)
+    prepared = Projector.of(law, stiffness)
+    question = posed(prepared.setting, trial, float(plane.base[-1]) if law.pressure else None)
+    if len(question.trial) != 1:
+        raise InputError(f"{len(question.trial)} trial stresses are given", where="trial", remedy="give one")
+    if not prepared.method.convex:
+        question = replace(question, convexity=Convexity(loaded=_shown_convex(law), unloaded=False))
+    done = prepared.at(question)
+    n, status = len(plane.names), Status(int(done.status[0]))
+
+    def full(force: Array) -> Array:
+        return np.concatenate([force, plane.base[len(force) :]])[:n]
+
+    slip = np.concatenate([done.slip[0], np.zeros(n - len(done.slip[0]))])
+    size = float(np.linalg.norm(slip))
+    way = length * plane.shares(slip) / size if size > 0.0 and np.isfinite(size) else None
+    return TrialStep(plane.within(full(question.trial[0])), plane.within(full(done.stress[0])), way, status.name.lower())
+
+
+def _shown_convex(law: Criterion) -> bool:
+    """Whether K is proved to be convex, its ranges of forces aside: beyond them another point may be nearer."""
+    everywhere = replace(law, domain={name: own for name, own in law.domain.items() if name == law.pressure})
+    return verify(everywhere, claims="convexity", effort="quick")["convexity"].verdict is Verdict.PROVED

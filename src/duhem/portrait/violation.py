@@ -1,0 +1,110 @@
+"""The witness of a refuted claim as points of a plane, and the part of K around them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.expression.numpy_ import compiled
+from duhem.law.curve_law import Law, ParametricCriterion
+from duhem.portrait.lines import Window
+from duhem.portrait.numbers import Numbered, numbered
+from duhem.portrait.plane import oblique
+from duhem.portrait.section import View, beside, section
+from duhem.proof.verdict import Witness
+from duhem.proof.verification import ClaimResult, Verification
+
+__all__ = ["Violation", "drawable", "violation"]
+
+Array = NDArray[np.float64]
+
+_WAYS = (("p", "q"), ("sigma", "tau"), ("inside", "tau"), ("corner", "inside"), ("u", "v"))
+"""Roles of which a witness has two: what is drawn as a way from one to the other, first found first."""
+_ASIDE = ("opposite", "corner")
+"""Roles of a point that the plane through such a way should hold too."""
+_SMALL = 0.08  # share of the window below which a way is drawn larger, in a window of its own
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A section of K with the ``points`` (2,) of a witness by role, two of them the ends of the ``way`` (2, 2) that tells."""
+
+    claim: str
+    numbered: Numbered
+    section: View
+    points: dict[str, Array]
+    way: Array | None
+
+
+def drawable(found: Verification) -> tuple[ClaimResult, ...]:
+    """The refuted claims whose witness can be drawn, in order."""
+    return tuple(r for r in found.results if r.witness is not None and _points(found.criterion, r.witness))
+
+
+def violation(law: Law, result: ClaimResult) -> Violation:
+    """The picture of a refuted claim of ``law``, at the numbers of its witness."""
+    witness = result.witness
+    assert witness is not None
+    at = numbered(law, dict(witness.parameters))
+    points = _points(at.law, witness)
+    ends = next(((points[a], points[b]) for a, b in _WAYS if a in points and b in points), None)
+    aside = next((points[role] for role in _ASIDE if role in points and ends is not None), None)
+    first = next(iter(points.values()))
+    p, q = ends if ends is not None and (ends[0] != ends[1]).any() else (first, first + np.eye(len(first))[0])
+    plane = oblique(law, p, q, aside)
+    whole = section(at, plane, needed=False)
+    flat = {role: plane.within(point) for role, point in points.items()}
+    if ends is not None and result.claim == "smoothness":
+        ends = None  # the corner is what is seen
+    way = None if ends is None else np.array([plane.within(ends[0]), plane.within(ends[1])])
+    window = _around(whole.window, flat.values(), way)
+    shown = whole if window is None else section(at, plane, window)
+    told = next((flat[role] for role in ("sigma", "inside") if role in flat and result.claim in ("normality", "dissipation")), None)
+    bare = replace(shown, normals=(), slips=()) if told is None else beside(at, shown, told)
+    return Violation(result.claim, at, bare, flat, way)
+
+
+def _around(whole: Window, points: Iterable[Array], way: Array | None) -> Window | None:
+    """A window for a way that is too short to be seen, or points out of sight; None where the whole of K shows them."""
+    every = np.array([*points])
+    low, high = every.min(axis=0), every.max(axis=0)
+    size = float(max(whole[1] - whole[0], whole[3] - whole[2]))
+    long = float(np.hypot(*(way[1] - way[0]))) if way is not None else 0.0
+    if way is not None and 0.0 < long < _SMALL * size:
+        middle = way.mean(axis=0)
+        return (middle[0] - 1.1 * long, middle[0] + 1.1 * long, middle[1] - 1.1 * long, middle[1] + 1.1 * long)
+    free = 0.05 * size
+    box = (
+        min(whole[0], float(low[0]) - free),
+        max(whole[1], float(high[0]) + free),
+        min(whole[2], float(low[1]) - free),
+        max(whole[3], float(high[1]) + free),
+    )
+    return None if box == whole else box
+
+
+def _points(law: Law, witness: Witness) -> dict[str, Array]:
+    """The points (n,) of a witness by role; those that give no stress, such as an angle alone, by the boundary curve."""
+    names = (*law.forces, *([law.pressure] if law.pressure else []))
+    found: dict[str, Array] = {}
+    for role, point in witness.points.items():
+        if role in ("outside", "beside", "opposite") and "inside" in witness.points and "corner" not in witness.points:
+            continue  # beside `inside`, on the other side of the boundary
+        if set(names) <= set(point):
+            found[role] = np.array([float(Fraction(point[name])) for name in names])
+        elif isinstance(law, ParametricCriterion) and "tan_half_phi" in point:
+            found[role] = _on_curve(law, witness, point["tan_half_phi"])
+    return found
+
+
+def _on_curve(law: ParametricCriterion, witness: Witness, half: str) -> Array:
+    known = law.symbols()
+    angle = 2.0 * np.arctan(float(Fraction(half)))
+    fixed = {known[name]: sp.Rational(value) for name, value in witness.parameters.items()}
+    fixed |= {known[name]: domain.value for name, domain in law.parameters.items() if domain.value is not None}
+    return np.array([*(float(compiled(part.xreplace(fixed), [known[law.angle]])(angle)) for part in law.boundary), -1.0])

@@ -1,0 +1,253 @@
+"""What is drawn of a law is what its formula says: boundary, corners, normals, slips, witnesses; and a reader can read it."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import duhem
+from duhem.errors import InputError, MissingExtraError
+from duhem.law import catalogue
+from duhem.law.atlas.entry import groups
+from duhem.portrait.numbers import Numbered, numbered
+from duhem.portrait.plane import named, usual
+from duhem.portrait.section import View, section
+
+pytest.importorskip("matplotlib")
+
+from duhem.portrait.plot import cut, plot, stated
+from duhem.portrait.violation import violation
+from tests.long import mostly_long
+from tests.oracles.legible import faults
+
+MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
+EVERY = [*catalogue.names(), *(name for group in groups().values() for name in group)]
+
+
+def given(law: str | duhem.Criterion, **numbers: float) -> Numbered:
+    return numbered(catalogue.load(law), numbers)
+
+
+def seen(law: str | duhem.Criterion, plane: str, pressure: float | None = None, **numbers: float) -> View:
+    at = given(law, **numbers)
+    return section(at, named(at.law, plane, pressure)[0])
+
+
+def points(found: View) -> np.ndarray:
+    return np.vstack([line.points for line in found.lines])
+
+
+def tensor(g: str, **more: object) -> duhem.Criterion:
+    return duhem.Criterion(name="t", g=g, pressure=None, stress={"name": "s", "kind": "3d"}, **more)
+
+
+# ---- the boundary
+
+
+def test_the_boundary_is_that_of_the_quarter_ellipses_to_the_last_digits() -> None:
+    a, b = points(seen("antoni2007", "sigma_a,sigma_b", -3.0, **MU)).T / 3.0
+    assert len(a) > 300
+    assert np.hypot(a / np.where(a > 0, 0.2, 0.08), b / np.where(b > 0, 0.12, 0.15)) == pytest.approx(1.0, abs=1e-12)
+    assert a.min() == pytest.approx(-0.08, rel=1e-3) and b.max() == pytest.approx(0.12, rel=1e-3)
+
+
+def test_corners_are_where_they_are_with_the_normals_of_both_sides() -> None:
+    corners = seen("box", "sigma_a,sigma_b", mu_a=0.3, mu_b=0.7).corners
+    assert {tuple(np.sign(c.point)) for c in corners} == {(1, 1), (1, -1), (-1, 1), (-1, -1)} and len(corners) == 4
+    for corner in corners:
+        assert np.abs(corner.point) == pytest.approx([0.3, 0.7], abs=1e-9) and corner.convex
+        x, y = np.sign(corner.point)
+        wanted = {(x, 0.0), (0.0, y)}
+        assert {tuple(np.round(normal, 6) + 0.0) for normal in (corner.before, corner.after)} == wanted
+
+
+@pytest.mark.parametrize(("law", "count"), [("polygon", 12), ("tresca", 6), ("coulomb", 0), ("antoni2007", 0), ("superellipse", 0)])
+def test_nothing_round_has_a_corner_and_no_corner_is_missed(law: str, count: int) -> None:
+    at = given(law)
+    assert len(section(at, usual(at.law, None)[0]).corners) == count
+
+
+def test_a_dent_has_no_normal_cone() -> None:
+    """Two disks that meet at (0, ±0.6), where K is re-entrant."""
+    law = duhem.Criterion(name="two", g="min(norm(sigma_a - 0.8, sigma_b), norm(sigma_a + 0.8, sigma_b)) - 1", pressure=None)
+    corners = seen(law, "sigma_a,sigma_b").corners
+    assert sorted(tuple(np.round(c.point, 6) + 0.0) for c in corners) == [(0.0, -0.6), (0.0, 0.6)]
+    assert not any(c.convex for c in corners)
+
+
+def test_what_is_undefined_is_not_in_the_set() -> None:
+    law = duhem.Criterion(name="half", g="norm(sigma_a, sigma_b) - 1 + 0*sqrt(sigma_a + 0.25) + 0.01*sqrt(sigma_a + 0.25)", pressure=None)
+    assert points(seen(law, "sigma_a,sigma_b"))[:, 0].min() == pytest.approx(-0.25, abs=1e-9)
+
+
+def test_the_pressure_is_not_above_zero() -> None:
+    law = duhem.Criterion(name="cap", g="norm(sigma_a, sigma_b) - 1 - 0.5*abs(sigma_n)")
+    found = seen(law, "sigma_n,sigma_a")
+    assert found.window[1] == 0.0 and points(found)[:, 0].max() <= 0.0 and not found.plane.slips and found.normals == ()
+
+
+# ---- planes
+
+
+def test_the_deviatoric_plane_shows_von_mises_as_a_circle_and_tresca_as_a_hexagon() -> None:
+    found = seen(tensor("sqrt(3*J2) - 2"), "deviatoric")
+    assert np.hypot(*points(found).T) == pytest.approx(2.0 * sqrt(2.0 / 3.0), abs=1e-9)
+    corners = seen(tensor("principal(1) - principal(3) - 2"), "deviatoric").corners
+    assert len(corners) == 6 and [np.hypot(*c.point) for c in corners] == pytest.approx([2.0 * sqrt(2.0 / 3.0)] * 6, abs=1e-6)
+
+
+def test_the_meridian_shows_mean_and_equivalent_stress_with_the_slip_that_does_work_on_them() -> None:
+    """Drucker and Prager: |q| = 1 - 3 p/10, whose normal is (3/10, ±1)."""
+    found = seen(tensor("sqrt(3*J2) + I1/10 - 1"), "meridian")
+    p, q = points(found).T
+    assert np.abs(q) + 0.3 * p == pytest.approx(1.0, abs=1e-9)
+    for arrow in found.normals:
+        assert arrow.along == pytest.approx(np.array([0.3, np.sign(arrow.at[1])]) / sqrt(1.09), abs=1e-6)
+
+
+def test_where_k_begins_at_zero_force_the_plane_moves() -> None:
+    at = given("hjiaj")
+    found = cut(at, named(at.law, "t_1,t_2", None)[0])
+    assert found.lines and "t_{n} = -1" in found.plane.caption
+
+
+# ---- normals and slips
+
+
+def test_normals_are_the_gradient_of_an_ellipse() -> None:
+    found = seen("orthotropic", "sigma_a,sigma_b", mu_a=0.3, mu_b=0.1)
+    assert len(found.normals) >= 12
+    for arrow in found.normals:
+        slope = arrow.at / np.array([0.09, 0.01])
+        assert arrow.along == pytest.approx(slope / np.hypot(*slope), abs=2e-3)
+
+
+def test_a_flow_of_its_own_is_drawn_as_it_is() -> None:
+    """On the disk the normal is along the stress; the slip is turned by the law's angle to the left."""
+    found = seen("rotated-flow", "sigma_a,sigma_b", mu=0.5, delta=0.25)
+    assert len(found.slips) == len(found.normals) >= 12
+    for arrow in found.slips:
+        x, y = arrow.at / np.hypot(*arrow.at)
+        assert arrow.along == pytest.approx([x * cos(0.25) - y * sin(0.25), x * sin(0.25) + y * cos(0.25)], abs=1e-9)
+    assert seen("coulomb", "sigma_a,sigma_b").slips == ()
+
+
+def test_a_boundary_curve_is_drawn_with_its_own_slip() -> None:
+    at = given("wedge")
+    found = section(at, usual(at.law, -2.0)[0])
+    assert len(usual(at.law, None)) == 1 and len(found.slips) == len(found.normals) >= 12
+    values = {at.law.symbols()[name]: value for name, value in at.values().items()}
+    turn = at.law.symbols()["phi"]
+    here = [float(part.xreplace(values).subs(turn, pi / 3)) * 2.0 for part in at.law.boundary]
+    assert np.hypot(*(points(found) - here).T).min() < 1e-9
+
+
+def test_seams_of_a_maximum_are_drawn_where_its_pieces_meet_alone() -> None:
+    """tresca in the plane s_3 = 0: inside K every seam goes through 0 or along an axis or a diagonal."""
+    found = seen("antoni2007", "sigma_a,sigma_b", **MU)
+    assert len(found.seams) == 2
+    assert all(np.abs(seam).min(axis=1) == pytest.approx(0.0, abs=1e-12) for seam in found.seams)
+    law = duhem.Criterion(name="three", g="max(sigma_a, sigma_b, -sigma_a - sigma_b) - 1", pressure=None)
+    for seam in seen(law, "sigma_a,sigma_b").seams:
+        a, b = seam.T
+        greatest = np.max([a, b, -a - b], axis=0)
+        assert (np.sort([a, b, -a - b], axis=0)[1] > greatest - 0.03).all()
+
+
+# ---- numbers, witnesses, increments
+
+
+def test_numbers_that_nobody_gave_are_said_to_be_taken() -> None:
+    assert "mu_a = 1/3, mu_b = 2/3 (taken to draw it)" in stated(given("box"))
+    assert "(taken to draw it: mu_b)" in stated(given("box", mu_a=0.5))
+    assert "taken" not in stated(given("box", mu_a=0.5, mu_b=0.5))
+
+
+def test_a_witness_is_drawn_where_it_is() -> None:
+    found = duhem.verify("quartic", claims="convexity")
+    shown = violation(found.criterion, found["convexity"])
+    drawn = {role: tuple(place) for role, place in shown.points.items()}
+    stress = {role: tuple(float(Fraction(at[x])) for x in found.criterion.forces) for role, at in found["convexity"].witness.points.items()}
+    assert drawn == stress and np.array_equal(shown.way, [stress["p"], stress["q"]])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "planes"), mostly_long([("tresca-tensor", "deviatoric"), *((law, ()) for law in EVERY)], ("tresca-tensor", "deviatoric"))
+)
+def test_portraits_are_legible(law: str, planes: str) -> None:
+    assert faults(plot(law, planes=planes)[0].figure) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", mostly_long(["lobes", "limacon", "quartic", "wedge", "hjiaj", "radial-flow"]))
+def test_witnesses_are_legible(law: str) -> None:
+    places = plot(law, witness=True)
+    assert sum("refuted" in place.get_title() for place in places) >= 1 and faults(places[0].figure) == []
+
+
+def test_an_increment_is_drawn_where_it_goes() -> None:
+    (axes,) = plot("box", parameters={"mu_a": 0.3, "mu_b": 0.5}, planes="sigma_a,sigma_b", trial=[0.9, 0.1], pressure=-1.0)
+    places = {line.get_label(): line.get_xydata() for line in axes.lines}
+    assert places["increment's end: slip"] == pytest.approx(np.array([[0.3, 0.1]]), abs=1e-9)
+    assert faults(axes.figure) == []
+
+
+# ---- what does not fit
+
+
+@pytest.mark.parametrize(
+    ("law", "options", "said"),
+    [
+        ("coulomb", {"planes": "sigma_a"}, "no plane of the law.*sigma_a, sigma_b, sigma_n"),
+        ("coulomb", {"planes": "sigma_a,sigma_a"}, "no plane"),
+        ("coulomb", {"planes": "deviatoric"}, "no stress tensor"),
+        ("coulomb", {"pressure": 1.0}, "tension"),
+        ("coulomb", {"pressure": float("nan")}, "finite"),
+        ("tresca", {"pressure": -1.0}, "no pressure"),
+        ("coulomb", {"parameters": {"mu": -1}}, "outside its domain"),
+        ("coulomb", {"parameters": {"nu": 1}}, "unknown parameter"),
+        ("no-such-law", {}, "no-such-law"),
+        ("coulomb", {"planes": "sigma_n,sigma_a", "trial": [1, 1]}, "plane of forces"),
+        ("wedge", {"trial": [1, 1]}, "no formula"),
+        ("coulomb", {"pressure": 0.0}, "no point of K"),
+        ("coulomb", {"file": "p.xyz"}, "no format"),
+    ],
+)
+def test_what_does_not_fit_is_said(law: str, options: dict, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        plot(law, **options)
+
+
+def test_without_matplotlib_the_extra_is_named(monkeypatch) -> None:
+    import sys
+
+    for name in ("matplotlib", "matplotlib.style", "matplotlib.backends.backend_agg"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(MissingExtraError, match=r"duhem\[plot\]"):
+        plot("coulomb", "p.png")
+
+
+def test_the_command_writes_where_it_says_and_never_over_what_it_reads(run, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text('[criterion]\nname = "a/../b law"\ng = "norm(sigma_a, sigma_b) - abs(sigma_n)"\n')
+    asked = ("plot", "mine.toml", "--plane", "sigma_n,sigma_b")
+    assert run(*asked) == (0, "a-b-law.png\n", "")
+    assert (tmp_path / "a-b-law.png").read_bytes().startswith(b"\x89PNG")
+    (tmp_path / "law.png").write_text((tmp_path / "mine.toml").read_text())
+    for options, said in (
+        (("--to", "law.xyz"), "no format"),
+        (("--pressure", "x"), "x"),
+        (("--plane", "a,b"), "no plane of the law"),
+        (("--trial", "1", "2", "3"), "--trial|trial"),
+    ):
+        code, out, err = run("plot", "mine.toml", *options)
+        assert (code, out) == (2, "") and len(err.splitlines()) == 1 and re.search(said, err)
+    code, out, err = run(
+        "plot", str(tmp_path / "law.svg") if (tmp_path / "mine.toml").rename(tmp_path / "law.svg") else "", "--to", "law.svg"
+    )
+    assert code == 2 and "law.svg" in err and (tmp_path / "law.svg").read_text().startswith("[criterion]")
