@@ -5,6 +5,7 @@ What a table is is seen by what it offers: pandas, polars and xarray are not imp
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -80,6 +81,8 @@ def unlabelled(given: Any, where: str, remedy: str) -> Any:
 
 def unmasked(given: Any, where: str) -> Any:
     """``given``; InputError where an entry of a masked array is masked: it is no number, though there is one below the mask."""
+    if "numpy.ma" not in sys.modules:  # nobody has made a masked array, and to ask NumPy for the type imports it
+        return given
     if isinstance(given, np.ma.MaskedArray):
         mask: NDArray[np.bool_] = np.ma.getmaskarray(given)
         if len(bad := np.argwhere(mask)):

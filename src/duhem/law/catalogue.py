@@ -11,7 +11,6 @@ import re
 from collections.abc import Mapping
 from difflib import get_close_matches
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
@@ -23,6 +22,8 @@ from duhem.law.atlas.entry import file_of, groups
 from duhem.law.registry import registered
 
 if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
     from duhem.law.curve_law import Law, ParametricCriterion
     from duhem.law.formula_law import Criterion
 
@@ -139,6 +140,8 @@ def _built_in() -> Mapping[str, str]:
 
 
 def _added() -> Mapping[str, EntryPoint]:
+    from importlib.metadata import entry_points  # takes long, and most laws are found before
+
     return {point.name.replace("_", "-"): point for point in entry_points(group=_GROUP)}
 
 

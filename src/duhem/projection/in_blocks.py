@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 __all__ = ["BLOCK", "evenly", "in_blocks"]
 
@@ -28,6 +27,8 @@ def in_blocks(n: int, size: int, fill: Callable[[slice], None], threads: int | N
     blocks = [slice(start, min(start + size, n)) for start in range(0, n, size)]
     many = min(len(blocks), threads or _cores())
     if many > 1:
+        from concurrent.futures import ThreadPoolExecutor
+
         fill(slice(0, 0))
         with ThreadPoolExecutor(many) as pool:
             list(pool.map(fill, blocks))
