@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from fractions import Fraction
 from math import cos, pi, sin, sqrt
 
@@ -12,13 +13,15 @@ import pytest
 import duhem
 from duhem.errors import InputError, MissingExtraError
 from duhem.law import catalogue
-from duhem.law.atlas.entry import groups
+from duhem.law.atlas.entry import entries, groups
 from duhem.portrait.numbers import Numbered, numbered
 from duhem.portrait.plane import named, usual
 from duhem.portrait.section import View, section
+from duhem.show import figure
 
 pytest.importorskip("matplotlib")
 
+from duhem.portrait.atlas_sheet import atlas_sheet
 from duhem.portrait.plot import cut, plot, stated
 from duhem.portrait.violation import violation
 from tests.long import mostly_long
@@ -249,3 +252,26 @@ def test_the_command_writes_where_it_says_and_never_over_what_it_reads(run, tmp_
     (tmp_path / "mine.toml").rename(tmp_path / "law.svg")
     code, _, err = run("plot", str(tmp_path / "law.svg"), "--to", "law.svg")
     assert code == 2 and "law.svg" in err and (tmp_path / "law.svg").read_text().startswith("[criterion]")
+
+
+# ---- the atlas
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("group", mostly_long([*groups(), None]))
+def test_the_atlas_is_legible_and_told_as_it_is(group: str | None) -> None:
+    laws = entries(group)
+    places = atlas_sheet(laws)
+    assert [place.get_title().splitlines()[0] for place in places] == [figure.shortened(law.name, 24) for law in laws]
+    assert [fault for fault in faults(places[0].figure) if "no quantity with a unit" not in fault] == []
+
+
+def test_a_law_of_the_atlas_is_filled_by_its_verdict() -> None:
+    (hill,) = (law for law in entries("metals") if law.name == "hill90")
+    (place,) = atlas_sheet([hill])
+    assert place.get_title() == "hill90\nnormality refuted"
+    (patch,) = place.patches
+    assert patch.get_label() == "$K$ convex: refuted" and patch.get_hatch() == "xxx"
+    assert [patch.get_label() for patch in atlas_sheet([replace(hill, verdicts=dict.fromkeys(hill.verdicts, "proved"))])[0].patches] == [
+        "$K$ convex: proved"
+    ]

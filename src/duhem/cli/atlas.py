@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from duhem.cli.list_laws import group_option
-from duhem.cli.output import endless_page, say
+from duhem.cli.output import Progress, endless_page, say
 
 if TYPE_CHECKING:
     from duhem.law.atlas.entry import AtlasEntry
@@ -23,7 +23,8 @@ _OPEN = ("tested", "undecided")
 @click.option(
     "--format", "form", type=click.Choice(["text", "markdown", "json"]), default="text", show_default=True, help="How to print it."
 )
-def atlas(group: str | None, form: str) -> None:
+@click.option("--plot", "file", metavar="FILE", help="Draw a section of each law on one sheet instead (.png, .svg, .pdf, ...).")
+def atlas(group: str | None, form: str, file: str | None) -> None:
     """Print the atlas: published laws, what the literature claims of them, and our verdicts.
 
     A verdict is over the whole domain of the law's file; "open" is one that no method has decided.  Each name can stand
@@ -32,7 +33,16 @@ def atlas(group: str | None, form: str) -> None:
     from duhem.law.atlas.entry import entries
 
     laws = entries(group)
-    if form == "json":
+    if file is not None:
+        from duhem.show.figure import check
+
+        check(file)
+        from duhem.portrait.atlas_sheet import atlas_sheet
+
+        with Progress("drawing") as progress:
+            atlas_sheet(laws, file, progress.show)
+        say(file)
+    elif form == "json":
         import json
 
         say(json.dumps([law.to_dict() for law in laws], indent=2, ensure_ascii=False))
