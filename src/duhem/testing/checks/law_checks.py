@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.expression.rays import evenly_between
@@ -13,6 +14,7 @@ from duhem.testing.checks.registry import Finding, register
 __all__: list[str] = []
 
 _EPS = float(np.finfo(np.float64).eps)
+_PARTS = 16  # of the way to a seam, looked at in one round
 
 
 @register(
@@ -60,14 +62,15 @@ def smoothness(q: Query) -> Finding:
     if q.case.trial.shape[1] < 2:
         raise NothingToCheck("in one dimension the boundary is two points")
     first, last = _directed(q.case.inside), _directed(q.case.beside)
+    rows = np.arange(len(first))
     low, high = np.zeros(len(first)), np.ones(len(first))
 
-    def towards(share: Array) -> Array:
-        return np.asarray((1.0 - share)[:, None] * first + share[:, None] * last)
+    def towards(share: Array, who: NDArray[np.intp] = rows) -> Array:
+        return np.asarray((1.0 - share)[:, None] * first[who] + share[:, None] * last[who])
 
-    def at(share: Array) -> Array:
-        way = towards(share)
-        reach = q.region.reach(way, q.pressure)
+    def at(share: Array, who: NDArray[np.intp] = rows) -> Array:
+        way = towards(share, who)
+        reach = q.region.reach(way, q.pressure[who])
         return np.where(np.isfinite(reach), reach, 1.0)[:, None] * way
 
     _, here = q.region.slope(at(low), q.pressure)
@@ -75,13 +78,14 @@ def smoothness(q: Query) -> Finding:
     apart = (here != there).any(axis=1)
     if not apart.any():
         return Finding(np.zeros(len(first)), np.zeros(len(first)))
-    while True:
-        middle = evenly_between(low, high, 2)[:, 0]  # in some 60 rounds down to neighbouring numbers, denormal ones too
-        if ((middle <= low) | (middle >= high) | ~apart).all():
-            break
-        piece = q.region.slope(at(middle), q.pressure)[1]
-        same = (piece == here).all(axis=1)
-        low, high, there = np.where(same, middle, low), np.where(same, high, middle), np.where(same[:, None], there, piece)
+    while ((np.nextafter(low, 1.0) < high) & apart).any():  # in some 16 rounds down to neighbouring numbers, denormal ones too
+        between = evenly_between(low, high, _PARTS)
+        who = np.repeat(rows, between.shape[1])
+        pieces = q.region.slope(at(between.ravel(), who), q.pressure[who])[1].reshape(*between.shape, -1)
+        other = np.column_stack([(pieces != here[:, None]).any(axis=2), np.ones(len(rows), dtype=np.bool_)])
+        met, ends = np.argmax(other, axis=1), np.column_stack([low, between, high])  # the first that is of another piece
+        there = np.concatenate([pieces, there[:, None]], axis=1)[rows, met]
+        low, high = ends[rows, met], ends[rows, met + 1]
     seam = at(low)
     blur = 16.0 * _EPS * np.linalg.norm(seam, axis=1) / np.maximum(np.linalg.norm(towards(low), axis=1), _EPS)
     beside = seam + blur[:, None] * _directed(last - first)
