@@ -60,7 +60,7 @@ def place(text: Path, entry: str, known: Kinds) -> Path | None:
     made_with = _made_with()
     if made_with is None:
         return None
-    digest = hashlib.sha256(repr((made_with, entry, known)).encode()).hexdigest()
+    digest = hashlib.sha256(repr((made_with, known)).encode()).hexdigest()
     return text.with_name(f"{text.stem}.{entry}.{digest[:32]}.o")
 
 
