@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import comb
 
 import numpy as np
@@ -33,13 +33,13 @@ def _differences(m: int) -> sp.Expr:
     return sp.expand(sum((-1) ** k * comb(m, k) * _power_sum(m - k) * _power_sum(k) for k in range(m + 1)) / 2)
 
 
-# what is written of eigenvalues, and the polynomial of the entries that it is
-SAME = {
-    f"{GREATEST}**3 + {MIDDLE}**3 + {LEAST}**3": _power_sum(3),
-    f"{GREATEST}*{MIDDLE}*{LEAST}": _matrix().det(),
-    f"abs({GREATEST} - {MIDDLE})**4 + abs({MIDDLE} - {LEAST})**4 + abs({LEAST} - {GREATEST})**4": _differences(4),
-    f"({GREATEST} - {MIDDLE})**6 + ({MIDDLE} - {LEAST})**6 + ({LEAST} - {GREATEST})**6": _differences(6),
-    f"sqrt(1 + {GREATEST}**2 + {MIDDLE}**2 + {LEAST}**2)": sp.sqrt(1 + _power_sum(2)),
+# what is written of eigenvalues, and what makes the polynomial of the entries that it is
+SAME: dict[str, Callable[[], sp.Expr]] = {
+    f"{GREATEST}**3 + {MIDDLE}**3 + {LEAST}**3": lambda: _power_sum(3),
+    f"{GREATEST}*{MIDDLE}*{LEAST}": lambda: _matrix().det(),
+    f"abs({GREATEST} - {MIDDLE})**4 + abs({MIDDLE} - {LEAST})**4 + abs({LEAST} - {GREATEST})**4": lambda: _differences(4),
+    f"({GREATEST} - {MIDDLE})**6 + ({MIDDLE} - {LEAST})**6 + ({LEAST} - {GREATEST})**6": lambda: _differences(6),
+    f"sqrt(1 + {GREATEST}**2 + {MIDDLE}**2 + {LEAST}**2)": lambda: sp.sqrt(1 + _power_sum(2)),
 }
 EQUAL = [(2, 2, -1), (3, -1, -1), (1.5, 1.5, 1.5), (-2, -2, -2), (0, 0, 3), (7, 7, 0), (101, 101, 100)]
 NEARLY = [(2 + gap, 2, -1) for gap in (1e-3, 1e-5, 1e-7, 1e-9, 1e-12, 1e-15)] + [(1.5 + 2e-8, 1.5, 1.5 - 3e-8), (-1, 2 - 1e-14, 2 + 1e-14)]
@@ -57,7 +57,7 @@ def _turned(values: Sequence[float], turn: bool) -> np.ndarray:
 def test_smooth_functions_of_eigenvalues_have_the_hessian_of_their_polynomial(text: str, turn: bool) -> None:
     points = np.array([_turned(values, turn) for values in (*EQUAL, *NEARLY)])
     jet, _ = jets.formula(parse_expression(f"{text} + 10*xx", SCOPE), NAMES, [], strict=True)(points, [])  # no slope, no boundary
-    exact, _ = jets.formula(SAME[text], NAMES, [])(points, [])
+    exact, _ = jets.formula(SAME[text](), NAMES, [])(points, [])
     assert jet.hessian is not None and exact.hessian is not None and jet.gradient is not None
     np.testing.assert_allclose(jet.hessian, np.swapaxes(jet.hessian, 1, 2))
     size = np.maximum(np.abs(exact.hessian).max(axis=(1, 2)), 1e-3)

@@ -19,7 +19,7 @@ import sympy as sp
 from duhem import Criterion, InputError, load
 from duhem.expression import numpy_
 from duhem.expression.cvxpy_ import expression
-from duhem.law.catalogue import names
+from duhem.law.catalogue import load_formula, names
 from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.shape import Curvature
@@ -59,28 +59,20 @@ def _formula(rng: random.Random, depth: int) -> str:
     return f"exp({_affine(rng)})"
 
 
-def _generated() -> Iterator[Criterion]:
-    for k in range(FORMULAS):
-        rng = random.Random(f"composition/{k}")
-        found = None
-        while found is None:
-            with contextlib.suppress(InputError):  # without forces once simplified: another
-                g = f"{_formula(rng, rng.randint(1, 3))} - {rng.randint(1, 3)}"
-                found = Criterion(name=f"formula-{k}", g=g, forces=("a", "b"), pressure=None)
-        yield found
+def _generated(name: str) -> Criterion:
+    rng = random.Random(f"composition/{name.removeprefix('formula-')}")
+    while True:
+        with contextlib.suppress(InputError):  # without forces once simplified: another
+            g = f"{_formula(rng, rng.randint(1, 3))} - {rng.randint(1, 3)}"
+            return Criterion(name=name, g=g, forces=("a", "b"), pressure=None)
 
 
-def _laws() -> list[Criterion]:
-    built_in = (load(name) for name in names())
-    return [*(law for law in built_in if isinstance(law, Criterion)), *_generated()]
-
-
-LAWS = {law.name: law for law in _laws()}
+LAWS = [*(law.name for law in map(load, names()) if isinstance(law, Criterion)), *(f"formula-{k}" for k in range(FORMULAS))]
 
 
 @cache
 def _subject(name: str) -> FormulaSubject:
-    subject = FormulaSubject(LAWS[name])
+    subject = FormulaSubject(_generated(name) if name.startswith("formula-") else load_formula(name))
     subject.allow(20_000_000)
     return subject
 

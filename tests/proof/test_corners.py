@@ -1,5 +1,7 @@
 """Corners in more than two forces: edges and tips are found and shown, and what only looks like one is not."""
 
+from functools import partial
+
 import pytest
 
 from duhem import Criterion, Domain
@@ -13,7 +15,8 @@ POSITIVE = Domain(positive=True)
 
 
 def law(g, forces=("a", "b", "c"), **parameters):
-    return Criterion("law", g, parameters, forces=forces, pressure=None)
+    """What makes it when a test asks for it."""
+    return partial(Criterion, "law", g, parameters, forces=forces, pressure=None)
 
 
 def long(one):
@@ -40,6 +43,7 @@ CORNERED = [
 
 @pytest.mark.parametrize("one", CORNERED)
 def test_a_corner_is_shown(one):
+    one = one()
     found = corners.smoothness(FormulaSubject(one))
     assert found is not None and found.witness is not None
     assert confirmed(one, "smoothness", found.witness)
@@ -61,7 +65,7 @@ SMOOTH = [
 
 @pytest.mark.parametrize("one", SMOOTH)
 def test_what_is_smooth_has_no_corner(one):
-    assert corners.smoothness(FormulaSubject(one)) is None
+    assert corners.smoothness(FormulaSubject(one())) is None
 
 
 TWO = ("a", "b")
@@ -78,6 +82,7 @@ SHARP = [
 
 @pytest.mark.parametrize("one", SHARP)
 def test_a_sharp_point_is_shown(one):
+    one = one()
     found = corners.smoothness_at_sharp_points(FormulaSubject(one))
     assert found is not None and found.witness is not None
     assert confirmed(one, "smoothness", found.witness)
@@ -99,4 +104,4 @@ NOT_SHARP = [
 
 @pytest.mark.parametrize("one", NOT_SHARP)
 def test_a_smooth_boundary_has_no_sharp_point(one):
-    assert corners.smoothness_at_sharp_points(FormulaSubject(one)) is None
+    assert corners.smoothness_at_sharp_points(FormulaSubject(one())) is None

@@ -12,6 +12,7 @@ import pkgutil
 from collections.abc import Callable
 from dataclasses import is_dataclass
 from fractions import Fraction
+from functools import cache
 
 import pytest
 import sympy as sp
@@ -23,7 +24,10 @@ from duhem.proof.decide.reduction import parts
 from tests.proof.decide.questions import GOALS, Violated, as_system, is_polynomial, violated_ones
 from tests.proof.decide.truth import Point, UndefinedError, UnsuitedError, system_violated, value, violated
 
-MANY = [one for kind in GOALS for one in violated_ones(f"glue/{kind}", 10, kind)]
+
+@cache
+def many() -> list[Violated]:
+    return [one for kind in GOALS for one in violated_ones(f"glue/{kind}", 10, kind)]
 
 
 def _with_roots(system: System, at: Point) -> dict[sp.Symbol, Fraction]:
@@ -82,12 +86,12 @@ def world(monkeypatch: pytest.MonkeyPatch) -> Callable[[Question, Point], bool |
 def _each(check: Callable[[Violated], bool]) -> list[Violated]:
     """The questions that fail a check; those whose roots are no fractions are left out, and may not be many."""
     failed, unsuited = [], 0
-    for one in MANY:
+    for one in many():
         try:
             failed += [] if check(one) else [one]
         except UnsuitedError:
             unsuited += 1
-    assert unsuited < len(MANY) // 8
+    assert unsuited < len(many()) // 8
     return failed
 
 

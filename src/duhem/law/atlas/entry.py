@@ -62,10 +62,14 @@ def entry(name: str) -> AtlasEntry:
     file = file_of(name)
     if file is None:
         raise InputError(f"the atlas has no law {name[:60]!r}", remedy="duhem atlas names those it has")
+    return _read(file)
+
+
+def _read(file: Path) -> AtlasEntry:
     document = parsed(file.read_text("utf-8"), f"{file}").document
     head, said = document["criterion"], document["atlas"]
     return AtlasEntry(
-        name=name,
+        name=file.stem,
         group=file.parent.name,
         summary=head["summary"],
         source=head["source"],
@@ -81,4 +85,4 @@ def entries(group: str | None = None) -> tuple[AtlasEntry, ...]:
     known = groups()
     if group is not None and group not in known:
         raise InputError(f"the atlas has no group {group[:60]!r}", remedy=f"groups are: {', '.join(known)}")
-    return tuple(entry(name) for each in ([group] if group else known) for name in known[each])
+    return tuple(_read(_FOLDER / each / f"{name}.toml") for each in ([group] if group else known) for name in known[each])
