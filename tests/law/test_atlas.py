@@ -41,9 +41,12 @@ def test_an_entry_says_where_it_stands_and_what_holds(said: AtlasEntry) -> None:
 
 @pytest.mark.parametrize("name", ENTRIES)
 def test_an_entry_is_a_law(name: str) -> None:
-    law = duhem.load(name)
-    assert law.name == name
-    assert law == duhem.load(name.replace("-", "_")) == duhem.load(str(file_of(name)))
+    assert duhem.load(name).name == name
+
+
+@pytest.mark.parametrize("name", mostly_long(ENTRIES, "howe-cutkosky"))
+def test_a_law_of_the_atlas_is_its_file(name: str) -> None:
+    assert duhem.load(name) == duhem.load(name.replace("-", "_")) == duhem.load(str(file_of(name)))
 
 
 @pytest.mark.slow
