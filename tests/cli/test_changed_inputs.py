@@ -9,8 +9,10 @@ from random import Random
 import pytest
 
 from tests.campaigns import inputs
+from tests.long import mostly_long
 
 ROOT = Path(__file__).parents[2]
+KINDS = ("files", "scenes", "tables", "settings")
 WRONG = {  # what a command might do: what is said of it
     "4": "it ended with 4",
     "0 if open('law.toml', 'w').close() else 1": "law.toml was written",
@@ -42,8 +44,9 @@ def test_the_same_seed_makes_the_same_cases() -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked")
-def test_changed_inputs_are_answered_or_refused() -> None:
-    found = process("-m", "tests.campaigns.inputs", "--files", "10", "--scenes", "10", "--tables", "6", "--settings", "6", "--seed", "5")
+@pytest.mark.parametrize("count", mostly_long(["3", "10"], "3"))
+def test_changed_inputs_are_answered_or_refused(count: str) -> None:
+    found = process("-m", "tests.campaigns.inputs", *(x for k in KINDS for x in (f"--{k}", count)), "--seed", "5")
     assert found.endswith("nothing that must not be\n"), found
 
 

@@ -128,7 +128,13 @@ FRICTION = "(1 + sin(phi))*principal(s, 1) - (1 - sin(phi))*principal(s, 3) - k*
 
 
 @pytest.mark.parametrize(
-    "g", ["principal(s, 1) - k", "principal(s, 1) - principal(s, 3) - k", "max(principal(s, 1) - k, -principal(s, 3) - 10*k)", FRICTION]
+    "g",
+    [
+        "principal(s, 1) - k",
+        "principal(s, 1) - principal(s, 3) - k",
+        pytest.param("max(principal(s, 1) - k, -principal(s, 3) - 10*k)", marks=pytest.mark.long),
+        FRICTION,
+    ],
 )
 def test_laws_of_principal_stresses_are_proved(g: str) -> None:
     phi = {"phi": Domain.between("0.05", "1.2")} if "phi" in g else {}

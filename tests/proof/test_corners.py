@@ -33,7 +33,7 @@ CORNERED = [
     long(law(f"sqrt({J2}) + h*(a + b + c) - k", h=POSITIVE, k=POSITIVE)),
     long(law("norm(a - b, c) + a + b - 1")),
     long(law(f"sqrt({J2}) - exp(-(a + b + c)/3) + 1")),  # at a place that is no fraction
-    law(f"sqrt({J2})*(2 + ({J3})/({J2})**(3/2)) + a + b + c - 1"),  # 0/0 at the tip itself
+    long(law(f"sqrt({J2})*(2 + ({J3})/({J2})**(3/2)) + a + b + c - 1")),  # 0/0 at the tip itself
     long(law("min(a**2 + b**2 + c**2 - 1, (a - 1)**2 + b**2 + c**2 - 1)")),  # inward
     long(law("norm(a, b, c) + where(a > 0, a, a/2) - 1")),
     law("abs(a - x) - r - s", forces=("a", "x", "r"), s=POSITIVE),

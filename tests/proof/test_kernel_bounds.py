@@ -11,6 +11,7 @@ import pytest
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw, inhabited
 from duhem.proof.kernel.term import NotWritten
+from tests.long import mostly_long
 
 F = Fraction
 UNIT, WIDE = {"min": "0", "max": "1"}, {"min": "-5", "max": "5"}
@@ -63,9 +64,10 @@ def test_an_empty_domain_proves_nothing(constraints: tuple[str, ...]) -> None:
 
 
 @pytest.mark.slow
-def test_no_admitted_point_is_left_out() -> None:
+@pytest.mark.parametrize("count", mostly_long([40, 100], 40))
+def test_no_admitted_point_is_left_out(count: int) -> None:
     rng, admitted, signs = Random(2), 0, ("<", "<=", ">", ">=")
-    for _ in range(100):
+    for _ in range(count):
         domains = {n: rng.choice((UNIT, WIDE, {"min": "1", "max": "2"}, {"positive": True}, {"max": "2"})) for n in ("x", "y", "z")}
         shapes = (
             "{p} {r} {q} + {c}",
@@ -87,4 +89,4 @@ def test_no_admitted_point_is_left_out() -> None:
         if inside:
             bounds = over(stated).bounds
             assert [(constraints, point) for point in inside for n, x in point.items() if not bounds[n].holds(x)] == []
-    assert admitted > 100
+    assert admitted > count

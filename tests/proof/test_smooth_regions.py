@@ -41,20 +41,20 @@ later = partial(partial, law)  # a law is made where it is asked for, not by all
 
 ROUND = [
     later(DROP, **PLAIN),
-    later(DROP, "norm(a + b/2, pos(b))", **PLAIN),
-    later(DROP, "abs(a + b)", **PLAIN),
+    pytest.param(later(DROP, "norm(a + b/2, pos(b))", **PLAIN), marks=pytest.mark.long),
+    pytest.param(later(DROP, "abs(a + b)", **PLAIN), marks=pytest.mark.long),
     later("max(A - 2*(P - P**2)**(2/3), -P, P - 1)"),
     later("max(A**2 - (P - P**2)**(2/3), -P, P - 1)"),
     later("max(A - k*(P - P**2)**m, -P, P - 1)", k=Domain(positive=True), m=between("1/9", "8/9")),
-    pytest.param(later(LODE, gamma=between("-9/10", "9/10"), **SHAPE), marks=pytest.mark.slow),
+    pytest.param(later(LODE, gamma=between("-9/10", "9/10"), **SHAPE), marks=pytest.mark.long),
 ]
 NOT_ROUND = [
     later(DROP, k=between(0, 1), m=fixed(2)),  # k = 0: the root rises like the load, a tip
-    later(DROP, k=between(1, 2), m=fixed(2)),  # k = 2: so at the other end
+    pytest.param(later(DROP, k=between(1, 2), m=fixed(2)), marks=pytest.mark.long),  # k = 2: so at the other end
     later(DROP, k=fixed(1), m=between(1, 3)),  # m = 1: a line
     later(DROP, "(abs(a) + abs(b))", **PLAIN),  # edges
-    later(DROP, "(norm(a, b) + 1/10)", **PLAIN),  # the tip of the norm lies on the boundary
-    later(DROP, "(norm(a, b) - 1/10)", **PLAIN),  # K ends in discs
+    pytest.param(later(DROP, "(norm(a, b) + 1/10)", **PLAIN), marks=pytest.mark.long),  # the tip of the norm lies on the boundary
+    pytest.param(later(DROP, "(norm(a, b) - 1/10)", **PLAIN), marks=pytest.mark.long),  # K ends in discs
     later(DROP, "(a**2 + b**2 - 1/100)", **PLAIN),
     later("max(A - (P*(1 - P)*(1 + 20*P)*(1 + 20*P))**(9/10), -P, P - 1)"),  # not convex, though each factor is concave
     later("max(A - sqrt(P**2*(1 - P)), -P, P - 1)"),  # a tip: what is 0 there is not concave
@@ -68,7 +68,7 @@ NOT_ROUND = [
     later("max(A - sqrt(pos((1 - abs(2*P - 1))*(1 + P))), -P, P - 1)"),  # a kink of the root between the ends
     later("max(A - sqrt(pos(pos(P)*(1 - P))), P - 1)"),  # one end is not said
     later("max(A - sqrt(P - P**2), -P, P - 1, norm(a, b) - 1/4)"),  # cut by a cylinder
-    pytest.param(later(LODE, gamma=fixed(1), **SHAPE), marks=pytest.mark.slow),  # corners of the section
+    pytest.param(later(LODE, gamma=fixed(1), **SHAPE), marks=pytest.mark.long),  # corners of the section
     later(DROP, load="((p - 1/2)/2)", **PLAIN),  # the origin is not in K: where else g < 0 is not said
 ]
 

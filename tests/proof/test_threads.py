@@ -8,6 +8,7 @@ import pytest
 
 import duhem
 from tests.campaigns.determinism import in_processes
+from tests.long import mostly_long
 
 LAWS = ("antoni2007", "coulomb", "orthotropic", "box", "shifted-ellipse")
 
@@ -17,11 +18,13 @@ def verdicts(name: str) -> tuple[tuple[str, str, str], ...]:
 
 
 @pytest.mark.slow
-def test_threads_say_what_one_says_alone() -> None:
-    alone = {name: verdicts(name) for name in LAWS}
+@pytest.mark.parametrize("count", mostly_long([2, len(LAWS)], 2))
+def test_threads_say_what_one_says_alone(count: int) -> None:
+    laws = LAWS[:count]
+    alone = {name: verdicts(name) for name in laws}
     with ThreadPoolExecutor(8) as pool:
-        together = list(pool.map(verdicts, LAWS * 3))
-    assert together == [alone[name] for name in LAWS * 3]
+        together = list(pool.map(verdicts, laws * 4))
+    assert together == [alone[name] for name in laws * 4]
 
 
 @pytest.mark.slow

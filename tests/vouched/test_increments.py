@@ -12,6 +12,7 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.increment import Convexity
 from duhem.projection.projector import Projector
 from duhem.projection.result import ACCURACY, Status
+from tests.long import mostly_long
 from tests.oracles.drawn_sets import CONVEX, GRID, IN_SPACE, NAMES, NOT_CONVEX, law, oval_of
 
 OVAL = Criterion(
@@ -20,7 +21,7 @@ OVAL = Criterion(
 DENT, FRONT = [-3.0, 0.0], [3.0, 0.0]
 
 
-@pytest.mark.parametrize("family", NOT_CONVEX)
+@pytest.mark.parametrize("family", mostly_long(NOT_CONVEX, "discs", "ovals", "flowers"))
 def test_where_k_is_not_convex_no_slip_is_called_one(family: str) -> None:
     rng = np.random.default_rng(11)
     farther = 0
@@ -40,7 +41,7 @@ def test_where_k_is_not_convex_no_slip_is_called_one(family: str) -> None:
     assert farther > 0
 
 
-@pytest.mark.parametrize("d", [3, pytest.param(4, marks=pytest.mark.slow), pytest.param(6, marks=pytest.mark.long)])
+@pytest.mark.parametrize("d", mostly_long([3, 4, 6], 3))
 @pytest.mark.parametrize("family", IN_SPACE)
 def test_the_same_in_more_forces(family: str, d: int) -> None:
     rng = np.random.default_rng(d)
