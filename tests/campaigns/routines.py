@@ -19,6 +19,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from hypothesis import HealthCheck, given, settings
@@ -30,8 +31,11 @@ from duhem.projection.methods import METHODS
 from duhem.projection.result import Array
 from duhem.testing import Case, Report, Update, cases, conformance, projection
 from duhem.testing.drawn.decades import Strategy, decades
+from duhem.testing.foreign import shared_library
+from duhem.testing.routines.unfinished import Unfinished
 from tests.oracles.mutant_routines import MUTANTS, Mutant
-from tests.testing.examples import BUGS, EXAMPLES
+from tests.testing.examples import BUGS, EXAMPLES, written
+from tests.testing.test_foreign import BATCHED, CLOBBERS, SPOILT
 from tests.testing.test_properties import ACCURACY, ALWAYS, AT_VALUES, of, without_reason
 
 __all__ = ["first_cause", "found"]
@@ -72,6 +76,18 @@ def mutants(names: Sequence[str]) -> int:
         missed[verdict.strip()] += 1
         cells = [kind, f"{name}, bug {bug}", root, cause + verdict, len(report.failures)]
         print(f"| {' | '.join(map(str, cells))} | {time.process_time() - start:.1f} |", flush=True)
+    for name, update, options, root in careless(names):
+        start = time.process_time()
+        try:
+            cause, failures = (
+                first_cause(report := conformance(None, update, max_examples=3, rows=12, seed=1, **options)),
+                len(report.failures),
+            )
+        except Unfinished as fault:
+            cause, failures = "no answer" if fault.failure is not None else "-", 0
+        verdict = "" if cause == root else " NOT FOUND" if cause == "-" else " ANOTHER"
+        missed[verdict.strip()] += 1
+        print(f"| C | {name} | {root} | {cause + verdict} | {failures} | {time.process_time() - start:.1f} |", flush=True)
     print(f"{missed.total()} mutants; not found: {missed['NOT FOUND']}, found for another cause: {missed['ANOTHER']}")
     return int(missed[""] < missed.total())
 
@@ -81,6 +97,18 @@ def compiled(names: Sequence[str]) -> Iterator[tuple[str, str, int, str]]:
     for name, roots in BUGS.items():
         if not names or any(part in name for part in names):
             yield from (("Fortran" if name == "interface" else "C", name, bug, root) for bug, root in enumerate(roots, 1))
+
+
+def careless(names: Sequence[str]) -> Iterator[tuple[str, Update, dict[str, Any], str]]:
+    """Routines in C that overwrite what they are given, or never come back: name, routine, options, cause."""
+    source = written(BATCHED)
+    for number, said in SPOILT[1:]:
+        if not names or any(part in f"overwrites {said}" for part in names):
+            options = {"parameters": {"mu": float(number)}, "stiffness": [2.0, 3.0], "pressure": -1.0, "checks": ["answers", "inputs"]}
+            yield f"overwrites {said}", shared_library(source, CLOBBERS), options, "inputs"
+    if not names or any(part in "endless" for part in names):
+        endless = shared_library(source, "void endless(const double *trial, double *stress)", isolated=True, seconds=2.0)
+        yield "endless", endless, {"stiffness": [1.0]}, "no answer"
 
 
 def questions(methods: Sequence[str], seeds: int) -> Iterator[tuple[str, dict[str, str], str, int]]:

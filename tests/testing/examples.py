@@ -7,6 +7,7 @@ import shutil
 import subprocess
 from collections.abc import Callable
 from functools import cache
+from hashlib import sha256
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
@@ -17,7 +18,7 @@ import duhem.testing.foreign
 from duhem.testing.foreign import shared_library, shared_material, umat
 from tests.export.shared_library import compiler
 
-__all__ = ["BUGS", "EXAMPLES", "FRICTION", "MISES", "elastic", "friction", "interface", "library", "mises"]
+__all__ = ["BUGS", "EXAMPLES", "FRICTION", "MISES", "elastic", "friction", "interface", "library", "mises", "written"]
 
 SHIPPED = Path(duhem.testing.foreign.__file__).parent / "examples"
 FRICTION = (
@@ -47,6 +48,16 @@ def library(name: str, bug: int = 0) -> Path:
     else:
         command = [compiler("FC", "gfortran"), "-cpp", "-Wno-unused-dummy-argument", *strict, str(SHIPPED / name)]
     subprocess.run([*command, "-o", str(made)], check=True)
+    return made
+
+
+@cache
+def written(source: str) -> Path:
+    """A library made of text in C."""
+    file = _folder() / f"written{sha256(source.encode()).hexdigest()[:8]}.c"
+    file.write_text(source, "utf-8")
+    made = file.with_suffix(".so")
+    subprocess.run([compiler("CC", "cc", "gcc", "clang"), "-O2", "-shared", "-fPIC", str(file), "-o", str(made), "-lm"], check=True)
     return made
 
 

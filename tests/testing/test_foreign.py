@@ -20,7 +20,7 @@ from duhem.testing.foreign.prototype import Prototype
 from duhem.testing.routines.unfinished import Unfinished
 from tests.export.shared_library import compiler
 from tests.long import mostly_long
-from tests.testing.examples import MISES, STEEL, elastic, friction, interface, library, mises
+from tests.testing.examples import MISES, STEEL, elastic, friction, interface, library, mises, written
 
 BATCHED = """
 #include <math.h>
@@ -52,12 +52,8 @@ CLOBBERS = "void clobbers(double *trial, double *pressure, double *stiffness, do
 
 
 @pytest.fixture(scope="module")
-def many(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    source = tmp_path_factory.mktemp("many") / "many.c"
-    source.write_text(BATCHED, "utf-8")
-    made = source.with_suffix(".so")
-    subprocess.run([compiler("CC", "cc", "gcc", "clang"), "-O2", "-shared", "-fPIC", str(source), "-o", str(made), "-lm"], check=True)
-    return made
+def many() -> Path:
+    return written(BATCHED)
 
 
 def test_one_increment_a_call_and_many_a_call_answer_alike(many: Path) -> None:
@@ -158,7 +154,7 @@ ENDS = [("crash", "by SIGSEGV"), ("leaves", "with exit code 3")]
 def test_what_ends_its_process_is_told_and_the_next_call_is_answered(many: Path, symbol: str, how: str) -> None:
     update = shared_library(many, f"void {symbol}(const double *trial, double *stress)", isolated=True)
     assert update(np.array([[1.0]]), None, np.eye(1)).stress.tolist() == [[1.0]]
-    with pytest.raises(NativeFault, match=rf"{symbol} of .*many\.so ended its process {how}"):
+    with pytest.raises(NativeFault, match=rf"{symbol} of .*\.so ended its process {how}"):
         update(np.array([[1.0], [3.0]]), None, np.eye(1))
     assert update(np.array([[-1.0]]), None, np.eye(1)).stress.tolist() == [[-1.0]]
 
@@ -208,7 +204,7 @@ def test_a_call_without_end_is_an_error_that_names_its_increment(many: Path, tmp
     update = shared_library(many, "void endless(const double *trial, double *stress)", isolated=True, seconds=0.5)
     assert update(np.array([[1.0]]), None, np.eye(1)).stress.tolist() == [[1.0]]
     options = {"stiffness": [1.0], "max_examples": 3, "rows": 4, "tries": 5, "seed": 0}
-    with pytest.raises(Unfinished, match=r"endless of .*many\.so has not answered within 0\.5 s; look where") as fault:
+    with pytest.raises(Unfinished, match=r"endless of .*\.so has not answered within 0\.5 s; look where") as fault:
         conformance(None, update, **options)
     failure = fault.value.failure
     assert failure.case.trial[0, 0] > 2 or failure.case.path.max() > 2
