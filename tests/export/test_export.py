@@ -19,6 +19,7 @@ from duhem.export.header import identifier
 from duhem.export.routine import routine
 from duhem.proof.certificate import certificate
 from duhem.testing import checks_for, conformance, pressures
+from duhem.testing.foreign import shared_library, umat
 from tests.export.shared_library import compiled, compiler, shared
 from tests.long import mostly_long
 
@@ -224,6 +225,35 @@ def test_the_head_says_what_it_is() -> None:
 def test_what_has_no_routine_is_refused(law: Criterion, why: str) -> None:
     with pytest.raises(InputError, match=why):
         routine(law)
+
+
+THROUGH = ["coulomb", "orthotropic", "tresca", "von-mises"]
+
+
+@pytest.mark.parametrize("name", mostly_long(THROUGH, "coulomb"))
+def test_a_user_puts_the_file_to_the_suite(name: str, tmp_path: Path) -> None:
+    """By the prototype that its head gives, as any C is."""
+    law, symbol = duhem.load(name), identifier(name)
+    (tmp_path / "own.c").write_text(text := c_file(duhem.verify(law, claims=["convexity"])), "utf-8")
+    (prototype,) = {" ".join(one.split()) for one in re.findall(rf"^int {symbol}_increment\(([^)]*)\)", text, re.M)}
+    library = shared([tmp_path / "own.c"], with_=compiler("CC", "cc", "gcc", "clang"))
+    update = shared_library(library._name, f"int {symbol}_increment({prototype})", solved=(0, 1))
+    checks = ["inputs", "feasibility", "variational-inequality", "slip", "slope", "repeatability", "vacuity"]
+    report = conformance(law, update, checks=checks, max_examples=2, rows=15, pressure=pressures(-1, 1).filter(bool))
+    assert report.ok and {*report.passed} == {*checks} and report.flagged_share < 0.25, str(report)
+    assert len(prototype.split(",")) == 8
+
+
+@pytest.mark.long
+@pytest.mark.slow
+@pytest.mark.parametrize("isolated", [False, True])
+def test_a_user_puts_the_umat_to_the_suite(isolated: bool, tmp_path: Path) -> None:
+    law = Criterion(name="tensor", g="sqrt(3*J2) - 1", stress={"name": "sigma", "kind": "3d"}, pressure=None)
+    k = np.diag([3.0, 3.0, 3.0, 1.0, 1.0, 1.0]) + 0.1
+    material = umat(fortran(law, tmp_path)._name, k.ravel().tolist(), k, isolated=isolated)
+    report = conformance(None, material, max_examples=2, rows=10)
+    needed = {"inputs", "energy", "slope", "elasticity", "dissipation", "stored-energy", "rest", "subdivision", "vacuity"}
+    assert report.ok and needed <= {*report.passed}, str(report)
 
 
 def test_a_set_that_is_not_convex_is_refused() -> None:

@@ -306,6 +306,21 @@ def test_a_tangent_is_accused_next_to_where_the_slope_jumps(beyond: float) -> No
     assert violation("slope", "orthotropic", right, case) is None
 
 
+@pytest.mark.parametrize(("width", "place"), [(0.1, 0.1 * (1.0 - 1e-5)), (1e-6, 5e-7), (1e-6, -4e-7), (1e-12, 0.0)])
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_half_of_a_stiffness_is_no_tangent_just_inside(width: float, place: float, share: float) -> None:
+    """As far from the boundary as a difference is long, its mean is half of k; thinner than what the accuracy lets see, nobody knows."""
+    values = {"mu_a": 0.5, "mu_b": width}
+
+    def update(trial: np.ndarray, pressure: np.ndarray, k: np.ndarray, **_: float) -> Step:
+        ends = np.array([0.5, width]) * np.abs(pressure)[:, None]
+        free = np.abs(trial) <= ends
+        return Step(np.clip(trial, -ends, ends), tangent=(free * [1.0, share])[:, :, None] * np.eye(2))
+
+    found = violation("slope", "box", update, at(values, [0.2, place], -1.0, [1.0, 1.0]))
+    assert (found is None) == (share == 1.0 or width == 1e-12)
+
+
 @pytest.mark.parametrize(("law", "values"), [("coulomb", {"mu": 0.3}), ("box", {"mu_a": 0.3, "mu_b": 0.2})])
 def test_a_set_that_is_one_point_has_either_tangent_there(law: str, values: dict[str, float]) -> None:
     for share, trial, right in ((1.0, 0.0, True), (0.0, 0.0, True), (1.0, 1.0, False), (0.0, 1.0, True)):

@@ -12,6 +12,8 @@ from duhem.testing.checks.registry import Finding, register
 __all__: list[str] = []
 
 _EPS = float(np.finfo(np.float64).eps)
+_RESOLVED = 0.05  # of k: differences that disagree by more do not tell
+_LEAST = 320.0  # times u: the shortest step of which rounding leaves a difference as good as that
 _FINER = 12  # steps, each a quarter of the one before: the last is some thousand roundings long
 
 
@@ -42,8 +44,9 @@ def _beyond(q: Query, c: Array) -> tuple[Array, Array]:
     formula="C du = d sigma",
     source="Simo and Taylor (1985), Comput. Methods Appl. Mech. Eng. 48, 101-118",
     tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
-    "|sigma_tr| + |sigma|; what they are off by there, where smaller steps one way come ten times closer (K may be thinner than h), "
-    "or where at all of them the two ways disagree by a quarter of it (no slope); any in [0, k] within 4 u of the boundary, where it jumps",
+    "|sigma_tr| + |sigma|, or 320 u where they disagree by k/20 and neither way agrees with the tangent; what they are off by there, where "
+    "smaller steps one way come ten times closer (K may be thinner than h), or where at all of them the two ways disagree by a quarter "
+    "of it (no slope); any in [0, k] within 4 u of the boundary, where it jumps",
 )
 def slope(q: Query) -> Finding:
     here, (c, finite) = q.first[0], _tangent(q)
@@ -53,18 +56,21 @@ def slope(q: Query) -> Finding:
     h = np.where(h > 0.0, h, 1.0)
     worst = np.where(finite, 0.0, np.inf)
     for i, axis in enumerate(q.axes):
-        slopes = _slopes(q, h, axis)
-        middle = slopes.mean(axis=0)
-        spread = np.linalg.norm(slopes - middle, axis=2).max(axis=0)
-        off = np.linalg.norm(c[:, :, i] - middle, axis=1)
-        ratio, step, kink = off / (2.0 * spread + 16.0 * u / h + 8.0 * _EPS), h, np.ones(len(off), dtype=np.bool_)
+        slopes, step, kink = _slopes(q, h, axis), h, np.ones(len(c), dtype=np.bool_)
+        off, spread, near = _misses(slopes, c[:, :, i])
+        ratio = off / (2.0 * spread + 16.0 * u / h + 8.0 * _EPS)
+        if (unresolved := q.sound & (ratio <= 1.0) & (spread > _RESOLVED) & (near > _RESOLVED) & (_LEAST * u < h)).any():
+            least = np.where(unresolved, _LEAST * u, h)
+            off_then, spread, _ = _misses(_slopes(q, least, axis), c[:, :, i])
+            seen = unresolved & (spread <= _RESOLVED)
+            off, step = np.where(seen, off_then, off), np.where(seen, least, h)
+            ratio = np.where(seen, off / (2.0 * spread + 16.0 / _LEAST + 8.0 * _EPS), ratio)
         for _ in range(_FINER):
             if not (q.sound & ~(ratio <= 1.0)).any():
                 break
             step = step / 4.0
             slopes = _slopes(q, step, axis)
-            apart = np.linalg.norm(slopes - c[:, :, i], axis=2)
-            near = np.minimum(apart[:2].max(axis=0), apart[2:].max(axis=0))
+            near = _misses(slopes, c[:, :, i])[2]
             ratio = np.where(near <= off / 10.0, np.minimum(ratio, 1.0), ratio)
             kink &= np.linalg.norm(slopes[:2].mean(axis=0) - slopes[2:].mean(axis=0), axis=1) >= off / 4.0
         ratio = np.where(kink, np.minimum(ratio, 1.0), ratio)
@@ -73,6 +79,13 @@ def slope(q: Query) -> Finding:
         off, allowed = _beyond(q, c)
         worst = np.where(finite & (off <= allowed) & _at_the_end(q), np.minimum(worst, 1.0), worst)
     return Finding(worst, np.ones(len(worst)))
+
+
+def _misses(slopes: Array, column: Array) -> tuple[Array, Array, Array]:
+    """Of slopes (4, N, d): what a column (N, d) misses of their mean, what they differ from it, what it misses of the nearer way."""
+    middle, apart = slopes.mean(axis=0), np.linalg.norm(slopes - column, axis=2)
+    spread = np.linalg.norm(slopes - middle, axis=2).max(axis=0)
+    return np.linalg.norm(column - middle, axis=1), spread, np.minimum(apart[:2].max(axis=0), apart[2:].max(axis=0))
 
 
 def _at_the_end(q: Query) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ from duhem.errors import InputError
 __all__ = ["MEANINGS", "RETURNED", "Argument", "Prototype"]
 
 _GIVEN = ("pressure", "stiffness", "parameters", "n", "d", "trial", "increment", "strain", "duration")
-RETURNED = ("stress", "tangent", "slip", "multiplier", "status", "variables", "stored", "dissipated")
+RETURNED = ("stress", "tangent", "slip", "multiplier", "dissipation", "status", "variables", "stored", "dissipated")
 MEANINGS = frozenset((*_GIVEN, *RETURNED))
 _ARGUMENT = re.compile(
     r"(?:const\s+)?(double|int|size_t)\s*(?:const\s*)?(\*?)\s*(?:(?:restrict|const)\s+)?([A-Za-z_]\w*)\s*((?:\[\w*\]\s*)*)"
@@ -57,7 +57,9 @@ class Prototype:
         if twice := [name for name in names if names.count(name) > 1]:
             raise InputError(f"{twice[0]!r} is named twice", where=f"signature of {symbol}", remedy="give each argument a name of its own")
         words = [*_GIVEN[:5], driver, *(("strain", "duration") if driver == "increment" else ())]
-        words += RETURNED[:3] + (("variables", "stored", "dissipated") if driver == "increment" else ("multiplier",)) + ("status",)
+        words += (
+            RETURNED[:3] + (("variables", "stored", "dissipated") if driver == "increment" else ("multiplier", "dissipation")) + ("status",)
+        )
         remedy = f"name the arguments by what they hold: {', '.join(words)}, or a parameter"
         if lacking := [needed for needed in (driver, "stress") if needed not in names]:
             raise InputError(f"there is no argument {lacking[0]!r}", where=f"signature of {symbol}", remedy=remedy)

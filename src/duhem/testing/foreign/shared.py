@@ -106,7 +106,7 @@ class SharedLibrary:
         values = self._parameters | {name: float(value) for name, value in open_.items()}
         self._call.prototype.covers(values)
         n, d = trial.shape
-        sizes: dict[str, tuple[int, ...]] = {"stress": (d,), "slip": (d,), "multiplier": (), "tangent": (d, d)}
+        sizes: dict[str, tuple[int, ...]] = {"stress": (d,), "slip": (d,), "multiplier": (), "dissipation": (), "tangent": (d, d)}
         by_row = {name: np.full((n, *size), np.nan) for name, size in sizes.items()}
         by_row |= {"trial": trial, "pressure": np.zeros(n) if pressure is None else pressure}
         back, solved, spoilt = self._call(by_row, {"stiffness": stiffness, "parameters": [*values.values()], "d": d, **values})
@@ -131,7 +131,8 @@ def shared_library(
         shared_library("libfriction.so", "int friction(const double *trial, double pressure, const double *stiffness,
                                                        double mu, double *stress, double *tangent)")
 
-    The name of an argument says what it holds: ``trial`` and the stress, ``slip`` and ``multiplier`` that are returned, the
+    The name of an argument says what it holds: ``trial`` and the stress, ``slip`` and ``multiplier`` that are returned (and a
+    ``dissipation``, which follows from them and is not looked at), the
     ``stiffness`` (d, d), the ``tangent`` d sigma/d u (d, d), ``pressure`` sigma_n <= 0, all in SI and as in
     :class:`duhem.testing.Step`; ``d`` the number of forces, ``parameters`` all parameters in their order, and any other name the
     parameter of that name.  With an argument ``n`` one call answers n increments, arrays (n, d) row by row (which Fortran declares
