@@ -263,6 +263,18 @@ def test_steps_whose_way_is_not_known_look_otherwise() -> None:
     assert curve != joined and thick > thin
 
 
+def test_heads_on_a_path_point_where_time_goes() -> None:
+    axes, seen = Sheet().subplots(), trajectory(scene())
+    stress_path(axes, seen)
+    way = seen.states.stress
+    assert len(axes.texts) == 7
+    for head in axes.texts:
+        tail, tip = np.array(head.xyann), np.array(head.xy)
+        here = int(np.argmin(np.hypot(*(way - tip).T)))
+        ahead = way[min(here + 1, len(way) - 1)] - way[max(here - 1, 0)]
+        assert ahead @ (tip - tail) > 0.9 * np.hypot(*ahead) * np.hypot(*(tip - tail))
+
+
 def test_axes_of_ones_own_are_drawn_on_and_returned(tmp_path) -> None:
     sheet = Sheet()
     FigureCanvasAgg(sheet)

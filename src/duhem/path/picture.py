@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["energies", "hysteresis", "picture", "stress_path"]
 
 _MARKED = 200  # knots, beyond which marks would hide the lines
+_HEADS, _SHORT = 7, 0.005  # arrow heads on a line; their length before it, as a share of the whole
 _NAMED = 4  # forces, beyond which an axis does not name each
 _START: dict[str, Any] = {"marker": "o", "linestyle": "none", "color": "white", "markeredgecolor": "black", "markersize": 8.0}
 _SUMS = {"work": "work", "psi": r"free energy $\psi$", "dissipation": "dissipation", "numerical": "lost by implicit steps"}
@@ -103,7 +104,7 @@ def stress_path(axes: Axes, seen: Trajectory, law: Criterion | None = None, para
     x, y = (states.time, stress[:, 0]) if len(forces) == 1 else (stress[:, 0], stress[:, 1])
     for i, line in enumerate(edges):
         axes.plot(*(line / unit).T, color=figure.GREY, linewidth=1.0, label="_" if i else "boundary of $K$")
-    _line(axes, seen, x, y, 0)
+    _line(axes, seen, x, y, 0, heads=len(forces) > 1)
     axes.plot(x[0], y[0], **_START)
     if len(forces) == 1:
         figure.measure(axes.xaxis, "time $t$", "s")
@@ -134,7 +135,7 @@ def energies(axes: Axes, seen: Trajectory) -> None:
     shown = [name for name in _SUMS if name != "numerical" or states.numerical.any()]
     size = max(float(np.abs(getattr(states, name)).max()) for name in shown)
     for i, name in enumerate(shown):
-        _line(axes, seen, states.time, getattr(states, name) / figure.outsize(size), i, _SUMS[name])
+        _line(axes, seen, states.time, getattr(states, name) / figure.outsize(size), i, _SUMS[name], heads=False)
     figure.measure(axes.xaxis, "time $t$", "s")
     figure.measure(axes.yaxis, "energy over area", "J/m²", size)
     figure.legend(axes)
@@ -145,15 +146,33 @@ def _symbols(word: str, names: Iterable[str]) -> str:
     return ", ".join(every) if len(every) <= _NAMED else word
 
 
-def _line(axes: Axes, seen: Trajectory, x: Array, y: Array, hue: int, label: str = "") -> None:
-    """Dashed where the law sticks, solid where it slips, and thick where its curve is known between the knots; marked at them."""
+def _line(axes: Axes, seen: Trajectory, x: Array, y: Array, hue: int, label: str = "", *, heads: bool = True) -> None:
+    """Dashed where the law sticks, solid where it slips, and thick where its curve is known between the knots; marked at them.
+
+    ``heads`` show the sense of time.
+    """
     colour, mark = figure.palette(hue), figure.pen(hue)["marker"]
     for slips in (False, True):
         axes.plot(*_stretches(x, y, seen.slips[1:] == slips), color=colour, **_look(seen, slips))
     knots = seen.knots if len(seen.knots) <= _MARKED else seen.knots[:0]
     axes.plot(x[knots], y[knots], mark, color=colour)
+    if heads:
+        _heads(axes, x, y, colour)
     if label:
         axes.plot([], [], color=colour, marker=mark, label=label)
+
+
+def _heads(axes: Axes, x: Array, y: Array, colour: str) -> None:
+    """Arrow heads in the sense of time, evenly along the line as it is seen."""
+    spans = np.ptp(x), np.ptp(y)
+    steps = np.hypot(*(np.diff(part) / (span or 1.0) for part, span in zip((x, y), spans, strict=True)))
+    passed = np.concatenate([[0.0], np.cumsum(steps)])
+    if not 0.0 < passed[-1] < np.inf:
+        return
+    for place in (np.arange(_HEADS) + 0.5) * passed[-1] / _HEADS:
+        ends = [(np.interp(at, passed, x), np.interp(at, passed, y)) for at in (place - _SHORT * passed[-1], place)]
+        look = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 15.0, "linewidth": 0.0}
+        axes.annotate("", ends[1], ends[0], arrowprops=look)
 
 
 def _stretches(x: Array, y: Array, chosen: Array) -> tuple[Array, Array]:
