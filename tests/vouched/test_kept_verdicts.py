@@ -43,6 +43,14 @@ def test_what_is_open_is_asked_again(monkeypatch: pytest.MonkeyPatch, tmp_path: 
     assert not path.exists()
 
 
+def test_the_older_ones_make_room(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(kept_verdicts, "_MOST", 4)
+    for k in range(5):
+        kept_verdicts.keep(tmp_path / f"{k}", "proved")
+        os.utime(tmp_path / f"{k}", ns=(k, k)) if k < 4 else None
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["2", "3", "4"]
+
+
 def test_what_is_damaged_or_of_another_law_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "one"
     kept_verdicts.keep(path, "proved")

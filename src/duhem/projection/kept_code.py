@@ -66,10 +66,12 @@ class _Entry:
 
     def _first(self, known: machine_code.Kinds, arguments: tuple[Any, ...]) -> Any:
         """Compiled by numba, or found where that keeps it, and kept for the next process."""
-        result = self._by_numba(*arguments)
-        self._runs[known] = self._by_numba
+        with self._lock:
+            compiled = self._by_numba
+        result = compiled(*arguments)
+        self._runs[known] = compiled
         if self._kept is not None and (path := machine_code.place(self._kept, self._name, known)) is not None:
-            machine_code.keep(path, self._by_numba, arguments)
+            machine_code.keep(path, compiled, arguments)
         return result
 
     @cached_property

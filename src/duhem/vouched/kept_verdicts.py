@@ -26,7 +26,7 @@ __all__ = ["STANDS", "keep", "place", "recalled"]
 
 STANDS = "proved", "refuted"
 
-_MOST = 10_000  # files: of a law that is convex for some numbers alone there is a question each time
+_MOST = 4_000  # files: of a law that is convex for some numbers alone there is a question each time
 _DECIDE = "sympy", "mpmath", "flint", "z3", "numpy"
 
 
@@ -49,13 +49,17 @@ def recalled(path: Path) -> str | None:
 
 
 def keep(path: Path, verdict: str) -> None:
-    """Write the verdict down where it stands and there is room."""
+    """Write the verdict down where it stands; where there are many, the older half of them makes room."""
+    if verdict not in STANDS:
+        return
     with suppress(OSError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if verdict in STANDS and len(os.listdir(path.parent)) < _MOST:
-            beside = path.with_suffix(f".{os.getpid()}")
-            beside.write_text(f"{verdict} {_seal(path, verdict)}", "utf-8")
-            beside.replace(path)
+        beside = path.with_suffix(f".{os.getpid()}")
+        beside.write_text(f"{verdict} {_seal(path, verdict)}", "utf-8")
+        beside.replace(path)
+        if len(os.listdir(path.parent)) > _MOST:
+            for old in sorted(path.parent.iterdir(), key=lambda one: one.stat().st_mtime_ns)[: _MOST // 2]:
+                old.unlink(missing_ok=True)
 
 
 def _seal(path: Path, verdict: str) -> str:
