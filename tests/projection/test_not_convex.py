@@ -5,6 +5,7 @@ What is closest is read off fine grids of boundaries that are known as curves.
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from duhem.projection.projector import Projector
 from duhem.projection.residuals import residuals
 from duhem.projection.result import ACCURACY, Projection, Residuals, Solution, Status
 from duhem.projection.validation import increment
+from tests.long import mostly_long
 from tests.oracles.drawn_sets import CONVEX, GRID, NOT_CONVEX, law, oval_of
 
 
@@ -111,8 +113,11 @@ def test_the_middle_of_a_dent_is_not_closest_at_any_pressure(pressure: float) ->
     assert (project(OVAL, trial, pressure, parameters={"mu": 1, "e": "0.5"}).status == Status.SLIP).all()
 
 
-@pytest.mark.parametrize("load", ["1 + abs(sigma_n)", "abs(sigma_n)**2", "abs(sigma_n)"])
-@pytest.mark.parametrize("stiffness", [1.0, (1.0, 100.0), ((2.0, 1.0), (1.0, 3.0))])
+LOADS = ("1 + abs(sigma_n)", "abs(sigma_n)**2", "abs(sigma_n)")
+STIFFNESSES = (1.0, (1.0, 100.0), ((2.0, 1.0), (1.0, 3.0)))
+
+
+@pytest.mark.parametrize(("load", "stiffness"), mostly_long(product(LOADS, STIFFNESSES), *zip(LOADS, STIFFNESSES, strict=True)))
 def test_another_part_of_k_is_seen_at_every_pressure(load: str, stiffness: object) -> None:
     """Two discs, their size and distance growing with the pressure in step."""
     two = Criterion("two", f"min(norm(sigma_a, sigma_b), norm(sigma_a + 3*({load}), sigma_b)) - ({load})", {})

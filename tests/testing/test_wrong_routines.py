@@ -145,7 +145,7 @@ def test_a_wrong_routine_is_refused_by_the_right_checks(name: str) -> None:
     update, law, values, must, cannot = MUTANTS[name]
     stiff = 1.0 if name == "the elastic tangent" else None
     asked = [c for c in checks_for(law) if c.name in must | cannot]
-    report = conformance(law, update, values, checks=asked, stiffness=stiff, max_examples=6, rows=60, tries=20)
+    report = conformance(law, update, values, checks=asked, stiffness=stiff, max_examples=6, rows=60, tries=5)
     assert must <= report.failed, f"not refused by {sorted(must - report.failed)}"
     assert not cannot & report.failed, str(report)
     for failure in report.failures:
@@ -168,7 +168,7 @@ NOT_CONVEX = [
 @pytest.mark.slow
 @pytest.mark.parametrize(("law", "values"), mostly_long(NOT_CONVEX, NOT_CONVEX[0], NOT_CONVEX[4], NOT_CONVEX[6]), ids=str)
 def test_a_set_that_is_not_convex_is_refused(law: str, values: dict[str, str]) -> None:
-    report = conformance(law, nothing, values, checks=["convexity", "origin"], max_examples=30, rows=60, tries=20)
+    report = conformance(law, nothing, values, checks=["convexity", "origin"], max_examples=30, rows=60, tries=5)
     assert report.failed == {"convexity"}
     (failure,) = report.failures
     case, known = failure.case, duhem.load(law).fix(values)
@@ -200,7 +200,7 @@ def test_a_flow_that_is_not_normal_is_refused(law: str) -> None:
         return np.stack([z.real, z.imag], axis=1)
 
     update = {"radial-flow": radial_return, "rotated-flow": rotated}[law]
-    report = conformance(law, update, values, stiffness=1.0, max_examples=6, rows=60, tries=20)
+    report = conformance(law, update, values, stiffness=1.0, max_examples=6, rows=60, tries=5)
     assert {"variational-inequality", "firmness", "potential"} <= report.failed
     assert not {"feasibility", "idempotence", "dissipation", "path", "homogeneity", "complementarity", "convexity"} & report.failed, str(
         report
@@ -249,7 +249,7 @@ def test_differences_resolve_a_set_that_is_thinner_than_their_step(change: Calla
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("share", "right"), mostly_long([(1.0, True), (4.0, False), (-1.0, False)], (1.0, True), (4.0, False)))
+@pytest.mark.parametrize(("share", "right"), mostly_long([(1.0, True), (4.0, False), (-1.0, False)], (4.0, False)))
 def test_on_a_kink_of_the_answer_any_side_of_it_will_do(share: float, right: bool) -> None:
     """On an edge of a pyramid: the tangent of one face, which both differences along the third axis leave, sticking or to the edge."""
     law, k, slip = duhem.load("mujoco-pyramidal"), np.diag([123.0, 1.0, 1.0]), np.array([[-1.0, -1.0, 1.0 / 628.0]])
