@@ -22,6 +22,7 @@ from duhem.projection.result import Solution, Status
 from duhem.projection.scaled_formula import scaled
 from duhem.projection.validation import posed, setting
 from duhem.projection.whitened_body import whitening
+from tests.long import mostly_long
 from tests.projection.drawn_questions import LAWS, drawn
 
 STRESSES = ("yield_stress", "c")  # the parameters in Pa of the laws that are put in other units
@@ -34,21 +35,26 @@ def _question(name: str, n: int, seed: int, size: float = 1.0, full: bool = Fals
     return posed(setting(law, stiffness, parameters), size * rng.normal(size=(n, len(law.forces))) * 0.5, pressure)
 
 
-def _as_text(question: Increment) -> tuple[Solution, np.ndarray]:
-    """The loop, not compiled."""
-    law = question.law
+def _made(question: Increment) -> tuple[dict[str, Any], np.ndarray, np.ndarray, float]:
+    """The functions of the loop, not compiled, with the formula's data at each point, its constants and its degree."""
+    law, n = question.law, len(question.trial)
     formula = scaled(question.g, law.force_symbols(), law.symbols()[law.pressure] if law.pressure else None)
     space: dict[str, Any] = {}
-    n, d = question.trial.shape
     jets = scalar_jets(formula.expr, law.force_symbols(), tuple(formula.data))
-    exec(compiled_newton.kernel_text(formula, jets, d), space)
+    exec(compiled_newton.kernel_text(formula, jets, len(law.forces)), space)
     values = formula.values(question.pressure, np.ones(n))
     data = np.stack(list(values.values()), axis=1) if values else np.zeros((n, 0))
+    return space, data, np.array(jets.constants), formula.degree
+
+
+def _as_text(question: Increment) -> tuple[Solution, np.ndarray]:
+    """The loop, not compiled."""
+    (space, data, constants, degree), (n, d) = _made(question), question.trial.shape
     mean, root = whitening(question)
     out = Solution(np.empty((n, d)), np.empty((n, d)), np.empty(n), np.zeros(n, dtype=bool))
     state = np.empty(n, dtype=np.int8)
     with np.errstate(all="ignore"):
-        given = question.trial, data, np.array(jets.constants), root, np.linalg.inv(root), formula.degree
+        given = question.trial, data, constants, root, np.linalg.inv(root), degree
         space["solve"](*given, out.stress, out.slip, out.multiplier, state)
     return Solution(out.stress, out.slip / mean, out.multiplier / mean, out.failed), state
 
@@ -147,6 +153,52 @@ def test_of_a_body_away_from_the_origin_the_near_side_is_found() -> None:
     found, state = _as_text(posed(setting(law, 1.0, {}), np.array([[9.0, 0.0], [3.1, 0.0], [0.0, 0.0]]), None))
     assert state.tolist() == [SLIP, 0, SLIP]
     assert found.stress == pytest.approx(np.array([[4.0, 0.0], [3.1, 0.0], [2.0, 0.0]]), abs=1e-12)
+
+
+APEXES = [
+    ("drucker-prager", {"alpha": "1/2", "k": 3}, [[6, 7.3, 8.1], [9, 9, 9], [9, 8, 10], [1e9, 1.1e9, 1.2e9]], [2.0] * 4),  # k/(3 alpha)
+    ("drucker-prager", {"alpha": "1/100", "k": 3}, [[300, 301, 302], [300, 300, 302]], [100.0] * 2),
+    ("lade-duncan", {}, [[-0.9, -0.3, 0.01], [0, -1, 0], [-6, -6, -6]], [0.0] * 3),
+    ("original-cam-clay", {}, [[-6.5, -1.4, -4.3], [-2, -2, -2]], [-1.0] * 2),
+]
+
+
+@pytest.mark.parametrize(("name", "values", "trials", "ends"), mostly_long(APEXES, APEXES[0], APEXES[3]))
+def test_an_apex_is_met_by_what_supports_it(name: str, values: dict[str, Any], trials: list[list[float]], ends: list[float]) -> None:
+    """At the tips of cones no piece has a normal; of the multipliers the work on the slip is theirs, for gauges about the apex."""
+    question = posed(setting(duhem.load(name), np.eye(3), values), np.array(trials, dtype=float), None)
+    found, state = _as_text(question)
+    assert (state == SLIP).all()
+    assert found.stress == pytest.approx(np.array(ends)[:, None] * np.ones(3), rel=1e-13, abs=1e-15)
+    assert found.slip == pytest.approx(question.trial - found.stress, rel=1e-12, abs=1e-13)
+    if name == "drucker-prager":  # g grows with slope 3 alpha along the axis, from whichever normals the slip is made
+        assert found.multiplier * 3 * float(question.parameters["alpha"]) == pytest.approx(found.slip.sum(axis=1), rel=1e-9)
+
+
+def test_where_the_search_from_the_boundary_fails_one_from_nearby_does_not() -> None:
+    """Next to where a logarithm ends, and where a face is the greatest of the pieces inside but another one ends the way."""
+    for name, trials in (
+        ("original-cam-clay", [[0.36, 0.11, 0.12]]),
+        ("lade-duncan", [[1.05, 0, 0], [0.92, -0.48, -0.16]]),
+    ):
+        question = posed(setting(duhem.load(name), np.diag([1.0, 3.0, 10.0]), {}), np.array(trials), None)
+        found, state = _as_text(question)
+        assert (state == SLIP).all() and found.stress == pytest.approx(newton.solve(question).stress, abs=1e-12)
+
+
+def test_no_smooth_point_is_taken_for_an_apex() -> None:
+    """However sharp an ellipse is: half-spaces come close to its end alone, and Newton's method does the rest."""
+    law = Criterion(name="needle", g="norm(sigma_a, 100*sigma_b) - 1", pressure=None)
+    question = posed(setting(law, np.eye(2), {}), np.array([[3.0, 0.0], [3.0, 1e-3], [2.0, 0.5], [0.3, 1.0]]), None)
+    (space, data, constants, _), d = _made(question), 2
+    v, m, a = np.zeros((space["ROWS"], d)), np.zeros((space["MATRICES"], d, d)), np.zeros((2 * d, 2 * d + 1))
+    q, held = np.append(np.zeros(data.shape[1]), constants), np.zeros((d + 1, 1), np.int8)
+    ends = newton.solve(question).stress
+    with np.errstate(all="ignore"):
+        for n, end in enumerate(ends):
+            size = space["begun"](question.trial, data, n, v, m, q, held)
+            assert not space["apex"](v, m, a, q, held, np.eye(d), np.eye(d))
+            assert v[space["X"]] * size == pytest.approx(end, abs=1e-5)
 
 
 def test_a_word_without_text_is_all_left() -> None:

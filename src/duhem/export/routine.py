@@ -15,7 +15,7 @@ from duhem.export.c_translation import c_functions
 from duhem.export.tip import closes
 from duhem.expression.scalar_jets import LEFT_OUT, scalar_jets, scalar_values
 from duhem.law.formula_law import Criterion
-from duhem.projection import newton_kernel, newton_start, newton_step
+from duhem.projection import newton_apex, newton_kernel, newton_start, newton_step
 from duhem.projection.module_text import module_text
 from duhem.projection.scaled_formula import scaled
 
@@ -106,7 +106,9 @@ def routine(law: Criterion) -> Routine:
         _function("placed(q, w)", [f"{array}[{start + k}] = {x!r}" for array, start, each in behind for k, x in enumerate(each)]),
         _function("beyond(stress, slack: float) -> bool", [f"if {past}: return True" for past in _beyond(law)], "return False"),
     ]
-    text = module_text(formula, len(law.forces), jets.kinks, functions, (newton_step, newton_start, newton_kernel, increment_kernel))
+    text = module_text(
+        formula, len(law.forces), jets.kinks, functions, (newton_step, newton_start, newton_apex, newton_kernel, increment_kernel)
+    )
     return Routine(c_functions(text, "increment", _ARRAYS, _PLAIN, {"below": _BELOW}), names)
 
 

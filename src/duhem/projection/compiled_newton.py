@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.expression.scalar_jets import ScalarJets, scalar_jets
-from duhem.projection import newton_kernel, newton_start, newton_step
+from duhem.projection import newton_apex, newton_kernel, newton_start, newton_step
 from duhem.projection.in_blocks import evenly, in_blocks
 from duhem.projection.increment import Increment
 from duhem.projection.kept_code import compiled_text
@@ -109,4 +109,4 @@ def _made(
 
 def kernel_text(formula: ScaledFormula, jets: ScalarJets, d: int, *sources: ModuleType) -> str:
     """The module that is compiled for one law in ``d`` forces, whatever its parameters but for exponents and whole numbers."""
-    return module_text(formula, d, jets.kinks, (jets.level, jets.piece), (newton_step, newton_start, newton_kernel, *sources))
+    return module_text(formula, d, jets.kinks, (jets.level, jets.piece), (newton_step, newton_start, newton_apex, newton_kernel, *sources))

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy import sqrt
 
+from duhem.projection.newton_apex import apex
 from duhem.projection.newton_start import DATA, begun, level, piece
 from duhem.projection.newton_step import (
     BEND,
@@ -53,7 +54,7 @@ __all__ = ["INLINED", "LEFT", "SLIP", "STICK", "solve"]
 KINKS = 0  # how many kinks the law has
 
 INLINED = (
-    "begun", "below", "bent", "bordered", "centred", "crossed", "directed", "length", "newton", "optimal", "pressed", "resized", "searched",
+    "begun", "below", "bent", "bordered", "centred", "directed", "length", "newton", "optimal", "pressed", "resized", "searched",
     "shared", "snapped", "solved", "state_of", "times", "turn", "whitened",
 )  # fmt: skip
 """Functions that every slip goes through, each called in few places."""
@@ -112,15 +113,24 @@ def solved(
 
 def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
     """True where a stress is found that is optimal, with its normals and multipliers (0 for pieces that do not press)."""
+    count, near = 0, False
     times(inverse, v, T, S)
     for i in range(D):
         v[X, i] = v[FIRST, i]
-    count = pressed(v, m, a, q, held, root, inverse)
-    if count == 0 and KINKS > 0:  # along a seam without a corner the piece may change from step to step
-        for i in range(D):
-            v[X, i] = v[FIRST, i]
-        if isfinite(newton(v, m, a, q, held, 1, True, root, inverse)) and optimal(v, m, q, held, 1, root):
-            count = 1
+    while True:
+        count = pressed(v, m, a, q, held, root, inverse)
+        if count > 0 or near:
+            break
+        if KINKS > 0:  # along a seam without a corner the piece may change from step to step
+            for i in range(D):
+                v[X, i] = v[FIRST, i]
+            if isfinite(newton(v, m, a, q, held, 1, True, root, inverse)) and optimal(v, m, q, held, 1, root):
+                count = 1
+                break
+        if apex(v, m, a, q, held, root, inverse):
+            count = D
+            break
+        near = True
     if count == 0:
         return False
     for j in range(count, D):
@@ -132,7 +142,7 @@ def searched(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any)
 def pressed(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> int:
     """How many pieces press on the optimum, which is then in v; 0 where it is not found."""
     count = 1
-    if KINKS > 0:
+    if KINKS > 0 and not isfinite(piece(v, U, q, True, held, 0, RAW, m, RAWBEND)):  # inside, scales say which is the greatest
         piece(v, X, q, True, held, 0, RAW, m, RAWBEND)
     for _ in range(ROUNDS):
         if not isfinite(newton(v, m, a, q, held, count, False, root, inverse)):

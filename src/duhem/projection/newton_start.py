@@ -53,7 +53,10 @@ DEPTHS = 24  # from four trials' lengths down, each a quarter of the one before
 
 
 def begun(trial: Any, data: Any, n: int, v: Any, m: Any, q: Any, held: Any) -> float:
-    """The size of K on the way to the trial, with both and a point of the boundary in this unit; 0 for a stick, -1 if unclear."""
+    """The size of K on the way to the trial, with both, centre and ends of a stretch over the boundary in this unit.
+
+    0 for a stick, -1 if unclear.
+    """
     big = 0.0
     for i in range(D):
         big = max(big, abs(trial[n, i]))
@@ -72,7 +75,7 @@ def begun(trial: Any, data: Any, n: int, v: Any, m: Any, q: Any, held: Any) -> f
     deep = centred(v, m, q, held)
     if not deep < 0.0:
         return -1.0
-    share, near = crossed(v, q, deep, out), 0.0
+    share, near = crossed(v, q, deep, out, T, START), 0.0
     for i in range(D):
         v[FIRST, i] = v[CENTRE, i] + share * (v[T, i] - v[CENTRE, i])
         near = max(near, max(abs(v[FIRST, i]), abs(v[CENTRE, i])))
@@ -83,6 +86,8 @@ def begun(trial: Any, data: Any, n: int, v: Any, m: Any, q: Any, held: Any) -> f
     for i in range(D):
         v[T, i] /= grown
         v[FIRST, i] /= grown
+        v[CENTRE, i] /= grown
+        v[U, i] /= grown
     return size * grown
 
 
@@ -149,8 +154,8 @@ def inwards(v: Any, q: Any, start: int, way: int, deep: float) -> float:
     return deep
 
 
-def crossed(v: Any, q: Any, deep: float, out: float) -> float:
-    """The share of the way from the centre to the trial that lies in K, a little less of it.
+def crossed(v: Any, q: Any, deep: float, out: float, end: int, close: float) -> float:
+    """The share of the way from the centre to row ``end`` that lies in K, ``close`` or a little less; a point beyond K is noted.
 
     Regula falsi; the level at an end that stays is halved (M. Dowell and P. Jarratt 1971), and every third step halves the way.
     """
@@ -160,7 +165,7 @@ def crossed(v: Any, q: Any, deep: float, out: float) -> float:
         if k % 3 == 2 or not low < middle < high:
             middle = 0.5 * (low + high)
         for i in range(D):
-            v[X, i] = v[CENTRE, i] + middle * (v[T, i] - v[CENTRE, i])
+            v[X, i] = v[CENTRE, i] + middle * (v[end, i] - v[CENTRE, i])
         found = level(v, X, q)
         if found <= 0.0:
             low, deep = middle, found
@@ -172,6 +177,8 @@ def crossed(v: Any, q: Any, deep: float, out: float) -> float:
             high, out = middle, (found if isfinite(found) else 1e300)
             deep *= 0.5 if stayed < 0 else 1.0
             stayed = -1
-        if high - low <= START * low:
+        if high - low <= close * low:
             break
+    for i in range(D):
+        v[U, i] = v[CENTRE, i] + high * (v[end, i] - v[CENTRE, i])
     return low

@@ -1,0 +1,204 @@
+"""Where the search from the boundary fails: half-spaces that support K, to its apex or to where Newton's method has a short way.
+
+From the trial on, the closest point of the half-spaces found so far is drawn back to the boundary, towards a point inside K; the
+half-space that supports K there comes next (A. F. Veinott 1967).  Those of a cone all pass through its apex, so that as many as there
+are forces end the search.  They enter and leave by the dual method of D. Goldfarb and A. Idnani (1983).  Taken is a point of K
+alone on which as many press as there are forces, none of them little or nearly in the span of the others: such a corner is the
+closest point of a convex K to rounding, and where K is smooth there is none.
+
+Compiled with :mod:`duhem.projection.newton_kernel`.
+"""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from numpy import sqrt
+
+from duhem.projection.newton_start import crossed, level, piece
+from duhem.projection.newton_step import (
+    BEND,
+    BEST,
+    CENTRE,
+    FIRST,
+    LENGTHS,
+    LEVELS,
+    NORMALS,
+    RAW,
+    RAWBEND,
+    REST,
+    SLOPES,
+    STEP,
+    WHITE,
+    D,
+    S,
+    T,
+    U,
+    X,
+    eliminated,
+    length,
+    times,
+    whitened,
+)  # fmt: skip
+
+__all__ = ["apex"]
+
+# -- compiled from here ----------------------------------------------------------------------------------------
+
+CUTS, ASIDES, EVEN, REACHED = 40, 12, 4e-16, 1e-14  # so far beyond K, relative to 1 + |u|, is in K
+FLAT, SHARP = 1e-10, 1e-4  # of a normal beside the span of others; of a corner: its volume times the least share of the way
+
+
+def apex(v: Any, m: Any, a: Any, q: Any, held: Any, root: Any, inverse: Any) -> bool:
+    """Whether the closest point is an apex, which is then in v and m with the D normals that press; else a point close to it is."""
+    count, deep = 0, aside(v, q)
+    times(inverse, v, T, S)
+    for i in range(D):
+        v[STEP, i] = v[S, i]
+    for _ in range(CUTS):
+        times(root, v, STEP, BEST)
+        out, share, far = level(v, BEST, q), 1.0, 0.0
+        if not out <= 0.0:
+            share = crossed(v, q, deep, out if isfinite(out) else 1e300, BEST, EVEN)
+        for i in range(D):
+            v[X, i] = v[CENTRE, i] + share * (v[BEST, i] - v[CENTRE, i])
+            far = max(far, abs(v[BEST, i] - v[X, i]))
+        if far <= REACHED * (1.0 + length(v, BEST)):
+            if count == D and cornered(v, m, a, inverse):
+                return True
+            break
+        high = piece(v, X, q, True, held, D, RAW, m, RAWBEND)
+        slope = whitened(v, root)
+        if not (slope > 0.0 and isfinite(high)):
+            break
+        times(inverse, v, X, U)
+        offset = -high / slope
+        for i in range(D):
+            v[WHITE, i] /= slope
+            offset += v[WHITE, i] * v[U, i]
+        count = entered(v, m, a, count, offset, slope)
+        if count == 0:
+            break
+    for i in range(D):
+        v[U, i] = v[BEST, i]
+    return False
+
+
+def aside(v: Any, q: Any) -> float:
+    """The level at the centre, once it is moved a little off every plane in which the trial is likely to lie: off all symmetries."""
+    far = 0.0
+    for i in range(D):
+        far = max(far, 0.5 * abs(v[FIRST, i] - v[CENTRE, i]))
+    for _ in range(ASIDES):
+        for i in range(D):
+            v[X, i] = v[CENTRE, i] + far * (1.0 if i % 2 == 0 else -1.0) / (1.5 + i * i)
+        deep = level(v, X, q)
+        if deep < 0.0:
+            for i in range(D):
+                v[CENTRE, i] = v[X, i]
+            return deep
+        far *= 0.25
+    return level(v, CENTRE, q)
+
+
+def entered(v: Any, m: Any, a: Any, count: int, offset: float, slope: float) -> int:
+    """How many half-spaces press once that of the normal ``WHITE`` has come, on the point that is their closest; 0 for none."""
+    own, shares, across = 0.0, np.empty(D + 1), np.empty(D)
+    for _ in range(2 * D + 2):
+        over, square = -offset, 0.0
+        for j in range(count):  # the new normal by those that press, and what is across them
+            a[j, count] = 0.0
+            for i in range(D):
+                a[j, count] += m[NORMALS, j, i] * v[WHITE, i]
+            for k in range(count):
+                a[j, k] = 0.0
+                for i in range(D):
+                    a[j, k] += m[NORMALS, j, i] * m[NORMALS, k, i]
+        if count > 0 and not eliminated(a, count):
+            return 0
+        for j in range(count):
+            shares[j] = a[j, count]
+        for i in range(D):
+            across[i] = v[WHITE, i]
+            for j in range(count):
+                across[i] -= shares[j] * m[NORMALS, j, i]
+            square += across[i] * across[i]
+            over += v[WHITE, i] * v[STEP, i]
+        if not over > 0.0:
+            return 0
+        free = count < D and square > FLAT * FLAT
+        step, leaves = over / square if free else np.inf, -1
+        for j in range(count):
+            if shares[j] > 0.0 and v[LENGTHS, j] / shares[j] < step:
+                step, leaves = v[LENGTHS, j] / shares[j], j
+        if not isfinite(step):
+            return 0
+        own += step
+        for j in range(count):
+            v[LENGTHS, j] = max(v[LENGTHS, j] - step * shares[j], 0.0)
+        if leaves < 0:
+            for i in range(D):
+                m[NORMALS, count, i] = v[WHITE, i]
+            v[LENGTHS, count], v[LEVELS, count], v[SLOPES, count] = own, offset, slope
+            return count + 1 if settled(v, m, a, count + 1) else 0
+        if free:
+            for i in range(D):
+                v[STEP, i] -= step * across[i]
+        count -= 1
+        for i in range(D):
+            m[NORMALS, leaves, i] = m[NORMALS, count, i]
+        v[LENGTHS, leaves], v[LEVELS, leaves], v[SLOPES, leaves] = v[LENGTHS, count], v[LEVELS, count], v[SLOPES, count]
+    return 0
+
+
+def settled(v: Any, m: Any, a: Any, count: int) -> bool:
+    """Brings the point onto the planes that press, and their shares of the way there; twice, as a far trial leaves its rounding."""
+    for i in range(D):
+        v[STEP, i] = v[S, i]
+    for j in range(count):
+        v[LENGTHS, j] = 0.0
+    for _ in range(2):
+        for j in range(count):
+            a[j, count] = -v[LEVELS, j]
+            for i in range(D):
+                a[j, count] += m[NORMALS, j, i] * v[STEP, i]
+            for k in range(count):
+                a[j, k] = 0.0
+                for i in range(D):
+                    a[j, k] += m[NORMALS, j, i] * m[NORMALS, k, i]
+        if not eliminated(a, count):
+            return False
+        for j in range(count):
+            v[LENGTHS, j] += a[j, count]
+            for i in range(D):
+                v[STEP, i] -= a[j, count] * m[NORMALS, j, i]
+    return True
+
+
+def cornered(v: Any, m: Any, a: Any, inverse: Any) -> bool:
+    """Whether the D planes meet sharply and all press; then the point is the stress, without bends."""
+    volume, least, square = 1.0, np.inf, 0.0
+    for i in range(D):
+        v[X, i] = v[BEST, i]
+        for k in range(D):
+            m[BEND, i, k] = 0.0
+            a[i, k] = m[NORMALS, i, k]
+    times(inverse, v, X, U)
+    for i in range(D):
+        v[REST, i] = v[S, i] - v[U, i]
+        square += v[REST, i] * v[REST, i]
+        least = min(least, v[LENGTHS, i])
+    for j in range(D):  # what each normal has across those before it
+        size = 0.0
+        for i in range(D):
+            size += a[j, i] * a[j, i]
+        volume *= sqrt(size)
+        for k in range(j + 1, D):
+            along = 0.0
+            for i in range(D):
+                along += a[j, i] * a[k, i] / size
+            for i in range(D):
+                a[k, i] -= along * a[j, i]
+    return least * volume >= SHARP * sqrt(square)
