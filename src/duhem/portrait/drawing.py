@@ -21,8 +21,9 @@ __all__ = ["UNIT", "fill", "paint_section", "paint_step", "paint_violation"]
 
 Array = NDArray[np.float64]
 UNIT = "unit of the law"
+_DARK = "0.25"  # of normals: pink beside it is grey to one reader in twenty
 _ARROW = 0.085  # of the window's size
-_BLUE, _RED, _GREEN, _PINK, _ORANGE = (figure.palette(i) for i in range(5))
+_BLUE, _RED, _GREEN, _ORANGE = (figure.palette(i) for i in (0, 1, 2, 4))
 _SPREAD = 3  # normals of a fan beside its two sides
 _SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
 _ROLES = {"sigma": r"$\sigma$", "inside": r"$\sigma$", "tau": r"$\tau$", "midpoint": "midpoint", "origin": "$0$"}
@@ -40,9 +41,9 @@ def paint_section(axes: Axes, found: View, unit: str = "", title: str = "", *, f
     if found.plane.slips and found.plane.y_symbol:
         if fans:
             _fans(axes, [corner for corner in found.corners if corner.convex], size)
-        _arrows(axes, found.normals, size, "0.25", "normal", found.slips == ())
+        _arrows(axes, found.normals, size, _DARK, "normal", found.slips == ())
     if found.slips:
-        _arrows(axes, found.slips, 1.25 * size, _PINK, "slip by its own rule", True)
+        _arrows(axes, found.slips, 1.25 * size, _RED, "slip by its own rule", True)
 
 
 def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
@@ -121,29 +122,29 @@ def _fans(axes: Axes, corners: Iterable[Vertex], size: float) -> None:
                 facecolor=_ORANGE,
                 alpha=0.35,
                 hatch="///",
-                edgecolor="0.25",
+                edgecolor=_DARK,
                 linewidth=0,
                 zorder=2.5,
                 label="_" if i else "normal cone at a corner",
             )
         )
         ways = start + np.linspace(0.0, turn, 2 + (_SPREAD if abs(turn) > 0.8 else 0))
-        _arrows(axes, [Arrow(corner.point, np.array([np.cos(w), np.sin(w)])) for w in ways], size, "0.25", "", True)
+        _arrows(axes, [Arrow(corner.point, np.array([np.cos(w), np.sin(w)])) for w in ways], size, _DARK, "", True)
 
 
 def _arrows(axes: Axes, arrows: Iterable[Arrow], size: float, colour: str, label: str, first: bool) -> None:
     """Arrows of one length; a legend shows a line with a head."""
-    every = list(arrows)
+    every, width = list(arrows), 0.0042 if colour == _DARK else 0.006
     if not every:
         return
     x, y = np.array([a.at for a in every]).T.tolist()
     u, v = (size * np.array([a.along for a in every])).T.tolist()
     axes.quiver(
-        x, y, u, v, angles="xy", scale_units="xy", scale=1.0, width=0.0042, headwidth=4.2, headlength=5.0, headaxislength=4.6,
+        x, y, u, v, angles="xy", scale_units="xy", scale=1.0, width=width, headwidth=4.2, headlength=5.0, headaxislength=4.6,
         color=colour, zorder=4 if first else 3.5, clip_on=True,
     )  # fmt: skip
     if label:
-        axes.plot([], [], color=colour, linewidth=1.0, marker=">" if colour == "0.25" else "D", markersize=4, label=label)
+        axes.plot([], [], color=colour, linewidth=1.0, marker=">" if colour == _DARK else "D", markersize=4, label=label)
 
 
 def paint_step(axes: Axes, step: TrialStep) -> None:
@@ -152,8 +153,8 @@ def paint_step(axes: Axes, step: TrialStep) -> None:
     axes.plot(*step.trial, "s", color=_GREEN, markersize=6, label=r"trial stress $\sigma^\mathrm{tr}$", zorder=6)
     axes.plot(*step.stress, "o", color="black", markersize=5, label=f"increment's end: {step.status}", zorder=6)
     if step.slip is not None:
-        _way(axes, step.stress, step.stress + step.slip, color=_PINK, linewidth=1.8, zorder=6.5)
-        axes.plot([], [], color=_PINK, linewidth=1.8, marker=">", markersize=4, label=r"slip $\Delta u^\mathrm{in}$")
+        _way(axes, step.stress, step.stress + step.slip, color=_RED, linewidth=1.8, zorder=6.5)
+        axes.plot([], [], color=_RED, linewidth=1.8, marker=">", markersize=4, label=r"slip $\Delta u^\mathrm{in}$")
 
 
 def _way(axes: Axes, start: Array, end: Array, **look: Any) -> None:
