@@ -51,7 +51,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if hasattr(config, "workerinput"):
         cost: Counter[Any] = Counter()
         for item in items:
-            cost[item.path] += SLOW if item.get_closest_marker("slow") else 1
+            slow = item.get_closest_marker("slow")
+            cost[item.path] += SLOW * (slow.args[0] if slow.args else 1) if slow else 1
         items.sort(key=lambda item: -cost[item.path])
 
 

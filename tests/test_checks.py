@@ -14,7 +14,9 @@ ROOT = Path(__file__).parents[1]
 HOOKS = [hook for repo in yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text("utf-8"))["repos"] for hook in repo["hooks"]]
 
 
-@pytest.mark.parametrize("hook", [pytest.param(hook, id=hook["id"], marks=[pytest.mark.slow] * (hook["id"] == "mypy")) for hook in HOOKS])
+@pytest.mark.parametrize(
+    "hook", [pytest.param(hook, id=hook["id"], marks=[pytest.mark.slow(30)] * (hook["id"] == "mypy")) for hook in HOOKS]
+)
 def test_check_passes(hook: dict[str, str]) -> None:
     tool, *arguments = shlex.split(hook["entry"])
     program = shutil.which(tool, path=str(Path(sys.executable).parent))

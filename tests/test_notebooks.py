@@ -36,7 +36,7 @@ def test_committed_without_outputs_or_machine_paths(path: Path) -> None:
     assert not re.findall(r"(?:^|[\s\"'(=])/(?:home|mnt|opt|root|srv|tmp|usr|var|Users)/\S*", path.read_text("utf-8"), flags=re.M)
 
 
-@pytest.mark.slow
+@pytest.mark.slow(7)
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_runs_and_asserts(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("IPYTHONDIR", str(tmp_path))  # not the settings of whoever runs this

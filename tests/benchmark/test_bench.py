@@ -384,7 +384,7 @@ def test_input_that_cannot_be_used() -> None:
 # -- command line ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
+@pytest.mark.slow(15)
 def test_command(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "bench.json"
     code, out, err = run(

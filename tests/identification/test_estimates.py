@@ -16,7 +16,7 @@ from tests.identification.limit_points import PAPER, design, information, on_bou
 TAIL = 1e-4
 
 
-@pytest.mark.slow
+@pytest.mark.slow(8)
 def test_exact_points_give_back_their_law_in_every_quadrant():
     draw = np.random.default_rng(20)
     for _ in range(200):

@@ -177,7 +177,8 @@ def test_without_a_boundary_point_nothing_was_tested() -> None:
 # -- ends of the run ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("c", [1, pytest.param(5, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("c", [1, 5])
 def test_a_curvature_that_stays_open_in_three_forces_ends_no_run(c: int) -> None:
     found = verify(law(f"a**4 + b**4 + c**4 + {c}*a**2*b**2*c**2 - 1", ("a", "b", "c")), claims=["convexity"])
     assert found["convexity"].verdict is not REFUTED  # 20,000 points of the boundary show no dent

@@ -244,7 +244,7 @@ def test_most_proofs_of_the_built_in_laws_are_confirmed(certificates: dict[str, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(FORMULA_LAWS, *(name for name in FORMULA_LAWS if name != "polygon")))
+@pytest.mark.parametrize("name", mostly_long(FORMULA_LAWS, *(name for name in FORMULA_LAWS if name not in ("polygon", "drucker1949"))))
 def test_no_refuted_claim_is_confirmed_by_any_rule(name: str, certificates: dict[str, dict[str, Any]]) -> None:
     made = certificates[name]
     refuted = {c["claim"] for c in made["claims"] if c["verdict"] == "refuted"}

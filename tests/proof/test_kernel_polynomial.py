@@ -328,7 +328,7 @@ def test_a_margin_in_which_a_solver_drowns(over: Fraction, holds: bool) -> None:
     [
         "(1 + a + b + c + d + e + f)**60",  # two hundred million terms
         "(a + b + cos(a)*(a**2 + b**2 + c**2 + d**2 + e**2 + f**2))**16",  # a polynomial in cos a, though none in the forces
-        "(1 + (a + b + c)**50)**19",
+        pytest.param("(1 + (a + b + c)**50)**19", marks=pytest.mark.long),
     ],
 )
 def test_what_is_too_long_or_no_polynomial_is_not_multiplied_out(long: str) -> None:

@@ -37,7 +37,7 @@ def test_a_cylinder_is_smooth(g, shape):
     [
         (ARGYRIS, Domain.between("0.8", 1), Domain.between(0, 1)),  # for k = 0 K is the axis
         (ARGYRIS + " + a + b + c", Domain.between("0.8", 1), POSITIVE),  # a cone: its tip is on the axis
-        (ARGYRIS + " + abs(a - b)", Domain.between("0.8", 1), POSITIVE),  # a kink
+        pytest.param(ARGYRIS + " + abs(a - b)", Domain.between("0.8", 1), POSITIVE, marks=pytest.mark.long),  # a kink
         (EEKELEN, Domain.fixed("1.1"), POSITIVE),  # what is raised to a power is 0 at some angle
         (EEKELEN.replace("- k", "+ k"), Domain.fixed("0.7"), POSITIVE),  # K is empty
     ],
