@@ -12,9 +12,10 @@ the normals leave free, so that d sigma/d u is symmetric with eigenvalues in [0,
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cache
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,7 @@ _MEETS = 1e-9
 _INDEPENDENT = 1e-6  # a unit normal this close to the span of others lies in it
 _OTHER_WAYS = 8  # a force
 _TILT = 0.05
+_AT_ONCE = 256  # corners, around each of which some dozens of points are looked at
 _LITTLE = 1e-3  # of the push: sums of normals that are closer than this to the edge of their cone are on it
 
 
@@ -66,7 +68,8 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     alone = there.only(smooth)
     half = np.sqrt(stiffness) * root
     rates = _rates(alone.normal[:, None], alone.rise[:, None], *alone.weighted(length[slips[smooth]]))
-    for at, found in [(slips[smooth], rates), *((i, _at_corner(pieces, point[i], push[i])) for i in slips[~smooth])]:
+    corners = slips[~smooth]
+    for at, found in chain([(slips[smooth], rates)], zip(corners, _at_corners(pieces, point[corners], push[corners]), strict=True)):
         if found is not None:
             of_u[at], of_pressure[at] = half @ found[0] @ half.T, found[1] @ root.T
     of_u[solution.failed], of_pressure[solution.failed] = np.nan, np.nan
@@ -148,19 +151,28 @@ def _holds_beside(pieces: _Pieces, point: Array) -> NDArray[np.bool_]:
     return found
 
 
-def _at_corner(pieces: _Pieces, point: Array, push: Array) -> tuple[Array, Array] | None:
-    """d u/d s (d, d) and d u/d sigma_n (d,) where several normals meet, looked for around the point; None if they do not tell.
+def _at_corners(pieces: _Pieces, point: Array, push: Array) -> Iterator[tuple[Array, Array] | None]:
+    """d u/d s (d, d) and d u/d sigma_n (d,) where several normals meet, looked for around each point; None if they do not tell."""
+    d = len(pieces.root)
+    ways, size = _ways(d), np.abs(point[:, :d]).max(axis=1, initial=0.0)
+    size = np.where(size > 0.0, size, np.linalg.norm(push, axis=1))
+    many = len(ways)
+    for first in range(0, len(point), _AT_ONCE):
+        some = np.arange(first, min(first + _AT_ONCE, len(point)))
+        beside = np.repeat(point[some], many, axis=0)
+        beside[:, :d] += _BESIDE * np.repeat(size[some], many)[:, None] * np.tile(ways, (len(some), 1))
+        around = pieces.at(beside)
+        choices = [np.unique(around.choices[many * i : many * (i + 1)], axis=0) for i in range(len(some))]
+        counts = [len(each) for each in choices]
+        there = pieces.at(np.repeat(point[some], counts, axis=0), np.concatenate(choices))
+        for i, last in enumerate(np.cumsum(counts).tolist()):
+            here = there.only(slice(last - counts[i], last))
+            yield _at_corner(here, around.only(slice(many * i, many * (i + 1))), push[some[i]], float(size[some[i]]))
 
-    Either smooth pieces meet, or all normals beside it are those of a tip, which stays where it is.
-    """
-    d, length = len(pieces.root), float(np.linalg.norm(push))
-    size = float(np.abs(point[:d]).max() or length)
-    ways = _ways(d)
-    beside = np.tile(point, (len(ways), 1))
-    beside[:, :d] += _BESIDE * size * ways
-    around = pieces.at(beside)
-    choices = np.unique(around.choices, axis=0)
-    there = pieces.at(np.tile(point, (len(choices), 1)), choices)
+
+def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> tuple[Array, Array] | None:
+    """Of the pieces found around a point, continued to it: smooth pieces meet, or all normals beside it are those of a tip, which stays."""
+    d, length = len(push), float(np.linalg.norm(push))
     meeting = there.only((np.abs(there.level) <= _MEETS * size) & np.isfinite(there.bend).all(axis=(1, 2)))
     tip = around.only(np.isfinite(around.normal).all(axis=1))
     for normals, few in ((meeting, True), (tip, False)):
