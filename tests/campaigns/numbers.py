@@ -7,15 +7,19 @@ and flagged all the same is counted too.  Every method that takes a law is asked
 
 Where K is not convex, or not shown to be, nobody vouches that a stationary point is the closest: what is right there and comes out
 as ``stationary``, or flagged, is so by design and stands apart.
+
+A long run may be had in parts: ``--to FILE`` adds a line of counts a family, law and method, ``--sum FILE ...`` prints them together.
 """
 
 from __future__ import annotations
 
 import argparse
 import itertools
+import json
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -192,19 +196,43 @@ def main() -> None:
     reader.add_argument("--first", type=int, default=0, help="the first of these")
     reader.add_argument("--seldom", type=int, default=4, help="one question of so many to cvxpy")
     reader.add_argument("--verbose", action="store_true", help="each answer that is wrong and not flagged, or right and flagged")
+    reader.add_argument("--to", type=Path, help="add the counts of this part to a file")
+    reader.add_argument("--sum", nargs="+", type=Path, help="ask nothing: the counts of these files together")
     asked = reader.parse_args()
     print(f"{'family':11} {'law':15} {'method':12} {_HEADS}")
     total: dict[tuple[str, str], Count] = {}
-    for family in asked.family:
-        questions = (q for q in FAMILIES[family]() if not asked.law or _name(q) in asked.law)
-        found = tally(itertools.islice(questions, asked.first, None, asked.every), asked.method, asked.verbose, asked.seldom)
-        for (law, method), c in found.items():
-            print(f"{family:11} {law:15} {method:12} {c.text()}", flush=True)
-            total[law, method] = total.get((law, method), Count()) + c
+    for _family, law, method, c in _kept(asked.sum) if asked.sum else _asked(asked):
+        total[law, method] = total.get((law, method), Count()) + c
     print()
     for (law, method), c in sorted(total.items()):
         print(f"{'all':11} {law:15} {method:12} {c.text()}")
     print(f"{'all':40} {sum(total.values(), Count()).text()}")
+
+
+_Row = tuple[str, str, str, Count]  # family, law, method and what came of them
+
+
+def _asked(given: argparse.Namespace) -> Iterator[_Row]:
+    """The rows of each family as it ends, printed and kept."""
+    for family in given.family:
+        questions = (q for q in FAMILIES[family]() if not given.law or _name(q) in given.law)
+        found = tally(itertools.islice(questions, given.first, None, given.every), given.method, given.verbose, given.seldom)
+        for (law, method), c in found.items():
+            print(f"{family:11} {law:15} {method:12} {c.text()}", flush=True)
+            if given.to:
+                with given.to.open("a", encoding="utf-8") as kept:
+                    print(json.dumps([family, law, method, {name: int(x) for name, x in asdict(c).items()}]), file=kept)
+            yield family, law, method, c
+
+
+def _kept(files: Sequence[Path]) -> list[_Row]:
+    """The rows of some files, those of one family, law and method as one."""
+    found: dict[tuple[str, str, str], Count] = {}
+    for family, law, method, c in (json.loads(line) for file in files for line in file.read_text(encoding="utf-8").splitlines()):
+        found[family, law, method] = found.get((family, law, method), Count()) + Count(**c)
+    for (family, law, method), c in found.items():
+        print(f"{family:11} {law:15} {method:12} {c.text()}")
+    return [(*names, c) for names, c in found.items()]
 
 
 if __name__ == "__main__":
