@@ -23,7 +23,7 @@ from duhem.projection.metric import ROUNDING, Metric
 from duhem.projection.result import ACCURACY, Array
 from duhem.projection.row_by_row import dot, unit, widest
 
-__all__ = ["Doubt", "by_components"]
+__all__ = ["Doubt", "by_components", "departure"]
 
 _CLOSE = 1e-3  # how far the normal at an answer may be off for the closest point to be looked for beside it
 _BEYOND = 30.0  # times as far as a point is off, its curvature is looked at again
@@ -125,13 +125,21 @@ def _off(increment: Increment, at: Moves, points: Sequence[Closest | None]) -> A
     for i, point in enumerate(points):
         if point is not None:
             stress, slip, multiplier = point
-            largest = np.abs(stress).max()
-            moved = max(np.abs(slip).max(), LEAST * largest / stiffest)
-            off = _share(np.abs(at.stress[i] - stress).max(), largest)
-            off = max(off, _SLIP * (_share(np.abs(at.slip[i] - slip).max(), moved) + ROUNDING))
+            off = departure(at.stress[i], at.slip[i], stress, slip, stiffest)
             same = _SLIP * abs(at.multiplier[i] - multiplier) <= ACCURACY * multiplier
             found[i] = off if same or off > ACCURACY else np.nan
     return found
+
+
+def departure(stress: Array, slip: Array, from_stress: Array, from_slip: Array, stiffest: float) -> float:
+    """How far a stress and a slip (d,) are from others, of the largest component of these: a slip counts a tenth.
+
+    ``stiffest``, the largest on the diagonal of k, makes 1e-21 of a stress a slip: a shorter one counts as long as that.
+    """
+    largest = np.abs(from_stress).max()
+    moved = max(np.abs(from_slip).max(), LEAST * largest / stiffest)
+    off = _share(np.abs(stress - from_stress).max(), largest)
+    return max(off, _SLIP * (_share(np.abs(slip - from_slip).max(), moved) + ROUNDING))
 
 
 def _share(part: float, whole: float) -> float:

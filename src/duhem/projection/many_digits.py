@@ -198,7 +198,7 @@ class _Point:
                 beyond = self.level(y)
                 if not _known([beyond]):
                     return None
-                if beyond <= _NOTHING:
+                if beyond <= _NOTHING * max((plane.steep for plane in pressing), default=0):  # a level is no length
                     return self._vouched(y, pressing, weights)
                 entering = self._plane([c + beyond * _ASIDE * w for c, w in zip(y, skew, strict=True)])
                 if entering is None or not entering.excess(y) > 0:

@@ -71,9 +71,10 @@ def off_cone(level: Level, metric: Metric, suspect: Suspect) -> Array:
         found = np.maximum(_off_normals(level, metric, suspect.of(left), share * way), near)
         best[left] = np.fmin(best[left], found)
         left = left[~(best[left] <= 10.0 * near)]
-    for share in _APEX if best.size and suspect.slip.shape[1] > 1 else ():
+    left = np.flatnonzero(~(best <= 10.0 * _APEX[-1] * suspect.grain))  # also where sides far about the stress come close to the slip
+    for share in _APEX if left.size and suspect.slip.shape[1] > 1 else ():
         near = share * suspect.grain[left]
-        best[left] = np.fmin(best[left], np.maximum(_off_tangents(level, metric, suspect.of(left), share), near))
+        best[left] = np.fmin(best[left], np.maximum(_off_tangents(level, metric, suspect.of(left), share, share * ways), near))
         left = left[~(best[left] <= 10.0 * near)]
     return best
 
@@ -88,8 +89,7 @@ def _off_normals(level: Level, metric: Metric, at: Suspect, ways: Array) -> Arra
     """Distance of the slips from the cone of the normals these ways from the stress, or of the multiplier from theirs if that is more."""
     d, every = at.stress.shape[1], np.arange(len(at.slip))
     off, on = _sides(level, metric, at, np.broadcast_to(ways[:, None], (len(ways), len(every), d)))
-    facing = reduce(np.fmin, [dot(a, b) for a, b in combinations(off[0], 2)])
-    thin = facing < _OPPOSED  # a point, or next to: no one multiplier, and no boundary to tell its sides apart
+    thin = _opposed(off[0])
     bare = (thin & (np.linalg.norm(ways, axis=1).min() <= 2.0 * _THIN)) | at.tip
     normals, steep, heights = (np.where(bare[:, None] if x.ndim > 2 else bare, x, y) for x, y in zip(off, on, strict=True))
     best = np.full(len(every), np.inf)
@@ -101,8 +101,13 @@ def _off_normals(level: Level, metric: Metric, at: Suspect, ways: Array) -> Arra
     return best
 
 
-def _off_tangents(level: Level, metric: Metric, at: Suspect, near: float) -> Array:
-    """The same at an apex of bent sides, where the ways that matter are found one after the other.
+def _opposed(normals: Array) -> NDArray[np.bool_]:
+    """Where normals (W, M, d) next to a stress point against each other: K is a point, or next to, and no one multiplier belongs to it."""
+    return np.asarray(reduce(np.fmin, [dot(a, b) for a, b in combinations(normals, 2)]) < _OPPOSED)
+
+
+def _off_tangents(level: Level, metric: Metric, at: Suspect, near: float, ways: Array) -> Array:
+    """The same at an apex of bent sides, or in a point whose sides are seen from a narrow angle, where ways that matter are found in turn.
 
     Of the tangent cone at the stress, cut out by the sides seen so far, the slip is to have the apex for its closest point.  Where it
     has another, that way either leads into K, and the slip is no normal, or beyond a side not seen yet, which is the next.
@@ -130,7 +135,8 @@ def _off_tangents(level: Level, metric: Metric, at: Suspect, near: float) -> Arr
     rows = np.arange(count)[:, None]
     normals, heights = (np.where(p, x, 0.0) for p, x in ((pressing[:, :, None], outer.normals), (pressing, heights)))
     cones = _Cones(np.swapaxes(normals[rows, first], 1, 2), steep[rows, first], heights[rows, first])
-    return cones.off(at, np.zeros(count, dtype=np.bool_))
+    around = _sides(level, metric, at, np.broadcast_to(ways[:, None], (len(ways), count, d)))[0][0]
+    return cones.off(at, _opposed(around))
 
 
 def _sides(level: Level, metric: Metric, at: Suspect, ways: Array) -> tuple[_Sides, _Sides]:

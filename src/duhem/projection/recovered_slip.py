@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.close_look import close_look, pushed_back
+from duhem.projection.component_errors import departure
 from duhem.projection.cutting_planes import slip_over_pieces
 from duhem.projection.increment import Increment
 from duhem.projection.level import Level, level
@@ -94,7 +95,7 @@ def _over_pieces(asked: Increment, got: Solution, _beside: Sequence[Closest | No
 
 
 def _in_many_digits(asked: Increment, got: Solution, beside: Sequence[Closest | None]) -> Solution:
-    """Only what is the same answer in the metric of k, where a component of it is lost: a wrong one stays what it is."""
+    """Only what is the same answer, to what is vouched for or in the metric of k: a wrong one stays what it is."""
     g, look, size = _level(asked), close_look(asked), power_of_two(widest(got.stress))
     stress, slip, multiplier = got.stress.copy(), got.slip.copy(), g.multiplier(got.multiplier, size).copy()
     for i in range(len(size)):
@@ -109,15 +110,22 @@ def _in_many_digits(asked: Increment, got: Solution, beside: Sequence[Closest | 
 
 
 def _same(metric: Metric, g: Level, asked: Increment, new: Solution, old: Solution) -> NDArray[np.bool_]:
-    """Where two answers agree as seen in the metric of k; multipliers, where the slope of g does not tell the stresses apart."""
+    """Where two answers agree, as seen in the metric of k or by their largest components as far as these are vouched for.
+
+    And multipliers, where the slope of g does not tell the stresses apart.  Neither view holds the other: the metric hides a soft
+    force behind a stiff one, and in components a slip may be right that a stiffness makes a wrong stress of.
+    """
     size, far = power_of_two(widest(new.stress)), power_of_two(widest(asked.trial))
-    largest = metric.of_slip.max()
+    largest, stiffest = metric.of_slip.max(), float(np.max(np.diagonal(asked.stiffness)))
     reach, moved = (length(times(x / far[:, None], metric.of_stress)) for x in (new.stress, new.stress - old.stress))
     way, lost = (length(times(x, metric.of_slip / largest) * (largest / far)[:, None]) for x in (new.slip, new.slip - old.slip))
+    alike = (moved <= ACCURACY * reach) & (lost <= ACCURACY * (reach + way))
+    for i in np.flatnonzero(~alike):
+        alike[i] = departure(old.stress[i], old.slip[i], new.stress[i], new.slip[i], stiffest) <= ACCURACY
     slope = g.gradient(new.stress, asked.pressure, size)
     turned = widest(slope - g.gradient(old.stress, asked.pressure, size)) > ACCURACY * widest(slope)
     same = np.abs(new.multiplier - old.multiplier) <= ACCURACY * new.multiplier
-    return np.asarray((moved <= ACCURACY * reach) & (lost <= ACCURACY * (reach + way)) & (same | turned))
+    return np.asarray(alike & (same | turned))
 
 
 def _level(asked: Increment) -> Level:
