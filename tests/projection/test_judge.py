@@ -18,7 +18,7 @@ from duhem.projection.increment import Increment
 from duhem.projection.method import Options
 from duhem.projection.methods import METHODS
 from duhem.projection.residuals import residuals
-from duhem.projection.result import Solution, Status
+from duhem.projection.result import ACCURACY, Solution, Status
 from duhem.projection.stiffness_factors import factors
 from duhem.projection.validation import increment as checked
 from tests.long import mostly_long
@@ -286,7 +286,9 @@ def test_where_k_is_one_point_every_slip_goes(
     assert (done.multiplier > 0).all() and np.isfinite(done.multiplier).all()
 
 
-@pytest.mark.parametrize(("ratio", "coupling"), mostly_long(product((1.0, 7.0, 30.0), (0.5, -0.9)), (1.0, -0.9), (7.0, 0.5), (30.0, -0.9)))
+@pytest.mark.parametrize(
+    ("ratio", "coupling"), mostly_long(product((1.0, 7.0, 30.0, 300.0), (0.5, -0.9)), (1.0, -0.9), (7.0, 0.5), (300.0, -0.9))
+)
 def test_where_a_box_is_one_point_every_slip_goes_though_its_long_sides_are_seen_seldom(ratio: float, coupling: float) -> None:
     k = np.array([[0.15, coupling * np.sqrt(0.15)], [coupling * np.sqrt(0.15), 1.0]])
     angle = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False) + 0.1
@@ -294,6 +296,23 @@ def test_where_a_box_is_one_point_every_slip_goes_though_its_long_sides_are_seen
     done = duhem.project("box", trial, 0.0, k, {"mu_a": 51.0 * ratio, "mu_b": 51.0}, method="newton")
     assert (done.status == Status.SLIP).all() and not done.stress.any()
     assert done.slip == pytest.approx(np.linalg.solve(k, trial.T).T, rel=1e-13)
+
+
+@pytest.mark.parametrize("g", ["max(300*abs(b), pos(a)) + sigma_n", "max(90000*b**2, pos(a)**2) - sigma_n**2"])
+def test_at_the_end_of_a_half_line_a_slip_goes_no_way_back_on_it(g: str) -> None:
+    """At no pressure its sides are opposed, and the one at its end is seen from an angle of 1/300: with g flat there or not."""
+    law, k = Criterion("half line", g, forces=("a", "b")), np.array([[2.0, 1.0], [1.0, 3.0]])
+    slip = np.array([[1.0, 1.0], [1e-3, -1.0], [1.0, 300.0], [-1.0, 1.0], [-1e-3, 1.0], [-3e-6, 1.0]])
+    question = checked(law, slip @ k, 0.0, k, {})
+
+    def passes(share: float) -> list[bool]:
+        moved = share * slip
+        given = Solution(np.zeros_like(slip), moved, np.linalg.norm(moved, axis=1), np.zeros(len(slip), dtype=bool))
+        return (residuals(question, given, convex=True).worst() <= ACCURACY).tolist()
+
+    assert passes(1.0) == [True] * 3 + [False] * 3
+    for off in (2e-6, 1e-5, 1e-3):
+        assert not any(passes(1.0 + off))
 
 
 @pytest.mark.slow

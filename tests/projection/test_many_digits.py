@@ -147,6 +147,33 @@ def test_a_number_of_g_beyond_doubles_is_no_hindrance() -> None:
     assert far.stress[0] / k == pytest.approx(near.stress[0], rel=1e-7)
 
 
+def test_bent_sides_meet_within_a_length_and_not_a_level() -> None:
+    """One level is 2^13 times as steep as another: what is nothing of a length is more than that of its number."""
+    law = Criterion("bent", "max(s1, 2**24*s2**2, 2**12*s3**2) - 1", forces=("s1", "s2", "s3"), pressure=None)
+    stress, slip = np.array([1.0, 2.0**-12, 2.0**-6]), 2.0**-27 * np.array([[1.0, 2.0**13, 2.0**7]])
+    question = increment(law, stress + slip, None, 1.0, {})
+    right = Solution(stress[None], slip, np.array([3 * 2.0**-27]), np.zeros(1, dtype=bool))
+    found = closest(close_look(question), question.trial[0], 0.0, question.stiffness, stress, 0.0, 1.0, patient=False)
+    assert found is not None and found[0].tolist() == stress.tolist() and found[1].tolist() == slip[0].tolist()
+    assert residuals(question, right, convex=True).worst()[0] <= ACCURACY
+    for off in (2e-6, 1e-5, 1e-3):
+        assert residuals(question, replace(right, slip=slip * (1.0 + off)), convex=True).worst()[0] > ACCURACY
+
+
+@pytest.mark.parametrize("off", [5e-8, 2e-6, 1e-5, 1e-3])
+def test_a_slip_that_is_right_in_its_components_is_put_right_where_k_is_thin(off: float) -> None:
+    """Of a thin K the normal turns by 1e-8 within the rounding of a stress; times k = 1e6 that is no rounding any more."""
+    parameters, trial = {"mu_a": 0.3, "mu_b": 1e-7}, np.array([[298.50124958340774, 9.983341664682815e-06]])
+    right = duhem.project("orthotropic", trial, -1.0, [1.0, 1e6], parameters, method="closed-form")
+    for way in ([0.0, 1.0], [1.0, 0.0], [1.0, 1.0]):
+        slip = right.slip + off * right.slip[:, :1] * way
+        given = Solution(right.stress, slip, right.multiplier, np.zeros(1, dtype=bool))
+        own = replace(newton.NEWTON, name="own", solve=lambda _, __, given=given: given)
+        done = duhem.project("orthotropic", trial, -1.0, [1.0, 1e6], parameters, method=own)
+        assert done.status[0] == (Status.SLIP if off < 1e-6 else Status.INACCURATE)
+        assert off > 1e-6 or done.slip[0] == pytest.approx(right.slip[0], rel=1e-12)
+
+
 SAMPLES = [("joined", 6, 25), ("stiff", 51, 20), ("slender", 51, 8)]
 
 
