@@ -174,6 +174,19 @@ def test_a_slip_that_is_right_in_its_components_is_put_right_where_k_is_thin(off
         assert off > 1e-6 or done.slip[0] == pytest.approx(right.slip[0], rel=1e-12)
 
 
+def test_the_soft_part_of_a_long_slip_adds_up_with_its_stress() -> None:
+    """It is 1e-12 of the slip, so that 1e-7 of it is within what is vouched for, and more than a stress is."""
+    parameters = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 1.5e-13}
+    trial = np.array([[-58074584336.011215, -0.10316492387759604]])
+    right = duhem.project("antoni2007", trial, -1.0, 1.0, parameters, method="closed-form")
+    for off, status in ((0.0, Status.SLIP), (1.4e-8 / 5.8e10, Status.SLIP), (2e-6, Status.INACCURATE), (1e-3, Status.INACCURATE)):
+        given = replace(right, stress=np.array([[-0.08, 0.0]]), slip=right.slip + off * right.slip[:, :1] * [[0.0, 1.0]])
+        own = replace(newton.NEWTON, name="own", solve=lambda _, __, a=given: Solution(a.stress, a.slip, a.multiplier, a.status < 0))
+        done = duhem.project("antoni2007", trial, -1.0, 1.0, parameters, method=own)
+        assert done.status[0] == status
+        assert status == Status.INACCURATE or done.slip[0] == pytest.approx(right.slip[0], rel=1e-14)
+
+
 SAMPLES = [("joined", 6, 25), ("stiff", 51, 20), ("slender", 51, 8)]
 
 

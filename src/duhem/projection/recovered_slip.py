@@ -2,8 +2,8 @@
 
 The multiplier brings trial - lambda k n onto the boundary, found by Newton's method on g in many digits; the normal n is that of g
 at the stress, which has all of its own.  Where pieces of g meet, one normal is not enough: their half-spaces are cut off one after
-the other.  What is still in doubt, next to the boundary or not, is looked for in many digits.  What is found is judged like any
-other answer, and taken only if it passes.
+the other.  What is still in doubt, next to the boundary or not, is made of trial and stress, and looked for in many digits.  What
+is found is judged like any other answer, and taken only if it passes.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def recovered(
 
     ``beside``: the closest points beside answers that were looked for already, by the place of each.
     """
-    for way, where in ((_from_normals, _lost), (_over_pieces, _lost), (_in_many_digits, _open)):
+    for way, where in ((_from_normals, _lost), (_over_pieces, _lost), (_from_stress, _open), (_in_many_digits, _open)):
         if not (at := where(question, solution, found)).size:
             continue
         asked = replace(question, trial=question.trial[at], pressure=question.pressure[at])
@@ -94,6 +94,15 @@ def _over_pieces(asked: Increment, got: Solution, _beside: Sequence[Closest | No
     return _slipped(asked, slip, g.own(multiplier, size), multiplier == 0.0)
 
 
+def _from_stress(asked: Increment, got: Solution, _beside: Sequence[Closest | None]) -> Solution:
+    """Only what is the same answer: k^-1 (trial - stress), where a soft part of a long slip does not add up with its stress."""
+    slip = np.asarray(np.linalg.solve(asked.stiffness, (asked.trial - got.stress).T).T)
+    new = replace(got, slip=slip)
+    with np.errstate(all="ignore"):
+        same = _vouched(asked, new, got)
+    return _put(got, np.flatnonzero(same), new, same)
+
+
 def _in_many_digits(asked: Increment, got: Solution, beside: Sequence[Closest | None]) -> Solution:
     """Only what is the same answer, to what is vouched for or in the metric of k: a wrong one stays what it is."""
     g, look, size = _level(asked), close_look(asked), power_of_two(widest(got.stress))
@@ -116,16 +125,22 @@ def _same(metric: Metric, g: Level, asked: Increment, new: Solution, old: Soluti
     force behind a stiff one, and in components a slip may be right that a stiffness makes a wrong stress of.
     """
     size, far = power_of_two(widest(new.stress)), power_of_two(widest(asked.trial))
-    largest, stiffest = metric.of_slip.max(), float(np.max(np.diagonal(asked.stiffness)))
+    largest = metric.of_slip.max()
     reach, moved = (length(times(x / far[:, None], metric.of_stress)) for x in (new.stress, new.stress - old.stress))
     way, lost = (length(times(x, metric.of_slip / largest) * (largest / far)[:, None]) for x in (new.slip, new.slip - old.slip))
     alike = (moved <= ACCURACY * reach) & (lost <= ACCURACY * (reach + way))
-    for i in np.flatnonzero(~alike):
-        alike[i] = departure(old.stress[i], old.slip[i], new.stress[i], new.slip[i], stiffest) <= ACCURACY
+    alike |= _vouched(asked, new, old)
     slope = g.gradient(new.stress, asked.pressure, size)
     turned = widest(slope - g.gradient(old.stress, asked.pressure, size)) > ACCURACY * widest(slope)
     same = np.abs(new.multiplier - old.multiplier) <= ACCURACY * new.multiplier
     return np.asarray(alike & (same | turned))
+
+
+def _vouched(asked: Increment, new: Solution, old: Solution) -> NDArray[np.bool_]:
+    """Where stresses and slips agree to what is vouched for of their largest components."""
+    stiffest = float(np.max(np.diagonal(asked.stiffness)))
+    each = zip(old.stress, old.slip, new.stress, new.slip, strict=True)
+    return np.array([departure(*one, stiffest) <= ACCURACY for one in each], dtype=np.bool_)
 
 
 def _level(asked: Increment) -> Level:
