@@ -73,6 +73,12 @@ def secant(trial: Array, stress: Array, gradient: Array, stiffness: Array) -> Ar
     return (np.linalg.norm(stress, axis=1) / np.linalg.norm(trial, axis=1))[:, None, None] * stiffness
 
 
+def radial_when_far(trial: Array, pressure: Array, stiffness: Array) -> Array:
+    """Three times as far out as the boundary."""
+    far = np.hypot(trial[:, 0] / 0.5, trial[:, 1] / 0.1) > -3.0 * pressure
+    return np.where(far[:, None], radial_return(trial, pressure, stiffness), ellipse(trial, pressure, stiffness))
+
+
 def by_pressure(trial: Array, pressure: Array, stiffness: Array) -> Step:
     """The multiplier of g/|sigma_n|."""
     found = duhem.project("orthotropic", trial, pressure, stiffness, ELLIPSE)
@@ -89,7 +95,10 @@ def squared(trial: Array, pressure: Array, stiffness: Array) -> Step:
 INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     "trial_stress": [("stress", nothing, "returns the trial stress")],
     "no_stress": [("stress", lambda t, p, k: 0.0 * t, "no stress at all")],
-    "radial_return": [("stress", radial_return, "radial return")],
+    "radial_return": [
+        ("stress", radial_return, "radial return"),
+        ("stress", radial_when_far, "radial return of trial stresses that lie 3."),
+    ],
     "metric_of_no_stiffness": [("stress", identity_metric, "metric of the identity")],
     "metric_of_the_diagonal": [("stress", lambda t, p, k: projected(t, p, np.diag(np.diag(k))), "the diagonal of the stiffness alone")],
     "metric_of_the_inverse": [("stress", inverse_metric, "inverse stiffness")],
@@ -123,6 +132,7 @@ INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     "opposite_slip": [("slip", with_extras(slip=np.negative), "the slip has the opposite sign")],
     "no_slip": [("slip", with_extras(slip=lambda x: 0.0 * x), "always zero")],
     "slip_as_a_stress": [("slip", of_step(lambda t, s, g, k: t - s, "slip"), "not divided by the stiffness")],
+    "slip_times_the_stiffness": [("slip", of_step(lambda t, s, g, k: (t - s) @ k, "slip"), "a stiffness is taken for a compliance")],
     "slip_of_the_diagonal": [("slip", of_step(lambda t, s, g, k: (t - s) / np.diag(k), "slip"), "diagonal of the stiffness")],
     "slip_as_a_displacement": [
         ("slip", of_step(lambda t, s, g, k: np.linalg.solve(k, s.T).T, "slip"), "the elastic displacement is returned"),

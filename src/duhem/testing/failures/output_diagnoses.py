@@ -37,6 +37,12 @@ def slip_as_a_stress(p: Probe) -> Iterator[tuple[str, Array]]:
 
 
 @suggests("slip")
+def slip_times_the_stiffness(p: Probe) -> Iterator[tuple[str, Array]]:
+    said = "the slip is the stiffness times what the stress lacks: a stiffness is taken for a compliance"
+    yield said, (p.trial - p.returned) @ p.stiffness
+
+
+@suggests("slip")
 def slip_of_the_closest_point(p: Probe) -> Iterator[tuple[str, Array]]:
     yield "the slip is that of the closest point, and the stress is another one", _compliant(p, p.trial - p.closest)
 

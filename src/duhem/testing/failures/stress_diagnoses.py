@@ -31,10 +31,14 @@ def no_stress(p: Probe) -> Iterator[tuple[str, Array]]:
 @suggests("stress")
 def radial_return(p: Probe) -> Iterator[tuple[str, Array]]:
     reach = p.query.region.reach(p.trial, p.pressure)
-    yield (
-        "radial return: the trial stress is scaled down to the boundary, which is not its closest point",
-        np.where(reach[:, None] < 1.0, reach[:, None] * p.trial, p.trial),
-    )
+    scaled = np.where(reach[:, None] < 1.0, reach[:, None] * p.trial, p.trial)
+    yield "radial return: the trial stress is scaled down to the boundary, which is not its closest point", scaled
+    wrong = p.query.length(p.returned - p.closest) > p.query.unit(p.reply)
+    if wrong.any() and (nearest := reach[wrong].max()) > 0.0:
+        said = (
+            f"radial return of trial stresses that lie {1.0 / nearest:.3g} times as far out as the boundary or farther, not of nearer ones"
+        )
+        yield said, np.where(reach[:, None] <= nearest, scaled, p.closest)
 
 
 @suggests("stress")
