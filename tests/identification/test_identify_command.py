@@ -68,6 +68,8 @@ HEAD = "sigma_a,sigma_b,sigma_n\n"
         ("\n \n", "", "empty"),
         (HEAD, "", "no row below the header"),
         ("sigma_a,sigma_n\n0.1,-1\n", ":1", "no column sigma_b"),
+        (b"\xef\xbb\xbf" * 2 + f"{HEAD}{GOOD}".encode(), ":1", r"'\ufeffsigma_a' has an invisible letter"),
+        ("sigma_a,sigma_b\u200b,sigma_n\n" + GOOD, ":1", r"'sigma_b\u200b' has an invisible letter"),
         ("sigma_a,sigma_b,sigma_n,sigma_a\n" + GOOD, ":1", "'sigma_a' is there twice"),
         ("sigma_a,sigma_b,sigma_n,wieght\n", ":1", "did you mean 'weight'"),
         ("sigma_a,sigma_b,sigma_n,weight,scatter\n", ":1", "both weight and scatter"),

@@ -125,6 +125,8 @@ def test_the_stress_of_a_scene_is_a_list_of_numbers(stress):
         ("time,u_a\n0,0\n1,−1\n", 3, "is not 2 numbers"),
         ("0,0,0\n1,1,1\n", 1, "there is no header"),
         ("# made by a rig\n\n0,0,0\n1,1,1\n", 3, "there is no header"),
+        ("\ufeff\ufefftime,u_a,u_b\n0,0,0\n1,1,1\n", 1, r"'\\ufefftime' has an invisible letter in its name"),
+        ("time,u_a,u_\u200bb\n0,0,0\n1,1,1\n", 1, r"'u_\\u200bb' has an invisible letter in its name"),
         ("time,u_a,u_a\n0,0,0\n1,1,1\n", 1, "'u_a' is there twice"),
         ("time,u_a\n0,0\n1,0,5\n2,1\n", 3, "is not 2 numbers; separate numbers by commas, with points"),
         ("time,u_a\n0,zero\n1,1\n", 2, "is not 2 numbers"),

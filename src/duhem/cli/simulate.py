@@ -40,7 +40,8 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
         for each in fault.faults:
             click.echo(f"duhem: {each}", err=True)
         return USAGE
-    table, figure = out or chosen.table, plot or chosen.plot
+    table = chosen.table if out is None else out  # an empty name is refused, not taken for none
+    figure = chosen.plot if plot is None else plot
     many = chosen.many
     scene_run.check_outputs(table, figure, resume, [scene, *chosen.inputs], many)
     if explain:

@@ -104,6 +104,9 @@ def _read(file: str | PathLike[str], names: Sequence[str]) -> tuple[dict[str, Ar
         words = [word.strip() for name in header for word in name.split(mark) if word.strip()]
         if (set(names) - set(header)) & set(words) or (len(words) > len(header) and all(map(_is_number, words))):
             raise InputError(f"the columns are separated by {said}", where=f"{where}:{first}", remedy=_COMMAS)
+    if odd := next((name for name in header if not name.isprintable()), None):
+        what = f"the column {odd[:40]!r} has an invisible letter in its name"
+        raise InputError(what, where=f"{where}:{first}", remedy="write the name anew")
     if all(map(_is_number, header)):
         raise InputError("there is no header", where=f"{where}:{first}", remedy=f"write the names of the columns above, {','.join(names)}")
     _complete(header, names, header, f"{where}:{first}")

@@ -86,6 +86,8 @@ def _header(cells: list[str], place: str) -> list[str]:
             raise InputError(f"the columns are separated by {said}", where=place, remedy=_COMMAS)
     if all(map(_is_number, names)):
         raise InputError("there is no header", where=place, remedy="write the names of the columns above, such as time,u_a,u_b,sigma_n")
+    if odd := next((name for name in names if not name.isprintable()), None):
+        raise InputError(f"the column {odd[:40]!r} has an invisible letter in its name", where=place, remedy="write the name anew")
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"the column {twice[:40]!r} is there twice", where=place, remedy="give each column a name of its own")
     return names
