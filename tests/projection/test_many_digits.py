@@ -187,6 +187,19 @@ def test_the_soft_part_of_a_long_slip_adds_up_with_its_stress() -> None:
         assert status == Status.INACCURATE or done.slip[0] == pytest.approx(right.slip[0], rel=1e-14)
 
 
+def test_what_rounding_calls_a_point_of_k_speaks_against_no_answer() -> None:
+    """In doubles this disk of radius 1e-6 has g < 0 far out on the axes; other answers than the closest are told all the same."""
+    law = Criterion("far", "(sigma_a + 1000)**2 + (sigma_b - 500)**2 - 2000*sigma_a + 1000*sigma_b - 1250000 - sigma_n**2")
+    angle = np.array([0.1, 0.7, 2.0, 3.9])
+    way = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    question = increment(law, 2.3e-6 * way, -1e-6, 1.0, {})
+    for turned, right in ((0.0, True), (1e-3, False), (0.5, False)):
+        there = 1e-6 * np.stack([np.cos(angle + turned), np.sin(angle + turned)], axis=1)
+        slip = question.trial - there
+        given = Solution(there, slip, np.linalg.norm(slip, axis=1) / 2e-6, np.zeros(4, dtype=bool))
+        assert ((residuals(question, given, convex=True).worst() <= ACCURACY) == right).all()
+
+
 SAMPLES = [("joined", 6, 25), ("stiff", 51, 20), ("slender", 51, 8)]
 
 

@@ -11,12 +11,14 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.projection.close_look import as_pairs, close_look
 from duhem.projection.increment import Increment
 from duhem.projection.known_points import beyond_tangents, raised, tips
 from duhem.projection.level import Level
 from duhem.projection.metric import Metric
-from duhem.projection.result import Array
-from duhem.projection.row_by_row import columns_times, dot, share, unit
+from duhem.projection.result import ACCURACY, Array
+from duhem.projection.row_by_row import columns_times, dot, share, unit, widest
+from duhem.projection.scaled_formula import power_of_two
 
 __all__ = ["Variational"]
 
@@ -27,7 +29,7 @@ _QUANTILES = (0.0, 0.5, 1.0)  # pressures at which K is looked at, of those that
 class Variational:
     """``tips`` (T, d) are points of K at the pressure ``largest``, ``reaches`` (T, d) they in the metric of k.
 
-    ``convex``: K need not be looked at close to each answer.
+    ``convex``: K need not be looked at close to each answer.  ``increment`` has the law for more digits.
     """
 
     level: Level
@@ -36,6 +38,7 @@ class Variational:
     reaches: Array
     largest: float
     convex: bool
+    increment: Increment
 
     @classmethod
     def of(cls, increment: Increment, level: Level, metric: Metric, convex: bool) -> Variational:
@@ -45,7 +48,7 @@ class Variational:
         if not convex:
             pressures = np.quantile(increment.pressure, _QUANTILES, method="nearest") if pressed else None
             known = np.vstack([known, beyond_tangents(level, d, None if pressures is None else np.unique(pressures))])
-        return cls(level, metric, known, known @ metric.of_stress, largest, convex)
+        return cls(level, metric, known, known @ metric.of_stress, largest, convex, increment)
 
     @property
     def around_origin(self) -> bool:
@@ -70,6 +73,8 @@ class Variational:
             if (beyond := np.flatnonzero(excess > 0.0)).size:
                 inside = self._inside(part[beyond, None] * tip, pressure[beyond])
                 relative = share(excess[beyond], whole[beyond] * (away[beyond] + reach[beyond]))
+                against = np.flatnonzero(inside & (relative > ACCURACY))
+                inside[against] = ~self._outside(part[beyond[against], None] * tip, pressure[beyond[against]])
                 worst[beyond] = np.fmax(worst[beyond], np.where(inside, relative, 0.0))
         return worst
 
@@ -81,6 +86,12 @@ class Variational:
 
         normal, distance = map(np.nan_to_num, unit(moved))
         return np.asarray(share(distance * raised(inside, point, normal, room), whole * 2.0 * room))
+
+    def _outside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
+        """What more digits show to be no point of K: what rounding of g calls one speaks against no answer."""
+        size = power_of_two(widest(stress))
+        value, bound = close_look(self.increment).level(as_pairs(stress, size), pressure, size)
+        return np.asarray(value > bound)
 
     def _inside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
         return np.asarray(self.level(*stress.T, pressure) < 0.0)  # at = 0 it may be rounding alone
