@@ -201,7 +201,8 @@ def _zoomed(level: Level, before: Array, here: Array, after: Array) -> list[tupl
         gap = fine[i, -1] - fine[i, 0]
         share = (gap[0] * two[1] - gap[1] * two[0]) / cross
         tip = fine[i, 0] + share * one if abs(np.sin(turn)) > 0.02 else fine[i, np.abs(_turns(fine[i])).argmax() + 1]
-        beside = int((np.hypot(*(stretch - before[i]).T) < np.hypot(*(tip - before[i]))).sum())
+        chord = after[i] - before[i]
+        beside = int(((stretch - before[i]) @ chord < (tip - before[i]) @ chord).sum())
         line = np.vstack([stretch[:beside], tip[None], stretch[beside:]])
         result.append((line, Vertex(tip, _right(one), _right(two))))
     return result
@@ -216,17 +217,14 @@ def _between(level: Level, a: Array, b: Array, bulge: Array) -> tuple[Array, NDA
     reach = 0.3 + 2.0 * np.abs(height)
     share = (np.arange(1, _BETWEEN) / _BETWEEN)[None, :, None]
     foot = a[:, None] + share * chord[:, None]
-    inner, outer = foot - (reach * aside)[:, None], foot + (reach * aside)[:, None]
+    within = _inside(level, foot)[..., None]  # at a dent the chord lies outside
+    inner = np.where(within, foot, foot - (reach * aside)[:, None])
+    outer = np.where(within, foot + (reach * aside)[:, None], foot)
     for _ in range(4):  # a tip may be higher than it looks from its chord
-        out = ~_inside(level, outer)
-        if out.all():
+        out, held = ~_inside(level, outer)[..., None], _inside(level, inner)[..., None]
+        if out.all() and held.all():
             break
-        outer = np.where(out[..., None], outer, foot + 2.0 * (outer - foot))
-    for _ in range(4):
-        within = _inside(level, inner)
-        if within.all():
-            break
-        inner = np.where(within[..., None], inner, foot + 2.0 * (inner - foot))
+        outer, inner = np.where(out, outer, 2.0 * outer - foot), np.where(held, inner, 2.0 * inner - foot)
     sound: NDArray[np.bool_] = np.all(_inside(level, inner) & ~_inside(level, outer), axis=1)
     shape = inner.shape
     found = _halved(level, inner.reshape(-1, 2), outer.reshape(-1, 2)).reshape(shape)
