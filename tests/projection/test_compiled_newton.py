@@ -238,7 +238,7 @@ def test_compiled_it_is_the_same_and_is_kept(tmp_path: Any) -> None:
         done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=environment)
         assert done.returncode == 0, done.stderr
         assert max(map(float, done.stdout.split())) < 1e-14
-    kept = {path.suffix for path in (tmp_path / "kept").rglob("*") if path.is_file()}
+    kept = {path.suffix for path in (tmp_path / "kept").rglob("law_*")}
     assert kept == {".py", ".nbi", ".nbc", ".o"}
 
 
