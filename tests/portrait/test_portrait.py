@@ -149,6 +149,8 @@ def test_a_boundary_curve_is_drawn_with_its_own_slip() -> None:
     at = given("wedge")
     found = section(at, usual(at.law, -2.0)[0])
     assert len(usual(at.law, None)) == 1 and len(found.slips) == len(found.normals) >= 12
+    turned = [normal.along @ slip.along for normal, slip in zip(found.normals, found.slips, strict=True)]
+    assert 0.9 < min(turned) < 1.0 - 1e-4 and max(turned) <= 1.0 + 1e-9
     values = {at.law.symbols()[name]: value for name, value in at.values().items()}
     turn = at.law.symbols()["phi"]
     here = [float(part.xreplace(values).subs(turn, pi / 3)) * 2.0 for part in at.law.boundary]
