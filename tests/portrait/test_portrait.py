@@ -122,6 +122,8 @@ def test_where_k_begins_at_zero_force_the_plane_moves() -> None:
     at = given("hjiaj")
     found = cut(at, named(at.law, "t_1,t_2", None)[0])
     assert found.lines and "t_{n} = -1" in found.plane.caption
+    at = given("modified-cam-clay")
+    assert cut(at, named(at.law, "deviatoric", None)[0]).lines
 
 
 # ---- normals and slips

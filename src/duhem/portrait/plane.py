@@ -92,8 +92,8 @@ def named(law: Law, text: str, pressure: float | None) -> tuple[Plane, ...]:
 
 
 def elsewhere(law: Law, plane: Plane, size: float) -> Iterator[Plane]:
-    """The same plane away from 0, where K may only begin: other forces at -size or size, the mean stress of a deviatoric plane."""
-    for value in (-size, size):
+    """The same plane away from 0, where K may only begin: other forces at shares of size, the mean stress of a deviatoric plane."""
+    for value in (sense * size / part for part in (1, 4, 16) for sense in (-1, 1)):
         if plane.guides:
             yield _deviatoric(law, value)
             continue
