@@ -74,7 +74,7 @@ def test_set_fixes_exactly(run: Run) -> None:
     )
     report = json.loads(out)
     assert code == 0
-    assert report["parameters"] == {"mu_a": "= 3/20", "mu_b": "= 1/3"}
+    assert report["parameters"] == {"mu_a": "3/20", "mu_b": "1/3"}
     assert [c["claim"] for c in report["claims"]] == ["origin", "convexity"]
 
 

@@ -23,6 +23,7 @@ from duhem.expression.verbatim import Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion, relations
 from duhem.law.registry import register
+from duhem.law.shown_law import ShownLaw
 from duhem.law.signature import argument_names, called, listed
 from duhem.law.yield_surface import as_expression
 
@@ -31,8 +32,8 @@ __all__ = ["ANGLE", "Law", "ParametricCriterion", "closes", "parametric"]
 ANGLE = "phi"
 
 
-@dataclass(frozen=True)
-class ParametricCriterion(Verbatim):
+@dataclass(frozen=True, repr=False)
+class ParametricCriterion(Verbatim, ShownLaw):
     """K(sigma_n) = |sigma_n| K_1 in two forces, K_1 enclosed by the curve ``boundary`` (angle), angle in [0, 2 pi).
 
     ``boundary``, ``flow`` and ``constraints`` are text in the vocabulary or SymPy expressions over :meth:`symbols`;

@@ -94,6 +94,10 @@ class Domain:
             return "real" if self.high is None else f"(-oo, {self.high}]"
         return f"[{self.low}, oo)" if self.high is None else f"[{self.low}, {self.high}]"
 
+    def plain(self) -> str:
+        """As :meth:`describe`, one value by itself: ``3/20``."""
+        return self.describe() if self.value is None else str(self.value)
+
     def stated(self, name: str) -> str:
         """The domain of ``name`` in words: ``mu positive``, ``mu in [0, 1/2]``, ``mu = 3/20``."""
         words = self.describe()

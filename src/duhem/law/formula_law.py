@@ -28,6 +28,7 @@ from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, check_shape, converted
+from duhem.law.shown_law import ShownLaw
 from duhem.law.signature import argument_names, called, listed
 from duhem.law.yield_surface import YieldSurface, as_expression
 
@@ -37,8 +38,8 @@ FORCES = ("sigma_a", "sigma_b")
 PRESSURE = "sigma_n"
 
 
-@dataclass(frozen=True)
-class Criterion(Verbatim):
+@dataclass(frozen=True, repr=False)
+class Criterion(Verbatim, ShownLaw):
     """K(sigma_n) = {g <= 0} in the space of the forces, for every pressure and every parameter of the domain.
 
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over

@@ -58,7 +58,7 @@ def json(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
     report: dict[str, Any] = {
         "duhem": __version__,
         "criterion": law.name,
-        "parameters": {name: domain.describe() for name, domain in law.parameters.items()},
+        "parameters": {name: domain.plain() for name, domain in law.parameters.items()},
         "forces": list(law.forces),
         "trial": list(trial),
         "pressure": pressure,

@@ -1,29 +1,27 @@
-"""The text report: what was asked, what was decided and how, the counterexamples, the conclusion, what was left out."""
+"""The report as text or as a sheet: what was asked, what was decided and how, the counterexamples, the conclusion, what was left out."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from decimal import Context
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from duhem.expression.text import formula
-from duhem.law.curve_law import ParametricCriterion
-from duhem.law.yield_surface import YieldSurface
+from duhem.law.stated import number_in_words, stated
 from duhem.proof.verdict import Trust, Verdict, Witness
+from duhem.proof.verification import ClaimResult, Verification
 from duhem.show.page import PAGE, Page, tied
+from duhem.show.printing import sheet, text
+from duhem.show.sheet import Sheet
 
 if TYPE_CHECKING:
     from duhem.law.curve_law import Law
-    from duhem.proof.verification import ClaimResult, Verification
 
-__all__ = ["complete", "interrupted"]
+__all__ = ["as_sheet", "complete", "interrupted"]
 
-_DIGITS = Context(prec=8)
 _FIELD = len("parameters")
 _STANDARD = ("origin", "convexity", "normality")
 
 
+@text.register(Verification)
 def complete(verification: Verification, page: Page = PAGE) -> str:
     """The report of a finished run."""
     return page.report(
@@ -31,10 +29,31 @@ def complete(verification: Verification, page: Page = PAGE) -> str:
             [*_head(verification.criterion, page, verification.effort)],
             _table(verification.results, page),
             [*_arguments(verification.results, page)],
-            [*_conclusion(verification, page)],
+            page.items("Conclusion", _conclusion(verification)),
             page.items("Left out", verification.left_out),
             page.items("Remarks", verification.remarks),
         ]
+    )
+
+
+@sheet.register(Verification)
+def as_sheet(verification: Verification) -> Sheet:
+    """The same as a sheet: the law's own with the table of verdicts below, then the arguments, counterexamples and conclusion."""
+    law = sheet(verification.criterion)
+    refuted = [(f"Counterexample: {r.claim}", tuple(_witness(r.witness))) for r in verification.results if r.witness is not None]
+    head, *rows = _rows(verification.results)
+    return Sheet(
+        title=law.title,
+        fields=law.fields + ((("effort", verification.effort),) if verification.effort != "normal" else ()),
+        head=head,
+        rows=tuple(rows),
+        notes=(
+            ("Conclusion", _conclusion(verification)),
+            ("Arguments", tuple(f"{r.claim}: {r.detail}" for r in verification.results)),
+            *refuted,
+            ("Left out", tuple(map(str, verification.left_out))),
+            ("Remarks", verification.remarks),
+        ),
     )
 
 
@@ -46,52 +65,19 @@ def interrupted(law: Law, results: Sequence[ClaimResult], page: Page = PAGE, eff
 
 def _head(law: Law, page: Page, effort: str) -> Iterator[str]:
     yield from page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)
-    yield from page.field(*_stated(law), _FIELD)
-    pressure = f"; pressure {law.pressure} <= 0 in compression, frozen" if law.pressure else "; no pressure"
-    yield from page.field("forces", ", ".join(law.forces) + pressure, _FIELD)
-    yield from page.field("parameters", ", ".join(_in_domain(n, d.describe()) for n, d in law.parameters.items()) or "none", _FIELD)
-    if not isinstance(law, ParametricCriterion) and law.domain:
-        yield from page.field("asked for", ", ".join(d.stated(n) for n, d in law.domain.items()), _FIELD)
-    if law.constraints:
-        yield from page.field("with", ", ".join(formula(c) for c in law.constraints), _FIELD)
-    yield from page.field("slip", _direction(law), _FIELD)
-    if law.source:
-        yield from page.field("source", law.source, _FIELD)
+    for title, content in stated(law):
+        yield from page.field(title, content, _FIELD)
     if effort != "normal":
         yield from page.field("effort", effort, _FIELD)
 
 
-def _direction(law: Law) -> str:
-    if law.associated:
-        return "normal to the boundary (associated)"
-    if isinstance(law, ParametricCriterion) or not law.surfaces:
-        return _slip(law)
-    return "any sum of: " + "; ".join(f"{_slip(surface)} where {formula(surface.g)} = 0" for surface in law.surfaces)
-
-
-def _slip(stated: Law | YieldSurface) -> str:
-    if not isinstance(stated, ParametricCriterion) and stated.potential is not None:
-        return f"gradient of {' '.join(stated.potential.split())}"
-    return "normal" if stated.flow is None else f"({', '.join(formula(c) for c in stated.flow)})"
-
-
-def _stated(law: Law) -> tuple[str, str]:
-    """What bounds K: the formula, or the curve at |pressure| = 1."""
-    if isinstance(law, ParametricCriterion):
-        return "boundary", f"|{law.pressure}| ({', '.join(formula(x) for x in law.boundary)}), {law.angle} from 0 to 2 pi"
-    return "criterion", f"{formula(law.g)} <= 0"
-
-
-def _in_domain(name: str, domain: str) -> str:
-    if domain.startswith("="):
-        return tied(f"{name} {_number_in_words(domain[1:].strip())}")
-    return f"{name} in {domain}" if domain[0] in "[(" else f"{name} {domain}"
-
-
 def _table(results: Sequence[ClaimResult], page: Page) -> list[str]:
-    rows = [("claim", "verdict", "trust", "method", "scope", "   time")]
-    rows += [(r.claim, _words(r.verdict), r.trust or "", r.method, _scope(r.scope), f"{r.seconds:.2f} s") for r in results]
-    return page.table(rows, "lllllr", "", rule=True)
+    return page.table(_rows(results), "lllllr", "", rule=True)
+
+
+def _rows(results: Sequence[ClaimResult]) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = [("claim", "verdict", "trust", "method", "scope", "   time")]
+    return rows + [(r.claim, _words(r.verdict), r.trust or "", r.method, _scope(r.scope), f"{r.seconds:.2f} s") for r in results]
 
 
 def _scope(scope: str) -> str:
@@ -121,29 +107,15 @@ def _witness(witness: Witness) -> Iterator[str]:
 
 
 def _coordinates(point: Mapping[str, str]) -> str:
-    return ", ".join(tied(f"{name} {_number_in_words(value)}") for name, value in point.items())
+    return ", ".join(tied(f"{name} {number_in_words(value)}") for name, value in point.items())
 
 
-def _number_in_words(exact: str) -> str:
-    """A rational in decimals and exactly: ``= 0.15 = 3/20``, or ``~ 0.33333333 = 1/3`` where decimals do not end."""
-    try:
-        fraction = Fraction(exact)
-    except (ValueError, ZeroDivisionError):
-        return f"= {exact}"
-    if fraction.denominator == 1:
-        return f"= {exact}"
-    decimal = _DIGITS.divide(*(_DIGITS.create_decimal(x) for x in fraction.as_integer_ratio()))
-    return f"{'=' if Fraction(decimal) == fraction else '~'} {decimal} = {exact}"
-
-
-def _conclusion(verification: Verification, page: Page) -> Iterator[str]:
+def _conclusion(verification: Verification) -> tuple[str, ...]:
     found = {r.claim: r for r in verification.results}
-    yield "Conclusion"
-    yield from page.item(_answer("generalized standard", verification.generalized_standard, found, _STANDARD))
+    standard = _answer("generalized standard", verification.generalized_standard, found, _STANDARD)
     if verification.vacuous and "dissipation" in found:
-        yield from page.item("dissipative: vacuous (no boundary point at which anything could slip: see the remarks)")
-    else:
-        yield from page.item(_answer("dissipative", verification.dissipative, found, ("dissipation",)))
+        return standard, "dissipative: vacuous (no boundary point at which anything could slip: see the remarks)"
+    return standard, _answer("dissipative", verification.dissipative, found, ("dissipation",))
 
 
 def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], claims: Sequence[str]) -> str:

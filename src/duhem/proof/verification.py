@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 from functools import partial
 from threading import RLock
-from typing import Any
+from typing import Any, ClassVar
 
 from duhem.errors import InputError
 from duhem.expression.balls import precision
@@ -27,6 +27,7 @@ from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
 from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
+from duhem.show.shown import Shown
 from duhem.version import __version__
 
 __all__ = ["ClaimResult", "Verification", "verify"]
@@ -66,13 +67,15 @@ class ClaimResult:
         }
 
 
-@dataclass(frozen=True)
-class Verification:
+@dataclass(frozen=True, repr=False)
+class Verification(Shown):
     """Everything found about ``criterion`` (with the asked parameters fixed).
 
     ``rests_on`` holds the claims that were not asked for, and that those asked for rest on.  ``vacuous`` where K has no boundary
     point at which anything could dissipate: a remark says why.
     """
+
+    printed_by: ClassVar[str] = "duhem.proof.report_text"
 
     criterion: Law
     results: tuple[ClaimResult, ...]
@@ -81,6 +84,9 @@ class Verification:
     rests_on: tuple[ClaimResult, ...] = ()
     effort: str = "normal"
     vacuous: bool = False
+
+    def __repr__(self) -> str:
+        return f"<Verification of {self.criterion.name}: {', '.join(f'{r.claim} {r.verdict}' for r in self.results) or 'no claim'}>"
 
     def __getitem__(self, claim: str) -> ClaimResult:
         for result in self.results:
@@ -115,7 +121,7 @@ class Verification:
         return {
             "duhem": __version__,
             "criterion": self.criterion.name,
-            "parameters": {name: domain.describe() for name, domain in self.criterion.parameters.items()},
+            "parameters": {name: domain.plain() for name, domain in self.criterion.parameters.items()},
             **({} if self.effort == "normal" else {"effort": self.effort}),
             "claims": [r.to_dict() for r in self.results],
             "generalized_standard": self.generalized_standard,

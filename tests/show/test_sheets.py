@@ -1,0 +1,126 @@
+"""What a notebook shows of a result: tags that close, text that stays text, plain values, short lines."""
+
+import json
+from html.parser import HTMLParser
+from typing import Any
+
+import pytest
+
+import duhem
+from duhem import Criterion, Domain, ParametricCriterion, Verdict, Verification, Witness
+from duhem.left_out import LeftOut
+from duhem.proof.verification import ClaimResult
+from duhem.show.printing import sheet
+
+HOSTILE = '<script>alert("1")</script> & $x$ \\(y\\) | *z*'
+TAGS = {"div", "p", "strong", "table", "thead", "tbody", "tr", "th", "td", "ul", "li", "span", "code"}
+LAW = Criterion(
+    HOSTILE, "norm(sigma_a, where(sigma_a < 0, 2, 1)*sigma_b) + mu*sigma_n", {"mu": Domain.fixed("3/5")}, summary=HOSTILE, source=HOSTILE
+)
+CURVE = ParametricCriterion("ellipse", ("mu*cos(phi)", "sin(phi)/3"), {"mu": Domain.between("1/2", 1)}, constraints=("mu < 2/3",))
+WITNESS = Witness({"mu": "3/5"}, {HOSTILE: {"sigma_a": "1/3"}}, {"g": ("-2", "-1")}, HOSTILE)
+VERIFICATION = Verification(
+    LAW,
+    (
+        ClaimResult("origin", Verdict.PROVED, "evaluation", "mu = 3/5", 0.25, HOSTILE),
+        ClaimResult("convexity", Verdict.REFUTED, "a chord", "mu = 3/5", 0.5, "a chord leaves K", WITNESS),
+    ),
+    (LeftOut("thermal", HOSTILE),),
+    (HOSTILE,),
+)
+SHOWN = {"law": LAW, "curve": CURVE, "verification": VERIFICATION}
+
+
+class Read(HTMLParser):
+    """The text of a page whose tags close in order and carry nothing but ``scope``."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.said = ""
+        self.typeset = ""  # what MathJax joins: text with nothing between
+        self.feed(page)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert tag in TAGS and {name for name, _ in attrs} <= {"scope"}
+        self.open.append(tag)
+        self.typeset += "\n"
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+        self.typeset += "\n"
+
+    def handle_data(self, data: str) -> None:
+        self.said += data
+        self.typeset += data
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_html_closes_its_tags_and_text_stays_text(name: str) -> None:
+    shown: Any = SHOWN[name]
+    for page in (shown.to_html(), shown._repr_html_()):
+        read = Read(page)
+        for title, content in sheet(shown).fields:
+            assert title in read.said and (content if isinstance(content, str) else "") in read.said
+        for row in sheet(shown).rows:
+            assert all(cell in read.said for cell in row)
+        for _, sentences in sheet(shown).notes:
+            assert all(sentence in read.said for sentence in sentences)
+        assert "$x" not in read.typeset and "\\(y" not in read.typeset
+    assert (HOSTILE in Read(shown.to_html()).said) == (name != "curve")
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_markdown_has_no_tag_and_no_mark_of_the_users(name: str) -> None:
+    shown: Any = SHOWN[name]
+    said = shown._repr_markdown_()
+    assert "<" not in said.replace(" < ", "") and "$x$" not in said and "*z*" not in said.replace("\\*", "")
+    table = [line.replace("\\|", "") for line in said.splitlines() if line.startswith("|")]
+    assert len({line.count("|") for line in table}) == (name == "verification")
+    assert len(table) == (4 if name == "verification" else 0)
+
+
+@pytest.mark.parametrize("name", SHOWN)
+def test_values_are_plain(name: str) -> None:
+    shown: Any = SHOWN[name]
+    plain = shown.to_dict()
+    assert json.loads(json.dumps(plain, allow_nan=False)) == plain
+    assert plain["parameters"] == {"mu": "[1/2, 1]" if name == "curve" else "3/5"}
+
+
+def test_a_law_can_be_made_again_of_its_plain_values() -> None:
+    for law in (LAW, CURVE, duhem.load("antoni2007")):
+        plain = law.to_dict()
+        formulas = {name: plain[name] for name in ("g", "boundary", "constraints", "flow") if name in plain}
+        same = type(law)(name=law.name, parameters=law.parameters, **formulas)
+        assert (same, same.parameters) == (law, law.parameters) or same.to_dict() == plain | {"summary": "", "source": ""}
+
+
+def test_formulas_are_latex_of_sympy() -> None:
+    law = Criterion("disk", "norm(sigma_a, sigma_b) + mu*sigma_n", {"mu": Domain.fixed("3/5")})
+    written = r"\mu \sigma_{n} + \left\|\sigma_{a},\,\sigma_{b}\right\|_2 \leq 0"
+    assert law._repr_latex_() == rf"$\displaystyle {written}$"
+    assert written in law._repr_markdown_() and written in Read(law._repr_html_()).said
+    assert written not in law.to_html() and "mu*sigma_n + norm(sigma_a, sigma_b) <= 0" in Read(law.to_html()).said
+    word = Criterion("word", "abs(q) - strength", {"strength": Domain.fixed(1)}, ("q",), None)
+    assert word._repr_latex_() == r"$\displaystyle - \mathrm{strength} + \left|{q}\right| \leq 0$"
+    assert CURVE._repr_latex_() == (
+        r"$\displaystyle \left(\sigma_{a}, \sigma_{b}\right) = \left|\sigma_{n}\right| "
+        r"\left(\mu \cos{\left(\phi \right)}, \frac{\sin{\left(\phi \right)}}{3}\right)$"
+    )
+
+
+def test_one_line_says_what_it_is() -> None:
+    assert repr(CURVE) == "<ParametricCriterion ellipse: sigma_a, sigma_b; mu in [1/2, 1]>"
+    assert repr(duhem.load("antoni2007")).endswith("mu_b_minus positive>")
+    assert repr(VERIFICATION) == f"<Verification of {HOSTILE}: origin proved, convexity refuted>"
+    many = Criterion("many", "a*b*c*d*e*abs(q) + p", dict.fromkeys("abcde", Domain.fixed(1)), ("q",), "p")
+    assert repr(many) == "<Criterion many: q; a = 1, b = 1, c = 1, d = 1, and 1 more>"
+
+
+def test_text_is_that_of_the_command_line() -> None:
+    said = VERIFICATION.to_text()
+    assert "Conclusion\n  generalized standard: no (convexity refuted)" in said
+    assert "parameters  mu = 0.6 = 3/5" in said and LAW.to_text() in said.replace("\N{NO-BREAK SPACE}", " ")
