@@ -1,9 +1,11 @@
 """What a notebook shows of a result: tags that close, text that stays text, plain values, short lines."""
 
 import json
+from dataclasses import replace
 from html.parser import HTMLParser
 from typing import Any
 
+import numpy as np
 import pytest
 
 import duhem
@@ -124,3 +126,28 @@ def test_text_is_that_of_the_command_line() -> None:
     said = VERIFICATION.to_text()
     assert "Conclusion\n  generalized standard: no (convexity refuted)" in said
     assert "parameters  mu = 0.6 = 3/5" in said and LAW.to_text() in said.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def test_an_increment_has_a_row_a_point_and_plain_numbers() -> None:
+    done = duhem.project("coulomb", [[0.1, 0.0], [3.0, 4.0]], -1.0, 2.0, {"mu": 0.5}, tangent=True)
+    assert repr(done) == "<Projection of 2 points: 1 stick, 1 slip; closed-form>"
+    rows = sheet(done).rows
+    assert rows[0] == ("0", "stick", "0.1", "0", "0", "0", "0", "0", "0.0e+00")
+    assert rows[1][:8] == ("1", "slip", "0.3", "0.4", "1.35", "1.8", "2.25", "1.125")  # mu |sigma_n| (3, 4)/5; (trial - stress)/2
+    for page in (done.to_html(), done._repr_html_()):
+        assert all(cell in Read(page).said for row in rows for cell in row)
+    assert done._repr_markdown_().count("\n| ") == 4
+    plain = done.to_dict()
+    assert json.loads(json.dumps(plain, allow_nan=False)) == plain
+    assert plain["status"] == ["stick", "slip"] and plain["stress"] == done.stress.tolist() and plain["tangent"] == done.tangent.tolist()
+
+
+def test_of_many_points_the_first_are_shown_and_none_is_a_number_that_is_not() -> None:
+    done = duhem.project("coulomb", np.full((30, 2), 0.1), -1.0, 1.0, {"mu": 0.5})
+    assert len(sheet(done).rows) == 12 and "the first 12 of 30 points" in done.to_text()
+    broken = replace(done, status=np.full(30, duhem.Status.FAILED, dtype=np.int8), slip=np.full((30, 2), np.nan))
+    assert (
+        repr(broken).startswith("<Projection of 30 points: 30 failed") and "point 0: method closed-form found no stress" in broken.to_text()
+    )
+    assert broken.to_dict()["slip"] == [[None, None]] * 30 and len(broken.to_dict()["remarks"]) == 30
+    json.dumps(broken.to_dict(), allow_nan=False)

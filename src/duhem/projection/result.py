@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from duhem.show.shown import Shown
 
 __all__ = ["ACCURACY", "NOT_CLOSEST", "NOT_SHOWN", "Array", "Projection", "Residuals", "Solution", "Status"]
 
@@ -76,8 +79,8 @@ class Residuals:
         return np.asarray((first <= ACCURACY) & (self.variational > ACCURACY))
 
 
-@dataclass(frozen=True, eq=False)
-class Projection:
+@dataclass(frozen=True, eq=False, repr=False)
+class Projection(Shown):
     """The closest-point step of N increments: stress sigma = argmin over K of (sigma_tr - sigma) . k^-1 (sigma_tr - sigma)/2.
 
     ``slip`` = k^-1 (sigma_tr - sigma) = lambda dg/dsigma (in m for stiffness in Pa/m); ``multiplier`` lambda >= 0;
@@ -94,6 +97,8 @@ class Projection:
     ``INACCURATE`` as soon as one tau is nearer to sigma_tr.
     """
 
+    printed_by: ClassVar[str] = "duhem.projection.result_sheet"
+
     stress: Array
     slip: Array
     multiplier: Array
@@ -104,6 +109,14 @@ class Projection:
     residuals: Residuals
     tangent: Array | None = None
     tangent_pressure: Array | None = None
+
+    def __repr__(self) -> str:
+        return f"<{self.counted()}; {self.method}>"
+
+    def counted(self) -> str:
+        """How many points came out with which status, in words."""
+        found = ((status.name.lower(), int(np.count_nonzero(self.status == status))) for status in Status)
+        return f"Projection of {len(self.status)} points: {', '.join(f'{count} {name}' for name, count in found if count) or 'none'}"
 
     def remark(self, row: int = 0) -> str | None:
         """Why the answer of a row is inaccurate, failed or stationary, in words; None for the others."""
