@@ -101,6 +101,6 @@ def test_what_is_not_compiled_says_so_or_runs_as_it_did():
 def test_what_is_kept_hands_on_what_the_loops_take() -> None:
     pytest.importorskip("numba")
     for name in Loops.__dataclass_fields__:
-        kept, own = (signature(getattr(each, name).py_func).parameters for each in (loops(), made()))
+        kept, own = (signature(getattr(each, name)).parameters for each in (loops(), made()))
         assert len(kept) == len(own)
         assert [x for x, y in zip(kept, own, strict=True) if x != y] in ([], ["shape"])

@@ -74,6 +74,12 @@ class _Entry:
             machine_code.keep(path, compiled, arguments)
         return result
 
+    @property
+    def __wrapped__(self) -> Callable[..., Any]:
+        """The function as written: inspect reads its arguments."""
+        written: Callable[..., Any] = self._by_numba.py_func
+        return written
+
     @cached_property
     def _by_numba(self) -> Any:
         numba = _numba()
