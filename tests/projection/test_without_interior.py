@@ -64,3 +64,9 @@ def test_a_point_at_the_origin_stays_there(g: str, trial: tuple[float, float], s
 )
 def test_flat_sets_of_three_forces(g: str, trial: tuple[float, ...], stress: tuple[float, ...]) -> None:
     np.testing.assert_allclose(_stress(g, trial, (1.0, 1.0, 1.0)), stress, rtol=1e-7, atol=1e-14)
+
+
+@pytest.mark.parametrize("trial", [1e-310, 1e-320, 5e-324])
+def test_a_trial_beside_which_no_pressure_is_small_ends_at_the_tip(trial: float) -> None:
+    done = duhem.project("box", [[trial, 0.0], [trial, trial]], 0.0, 1.0, {"mu_a": 1, "mu_b": 0.01}, method="newton")
+    assert not done.stress.any() and (done.multiplier > 0.0).all()

@@ -68,11 +68,15 @@ def shrunk(increment: Increment, at: Index, solve: Callable[[Increment], Solutio
 
 
 def _limit(increment: Increment, otherwise: Array, solve: Callable[[Increment], Solution]) -> Array:
-    """The multipliers of vanishing pressures, where they settle."""
-    size = np.max(np.abs(increment.trial), axis=1)
-    small, smaller = (solve(replace(increment, pressure=-size * share)) for share in _SMALL)
+    """The multipliers of vanishing pressures, where they settle; beside a trial so small that these have no digits there are none."""
+    size, found = np.max(np.abs(increment.trial), axis=1), otherwise.copy()
+    at = np.flatnonzero(size * min(_SMALL) >= np.finfo(np.float64).tiny)
+    if not at.size:
+        return found
+    small, smaller = (solve(replace(increment, trial=increment.trial[at], pressure=-size[at] * share)) for share in _SMALL)
     settled = ~small.failed & ~smaller.failed & np.isclose(small.multiplier, smaller.multiplier, rtol=_SETTLED, atol=0.0)
-    return np.where(settled, smaller.multiplier, otherwise)
+    found[at[settled]] = smaller.multiplier[settled]
+    return found
 
 
 @dataclass(frozen=True)
