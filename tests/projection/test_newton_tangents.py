@@ -8,6 +8,8 @@ import pytest
 import duhem
 from duhem.projection import newton
 from duhem.projection.implicit_tangent import tangent
+from duhem.projection.projector import Projector
+from tests.long import mostly_long
 from tests.oracles.optimality import CONVEX, R, increment
 
 SMOOTH = [*(CONVEX[i] for i in (0, 6, 9, 10, 11, 16, 17, 24)), ("superellipse", {"mu_a": R(1, 5), "mu_b": R(1, 10), "p": R(4)})]
@@ -143,3 +145,49 @@ def test_all_faces_of_a_vertex_in_six_forces_hold_it():
     done = duhem.project(law, trial, None, np.ones(len(trial)), tangent=True)
     assert done.tangent is not None
     np.testing.assert_allclose(done.tangent[0], _differences(law, trial), atol=1e-8)
+
+
+AT_NOTHING = [
+    (name, {}) for name in ("antoni2007", "antoni2007-1d", "capped", "coulomb", "orthotropic", "shifted-ellipse", "regularised")
+] + [("box", {}), ("box", {"mu_a": 710, "mu_b": 0.71}), ("box", {"mu_a": 0.71, "mu_b": 710}), ("polygon", {}), ("superellipse", {"p": 4})]
+AT_NOTHING += [("limacon", {"e": 0.5}), ("lobes", {"e": 0.1}), ("matchstick", {"mu_a": 1, "mu_b": 1.4}), ("quartic", {"c": 2})]
+
+
+@pytest.mark.parametrize(("name", "values"), mostly_long(AT_NOTHING, AT_NOTHING[1], AT_NOTHING[3], AT_NOTHING[8]), ids=str)
+@pytest.mark.parametrize("coupled", [0.0, 3.0])
+def test_without_pressure_k_is_a_point_and_the_tangent_none(name, values, coupled):
+    """The answers around say so too; with the pressure they move to one side, by the given rate where there is one."""
+    law = duhem.load(name)
+    open_ = [p for p, domain in law.parameters.items() if domain.value is None]
+    values = {p: values.get(p, 0.25 if p == "shift" else 0.5 - 0.1 * i) for i, p in enumerate(open_)}
+    d = len(law.forces)
+    trial = np.vstack([np.zeros(d), 88 * np.eye(d), -3 * np.eye(d), np.random.default_rng(0).standard_normal((2, d))])
+    if d == 2:
+        trial = np.vstack([trial, [88.0, 1.0], [88.0, -3.0]])
+    k, told = 10 * np.eye(d) + coupled, 0
+    for method in ("closed-form", "newton"):
+        if method == "closed-form" and law.closed_form is None:
+            continue
+        step = Projector.of(law, k, values, method)
+        done = step(trial, np.zeros(len(trial)), tangent=True)
+        assert not done.tangent.any(), (method, done.tangent)
+        for move in 1e-3 * k:
+            assert not step(trial + move, np.zeros(len(trial))).stress.any()
+        h = 1e-9 * np.ones(len(trial))
+        known = np.isfinite(done.tangent_pressure).all(axis=1)
+        np.testing.assert_allclose(done.tangent_pressure[known], (step(trial, -h).stress / -h[:, None])[known], rtol=1e-6, atol=1e-6)
+        told += known.sum()
+    assert told > 0
+
+
+def _segment(sides):
+    return duhem.Criterion("thin", sides, forces=("sigma_a", "sigma_b"), pressure=None)
+
+
+@pytest.mark.parametrize("sides", ["max(abs(sigma_a) - 1, abs(sigma_b))", "max(abs(sigma_a)/710 - 1/710, abs(sigma_b)/0.71)"])
+def test_the_end_of_a_segment_holds_what_is_pushed_past_it(sides):
+    done = duhem.project(
+        _segment(sides), [[3.0, 0.0], [3.0, 1e-3], [0.5, 2.0], [0.5, -2.0]], None, (2.0, 3.0), method="newton", tangent=True
+    )
+    expected = [np.zeros((2, 2)), np.zeros((2, 2)), np.diag([2.0, 0.0]), np.diag([2.0, 0.0])]
+    np.testing.assert_allclose(done.tangent, expected, atol=1e-12)

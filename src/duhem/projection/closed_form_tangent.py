@@ -26,10 +26,15 @@ __all__ = ["tangent"]
 
 
 def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | None]:
-    """d sigma/d u (N, d, d) in Pa/m, and d sigma/d sigma_n (N, d) or None for a law without pressure."""
+    """d sigma/d u (N, d, d) in Pa/m, and d sigma/d sigma_n (N, d) or None for a law without pressure.
+
+    Where K is a point d sigma/d u = 0, trials that stick there included; d sigma/d sigma_n is of the side where K opens.
+    """
     slips = (solution.slip != 0.0).any(axis=1)
     n, d = solution.stress.shape
-    of_u = np.where(slips[:, None, None], 0.0, increment.stiffness)
+    size = of_pressure(increment, declared(increment).load)(increment.pressure)
+    single = (size == 0.0) | coefficients(increment).empty | (not any(coefficients(increment).mu))
+    of_u = np.where((slips | single)[:, None, None], 0.0, increment.stiffness)
     of_load, through = np.zeros((n, d)), np.zeros((n, d, d))
     at = np.flatnonzero(slips)
     with np.errstate(all="ignore"):

@@ -37,6 +37,7 @@ _MEETS = 1e-9
 _INDEPENDENT = 1e-6  # a unit normal this close to the span of others lies in it
 _OTHER_WAYS = 8  # a force
 _TILT = 0.05
+_HARDLY = 1e-5
 _AT_ONCE = 256  # corners, around each of which some dozens of points are looked at
 _LITTLE = 1e-3  # of the push: sums of normals that are closer than this to the edge of their cone are on it
 
@@ -47,6 +48,10 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     Where the projection has no derivative (a seam in the curvature, the edge of a normal cone) it is that of the pieces
     that hold at the stress; nan where more normals meet than there are pieces (a tip whose cone of normals has the push on its
     edge, an edge of equal eigenvalues), where a curvature is infinite, and where the solution failed.
+
+    A K without inner points, as at sigma_n = 0 for most laws, has the tangent 0 where it is a point, trials that stick there
+    included; nan where the pieces found do not tell how it lies.  With the pressure it opens on one side only: d sigma/d sigma_n is of
+    that side, and nan where the pieces that press do not tell it (round boundaries, more than one sum of normals).
     """
     n, d = solution.stress.shape
     law = increment.law
@@ -63,6 +68,7 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     off = np.linalg.norm(push[slips] / length[slips, None] - there.normal, axis=1)
     along = off <= (_ALONG if there.choices.shape[1] else _SMOOTH)
     smooth = along & np.isfinite(there.bend).all(axis=(1, 2))
+    smooth[smooth] = pieces.open_behind(point[slips[smooth]], there.only(smooth).normal, length[slips[smooth]])
     if increment.g.has(Where):
         smooth[smooth] = _holds_beside(pieces, point[slips[smooth]])
     alone = there.only(smooth)
@@ -72,6 +78,8 @@ def tangent(increment: Increment, solution: Solution) -> tuple[Array, Array | No
     for at, found in chain([(slips[smooth], rates)], zip(corners, _at_corners(pieces, point[corners], push[corners]), strict=True)):
         if found is not None:
             of_u[at], of_pressure[at] = half @ found[0] @ half.T, found[1] @ root.T
+    if (stuck := np.flatnonzero(~solution.failed & (length == 0.0))).size:
+        _held_without_slip(pieces, point, stuck, of_u)
     of_u[solution.failed], of_pressure[solution.failed] = np.nan, np.nan
     return (of_u + np.swapaxes(of_u, 1, 2)) / 2, of_pressure if law.pressure else None
 
@@ -114,6 +122,31 @@ class _Pieces:
             turn = jet.hessian[:, :d, d] @ self.root if self.pressure else np.zeros_like(normal)
             rise = jet.gradient[:, d] if self.pressure else np.zeros_like(slope)
             return _Normals(jet.value / slope, normal / slope[:, None], bend, rise / slope, turn / slope[:, None], taken)
+
+    def open_behind(self, point: Array, normal: Array, push: Array) -> NDArray[np.bool_]:
+        """Whether the inside of K is met next to the points (M,), against their normals: a K that has none has more normals there."""
+        d, found = len(self.root), np.zeros(len(point), dtype=np.bool_)
+        size = np.abs(point[:, :d]).max(axis=1, initial=0.0)
+        size = np.where(size > 0.0, size, push)
+        for step in (_BESIDE, _MEETS):
+            left = np.flatnonzero(~found)
+            inside = point[left]
+            inside[:, :d] -= (step * size[left])[:, None] * (normal[left] @ self.root.T)
+            found[left] = self.g(inside, (), None, False)[0].value < 0.0
+        return found
+
+    def reach(self, point: Array, inner: Array, step: float) -> bool:
+        """Whether the stress can follow (d, d) from the point, one way or the other, and stay in K."""
+        d = len(self.root)
+        vectors, shares, _ = np.linalg.svd(inner)
+        ways = vectors[:, shares > _SMOOTH].T @ self.root.T
+        beside = np.tile(point, (2 * len(ways), 1))
+        beside[:, :d] += step * np.vstack([ways, -ways])
+        with np.errstate(all="ignore"):
+            jet = self.g(beside, (), None, False)[0]
+            assert jet.gradient is not None
+            out = jet.value > _LITTLE * step * np.linalg.norm(jet.gradient[:, :d] @ self.root, axis=1)
+        return not (out[: len(ways)] & out[len(ways) :]).any()
 
 
 def _rates(normal: Array, rise: Array, bend: Array, turn: Array) -> tuple[Array, Array]:
@@ -167,7 +200,9 @@ def _at_corners(pieces: _Pieces, point: Array, push: Array) -> Iterator[tuple[Ar
         there = pieces.at(np.repeat(point[some], counts, axis=0), np.concatenate(choices))
         for i, last in enumerate(np.cumsum(counts).tolist()):
             here = there.only(slice(last - counts[i], last))
-            yield _at_corner(here, around.only(slice(many * i, many * (i + 1))), push[some[i]], float(size[some[i]]))
+            found = _at_corner(here, around.only(slice(many * i, many * (i + 1))), push[some[i]], float(size[some[i]]))
+            told = found is not None and (not found[0].any() or pieces.reach(point[some[i]], found[0], _BESIDE * float(size[some[i]])))
+            yield found if told else None
 
 
 def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> tuple[Array, Array] | None:
@@ -181,8 +216,43 @@ def _at_corner(there: _Normals, around: _Normals, push: Array, size: float) -> t
             press = normals.only(found[0])
             bend, turn = press.weighted(found[1] * length) if few else (np.zeros((1, d, d)), np.zeros((1, d)))
             inner, load = _rates(press.normal[None], press.rise[None], bend.sum(axis=0)[None], turn.sum(axis=0)[None])
-            return inner[0], load[0]
+            return inner[0], load[0] if _followed(normals, load[0], few and bool(found[1].all())) else np.full(d, np.nan)
     return None
+
+
+def _followed(normals: _Normals, load: Array, told: bool) -> bool:
+    """Whether ``load`` (d,) is the rate of the stress with the pressure: of a K without inner points if the pieces have ``told`` it, each
+    by a share of its own, and none of the others is left as the pressure falls."""
+    if not _without_inside(normals.normal):
+        return True
+    rate = normals.normal @ load + normals.rise
+    return told and bool((rate >= -_SMOOTH * (1.0 + np.abs(normals.rise))).all())
+
+
+def _without_inside(normals: Array) -> bool:
+    """Whether a sum of the normals, none with a negative share, is none: no point is inside of all half-spaces."""
+    from scipy.optimize import nnls
+
+    system = np.vstack([normals.T, np.ones(len(normals))])
+    return bool(nnls(system, np.append(np.zeros(normals.shape[1]), 1.0))[1] <= _SMOOTH)
+
+
+def _held_without_slip(pieces: _Pieces, point: Array, at: NDArray[np.intp], of_u: Array) -> None:
+    """Trials on a K without inner points: where it is a point they stay, so that ``of_u`` is 0; else nan, as nothing presses."""
+    d = len(pieces.root)
+    at = at[pieces.g(point[at], (), None, False)[0].value >= 0.0]
+    ways, sides = _ways(d), np.vstack([np.eye(d), -np.eye(d)])
+    places, which = np.unique(point[at], axis=0, return_inverse=True)
+    for i, place in enumerate(places):
+        size = float(np.abs(place[:d]).max(initial=0.0)) or float(np.abs(place).max(initial=0.0)) or 1.0
+        beside = np.tile(place, (len(ways), 1))
+        beside[:, :d] += _BESIDE * size * ways
+        around = pieces.at(beside)
+        normals = around.normal[np.isfinite(around.normal).all(axis=1)]
+        if (around.level < 0.0).any() or not len(normals) or not _without_inside(normals):
+            continue
+        held = all(_is_sum(side, normals) for side in sides)
+        of_u[at[which.ravel() == i]] = 0.0 if held else np.nan
 
 
 @cache
@@ -191,6 +261,8 @@ def _ways(d: int) -> Array:
     regular = np.array([w for w in product((-1.0, 0.0, 1.0), repeat=d) if any(w)]) if d <= 3 else np.vstack([np.eye(d), -np.eye(d)])
     other = np.random.default_rng(0).standard_normal((len(regular) + _OTHER_WAYS * d, d))
     other[: len(regular)] = regular + _TILT * other[: len(regular)]
+    axes = np.vstack([np.eye(d), -np.eye(d)])  # a thin K shows some sides close to an axis alone
+    other = np.vstack([other, axes + _HARDLY * other[-len(axes) :]])
     return np.asarray(other / np.linalg.norm(other, axis=1)[:, None])
 
 
