@@ -13,6 +13,7 @@ from duhem import Criterion, Domain, ParametricCriterion, Verdict, Verification,
 from duhem.left_out import LeftOut
 from duhem.proof.verification import ClaimResult
 from duhem.show.printing import sheet
+from duhem.testing.failures.report import Report
 
 HOSTILE = '<script>alert("1")</script> & $x$ \\(y\\) | *z*'
 TAGS = {"div", "p", "strong", "table", "thead", "tbody", "tr", "th", "td", "ul", "li", "span", "code"}
@@ -151,3 +152,23 @@ def test_of_many_points_the_first_are_shown_and_none_is_a_number_that_is_not() -
     )
     assert broken.to_dict()["slip"] == [[None, None]] * 30 and len(broken.to_dict()["remarks"]) == 30
     json.dumps(broken.to_dict(), allow_nan=False)
+
+
+def test_a_history_shows_its_ends_and_what_it_left_out() -> None:
+    path = duhem.Path.linear(np.outer(np.arange(41), [3.0, 4.0]), pressure=-1.0)
+    done = duhem.simulate("coulomb", path, stiffness=1.0, parameters={"mu": 0.5})
+    rows = sheet(done).rows
+    assert len(rows) == 12 and [row[0] for row in rows[:: len(rows) - 1]] == ["0", str(len(done) - 1)]
+    assert rows[-1][1:] == tuple(f"{x:.6g}" for x in done.to_array()[-1])
+    assert all(cell in Read(done.to_html()).said for row in [sheet(done).head, *rows] for cell in row)
+    assert f"12 of {len(done)} knots" in done._repr_markdown_() and repr(done).startswith(f"<History of coulomb: {len(done)} knots")
+    assert done.to_text().startswith("time,")
+
+
+def test_a_report_of_a_routine_says_how_each_check_came_out() -> None:
+    report = Report(HOSTILE, ("one",), (), {"two": HOSTILE}, 7, 1, expected={"three": "known"}, unexpected={"one": "mended"})
+    assert dict(sheet(report).rows) == {"one": "passed, and was expected to fail", "two": "left out", "three": "failed, as expected"}
+    read = Read(report._repr_html_())
+    assert f"two: {HOSTILE}" in read.said and "$x" not in read.typeset
+    assert repr(report) == f"<Report of {HOSTILE}: 1 checks passed, 1 failed, 1 left out; 7 increments, 1 flagged>"
+    assert report.to_text() == str(report) and json.loads(json.dumps(report.to_dict()))["left_out"] == {"two": HOSTILE}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from duhem.path.plan import Plan
 from duhem.projection.result import Array
 from duhem.show.place import write, written
 from duhem.show.printing import draw
+from duhem.show.shown import Shown
 
 __all__ = ["STATES", "SUMS", "History", "Recorded", "columns"]
 
@@ -54,8 +55,8 @@ class Recorded:
         return [getattr(self, name) for name in STATES if name != "pressure" or self.pressure_name]
 
 
-@dataclass(frozen=True, eq=False)
-class History(Recorded):
+@dataclass(frozen=True, eq=False, repr=False)
+class History(Recorded, Shown):
     """The states of a law at the m knots of a path, knot 0 being the start.
 
     ``displacement`` u, ``slip`` u_in (m, d) in m; ``stress`` sigma (m, d), ``pressure`` sigma_n (m,) in Pa;
@@ -67,7 +68,12 @@ class History(Recorded):
     the question that was answered, from which :func:`duhem.path.trajectory.trajectory` finds what lies between the knots.
     """
 
-    plan: Plan | None = field(default=None, repr=False)
+    printed_by: ClassVar[str] = "duhem.path.history_sheet"
+
+    plan: Plan | None = field(default=None)
+
+    def __repr__(self) -> str:
+        return f"<History of {self.law}: {len(self)} knots; {self.method}>"
 
     def __len__(self) -> int:
         return len(self.time)

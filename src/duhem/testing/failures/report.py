@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import ClassVar
 
 from duhem.law.formula_law import Criterion
 from duhem.show.place import write
+from duhem.show.shown import Shown
 from duhem.testing.checks.registry import Check
 from duhem.testing.drawn.case import Case
 from duhem.testing.failures.departure import Departure
@@ -138,8 +140,8 @@ def write_replays(failures: Iterable[Failure], folder: str | Path) -> tuple[Path
     return tuple(written)
 
 
-@dataclass(frozen=True)
-class Report:
+@dataclass(frozen=True, repr=False)
+class Report(Shown):
     """What a routine was found to be: names of checks ``passed``, ``failures``, and ``left_out`` with the reason.
 
     A check passed only if it judged an answer of the routine (or looks at the law alone).
@@ -150,6 +152,8 @@ class Report:
     were expected to fail.  ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.visited.Visited`), and
     ``decades`` the first and last power of ten of what was drawn, in ``examples`` cases by ``seed``.
     """
+
+    printed_by: ClassVar[str] = "duhem.testing.failures.report_formats"
 
     law: str
     passed: tuple[str, ...]
@@ -186,12 +190,19 @@ class Report:
         """One test file a cause (:meth:`Failure.replay`), written to a folder that is made where there is none."""
         return write_replays(self.failures, folder)
 
-    def __str__(self) -> str:
+    def counted(self) -> str:
+        """How many checks came out in which way, and how many increments were asked for, in words."""
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
         counts += f", {len(self.left_out)} left out" if self.left_out else ""
+        return f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged"
+
+    def __repr__(self) -> str:
+        return f"<Report of {self.counted()}>"
+
+    def __str__(self) -> str:
         return "\n".join(
             [
-                f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged",
+                self.counted(),
                 *map(str, self.failures),
                 *(f"{name} passed, and was expected to fail: {why}" for name, why in self.unexpected.items()),
                 *(f"{name} failed, as expected: {why}" for name, why in self.expected.items()),

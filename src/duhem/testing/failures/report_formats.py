@@ -6,11 +6,15 @@ from collections.abc import Mapping
 from typing import Any
 from xml.etree import ElementTree
 
+from duhem.show.page import PAGE, Page
+from duhem.show.printing import plain, sheet, text
+from duhem.show.sheet import Sheet
 from duhem.testing.failures.report import Failure, Report
 
-__all__ = ["as_dict", "as_junit"]
+__all__ = ["as_dict", "as_junit", "as_sheet", "as_text"]
 
 
+@plain.register(Report)
 def as_dict(report: Report) -> dict[str, Any]:
     """Everything a report holds, with what shows each failure again; numbers that are not finite as None."""
     return {
@@ -29,6 +33,30 @@ def as_dict(report: Report) -> dict[str, Any]:
         "visited": dict(report.visited),
         "decades": {name: list(ends) for name, ends in report.decades.items()},
     }
+
+
+@text.register(Report)
+def as_text(report: Report, page: Page = PAGE) -> str:
+    """What ``str`` gives: lines of code to see a failure again stay as they are, however wide."""
+    return str(report)
+
+
+@sheet.register(Report)
+def as_sheet(report: Report) -> Sheet:
+    """A row a check; then what is likely wrong, and why checks were left out or expected to fail."""
+    outcomes = dict.fromkeys(report.passed, "passed") | dict.fromkeys(report.left_out, "left out")
+    outcomes |= dict.fromkeys(sorted(report.failed), "failed") | dict.fromkeys(report.expected, "failed, as expected")
+    outcomes |= dict.fromkeys(report.unexpected, "passed, and was expected to fail")
+    reasons = {**report.left_out, **report.expected, **report.unexpected}
+    return Sheet(
+        report.counted(),
+        head=("check", "outcome"),
+        rows=tuple(outcomes.items()),
+        notes=(
+            ("Failures", tuple(f"{f.check.name}: {f.diagnosis or f.message}" for f in report.failures)),
+            ("Reasons", tuple(f"{name}: {why}" for name, why in reasons.items())),
+        ),
+    )
 
 
 def _failure(failure: Failure) -> dict[str, Any]:
