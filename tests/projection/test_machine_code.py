@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from duhem.projection import kept_code, machine_code
+from duhem.projection import kept_code, kept_files, machine_code
 from tests.long import mostly_long
 
 TEXT = """
@@ -52,10 +52,6 @@ def through_numba(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Pa
 def found(folder: Path) -> Path:
     (path,) = folder.glob("*.o")
     return path
-
-
-def sealed(rest: bytes) -> bytes:
-    return machine_code._sum(rest) + b"\n" + rest
 
 
 SECOND = """
@@ -109,14 +105,22 @@ def test_arguments_of_other_kinds_are_compiled_for_by_themselves(through_numba: 
 @pytest.mark.parametrize("at", [0, 70, 300, -1, -2000])
 def test_what_is_damaged_is_not_run(at: int, through_numba: tuple[Path, bytes], tmp_path: Path) -> None:
     whole = found(through_numba[0]).read_bytes()
-    assert machine_code.kept(found(through_numba[0]), "run") is not None
+    path = tmp_path / found(through_numba[0]).name
+    path.write_bytes(whole)
+    assert machine_code.kept(path, "run") is not None
     changed = bytearray(whole)
     changed[at] ^= 1
-    (tmp_path / "changed.o").write_bytes(changed)
-    (tmp_path / "short.o").write_bytes(whole[: len(whole) // 2])
-    (tmp_path / "empty.o").write_bytes(b"")
-    for name in ("changed.o", "short.o", "empty.o", "none.o"):
-        assert machine_code.kept(tmp_path / name, "run") is None
+    for damaged in (bytes(changed), whole[: len(whole) // 2], b""):
+        path.write_bytes(damaged)
+        assert machine_code.kept(path, "run") is None
+    path.unlink()
+    assert machine_code.kept(path, "run") is None
+
+
+def test_the_code_of_another_law_is_not_run(through_numba: tuple[Path, bytes], tmp_path: Path) -> None:
+    path = tmp_path / f"other_{found(through_numba[0]).name}"
+    path.write_bytes(found(through_numba[0]).read_bytes())
+    assert machine_code.kept(path, "run") is None
 
 
 @pytest.mark.parametrize(
@@ -126,9 +130,9 @@ def test_what_calls_or_names_something_unknown_is_not_run(of: bytes, to: bytes, 
     rest = found(through_numba[0]).read_bytes().partition(b"\n")[2]
     assert of in rest.partition(b"\n")[0]
     path = tmp_path / "changed.o"
-    path.write_bytes(sealed(rest.replace(of, to, 1)))
+    kept_files.written(path, rest.replace(of, to, 1))
     assert machine_code.kept(path, "run") is None
-    path.write_bytes(sealed(rest))
+    kept_files.written(path, rest)
     assert machine_code.kept(path, "run") is not None
 
 

@@ -4,8 +4,8 @@ Importing numba and having it load a function that it kept takes longer than all
 is an object file, which llvmlite alone can load; what that calls is Python's, the C library's or that of numba's extension modules,
 which are loaded by themselves.  So the same machine code runs, to the bit.
 
-What is kept is found by the text, the kinds of the arguments and everything that the code was made with and for, and is sealed by a
-sum over it.  Where anything is missing or other than expected there is none, and numba finds its own or compiles.
+What is kept is found by the text, the kinds of the arguments and everything that the code was made with and for, and is sealed.  Where
+anything is missing or other than expected there is none, and numba finds its own or compiles.
 """
 
 from __future__ import annotations
@@ -26,6 +26,8 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+
+from duhem.projection import kept_files
 
 __all__ = ["Kinds", "keep", "kept", "kinds", "place"]
 
@@ -77,21 +79,15 @@ def keep(path: Path, compiled: Any, arguments: Iterable[Any]) -> None:
         names = {"function": described.llvm_cpython_wrapper_name, "environment": described.env_name, "calls": _undefined(code)}
         if not all(map(_address, names["calls"])):
             return
-        rest = json.dumps(names).encode() + b"\n" + code
-        beside = path.with_suffix(f".{os.getpid()}")
-        beside.write_bytes(_sum(rest) + b"\n" + rest)
-        beside.replace(path)
+        kept_files.written(path, json.dumps(names).encode() + b"\n" + code)
 
 
 def kept(path: Path, name: str) -> Callable[..., Any] | None:
     """The function that is kept there, ``name`` to Python; None where there is none that can be run."""
-    try:
-        seal, _, rest = path.read_bytes().partition(b"\n")
-    except OSError:
+    content = kept_files.read(path)
+    if content is None:
         return None
-    if seal != _sum(rest):
-        return None
-    head, _, code = rest.partition(b"\n")
+    head, _, code = content.partition(b"\n")
     with suppress(*_OTHER):
         return _loaded(code, json.loads(head), name)
     return None
@@ -120,10 +116,6 @@ def _loaded(code: bytes, names: Mapping[str, Any], name: str) -> Callable[..., A
     ctypes.c_void_p.from_address(environment).value = id(own)
     run: Callable[..., Any] = functions.make_function(holder, name, "", begin, own, (engine,))
     return run
-
-
-def _sum(of: bytes) -> bytes:
-    return hashlib.sha256(of).hexdigest().encode()
 
 
 @cache

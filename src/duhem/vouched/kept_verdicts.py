@@ -20,6 +20,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.law.formula_law import Criterion
+from duhem.projection import kept_files
 from duhem.projection.kept_code import kept_folder
 
 __all__ = ["STANDS", "keep", "place", "recalled"]
@@ -41,11 +42,8 @@ def place(law: Criterion, question: str) -> Path | None:
 
 def recalled(path: Path) -> str | None:
     """The verdict that is kept there; None where there is none, or not a whole one."""
-    try:
-        verdict, _, seal = path.read_text("utf-8").partition(" ")
-    except (OSError, ValueError):
-        return None
-    return verdict if verdict in STANDS and seal == _seal(path, verdict) else None
+    content = kept_files.read(path)
+    return next((verdict for verdict in STANDS if content == verdict.encode()), None)
 
 
 def keep(path: Path, verdict: str) -> None:
@@ -54,16 +52,10 @@ def keep(path: Path, verdict: str) -> None:
         return
     with suppress(OSError):
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        beside = path.with_suffix(f".{os.getpid()}")
-        beside.write_text(f"{verdict} {_seal(path, verdict)}", "utf-8")
-        beside.replace(path)
+        kept_files.written(path, verdict.encode())
         if len(os.listdir(path.parent)) > _MOST:
             for old in sorted(path.parent.iterdir(), key=lambda one: one.stat().st_mtime_ns)[: _MOST // 2]:
                 old.unlink(missing_ok=True)
-
-
-def _seal(path: Path, verdict: str) -> str:
-    return hashlib.sha256(f"{path.name} {verdict}".encode()).hexdigest()
 
 
 def _told(value: Any) -> Iterator[str]:
