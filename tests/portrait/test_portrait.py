@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 from math import cos, pi, sin, sqrt
 
 import numpy as np
@@ -18,6 +19,7 @@ from duhem.portrait.lines import _turns
 from duhem.portrait.numbers import Numbered, numbered
 from duhem.portrait.plane import named, usual
 from duhem.portrait.section import View, section
+from duhem.portrait.step import step
 from duhem.show import figure
 
 pytest.importorskip("matplotlib")
@@ -208,6 +210,23 @@ def test_an_increment_is_drawn_where_it_goes() -> None:
     places = {line.get_label(): line.get_xydata() for line in axes.lines}
     assert places["increment's end: slip"] == pytest.approx(np.array([[0.3, 0.1]]), abs=1e-9)
     assert faults(axes.figure) == []
+
+
+def test_points_of_a_witness_that_are_close_together_are_told_apart() -> None:
+    found = duhem.verify("tresca", claims="smoothness")
+    shown = violation(found.criterion, found["smoothness"])
+    assert set(shown.points) == {"corner", "inside", "outside", "opposite"}
+    apart = [np.hypot(*(a - b)) for a, b in combinations(shown.points.values(), 2)]
+    assert min(apart) > 0.05 * shown.section.size
+
+
+def test_an_increment_of_one_force_is_drawn_at_its_pressure() -> None:
+    law = duhem.Criterion(name="one", g="abs(sigma_a) + sigma_n/2", forces=("sigma_a",))
+    at = given(law)
+    plane = usual(law, -2.0)[0]
+    taken = step(at, [3.0], 1.0, plane, 0.25, -2.0)
+    assert taken.trial == pytest.approx([-2.0, 3.0]) and taken.stress == pytest.approx([-2.0, 1.0])
+    assert taken.slip == pytest.approx([0.0, 0.25]) and taken.status == "slip"
 
 
 # ---- what does not fit

@@ -52,6 +52,13 @@ class Plane:
         across = np.column_stack([self.x, self.y])
         return np.asarray((coordinates - self.base) @ np.linalg.pinv(across).T)
 
+    @property
+    def plain(self) -> str:
+        """The plane in the names of the law, as a message says it."""
+        along = [name for name, x, y in zip(self.names, self.x, self.y, strict=True) if x or y]
+        kept = [f"{name} = {at:g}" for name, x, y, at in zip(self.names, self.x, self.y, self.base, strict=True) if not x and not y]
+        return f"the {'plane' if len(along) > 1 else 'line'} of {', '.join(along)}" + (f" at {', '.join(kept)}" if kept else "")
+
     def shares(self, directions: Array) -> Array:
         """Slips (..., n) by the force that does work along X and along Y: their parts (..., 2) in the plane."""
         return np.stack([directions @ self.x, directions @ self.y], axis=-1)

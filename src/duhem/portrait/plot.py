@@ -70,7 +70,7 @@ def plot(
         seen = cut(given, plane, moves=pressure is None)
         plane = seen.plane
         if trial is not None and i == 0:
-            taken = step(given, trial, stiffness, plane, 0.22 * seen.size)
+            taken = step(given, trial, stiffness, plane, 0.22 * seen.size, -1.0 if pressure is None else pressure)
             painters.append(partial(_increment, seen=_reaching(given, seen, taken), taken=taken, unit=unit))
         else:
             painters.append(partial(paint_section, found=seen, unit=unit))

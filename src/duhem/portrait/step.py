@@ -34,16 +34,20 @@ class TrialStep:
     status: str
 
 
-def step(given: Numbered, trial: ArrayLike, stiffness: ArrayLike, plane: Plane, length: float) -> TrialStep:
+def step(given: Numbered, trial: ArrayLike, stiffness: ArrayLike, plane: Plane, length: float, pressure: float = -1.0) -> TrialStep:
     """An increment from one trial stress (d,) as a plane of forces shows it: what lies across is left out; the slip gets ``length``.
 
-    Its status is that of :func:`duhem.project`.  InputError for a plane along the pressure and for input that it refuses.
+    A law of one force has no plane of forces: there it is drawn along the pressure, at ``pressure``.  Its status is that of
+    :func:`duhem.project`.  InputError for another plane along the pressure and for input that it refuses.
     """
-    if not plane.slips:
-        raise InputError("an increment is drawn in a plane of forces", where="trial", remedy="name such a plane first")
     law = load_formula(given.law)
+    alone = plane.pressed and len(law.forces) == 1
+    base = np.array([0.0, pressure]) if alone else plane.base
+    if not (plane.slips or alone):
+        remedy = f"name such a plane first, as {','.join(law.forces[:2])}"
+        raise InputError("an increment is drawn in a plane of forces", where="trial", remedy=remedy)
     prepared = Projector.of(law, stiffness)
-    question = posed(prepared.setting, trial, float(plane.base[-1]) if law.pressure else None)
+    question = posed(prepared.setting, trial, float(base[-1]) if law.pressure else None)
     if len(question.trial) != 1:
         raise InputError(f"{len(question.trial)} trial stresses are given", where="trial", remedy="give one")
     if not prepared.method.convex:
@@ -52,7 +56,7 @@ def step(given: Numbered, trial: ArrayLike, stiffness: ArrayLike, plane: Plane, 
     n, status = len(plane.names), Status(int(done.status[0]))
 
     def full(force: Array) -> Array:
-        return np.concatenate([force, plane.base[len(force) :]])[:n]
+        return np.concatenate([force, base[len(force) :]])[:n]
 
     slip = np.concatenate([done.slip[0], np.zeros(n - len(done.slip[0]))])
     size = float(np.linalg.norm(slip))

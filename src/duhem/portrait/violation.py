@@ -70,13 +70,14 @@ def violation(law: Law, result: ClaimResult) -> Violation:
 
 
 def _around(whole: Window, points: Iterable[Array], way: Array | None) -> Window | None:
-    """A window for a way that is too short to be seen, or points out of sight; None where the whole of K shows them."""
+    """A window for points too close together to be told apart, or out of sight; None where the whole of K shows them."""
     every = np.array([*points])
     low, high = every.min(axis=0), every.max(axis=0)
     size = float(max(whole[1] - whole[0], whole[3] - whole[2]))
-    long = float(np.hypot(*(way[1] - way[0]))) if way is not None else 0.0
-    if way is not None and 0.0 < long < _SMALL * size:
-        middle = way.mean(axis=0)
+    told = every if way is None else way
+    long = float(np.hypot(*np.ptp(told, axis=0)))
+    if 0.0 < long < _SMALL * size:
+        middle = (told.min(axis=0) + told.max(axis=0)) / 2.0
         return (middle[0] - 1.1 * long, middle[0] + 1.1 * long, middle[1] - 1.1 * long, middle[1] + 1.1 * long)
     free = 0.05 * size
     box = (
