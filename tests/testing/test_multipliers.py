@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from duhem import Criterion, Domain
-from duhem.testing import Case, Step, violation
+from duhem.testing import Case, Step, conformance, violation
 
 SIDES = {"mu_a": 0.3, "mu_b": 0.2}
 DISK = "norm(a, b) - r", "norm(a, b)**2 - r**2", "5*norm(a, b) - 5*r", "norm(a, b)/r - 1"
@@ -56,3 +56,14 @@ def test_it_is_none_of_its_business_where_the_stress_is_another_one() -> None:
 def test_a_set_that_is_one_point_has_none() -> None:
     for amount in (1.0, 2.0, 1e9):
         assert not refused("coulomb", at({"mu": 0.3}, [1.0, 1.0], 0.0, [1.0, 1.0]), [0.0, 0.0], amount)
+
+
+def test_a_factor_is_told_from_one() -> None:
+    def update(trial: np.ndarray, *_: object, **__: float) -> Step:
+        size = np.linalg.norm(trial, axis=1)
+        stress = trial * (0.3 / np.maximum(size, 0.3))[:, None]
+        return Step(stress, multiplier=(1.0 + 1e-7) * np.linalg.norm(trial - stress, axis=1))
+
+    options = {"stiffness": 1.0, "pressure": -1.0, "max_examples": 3, "tries": 5}
+    report = conformance("coulomb", update, {"mu": 0.3}, checks=["multiplier"], **options)
+    assert report.failures[0].diagnosis == "the multiplier is 1.0000001 times the slip over the gradient of g"

@@ -139,7 +139,7 @@ class ConformanceRun:
         self.found: list[Failure] = []
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
-        self.points = self.flagged = self.examples = 0
+        self.points = self.flagged = self.undefined = self.examples = 0
         self.last: Case | None = None
         self.shortened: dict[str, Failure] = {}
         self.visited = self._nothing_visited()
@@ -266,7 +266,7 @@ class ConformanceRun:
                     yield self._failure(asked, message, query.case.row(row), measured, allowed)
         finally:
             self.points += query.points
-            self.flagged += query.flagged
+            self.flagged, self.undefined = self.flagged + query.flagged, self.undefined + int(query.unsaid.sum())
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """The same with the increment, and what shows it again."""
@@ -296,8 +296,7 @@ class ConformanceRun:
         """What was found so far."""
         bad = {f.check.name for f in self.found}
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
-        told = self._told(f for f in self.found if f.check.name not in self.expected)
-        causes, explained = self._causes(told)
+        causes, explained = self._causes(self._told(f for f in self.found if f.check.name not in self.expected))
         causes = tuple(map(self._short, causes))
         return Report(
             law=self._title(),
@@ -306,6 +305,7 @@ class ConformanceRun:
             left_out={name: why for name, why in self.left_out.items() if name not in self.judged},
             points=self.points,
             flagged=self.flagged,
+            undefined=self.undefined,
             explained=explained,
             expected={name: why for name, why in self.expected.items() if name in bad},
             unexpected={name: why for name, why in self.expected.items() if name in passed},

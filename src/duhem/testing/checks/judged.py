@@ -20,6 +20,11 @@ def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
     counts = query.sound | asked.law_only
     if not counts.any():
         raise NothingToCheck("the routine flags every increment as not solved")
+    if finding.unknown is not None:
+        query.unsaid |= finding.unknown
+        counts &= ~finding.unknown
+        if not counts.any():
+            raise NothingToCheck("g of the law has no value at any of the stresses to be judged")
     bad = finding.violated & counts
     if not bad.any():
         return None

@@ -22,7 +22,8 @@ _ALONG = 1.0 - 1e-6  # cosine of a slip along the normal
     source="Antoni et al. (2007), Eq. 36; at corners F. H. Clarke (1983), Optimization and Nonsmooth Analysis, section 2.3",
     tolerance="sign: none; zero: lambda |grad g| <= 2 u, the slip that rounding of the boundary explains; size: |sigma_tr - sigma| within "
     "2 u of lambda times the slopes of g along it within 4 u of the stress, at a kink within 1024 u, if the stress is on the boundary and "
-    "the slip normal to it; where some of those slopes are not positive (the tip of a cone, a K that thin) there is no one multiplier",
+    "the slip normal to it; where the gradient vanishes on the boundary there is "
+    "none, and where some of those slopes are not positive (the tip of a cone, a K that thin) there is no one multiplier",
 )
 def multiplier(q: Query) -> Finding:
     found = q.first[0]
@@ -35,8 +36,20 @@ def multiplier(q: Query) -> Finding:
         size = np.where(amount == 0.0, 0.0, amount * q.dual_length(gradient))
     allowed = 2.0 * q.unit(found)
     free = q.certainly((size > allowed) & np.isfinite(amount), found.trial, outside=False)
-    wrong = free | ~np.isfinite(given) & ~(given > 0.0) | (amount != given)
-    return Finding(np.where(wrong, size, _lacking(q, found, given)), allowed)
+    none = _vanishing(q, found)
+    wrong = free | ~np.isfinite(given) & ~(given > 0.0) & ~(none & np.isnan(given)) | (amount != given) & ~np.isnan(given)
+    return Finding(np.where(wrong, size, np.where(none, 0.0, _lacking(q, found, given))), allowed)
+
+
+def _vanishing(q: Query, found: Reply) -> NDArray[np.bool_]:
+    """Where a stress that slips has a gradient that is 0 on the boundary: it doubles, of one piece of g, within what u allows."""
+    asked, u = found.trial - found.stress, q.unit(found)
+    length = q.length(asked)
+    gradient, piece = q.region.slope(found.stress, q.pressure)
+    with np.errstate(all="ignore"):
+        step = (_BESIDE[0] * u / length)[:, None] * asked
+        beside = [q.dual_length(q.region.slope(found.stress + s * step, q.pressure, choices=piece)[0]) for s in (1.0, -1.0)]
+    return np.asarray((length > 2.0 * u) & (np.fmax(*beside) >= 2.0 * q.dual_length(gradient)))
 
 
 def _lacking(q: Query, found: Reply, amount: Array) -> Array:

@@ -65,7 +65,8 @@ class Reply:
 @dataclass
 class Query:
     """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies;
-    ``overwritten`` (N,): the names of what the routine was only given and has changed, "" where nothing."""
+    ``overwritten`` (N,): the names of what the routine was only given and has changed, "" where nothing; ``unsaid`` (N,): the
+    rows of which a check could not judge, since g has no value there."""
 
     region: Region
     case: Case
@@ -76,10 +77,12 @@ class Query:
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
     overwritten: Overwritten = field(init=False)
+    unsaid: NDArray[np.bool_] = field(init=False)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self.sound = np.ones(len(self.case), dtype=np.bool_)
+        self.unsaid = ~self.sound
         self.overwritten = np.full(len(self.case), "", dtype=object)
         self._lower, self._inverse = factors(self.case.stiffness)
 
@@ -141,10 +144,12 @@ class Query:
         return np.zeros(len(self.case)) if self.case.pressure is None else self.case.pressure
 
     def certainly(self, suspects: NDArray[np.bool_], stress: Array, *, outside: bool) -> NDArray[np.bool_]:
-        """Which of the suspects lie outside K, or inside, in 60 digits: rounding of g must not accuse anyone."""
+        """Which of the suspects lie outside K, or inside, in 60 digits: rounding of g must not accuse anyone, nor what g does not say."""
         found = np.zeros(len(stress), dtype=np.bool_)
         at = np.flatnonzero(suspects)
         found[at] = self.region.outside(stress[at], self.pressure[at]) == outside
+        if outside and found.any():
+            found[found] = ~self.region.unknown(stress[found], self.pressure[found])
         return found
 
     # -- replies -------------------------------------------------------------------------------------------------------

@@ -17,11 +17,15 @@ __all__ = ["Check", "Finding", "register", "registered"]
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check measured at each row (N,) and what it allows; more, or nan, is a violation; ``said`` (N,) instead of the numbers."""
+    """What a check measured at each row (N,) and what it allows; more, or nan, is a violation; ``said`` (N,) instead of the numbers.
+
+    ``unknown`` (N,): the rows of which the law does not say, as its g has no value there; they are not judged.
+    """
 
     measured: Array
     allowed: Array
     said: NDArray[np.object_] | None = None
+    unknown: NDArray[np.bool_] | None = None
 
     @property
     def violated(self) -> NDArray[np.bool_]:

@@ -44,7 +44,8 @@ def answers(q: Query) -> Finding:
     statement="the stress is admissible",
     formula="g(sigma, sigma_n) <= 0",
     source=_LAW,
-    tolerance="g <= u |grad g|: sigma lies within u of K (exact for convex g, first order otherwise); beyond it, judged in 60 digits",
+    tolerance="g <= u |grad g|: sigma lies within u of K (exact for convex g, first order otherwise); beyond it, judged in 60 digits, "
+    "there and at u from there: towards 0, against the slip and against grad g, which may vanish on the boundary",
 )
 def feasibility(q: Query) -> Finding:
     found = q.first[0]
@@ -54,7 +55,14 @@ def feasibility(q: Query) -> Finding:
     level = q.region.level(found.stress, q.pressure)
     allowed = np.where(level <= 0.0, np.fmax(allowed, 0.0), allowed)  # inside K nothing rests on a gradient, which a root may lack
     out = q.certainly(~(level <= allowed), found.stress, outside=True)
-    return Finding(np.where(out, level, np.fmin(level, 0.0)), allowed)
+    for way in (found.stress, _slip(q, found), gradient @ q.case.stiffness) if out.any() else ():
+        size, u = q.length(way), q.unit(found)
+        with np.errstate(all="ignore"):
+            near = found.stress - np.fmin(u / size, 1.0 if way is found.stress else np.inf)[:, None] * way
+        beside = out & np.isfinite(near).all(axis=1)
+        out &= ~q.certainly(beside, np.where(beside[:, None], near, 0.0), outside=False)
+    allowed = np.where(out, allowed, np.fmax(allowed, 0.0))
+    return Finding(np.where(out, level, np.fmin(level, 0.0)), allowed, unknown=q.region.unknown(found.stress, q.pressure))
 
 
 @register(

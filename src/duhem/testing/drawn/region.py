@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from mpmath import isfinite
 from numpy.typing import NDArray
 
 from duhem.expression import mpmath_
@@ -54,6 +55,17 @@ class Region:
         """Whether g > 0 (N,), in 60 digits: the stresses count as exact."""
         return np.array([self._exactly(s, p) for s, p in zip(stress.tolist(), pressure.tolist(), strict=True)], dtype=np.bool_)
 
+    def unknown(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
+        """Where the law does not say whether a stress is in K (N,): g has no value there, nor at the origin, in 60 digits or as a limit.
+
+        Where g has a value at the origin and none at the stress, that lies beyond the domain of g, and outside K.
+        """
+        found = np.isfinite(stress).all(axis=1) & np.isnan(self.level(stress, pressure))
+        found[found] = np.isnan(self.level(np.zeros_like(stress[found]), pressure[found]))
+        at = np.flatnonzero(found)
+        found[at] = [self._in_many_digits(s, p) is None for s, p in zip(stress[at].tolist(), pressure[at].tolist(), strict=True)]
+        return found
+
     def rounding(self, stress: Array, pressure: Array) -> Array:
         """A bound (N,) on what evaluating g in doubles may be off by, as the formula is written; 0 where none is known.
 
@@ -86,13 +98,20 @@ class Region:
         return found
 
     def _others(self, pressure: Any) -> list[Any]:
-        return [*([pressure] if self.law.pressure else []), *(self.parameters[name] for name in self.law.parameters)]
+        """Pressure 0 as -0.0, the end of those that press: a pole there has the sign that it has beside it."""
+        load = np.where(pressure == 0.0, -0.0, pressure)[()]
+        return [*([load] if self.law.pressure else []), *(self.parameters[name] for name in self.law.parameters)]
 
     def _exactly(self, stress: list[float], pressure: float) -> bool:
+        level = self._in_many_digits(stress, pressure)
+        return level is None or not level <= 0
+
+    def _in_many_digits(self, stress: list[float], pressure: float) -> Any:
+        """g, or its limit, if it has one; None where it has neither."""
         (level,) = _in_digits(self.law)(*stress, *self._others(pressure))
-        if level != level:  # a limit, if it has one
+        if not isfinite(level):  # mpmath has no -0.0
             level = self.level(np.array([stress]), np.array([pressure]))[0]
-        return not level <= 0
+        return level if level == level else None
 
 
 @lru_cache(maxsize=64)

@@ -12,6 +12,11 @@ from duhem.testing.failures.diagnosis import Probe, constant, suggests
 __all__: list[str] = []
 
 
+def _unlike_one(factor: float) -> str:
+    """With six digits, or as many as tell it from 1."""
+    return next((said for n in range(6, 17) if float(said := f"{factor:.{n}g}") != 1.0), "1")
+
+
 def _slip(p: Probe) -> Array:
     return _compliant(p, p.trial - p.returned)
 
@@ -62,7 +67,7 @@ def slip_as_a_displacement(p: Probe) -> Iterator[tuple[str, Array]]:
 def multiple_of_the_slip(p: Probe) -> Iterator[tuple[str, Array]]:
     right, given = _slip(p), np.asarray(p.reply.slip)
     if (factor := constant(np.einsum("ij,ij->i", given, right) / np.einsum("ij,ij->i", right, right))) is not None:
-        yield f"the slip is {factor:.6g} times what the stress lacks", factor * right
+        yield f"the slip is {_unlike_one(factor)} times what the stress lacks", factor * right
 
 
 def _multiplier(p: Probe) -> Array:
@@ -88,7 +93,7 @@ def multiple_of_the_multiplier(p: Probe) -> Iterator[tuple[str, Array]]:
     if factor == 0.0:
         yield "the multiplier returned is always zero", np.zeros_like(right)
     elif factor is not None:
-        yield f"the multiplier is {factor:.6g} times the slip over the gradient of g", factor * right
+        yield f"the multiplier is {_unlike_one(factor)} times the slip over the gradient of g", factor * right
 
 
 @suggests("multiplier")

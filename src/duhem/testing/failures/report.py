@@ -146,6 +146,7 @@ class Report(Shown):
 
     A check passed only if it judged an answer of the routine (or looks at the law alone).
     ``points`` increments were asked of the routine, of which it flagged ``flagged`` as not solved: they are not judged.
+    At ``undefined`` increments g has no value where a check needs it, which does not judge them.
 
     ``failures`` are likely causes, the likeliest first; ``explained`` are those of the checks that a cause explains.
     ``expected``: the checks that failed as was expected, with the reason given; ``unexpected``: those that passed though they
@@ -168,6 +169,7 @@ class Report(Shown):
     decades: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     examples: int = 0
     seed: int | None = None
+    undefined: int = 0
 
     @property
     def ok(self) -> bool:
@@ -194,7 +196,8 @@ class Report(Shown):
         """How many checks came out in which way, and how many increments were asked for, in words."""
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
         counts += f", {len(self.left_out)} left out" if self.left_out else ""
-        return f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged"
+        unsaid = f", {self.undefined} not judged where g has no value" if self.undefined else ""
+        return f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged{unsaid}"
 
     def __repr__(self) -> str:
         return f"<Report of {self.counted()}>"

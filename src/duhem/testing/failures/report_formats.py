@@ -28,6 +28,7 @@ def as_dict(report: Report) -> dict[str, Any]:
         "left_out": dict(report.left_out),
         "increments": report.points,
         "flagged": report.flagged,
+        "undefined": report.undefined,
         "examples": report.examples,
         "seed": report.seed,
         "visited": dict(report.visited),

@@ -1,0 +1,47 @@
+"""A right routine is not accused for the way in which g is written: without a value at pressure 0, or without a slope on the boundary."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from duhem import Criterion
+from duhem.testing import Step, Update, conformance
+from tests.testing.test_multipliers import at, refused
+
+FORCES = ("a", "b")
+WRITTEN = {"relative": "norm(a, b)/(3/10*abs(s)) - 1", "cubed": "(norm(a, b) - 3/10*abs(s))**3"}
+
+
+def law(name: str) -> Criterion:
+    return Criterion(name=name, g=WRITTEN[name], forces=FORCES, pressure="s", parameters={})
+
+
+def disk(share: float) -> Update:
+    def update(trial: np.ndarray, pressure: np.ndarray, stiffness: np.ndarray) -> Step:
+        radius, size = 0.3 * share * np.abs(pressure), np.linalg.norm(trial, axis=1)
+        return Step(trial * np.where(size > radius, radius / np.maximum(size, 1e-300), 1.0)[:, None])
+
+    return update
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_the_disk_of_coulomb_in_other_words(name: str) -> None:
+    options = {"stiffness": 1e9, "max_examples": 4, "seed": 0, "tries": 5}
+    report = conformance(law(name), disk(1.0), **options)
+    assert report.ok and {"feasibility", "origin"} <= set(report.passed), str(report)
+    assert ("not judged where g has no value" in report.counted()) == (report.undefined > 0) == (name == "relative")
+    assert "feasibility" in conformance(law(name), disk(1.0 + 1e-6), checks=["feasibility"], **options).failed
+
+
+def test_a_pole_at_no_pressure_has_the_sign_of_the_smallest() -> None:
+    case = at({}, [1.0, 0.0], 0.0, [1.0, 1.0])
+    assert conformance(law("relative"), lambda trial, *_: trial, checks=["feasibility"], pressure=0.0, max_examples=2, tries=5).failed
+    assert not refused(law("relative"), case, [0.0, 0.0], 1.0)
+
+
+def test_a_gradient_that_vanishes_has_no_multiplier() -> None:
+    case = at({}, [1.0, 0.0], -1.0, [1.0, 1.0])
+    for amount, wrong in ((7.0, False), (np.inf, False), (np.nan, False), (-7.0, True)):
+        assert refused(law("cubed"), case, [0.3, 0.0], amount) == wrong
+    assert refused(law("relative"), case, [0.3, 0.0], 7.0) and not refused(law("relative"), case, [0.3, 0.0], 0.21)
