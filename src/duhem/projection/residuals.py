@@ -12,6 +12,7 @@ stress; where that bound hides what is asked, g and its slope are looked up in a
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from duhem.projection.level import Level, level
 from duhem.projection.lost_slip import AROUND, LEAST, Moves, lost
 from duhem.projection.many_digits import Closest
 from duhem.projection.metric import ROUNDING, Metric
+from duhem.projection.no_stress import off_no_stress
 from duhem.projection.normal_cones import off_cone
 from duhem.projection.result import ACCURACY, Array, Residuals, Solution
 from duhem.projection.row_by_row import dot, length, share, widest
@@ -180,6 +182,13 @@ class Judge:
             some = Doubt(*lacking, near[doubt], balance[doubt], off[doubt], out.stationarity[at[doubt]])
             out.stationarity[at[doubt]], ends = by_components(self.increment, self.level, self.metric, some)
             seen = {int(at[doubt[i]]): point for i, point in ends.items()}
+        if (none := np.flatnonzero((reach == 0.0) & (distance > 0.0))).size:
+            asked = replace(self.increment, trial=trial[none], pressure=pressure[none])
+            inside, astray = off_no_stress(
+                asked, self.level, self.metric, Solution(stress[none], slip[none], got.multiplier[at[none]], got.failed[at[none]])
+            )
+            out.complementarity[at[none]] = np.maximum(out.complementarity[at[none]], inside)
+            out.stationarity[at[none]] = np.maximum(out.stationarity[at[none]], astray)
         out.variational[at] = self.known.excess(pressure, point, moved, size, whole, reach) + 0.0 * whole
         if not self.known.convex:
             out.variational[at] = np.fmax(out.variational[at], self.known.beside(pressure, point, moved, size, whole, room)) + 0.0 * whole
