@@ -7,9 +7,12 @@ import pytest
 
 from duhem import Criterion
 from duhem.testing import Step, Update, conformance
+from duhem.testing.conformance import check
+from duhem.testing.run import ConformanceRun
 from tests.testing.test_multipliers import at, refused
 
 FORCES = ("a", "b")
+OPTIONS = {"stiffness": 1.0, "pressure": None, "accuracy": 1e-9, "max_examples": 1, "rows": 1}
 WRITTEN = {"relative": "norm(a, b)/(3/10*abs(s)) - 1", "cubed": "(norm(a, b) - 3/10*abs(s))**3"}
 
 
@@ -45,3 +48,16 @@ def test_a_gradient_that_vanishes_has_no_multiplier() -> None:
     for amount, wrong in ((7.0, False), (np.inf, False), (np.nan, False), (-7.0, True)):
         assert refused(law("cubed"), case, [0.3, 0.0], amount) == wrong
     assert refused(law("relative"), case, [0.3, 0.0], 7.0) and not refused(law("relative"), case, [0.3, 0.0], 0.21)
+
+
+def test_what_a_routine_raised_is_not_asked_for_by_every_check() -> None:
+    asked: list[bytes] = []
+
+    def update(trial: np.ndarray, pressure: np.ndarray, stiffness: np.ndarray) -> Step:
+        asked.append(trial.tobytes())
+        raise ArithmeticError
+
+    case = at({}, [1.0, 0.0], -1.0, [1.0, 1.0])
+    run = ConformanceRun(law("cubed"), update, None, [*map(check, ("answers", "feasibility", "slip", "ray", "path"))], **OPTIONS)
+    assert len(list(run.failures(run.query(case), run.asked))) == 1
+    assert len(asked) == len(set(asked))

@@ -78,6 +78,7 @@ class Query:
     sound: NDArray[np.bool_] = field(init=False)
     overwritten: Overwritten = field(init=False)
     unsaid: NDArray[np.bool_] = field(init=False)
+    _raised: dict[tuple[bytes, bytes, bytes], str] = field(init=False, default_factory=dict)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -176,6 +177,9 @@ class Query:
 
     def _reply(self, trial: Array, pressure: Array | None, stiffness: Array) -> Reply:
         values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
+        asked = trial.tobytes(), b"" if pressure is None else pressure.tobytes(), stiffness.tobytes()
+        if asked in self._raised:  # a crash costs a new process: one check has seen it, and no other asks for it again
+            raise NoReply(self._raised[asked])
         try:
             step = called(self.update, values, trial, pressure, stiffness)
         except Unfinished as fault:
@@ -184,7 +188,8 @@ class Query:
             )
             raise
         except Exception as fault:
-            raise NoReply(f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}") from fault
+            self._raised[asked] = f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}"
+            raise NoReply(self._raised[asked]) from fault
         self.note_overwritten(step.overwritten)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
