@@ -34,6 +34,9 @@ MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.1
 EVERY = [*catalogue.names(), *(name for group in groups().values() for name in group)]
 
 
+EMPTY = duhem.Criterion(name="empty", g="norm(sigma_a, sigma_b) + 1 - 0*sigma_n")
+
+
 def given(law: str | duhem.Criterion, **numbers: float) -> Numbered:
     return numbered(catalogue.load(law), numbers)
 
@@ -99,6 +102,42 @@ def test_the_pressure_is_not_above_zero() -> None:
     law = duhem.Criterion(name="cap", g="norm(sigma_a, sigma_b) - 1 - 0.5*abs(sigma_n)")
     found = seen(law, "sigma_n,sigma_a")
     assert found.window[1] == 0.0 and points(found)[:, 0].max() <= 0.0 and not found.plane.slips and found.normals == ()
+
+
+@pytest.mark.parametrize(
+    ("g", "sides"),
+    [
+        ("norm(sigma_a, 1000*sigma_b) - 1", (-1, 1, -1e-3, 1e-3)),
+        ("norm(sigma_a, sigma_b) - 1e-12", (-1e-12, 1e-12, -1e-12, 1e-12)),
+        ("norm(sigma_a, sigma_b) - 1e12", (-1e12, 1e12, -1e12, 1e12)),
+        ("norm(sigma_a - 100, sigma_b - 50) - 1", (99, 101, 49, 51)),
+    ],
+)
+def test_k_is_found_thin_small_large_and_away_from_zero(g: str, sides: tuple[float, ...]) -> None:
+    found = seen(duhem.Criterion(name="k", g=g, pressure=None), "sigma_a,sigma_b")
+    low, high = points(found).min(axis=0), points(found).max(axis=0)
+    assert [low[0], high[0], low[1], high[1]] == pytest.approx(sides, rel=1e-3) and not found.remark and not found.corners
+
+
+@pytest.mark.parametrize(
+    ("g", "said"),
+    [
+        ("norm(sigma_a, sigma_b)", "thinner than the picture resolves"),
+        ("norm(sigma_a, sigma_b) + sigma_a", "thinner than the picture resolves"),
+        ("min(norm(sigma_a, sigma_b) - 1, norm(sigma_a - 10, 1000*sigma_b) - 5)", "may be missing"),
+        ("min(norm(sigma_a, sigma_b), 1) - 2", "all of the window"),
+    ],
+)
+def test_what_a_section_does_not_show_is_said(g: str, said: str) -> None:
+    remarks: list[str] = []
+    (axes,) = plot(duhem.Criterion(name="k", g=g, pressure=None), on_remark=remarks.append)
+    assert len(remarks) == 1 and said in remarks[0] and said in axes.get_title() and faults(axes.figure) == []
+
+
+def test_the_window_of_one_force_is_that_of_all_its_pieces() -> None:
+    law = duhem.Criterion(name="two", g="(a - 1)*(a - 2)*(a + 1)*(a + 3)", forces=("a",), pressure=None)
+    found = section(given(law), usual(law, None)[0])
+    assert -5 < found.window[0] < -3 and 2 < found.window[1] < 4 and len(found.lines) == 4
 
 
 # ---- planes
@@ -246,11 +285,15 @@ def test_an_increment_of_one_force_is_drawn_at_its_pressure() -> None:
         ("no-such-law", {}, "no-such-law"),
         ("coulomb", {"planes": "sigma_n,sigma_a", "trial": [1, 1]}, "plane of forces"),
         ("wedge", {"trial": [1, 1]}, "no formula"),
-        ("coulomb", {"pressure": 0.0}, "no point of K"),
+        (
+            EMPTY,
+            {"pressure": -2.0},
+            "no point of K is found on the plane of sigma_a, sigma_b at sigma_n = -2: looked at 0.*; name another plane",
+        ),
         ("coulomb", {"file": "p.xyz"}, "no format"),
     ],
 )
-def test_what_does_not_fit_is_said(law: str, options: dict, said: str) -> None:
+def test_what_does_not_fit_is_said(law: str | duhem.Criterion, options: dict, said: str) -> None:
     with pytest.raises(InputError, match=said):
         plot(law, **options)
 

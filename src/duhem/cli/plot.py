@@ -58,6 +58,7 @@ def plot(
     rows = read_numbers(stiffness, "--stiffness")
     from duhem.portrait import plot as drawn
 
+    remarks: list[str] = []
     drawn(
         chosen,
         place,
@@ -68,6 +69,7 @@ def plot(
         stiffness=rows if len(rows) > 1 else rows[0],
         witness=witness,
         unit=unit,
+        on_remark=remarks.append,
     )
-    say(place)
+    say("\n".join([place, *remarks]))
     return HELD

@@ -25,7 +25,6 @@ _DARK = "0.25"  # of normals: pink beside it is grey to one reader in twenty
 _ARROW = 0.085  # of the window's size
 _BLUE, _RED, _GREEN, _ORANGE = (figure.palette(i) for i in (0, 1, 2, 4))
 _SPREAD = 3  # normals of a fan beside its two sides
-_SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
 _ROLES = {"sigma": r"$\sigma$", "inside": r"$\sigma$", "tau": r"$\tau$", "midpoint": "midpoint", "origin": "$0$"}
 
 
@@ -37,6 +36,13 @@ def paint_section(axes: Axes, found: View, unit: str = "", title: str = "", *, f
         axes.plot(*seam.T, color=figure.GREY, linestyle=(0, (1, 2)), linewidth=1.2, label="_" if i else "seam of $g$", zorder=2)
     for i, line in enumerate(found.lines):
         axes.plot(*line.points.T, color=_BLUE, linewidth=1.8, label="_" if i else "boundary of $K$", zorder=3)
+    a, b, c, d = found.window
+    x, y = found.points.T
+    shown = found.points[(x >= a) & (x <= b) & (y >= c) & (y <= d)]
+    if len(shown):
+        axes.plot(*shown.T, ".", color=_BLUE, markersize=4, label="points of $K$", zorder=3)
+    if found.slender:
+        return  # a normal would not look like one
     size = _ARROW * found.size
     if found.plane.slips and found.plane.y_symbol:
         if fans:
@@ -60,8 +66,7 @@ def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
         axes.text(x, y, f"${symbol}$", fontsize="small", color="0.35", ha="center", va="center", bbox=paper, zorder=0.6)
     axes.set_xlim(a, b)
     axes.set_ylim(c, d)
-    slender = max((b - a) / (d - c), (d - c) / (b - a)) > _SLENDER
-    if not slender:
+    if not found.slender:
         axes.set_aspect("equal", adjustable="box")
     size = max(abs(v) for v in found.window)
     for axis, symbol in ((axes.xaxis, found.plane.x_symbol), (axes.yaxis, found.plane.y_symbol)):
@@ -71,7 +76,7 @@ def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
             axis.set_label_text(f"{symbol} [{UNIT}]")
     if not found.plane.y_symbol:
         axes.yaxis.set_visible(False)
-    lines = [title, found.plane.caption, "axes not to one scale" if slender else ""]
+    lines = [title, found.plane.caption, "axes not to one scale" if found.slender else "", found.remark]
     axes.set_title("\n".join(line for line in lines if line))
 
 

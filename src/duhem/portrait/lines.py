@@ -21,6 +21,7 @@ _ASIDE = 0.0137  # of a window: no line of the grid is an axis, on which a formu
 _HALVINGS = 46
 _BETWEEN = 16  # parts into which a stretch that bends is cut
 _ZOOMS = 5
+_LONG = 12.0  # times as long as wide, from where a window is taken for a square
 _BENDS = np.radians(4.0)  # between two chords, beyond which they are looked at more closely
 _CORNER = np.radians(3.0)  # that is left where a stretch is 8^5 times as short
 
@@ -78,6 +79,12 @@ def level_lines(x: Array, y: Array, value: Array) -> list[Array]:
 
 def traced(level: Level, window: Window, grid: int = _GRID) -> tuple[tuple[Line, ...], Array]:
     """The boundary of {level <= 0} in a window, and the values of :func:`region`, whose sign says what lies in the set."""
+    wide, high = window[1] - window[0], window[3] - window[2]
+    if max(wide, high) > _LONG * min(wide, high):
+        sides = np.array([wide, high])
+        square = (window[0] / wide, window[1] / wide, window[2] / high, window[3] / high)
+        found, value = traced(lambda points: level(points * sides), square, grid)
+        return tuple(_scaled(line, sides) for line in found), value
     x, y, value = region(level, window, grid)
     lines = []
     for rough in level_lines(x, y, value):
@@ -86,6 +93,13 @@ def traced(level: Level, window: Window, grid: int = _GRID) -> tuple[tuple[Line,
             continue
         lines.append(_sharpened(level, _left(level, points)))
     return tuple(lines), value
+
+
+def _scaled(line: Line, sides: Array) -> Line:
+    """The line with its sides multiplied; normals turn the other way."""
+    ways = [[way / sides / np.hypot(*(way / sides)) for way in (corner.before, corner.after)] for corner in line.corners]
+    corners = tuple(Vertex(corner.point * sides, *two) for corner, two in zip(line.corners, ways, strict=True))
+    return Line(line.points * sides, corners)
 
 
 def _inside(level: Level, points: Array) -> NDArray[np.bool_]:

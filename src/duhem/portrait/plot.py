@@ -43,6 +43,7 @@ def plot(
     witness: bool = False,
     unit: str = "",
     axes: Iterable[Axes] | None = None,
+    on_remark: Callable[[str], object] = lambda text: None,
 ) -> tuple[Axes, ...]:
     """Draw K = {g <= 0} of a law: sections with their boundary, outward normals, seams and slips that are not normal; the axes.
 
@@ -51,6 +52,7 @@ def plot(
     ``planes``: two forces, or the pressure and a force, as ``a,b``; ``deviatoric`` and ``meridian`` (p, q) of a stress tensor; ``all``;
     none for a choice of them.  ``trial`` (d,) and ``stiffness`` as for :func:`duhem.project` draw one increment.  With ``witness``
     the law is verified and each witness of a refuted claim is drawn, at its own numbers.  ``unit`` of stresses, "Pa" for prefixes.
+    ``on_remark`` is called with what a section does not show of K, a line each, which stands above it too.
 
     Raises InputError for what does not fit the law or cannot be written, MissingExtraError without matplotlib.
     """
@@ -69,6 +71,8 @@ def plot(
     for i, plane in enumerate(shown):
         seen = cut(given, plane, moves=pressure is None)
         plane = seen.plane
+        if seen.remark:
+            on_remark(f"{plane.plain}: {seen.remark.replace('$', '')}")
         if trial is not None and i == 0:
             taken = step(given, trial, stiffness, plane, 0.22 * seen.size, -1.0 if pressure is None else pressure)
             painters.append(partial(_increment, seen=_reaching(given, seen, taken), taken=taken, unit=unit))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -15,6 +16,7 @@ from duhem.expression.gradient import gradient
 from duhem.expression.numpy_ import Program, compiled
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.formula_law import Criterion
+from duhem.portrait.framing import Framed, framed, missed
 from duhem.portrait.lines import Line, Vertex, Window, closed, level_lines, normals, region, traced
 from duhem.portrait.numbers import Numbered
 from duhem.portrait.plane import Plane
@@ -24,13 +26,9 @@ __all__ = ["Arrow", "View", "beside", "section"]
 
 Array = NDArray[np.float64]
 
-_ANGLES, _DECADES = 96, (-6.0, 8.0)
-_PER_DECADE = 10
 _MARGIN = 0.16  # of the size of K that is left free around it, for normals
-_GUIDED = 0.26  # and where the names of axes stand beyond them
-_ENDLESS = 2.5  # how much more than what ends is shown of a K that does not end
 _ARROWS = 18
-_FEW = 5  # rays, of which the ends of so many tell how large a K is that does not end
+_SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
 _STEPS = 721  # angles at which a boundary curve is computed
 
 
@@ -48,7 +46,8 @@ class View:
 
     ``lines`` bound K, which lies on their left.  ``grid`` x, y and a value on them that is <= 0 in K where a formula is known; None
     for a boundary curve, which encloses K.  ``normals`` are outward and stand aside from corners; ``slips`` are there where the law's
-    slip is not normal to K by definition.  ``whole`` where all of K is in the window.
+    slip is not normal to K by definition.  ``whole`` where all of K is in the window.  ``remark`` says, with LaTeX, what of K the
+    lines do not show, and ``points`` (m, 2) are points of such a part.
     """
 
     plane: Plane
@@ -59,6 +58,14 @@ class View:
     normals: tuple[Arrow, ...] = ()
     slips: tuple[Arrow, ...] = ()
     whole: bool = True
+    remark: str = ""
+    points: Array = field(default_factory=lambda: np.empty((0, 2)))
+
+    @property
+    def slender(self) -> bool:
+        """Whether the window is so much longer than wide that it is not drawn to scale."""
+        a, b, c, d = self.window
+        return max((b - a) / (d - c), (d - c) / (b - a)) > _SLENDER
 
     @property
     def corners(self) -> tuple[Vertex, ...]:
@@ -107,67 +114,33 @@ def section(given: Numbered, plane: Plane, window: Window | None = None, *, need
         return _of_curve(given.law, plane, window)
     formula = Formula(given.law)
     level = formula.level(plane)
-    scale = max(given.size, float(np.abs(plane.base).max()))
-    if window is None:
-        window, whole = _window(level, plane, scale, given.law.name if needed else "")
-        window = _closer(level, plane, window) if whole else window
-    else:
-        whole = True
+    seen = Framed(window, True, np.empty((0, 2))) if window else framed(level, plane, max(given.size, float(np.abs(plane.base).max())))
+    if window is None and needed and not len(seen.points):
+        tried = "0, along rays from it and where g falls to from there"
+        remedy = "name another plane or pressure, or set other parameters"
+        raise InputError(f"no point of K is found on {plane.plain}: looked at {tried}", where=given.law.name, remedy=remedy)
+    window = seen.window
     lines, value = traced(level, window)
     x, y, _ = region(lambda points: points[..., 0], window)
-    found = View(plane, window, lines, (x, y, value), _seams(formula, plane, (x, y, value)), whole=whole)
+    found = View(plane, window, lines, (x, y, value), _seams(formula, plane, (x, y, value)), whole=seen.whole)
+    found = replace(found, **_unseen(level, found, seen.points))
     if not plane.slips:
         return found
     found = replace(found, normals=tuple(_normals(found)))
     return found if given.law.associated else replace(found, slips=_slips(formula, plane, found.normals))
 
 
-def _window(level: Callable[[Array], Array], plane: Plane, scale: float, law: str) -> tuple[Window, bool]:
-    """A box around K, and whether it holds all of K; seen from the plane's 0 along rays of many lengths."""
-    angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
-    radii = scale * np.logspace(*_DECADES, int(_PER_DECADE * (_DECADES[1] - _DECADES[0])) + 1)
-    points = radii[:, None, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-    inside = level(points) <= 0.0
-    if not inside.any() and not law:
-        return (-scale, 0.0 if plane.pressed else scale, -scale, scale), False
-    if not inside.any():
-        raise InputError(f"no point of K is found in this plane ({plane.caption or plane.x_symbol})", where=law, remedy="choose another")
-    ends = inside[-_PER_DECADE:].any(axis=0)
-    if not ends.any():
-        x, y = points[inside].T
-        return (float(x.min()), float(x.max()), float(y.min()), float(y.max())), True
-    reach = np.where(inside, radii[:, None], 0.0).max(axis=0)[~ends]
-    reach = reach[(reach > radii[0]) & (reach < radii[-_PER_DECADE])]
-    first = inside[0].any()
-    near = radii[inside.any(axis=1)][0]
-    size = _ENDLESS * (float(np.median(reach)) if len(reach) >= _FEW else max(scale if first else 0.0, 1.5 * near))
-    box = (-size, 0.0 if plane.pressed else size, -size, size)
-    if not plane.pressed:
-        return box, False
-    _, y, value = region(level, box, 121)
-    rows = y[(value <= 0).any(axis=1)]
-    if not len(rows):
-        return box, False
-    free = _MARGIN * max(size, rows[-1] - rows[0]) / 2.0
-    return (*box[:2], float(max(rows[0] - free, -size)), float(min(rows[-1] + free, size))), False
-
-
-def _closer(level: Callable[[Array], Array], plane: Plane, box: Window) -> Window:
-    """The window of a K that ends: first by the rays, then by the boundary in it."""
-    for grow in (0.35, _GUIDED if plane.guides else _MARGIN):
-        wide, high = box[1] - box[0], box[3] - box[2]
-        free = grow * max(wide, high) or 1.0
-        box = (box[0] - free, box[1] + free, box[2] - free, box[3] + free)
-        if plane.pressed:
-            box = (box[0], min(box[1], 0.0), *box[2:])
-        if grow == 0.35:
-            x, y, value = region(level, box, 121)
-            if (found := level_lines(x, y, value)) and not (value[0] <= 0).any() and not (value[-1] <= 0).any():
-                every = np.vstack(found)
-                (a, c), (b, d) = every.min(axis=0), every.max(axis=0)
-                box = (float(a), float(b), float(c), float(d))
-                box = (box[0], 0.0, *box[2:]) if plane.pressed and (value[:, -1] <= 0).any() else box
-    return box
+def _unseen(level: Callable[[Array], Array], found: View, points: Array) -> dict[str, Any]:
+    """What a reader must be told of K that the lines do not show, and points of K that stand for what is too thin for lines."""
+    assert found.grid is not None
+    held, edge = (found.grid[2] <= 0.0).any(), (found.grid[2] <= 0.0).all()
+    if edge:
+        return {"remark": "all of the window is $K$"}
+    if missed(level, found.window, found.grid, points):
+        if not held:
+            return {"remark": "$K$ is thinner than the picture resolves: points of it", "points": points}
+        return {"remark": f"pieces of $K$ thinner than 1/{len(found.grid[0]) - 1} of the window may be missing", "points": points}
+    return {} if held else {"remark": "no point of $K$ is found here"}
 
 
 def _seams(formula: Formula, plane: Plane, grid: tuple[Array, Array, Array]) -> tuple[Array, ...]:
