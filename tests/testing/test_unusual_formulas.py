@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from duhem import Criterion
-from duhem.testing import Step, Update, conformance
+from duhem.testing import Step, Update, conformance, violation
 from duhem.testing.conformance import check
+from duhem.testing.drawn.region import Region
 from duhem.testing.run import ConformanceRun
 from tests.testing.test_multipliers import at, refused
 
@@ -37,10 +38,18 @@ def test_the_disk_of_coulomb_in_other_words(name: str) -> None:
     assert "feasibility" in conformance(law(name), disk(1.0 + 1e-6), checks=["feasibility"], **options).failed
 
 
-def test_a_pole_at_no_pressure_has_the_sign_of_the_smallest() -> None:
-    case = at({}, [1.0, 0.0], 0.0, [1.0, 1.0])
-    assert conformance(law("relative"), lambda trial, *_: trial, checks=["feasibility"], pressure=0.0, max_examples=2, tries=5).failed
-    assert not refused(law("relative"), case, [0.0, 0.0], 1.0)
+def test_a_pole_at_no_pressure_has_the_sign_that_it_has_beside_it() -> None:
+    region, stress = Region(law("relative"), {}), np.array([[1.0, 0.0]])
+    assert [region.outside(stress, np.array([pressure])).tolist() for pressure in (0.0, -0.0, -1.0, -4.0)] == [[True]] * 3 + [[False]]
+    assert region.level(stress, np.zeros(1)) == np.inf
+
+
+def test_a_stress_next_to_the_boundary_is_admissible_where_the_gradient_vanishes() -> None:
+    for angle in np.linspace(0.1, 1.5, 12):
+        case = at({}, [np.cos(angle), np.sin(angle)], -1.2e-3, [1.0, 1.0])
+        for share, wrong in ((1.0, False), (1.001, True)):
+            found = violation("feasibility", law("cubed"), disk(share), case)
+            assert (found is not None) == wrong, (angle, found)
 
 
 def test_a_gradient_that_vanishes_has_no_multiplier() -> None:
