@@ -81,6 +81,17 @@ def test_a_stress_that_creeps_without_an_increment_is_told() -> None:
     assert "rest" in report.failed, str(report)
 
 
+def softened(trial: Array, pressure: Array, stiffness: Array) -> Step:
+    """Radial return to a disk, with half of the stiffness as tangent: symmetric, between 0 and k, and the slope of nothing."""
+    stress = trial / np.maximum(1.0, np.linalg.norm(trial, axis=1, keepdims=True))
+    return Step(stress, tangent=np.broadcast_to(0.5 * stiffness, (len(trial), *stiffness.shape)))
+
+
+def test_a_tangent_that_is_no_slope_is_told() -> None:
+    report = conformance(None, softened, stiffness=[1.0, 1.0], pressure=-1.0, max_examples=1, rows=6, tries=5, checks=["slope"])
+    assert report.failed == {"slope"}, str(report)
+
+
 def alternating(low: float) -> Material:
     """One dimension, modulus 1, yield 1, and ``low`` in every other step that slips: two states are swapped by mistake."""
 

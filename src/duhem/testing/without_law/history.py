@@ -35,6 +35,9 @@ class _Unknown(Region):
         object.__setattr__(self, "parameters", parameters)
         object.__setattr__(self, "law", None)
 
+    def level(self, stress: Array, pressure: Array) -> Array:
+        return np.full(len(stress), np.nan)
+
     def slope(self, stress: Array, pressure: Array, choices: Choices | None = None) -> tuple[Array, Choices]:
         return np.zeros_like(stress), np.zeros((len(stress), 0), dtype=np.int64)
 
