@@ -99,10 +99,11 @@ def power_of_two(size: Array) -> Array:
 
 
 def grown(number: Array, size: Array, power: float) -> Array:
-    """number size^power for powers of two ``size``, right where that is a double and size^power is none."""
+    """number size^power for powers of two ``size``, right where that is a double and size^power is none; inf beyond doubles."""
     exponent = power * (np.frexp(size)[1] - 1)
     whole = np.floor(exponent).astype(np.int32)
-    return np.asarray(np.ldexp(number * np.exp2(exponent - whole), whole))
+    with np.errstate(over="ignore"):
+        return np.asarray(np.ldexp(number * np.exp2(exponent - whole), whole))
 
 
 def scaled(g: sp.Expr, forces: Iterable[sp.Symbol], pressure: sp.Symbol | None) -> ScaledFormula:
