@@ -11,15 +11,16 @@ from numpy.typing import NDArray
 from duhem.portrait.lines import Window, level_lines, region
 from duhem.portrait.plane import Plane
 
-__all__ = ["Framed", "framed", "missed"]
+__all__ = ["MARGIN", "Framed", "framed", "missed"]
 
 Array = NDArray[np.float64]
 Level = Callable[[Array], Array]
 
+MARGIN = 0.16  # of the size of K that is left free around it, for normals
+
 _ANGLES, _DECADES = 96, (-6.0, 8.0)
 _FAR = (-30.0, 30.0)  # decades where these say nothing, or only that all is K
 _PER_DECADE = 10
-_MARGIN = 0.16  # of the size of K that is left free around it, for normals
 _GUIDED = 0.26  # and where the names of axes stand beyond them
 _ENDLESS = 2.5  # how much more than what ends is shown of a K that does not end
 _FEW = 5  # rays, of which the ends of so many tell how large a K is that does not end
@@ -69,7 +70,7 @@ def framed(level: Level, plane: Plane, scale: float) -> Framed:
     _, y, value = region(level, box, 121)
     rows = y[(value <= 0).any(axis=1)]
     if len(rows):
-        free = _MARGIN * max(size, rows[-1] - rows[0]) / 2.0
+        free = MARGIN * max(size, rows[-1] - rows[0]) / 2.0
         box = (*box[:2], float(max(rows[0] - free, -size)), float(min(rows[-1] + free, size)))
     return Framed(box, False, known)
 
@@ -145,7 +146,7 @@ def _on_line(level: Level, scale: float) -> Framed:
 def _closer(level: Level, plane: Plane, box: Window) -> Window:
     """The window of a K that ends: first by the rays, then by the boundary in it; one side by itself where K is thin along it."""
     known = box
-    for grow in (0.35, _GUIDED if plane.guides else _MARGIN):
+    for grow in (0.35, _GUIDED if plane.guides else MARGIN):
         wide, high = box[1] - box[0], box[3] - box[2]
         long = max(wide, high)
         each = (wide, high) if min(wide, high) > 0.0 and long > _THIN * min(wide, high) and not plane.guides else (long, long)

@@ -16,7 +16,7 @@ from duhem.expression.gradient import gradient
 from duhem.expression.numpy_ import Program, compiled
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.formula_law import Criterion
-from duhem.portrait.framing import Framed, framed, missed
+from duhem.portrait.framing import MARGIN, Framed, framed, missed
 from duhem.portrait.lines import Line, Vertex, Window, closed, level_lines, normals, region, traced
 from duhem.portrait.numbers import Numbered
 from duhem.portrait.plane import Plane
@@ -26,7 +26,6 @@ __all__ = ["Arrow", "View", "beside", "section"]
 
 Array = NDArray[np.float64]
 
-_MARGIN = 0.16  # of the size of K that is left free around it, for normals
 _ARROWS = 18
 _SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
 _STEPS = 721  # angles at which a boundary curve is computed
@@ -133,8 +132,9 @@ def section(given: Numbered, plane: Plane, window: Window | None = None, *, need
 def _unseen(level: Callable[[Array], Array], found: View, points: Array) -> dict[str, Any]:
     """What a reader must be told of K that the lines do not show, and points of K that stand for what is too thin for lines."""
     assert found.grid is not None
-    held, edge = (found.grid[2] <= 0.0).any(), (found.grid[2] <= 0.0).all()
-    if edge:
+    inside = found.grid[2] <= 0.0
+    held = inside.any()
+    if inside.all():
         return {"remark": "all of the window is $K$"}
     if missed(level, found.window, found.grid, points):
         if not held:
@@ -263,7 +263,7 @@ def _of_curve(law: ParametricCriterion, plane: Plane, window: Window | None) -> 
     points[-1] = points[0]
     if window is None:
         (a, c), (b, d) = points.min(axis=0), points.max(axis=0)
-        free = _MARGIN * max(b - a, d - c)
+        free = MARGIN * max(b - a, d - c)
         window = (float(a - free), float(b + free), float(c - free), float(d + free))
     size = max(window[1] - window[0], window[3] - window[2])
     shown = points[np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9 * size])]
