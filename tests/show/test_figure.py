@@ -294,6 +294,13 @@ def test_axes_of_ones_own_are_drawn_on_and_returned(tmp_path) -> None:
 
 
 @pytest.mark.slow
+def test_a_notebook_shows_a_new_sheet_and_not_one_that_its_reader_holds() -> None:
+    new = figure.drawn(lambda axes: axes.plot([0, 1]), size=(2.0, 1.0))
+    assert int.from_bytes(new._repr_png_()[16:20], "big") == 200  # its width in points
+    held = Sheet().subplots()
+    assert not hasattr(figure.drawn(lambda axes: axes.plot([0, 1]), None, [held]), "_repr_png_")
+
+
 def test_nothing_of_the_readers_settings_changes_and_none_of_them_matters(tmp_path) -> None:
     import matplotlib
 

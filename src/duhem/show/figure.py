@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "GREY",
+    "Picture",
     "Target",
     "check",
     "drawn",
@@ -84,6 +85,18 @@ def pen(i: int) -> dict[str, Any]:
     return {"color": palette(i), "linestyle": _DASHES[i % len(_DASHES)], "marker": _MARKS[i % len(_MARKS)]}
 
 
+class Picture(tuple["Axes", ...]):
+    """The axes of a new sheet, which no other part of a notebook knows: as the last value of a cell they show the sheet."""
+
+    def _repr_png_(self) -> bytes:
+        from io import BytesIO
+
+        beside = BytesIO()
+        with style():
+            _sheet_of(self).savefig(beside, format="png", dpi=100)
+        return beside.getvalue()
+
+
 @contextmanager
 def style() -> Iterator[None]:
     """The house style, whatever the reader's own settings are, while it lasts.  Raises MissingExtraError without matplotlib."""
@@ -107,7 +120,8 @@ def drawn(
 ) -> tuple[Axes, ...]:
     """Let ``paint`` draw on ``panels`` axes, those given or the axes of a new sheet, and write ``file`` if one is given.
 
-    ``size`` in inches is that of a panel; ``columns`` of them stand side by side.  ``title`` stands on a new sheet only.
+    ``size`` in inches is that of a panel; ``columns`` of them stand side by side.  ``title`` stands on a new sheet only, whose axes are
+    a :class:`Picture`.
     Raises MissingExtraError without matplotlib, InputError for a file that cannot be written or axes that are too few.
     """
     if file is not None:
@@ -117,7 +131,7 @@ def drawn(
             places = _given(axes, panels)
             paint(*places)
         else:
-            places = _sheet(panels, min(columns, panels), size, title)
+            places = Picture(_sheet(panels, min(columns, panels), size, title))
             paint(*places)
             _settle(places)
     if file is not None:
