@@ -28,6 +28,7 @@ from duhem.proof.claims import CLAIMS
 from duhem.proof.verdict import Verdict, Witness
 from duhem.proof.verification import ClaimResult, Verification
 from tests.long import mostly_long
+from tests.oracles.junit_schema import read as junit_document
 
 SOURCE = Path(duhem.__path__[0]).parent
 Run = Callable[..., tuple[int, str, str]]
@@ -394,3 +395,49 @@ def test_output_that_cannot_show_a_letter() -> None:
     done = subprocess.run(command, env=environment, capture_output=True, encoding="iso8859-7", timeout=60)
     assert (done.returncode, done.stderr) == (0, "")
     assert r"Saffr\xe9" in done.stdout
+
+
+# -- for what reads JUnit's XML, and several laws at once -------------------------------------------------------------------
+
+
+def suites(out: str) -> dict[str, dict[str, list[str]]]:
+    """What stands below each case, by its suite and name."""
+    return {
+        suite.get("name", ""): {case.get("name", ""): [child.tag for child in case] for case in suite.iter("testcase")}
+        for suite in junit_document(out)
+    }
+
+
+def test_a_refuted_claim_fails_in_junit_with_its_witness(run: Run) -> None:
+    code, out, _ = run("verify", "limacon", "--set", "e=0.6", "--claims", "origin,convexity", "--format", "junit")
+    assert code == 1 and suites(out) == {"limacon": {"origin": ["system-out"], "convexity": ["failure"]}}
+    (suite,) = junit_document(out)
+    said = {p.get("name"): p.get("value") or "" for p in suite.iter("property")}
+    assert said["convexity verdict"] == "refuted" and said["origin trust"] == "checked" and said["parameter e"] == "= 3/5"
+    witness = json.loads(said["convexity witness"])
+    failure = suite.find(".//failure")
+    assert failure is not None and witness["statement"] in (failure.text or "") and "e = 0.6 = 3/5" in failure.text
+
+
+def test_what_is_open_is_skipped_in_junit_and_fails_if_strict(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    verdicts = (Verdict.PROVED, Verdict.UNDECIDED, Verdict.TESTED, Verdict.NOT_APPLICABLE)
+    monkeypatch.setattr(verification, "verify", made_up(*verdicts))
+    for strict, code, tag in ((), 0, "skipped"), (("--strict",), 3, "failure"):
+        found, out, _ = run("verify", "coulomb", "--format", "junit", *strict)
+        names = [*CLAIMS][:4]
+        assert found == code
+        assert suites(out)["coulomb"] == dict(zip(names, [["system-out"], [tag], [tag], ["skipped"]], strict=True))
+
+
+def test_several_laws_are_verified_one_after_the_other(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(verification, "verify", made_up(Verdict.PROVED, Verdict.UNDECIDED))
+    laws = ("coulomb", "box", "polygon")
+    _, out, _ = run("verify", *laws)
+    assert [line.partition(":")[0] for line in out.splitlines() if line.startswith(tuple(f"{law}:" for law in laws))] == [*laws]
+    _, out, _ = run("verify", *laws, "--format", "json")
+    assert [each["criterion"] for each in json.loads(out)] == [*laws]
+    assert [*suites(run("verify", *laws, "--format", "junit")[1])] == [*laws]
+    code, _, err = run("verify", *laws, "--certificate", str(tmp_path / "c.json"))
+    assert code == 2 and "a certificate is of one law" in err and not list(tmp_path.iterdir())
+    code, _, err = run("verify", "coulomb", "limacon", "--set", "e=0.6")
+    assert code == 2 and "coulomb, --set e=0.6: unknown parameter 'e'" in err

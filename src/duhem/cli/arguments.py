@@ -27,6 +27,7 @@ __all__ = [
     "check_names",
     "convex_option",
     "law_argument",
+    "laws_argument",
     "read_attribute",
     "read_claims",
     "read_fixed_formula",
@@ -52,6 +53,7 @@ def _complete_law(_: click.Context, __: click.Parameter, incomplete: str) -> lis
 
 
 law_argument = click.argument("law", shell_complete=_complete_law)
+laws_argument = click.argument("laws", nargs=-1, required=True, metavar="LAW...", shell_complete=_complete_law)
 settings_option = click.option(
     "--set", "settings", metavar="NAME=VALUE", multiple=True, help="Fix a parameter, exactly: mu_a=0.15 or mu_a=3/20. Repeatable."
 )

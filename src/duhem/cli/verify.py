@@ -4,27 +4,34 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import law_argument, read_claims, read_fixed_law, settings_option
+from duhem.cli.arguments import laws_argument, read_claims, read_fixed_law, settings_option
 from duhem.cli.exit_code import HELD, INTERRUPTED, REFUTED, UNDECIDED
 from duhem.cli.output import Progress, page, say
+from duhem.errors import InputError
 
 if TYPE_CHECKING:
-    from duhem.proof.verdict import Verdict
-    from duhem.proof.verification import ClaimResult
+    from duhem.law.curve_law import Law
+    from duhem.proof.verification import ClaimResult, Verification
 
 __all__ = ["verify"]
 
 
 @click.command()
-@law_argument
+@laws_argument
 @settings_option
 @click.option("--claims", metavar="A,B", help="Only these claims (duhem explain lists them).")
 @click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="For people or for programs."
+    "--format",
+    "form",
+    type=click.Choice(["text", "json", "junit"]),
+    default="text",
+    show_default=True,
+    help="For people, for programs, or for what reads JUnit's XML.",
 )
 @click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON.")
 @click.option(
@@ -35,8 +42,10 @@ __all__ = ["verify"]
     help="How many steps each claim may cost: an eighth, all, eight times as many.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
-def verify(law: str, settings: Sequence[str], claims: str | None, form: str, certificate: str | None, effort: str, strict: bool) -> int:
-    """Prove or refute what is claimed of LAW.
+def verify(
+    laws: Sequence[str], settings: Sequence[str], claims: str | None, form: str, certificate: str | None, effort: str, strict: bool
+) -> int:
+    """Prove or refute what is claimed of LAW, or of several laws one after the other.
 
     Each claim is decided over the whole parameter domain and for every pressure, unless --set fixes a parameter.  Results
     go to standard output, progress to standard error.
@@ -44,36 +53,103 @@ def verify(law: str, settings: Sequence[str], claims: str | None, form: str, cer
     from duhem.show.place import check_place, write
 
     asked = None if claims is None else read_claims(claims)
-    fixed = read_fixed_law(law, settings)
+    fixed = [_fixed(law, settings, several=len(laws) > 1) for law in laws]
     if certificate is not None:
-        check_place(certificate, [law])
+        check_place(certificate, laws)
+        if len(laws) > 1:
+            raise InputError("a certificate is of one law", where=f"--certificate {certificate}", remedy="verify the laws one by one")
 
-    from duhem.proof import report_json, report_text, verification
+    from duhem.proof import verification
 
-    decided: list[ClaimResult] = []
-    try:
-        with Progress() as progress:
+    told = _Told(form, effort, strict, several=len(laws) > 1)
+    for law in fixed:
+        decided: list[ClaimResult] = []
+        try:
+            with Progress() as progress:
 
-            def on_claim(result: ClaimResult) -> None:
-                decided.append(result)
-                progress.show(f"{len(decided)}: {result.claim} {result.verdict}")
+                def on_claim(result: ClaimResult, decided: list[ClaimResult] = decided, progress: Progress = progress) -> None:
+                    decided.append(result)
+                    progress.show(f"{len(decided)}: {result.claim} {result.verdict}")
 
-            done = verification.verify(fixed, claims=asked, effort=effort, on_claim=on_claim)
-    except KeyboardInterrupt:
-        stopped = (
-            report_json.interrupted(fixed, decided, effort) if form == "json" else report_text.interrupted(fixed, decided, page(), effort)
-        )
-        say(stopped)
-        return INTERRUPTED
-    say(report_json.complete(done) if form == "json" else report_text.complete(done, page()))
+                told.complete(verification.verify(law, claims=asked, effort=effort, on_claim=on_claim))
+        except KeyboardInterrupt:
+            told.interrupted(law, decided)
+            return INTERRUPTED
+    told.end()
     if certificate is not None:
         from duhem.proof.certificate import certificate as certified
 
-        write(certificate, json.dumps(certified(done), indent=1, ensure_ascii=False) + "\n")
-    return _code([r.verdict for r in done.results], strict)
+        write(certificate, json.dumps(certified(told.done[0]), indent=1, ensure_ascii=False) + "\n")
+    return told.code()
 
 
-def _code(verdicts: Sequence[Verdict], strict: bool) -> int:
-    if "refuted" in verdicts:
-        return REFUTED
-    return UNDECIDED if strict and {"undecided", "tested"} & set(verdicts) else HELD
+def _fixed(law: str, settings: Sequence[str], *, several: bool) -> Law:
+    """The law at the values of ``--set``; an error says of which of several laws it is."""
+    try:
+        return read_fixed_law(law, settings)
+    except InputError as fault:
+        if not several or not fault.where.startswith("--set"):
+            raise
+        raise InputError(fault.what, where=f"{law}, {fault.where}", remedy=fault.remedy) from None
+
+
+@dataclass
+class _Told:
+    """What is said of one law after the other; a text as soon as it is there, what programs read at the end."""
+
+    form: str
+    effort: str
+    strict: bool
+    several: bool
+    done: list[Verification] = field(default_factory=list)
+
+    def complete(self, found: Verification) -> None:
+        """Add what was found of a law."""
+        if self.form == "text":
+            from duhem.proof import report_text
+
+            self._text(report_text.complete(found, page()))
+        self.done.append(found)
+
+    def end(self) -> None:
+        """Say what is still to say."""
+        if self.form == "json":
+            from duhem.proof import report_json
+
+            self._json([report_json.complete(found) for found in self.done])
+        elif self.form == "junit":
+            from duhem.proof import report_junit
+            from duhem.show.junit import as_xml
+
+            say(as_xml(report_junit.complete(found, strict=self.strict) for found in self.done))
+
+    def interrupted(self, law: Law, decided: Sequence[ClaimResult]) -> None:
+        """Say what was found before somebody interrupted."""
+        if self.form == "text":
+            from duhem.proof import report_text
+
+            self._text(report_text.interrupted(law, decided, page(), self.effort))
+        elif self.form == "json":
+            from duhem.proof import report_json
+
+            self._json([*map(report_json.complete, self.done), report_json.interrupted(law, decided, self.effort)])
+        else:
+            from duhem.proof import report_junit
+            from duhem.show.junit import as_xml
+
+            suites = [report_junit.complete(found, strict=self.strict) for found in self.done]
+            say(as_xml([*suites, report_junit.interrupted(law, decided, self.effort, strict=self.strict)]))
+
+    def code(self) -> int:
+        """The exit code of all laws together."""
+        verdicts = {result.verdict.value for found in self.done for result in found.results}
+        if "refuted" in verdicts:
+            return REFUTED
+        return UNDECIDED if self.strict and {"undecided", "tested"} & verdicts else HELD
+
+    def _text(self, report: str) -> None:
+        say(f"\n{report}" if self.done else report)
+
+    def _json(self, objects: Sequence[str]) -> None:
+        """One object, or a list of them where several laws are asked for."""
+        say("[\n" + ",\n".join(objects) + "\n]" if self.several else objects[0])

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from duhem.law.stated import number_in_words, stated
-from duhem.proof.verdict import Trust, Verdict, Witness
+from duhem.law.stated import stated
+from duhem.proof.in_words import HEAD, conclusion, row, sentences
 from duhem.proof.verification import ClaimResult, Verification
-from duhem.show.page import PAGE, Page, tied
+from duhem.show.page import PAGE, Page
 from duhem.show.printing import sheet, text
 from duhem.show.sheet import Sheet
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 __all__ = ["as_sheet", "complete", "interrupted"]
 
 _FIELD = len("parameters")
-_STANDARD = ("origin", "convexity", "normality")
 
 
 @text.register(Verification)
@@ -29,7 +28,7 @@ def complete(verification: Verification, page: Page = PAGE) -> str:
             [*_head(verification.criterion, page, verification.effort)],
             _table(verification.results, page),
             [*_arguments(verification.results, page)],
-            page.items("Conclusion", _conclusion(verification)),
+            page.items("Conclusion", conclusion(verification)),
             page.items("Left out", verification.left_out),
             page.items("Remarks", verification.remarks),
         ]
@@ -40,7 +39,7 @@ def complete(verification: Verification, page: Page = PAGE) -> str:
 def as_sheet(verification: Verification) -> Sheet:
     """The same as a sheet: the law's own with the table of verdicts below, then the arguments, counterexamples and conclusion."""
     law = sheet(verification.criterion)
-    refuted = [(f"Counterexample: {r.claim}", tuple(_witness(r.witness))) for r in verification.results if r.witness is not None]
+    refuted = [(f"Counterexample: {r.claim}", tuple(sentences(r.witness))) for r in verification.results if r.witness is not None]
     head, *rows = _rows(verification.results)
     return Sheet(
         title=law.title,
@@ -48,7 +47,7 @@ def as_sheet(verification: Verification) -> Sheet:
         head=head,
         rows=tuple(rows),
         notes=(
-            ("Conclusion", _conclusion(verification)),
+            ("Conclusion", conclusion(verification)),
             ("Arguments", tuple(f"{r.claim}: {r.detail}" for r in verification.results)),
             *refuted,
             ("Left out", tuple(map(str, verification.left_out))),
@@ -76,12 +75,8 @@ def _table(results: Sequence[ClaimResult], page: Page) -> list[str]:
 
 
 def _rows(results: Sequence[ClaimResult]) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = [("claim", "verdict", "trust", "method", "scope", "   time")]
-    return rows + [(r.claim, _words(r.verdict), r.trust or "", r.method, _scope(r.scope), f"{r.seconds:.2f} s") for r in results]
-
-
-def _scope(scope: str) -> str:
-    return ", ".join(tied(part) if " = " in part else part for part in scope.split(", "))
+    *head, time = HEAD
+    return [(*head, f"   {time}"), *map(row, results)]
 
 
 def _arguments(results: Sequence[ClaimResult], page: Page) -> Iterator[str]:
@@ -90,52 +85,5 @@ def _arguments(results: Sequence[ClaimResult], page: Page) -> Iterator[str]:
     for result in results:
         yield from page.field(result.claim, result.detail, width)
         if result.witness is not None:
-            for sentence in _witness(result.witness):
+            for sentence in sentences(result.witness):
                 yield from page.item(sentence, " " * (width + 6))
-
-
-def _witness(witness: Witness) -> Iterator[str]:
-    if witness.parameters:
-        yield f"counterexample at {_coordinates(witness.parameters)}"
-    for role, point in witness.points.items():
-        yield f"{role}: {_coordinates(point)}"
-    for name, (low, high) in witness.values.items():
-        yield f"{name} = {low}" if low == high else f"{name} in [{low}, {high}]"
-    for name, measure in witness.measures.items():
-        yield f"{name.replace('_', ' ')} {measure:.6g}"
-    yield witness.statement
-
-
-def _coordinates(point: Mapping[str, str]) -> str:
-    return ", ".join(tied(f"{name} {number_in_words(value)}") for name, value in point.items())
-
-
-def _conclusion(verification: Verification) -> tuple[str, ...]:
-    found = {r.claim: r for r in verification.results}
-    standard = _answer("generalized standard", verification.generalized_standard, found, _STANDARD)
-    if verification.vacuous and "dissipation" in found:
-        return standard, "dissipative: vacuous (no boundary point at which anything could slip: see the remarks)"
-    return standard, _answer("dissipative", verification.dissipative, found, ("dissipation",))
-
-
-def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], claims: Sequence[str]) -> str:
-    verdicts = {claim: result.verdict for claim, result in found.items()}
-    if answer:
-        unchecked = [c for c in claims if found[c].trust is not Trust.CHECKED]
-        reason = f"{_and(claims)} proved" + (f", {_and(unchecked)} not checked" if unchecked else "")
-    elif answer is False:
-        reason = f"{_and([c for c in claims if verdicts.get(c) is Verdict.REFUTED])} refuted"
-    else:
-        reason = "; ".join(
-            f"{c} {_words(verdicts[c]) if c in verdicts else 'not asked for'}" for c in claims if verdicts.get(c) != Verdict.PROVED
-        )
-    word = {True: "yes", False: "no", None: "not decided"}[answer]
-    return f"{title}: {word} ({reason})"
-
-
-def _words(verdict: Verdict) -> str:
-    return str(verdict).replace("_", " ")
-
-
-def _and(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else "a claim"

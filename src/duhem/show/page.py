@@ -9,7 +9,7 @@ from textwrap import wrap
 from duhem.show.table import table
 from duhem.show.width import READABLE, WIDTH
 
-__all__ = ["PAGE", "Page", "tied"]
+__all__ = ["PAGE", "Page", "printable", "tied"]
 
 _TIE = "\N{NO-BREAK SPACE}"
 
@@ -17,6 +17,11 @@ _TIE = "\N{NO-BREAK SPACE}"
 def tied(text: str) -> str:
     """``text`` as one word: a page shows its spaces and breaks no line there, however long it is."""
     return text.replace(" ", _TIE)
+
+
+def printable(text: str) -> str:
+    """``text`` with letters that have no shape, or turn others about, written as Python does; ends of lines and tied spaces stay."""
+    return "".join(c if c.isprintable() or c in f"\n{_TIE}" else repr(c)[1:-1] for c in text)
 
 
 @dataclass(frozen=True)

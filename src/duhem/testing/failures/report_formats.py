@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
-from xml.etree import ElementTree
 
+from duhem.show.junit import JUnitCase, JUnitSuite, Outcome, as_xml
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import plain, sheet, text
 from duhem.show.sheet import Sheet
@@ -89,36 +89,23 @@ def _finite(x: float) -> float | None:
 
 def as_junit(reports: Mapping[str, Report]) -> str:
     """One suite a routine, by its name, and one case a check; what was visited and drawn stands in properties."""
-    root = ElementTree.Element("testsuites", name="duhem")
-    for name, report in reports.items():
-        names = [*report.passed, *sorted(report.failed), *report.left_out]
-        counts = {"tests": len(names), "failures": len(names) - len(report.passed) - len(report.left_out) - len(report.expected)}
-        counts["failures"] += len(report.unexpected)
-        counts["skipped"] = len(report.left_out) + len(report.expected)
-        suite = ElementTree.SubElement(root, "testsuite", {"name": name} | {key: str(count) for key, count in counts.items()})
-        about = ElementTree.SubElement(suite, "properties")
-        said = {"law": report.law, "seed": report.seed, "examples": report.examples, "increments": report.points, "flagged": report.flagged}
-        for key, value in [*said.items(), *((f"visited {key}", f"{share:.6g}") for key, share in report.visited.items())]:
-            ElementTree.SubElement(about, "property", name=key, value=str(value))
-        for check in names:
-            _junit_case(ElementTree.SubElement(suite, "testcase", classname=name, name=check), check, report)
-    ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="unicode")
+    return as_xml(_suite(name, report) for name, report in reports.items())
 
 
-def _junit_case(case: ElementTree.Element, check: str, report: Report) -> None:
+def _suite(name: str, report: Report) -> JUnitSuite:
+    said = {"law": report.law, "seed": report.seed, "examples": report.examples, "increments": report.points, "flagged": report.flagged}
+    properties = {key: str(value) for key, value in said.items()}
+    properties |= {f"visited {key}": f"{share:.6g}" for key, share in report.visited.items()}
+    return JUnitSuite(name, tuple(_case(c, report) for c in (*report.passed, *sorted(report.failed), *report.left_out)), properties)
+
+
+def _case(check: str, report: Report) -> JUnitCase:
     if (failure := report.failure_of(check)) is not None:
         cause = next((f.check.name for f in report.failures if check in f.explains), None)
         message = failure.diagnosis or failure.message if cause is None else f"{failure.message}; likely explained by {cause}"
-        ElementTree.SubElement(case, "failure", message=message).text = _printable(str(failure))
-    elif check in report.unexpected:
-        ElementTree.SubElement(case, "failure", message=f"passed, and was expected to fail: {report.unexpected[check]}")
-    elif check in report.expected:
-        ElementTree.SubElement(case, "skipped", message=f"failed, as expected: {report.expected[check]}")
-    elif check in report.left_out:
-        ElementTree.SubElement(case, "skipped", message=_printable(report.left_out[check]))
-
-
-def _printable(text: str) -> str:
-    """Without the letters that XML has no way to write."""
-    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
+        return JUnitCase(check, Outcome.FAILED, message, str(failure))
+    if check in report.unexpected:
+        return JUnitCase(check, Outcome.FAILED, f"passed, and was expected to fail: {report.unexpected[check]}")
+    if check in report.expected:
+        return JUnitCase(check, Outcome.SKIPPED, f"failed, as expected: {report.expected[check]}")
+    return JUnitCase(check, Outcome.SKIPPED, report.left_out[check]) if check in report.left_out else JUnitCase(check)
