@@ -65,7 +65,7 @@ STICK, SLIP, LEFT = 0, 1, 2
 ANGLE, LOOSE, DEPTH, TIP, ORIGIN = 1e-12, 1e-10, 1e-14, 1e-14, 1e-12  # as in the search
 STEPS, HALVINGS, ROUNDS = 40, 7, 8
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
-SETTLED = 1e-15
+SETTLED = 2e-16  # a rounding of 1: at 1e-15 one point in ten keeps an error that another step takes away
 
 
 def solve(
