@@ -15,7 +15,7 @@ import os
 import re
 import sys
 from collections.abc import Iterable, Iterator
-from itertools import zip_longest
+from itertools import groupby, zip_longest
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from unittest.mock import patch
@@ -25,6 +25,7 @@ from jupyter_client.kernelspec import KernelSpec
 from jupyter_client.manager import AsyncKernelManager
 from nbclient import NotebookClient
 from nbformat import NotebookNode
+from nbformat.v4 import new_output
 
 __all__ = ["LONGEST", "NOTEBOOKS", "ROOT", "departures", "executed", "pictures", "texts"]
 
@@ -72,7 +73,7 @@ def _code(book: NotebookNode) -> list[NotebookNode]:
 
 
 def _light(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
-    for output in outputs:
+    for output in _joined(outputs):
         if "data" in output:
             output.metadata = nbformat.from_dict({})
             if "execution_count" in output:
@@ -80,6 +81,15 @@ def _light(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
             if "image/png" in output.data:
                 output.data = nbformat.from_dict({"image/png": _few_colours(output.data["image/png"])})
         yield output
+
+
+def _joined(outputs: Iterable[NotebookNode]) -> Iterator[NotebookNode]:
+    """What is printed at once in one piece: into how many it comes depends on the load."""
+    for name, group in groupby(outputs, lambda output: output.get("name") if output.output_type == "stream" else None):
+        if name is None:
+            yield from group
+        else:
+            yield new_output("stream", name=name, text="".join(output.text for output in group))
 
 
 def _few_colours(png: str) -> str:
