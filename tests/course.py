@@ -58,7 +58,12 @@ def executed(path: Path) -> NotebookNode:
         }
         with patch.dict(os.environ, own):
             client = NotebookClient(
-                book, timeout=LONGEST, kernel_manager_class=ThisPython, record_timing=False, resources={"metadata": {"path": folder}}
+                book,
+                timeout=LONGEST,
+                kernel_manager_class=ThisPython,
+                record_timing=False,
+                coalesce_streams=True,
+                resources={"metadata": {"path": folder}},
             )
             client.execute()
     book.metadata = nbformat.from_dict(_KEPT)
