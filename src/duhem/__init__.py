@@ -32,6 +32,7 @@ __all__ = [
     "Witness",
     "YieldSurface",
     "__version__",
+    "campaign",
     "criterion",
     "derive",
     "identify",
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
     from duhem.projection.result import Projection, Status
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
+    from duhem.screening import campaign
     from duhem.vouched.histories import simulate
     from duhem.vouched.increments import project
 
@@ -73,6 +75,7 @@ _HOMES = {
     "projection.result": ("Projection", "Status"),
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
+    "screening": ("campaign",),
     "vouched.histories": ("simulate",),
     "vouched.increments": ("project",),
 }

@@ -16,6 +16,7 @@ from duhem import InputError
 from duhem.cli import cli
 from duhem.path import kept_part, scene_file, scene_run
 from duhem.path.integrators import INTEGRATORS
+from duhem.show.growing_file import beside
 from tests.path.scenes import walk
 
 LINE = """\
@@ -200,7 +201,7 @@ def test_a_part_cut_short_is_refused_or_resumes_to_the_same_last_digit(tmp_path)
     text = kept_part.keep(whole, table, scene.fingerprint).read_bytes()
     resumed = 0
     for length in range(len(text) + 1):
-        kept_part.beside(table).write_bytes(text[:length])
+        beside(table).write_bytes(text[:length])
         try:
             part = kept_part.recall(table, plan, scene.fingerprint)
         except InputError as refused:

@@ -15,7 +15,7 @@ from duhem import InputError, Paths
 from duhem.cli import cli
 from duhem.path import batch as batches
 from duhem.path import growing_table, kept_part, scene_file
-from duhem.path.kept_part import beside
+from duhem.show.growing_file import beside, rows_beside
 from tests.path.scenes import TABLE, walk
 
 MU = {"mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
@@ -135,7 +135,7 @@ def test_a_run_goes_on_from_the_points_that_are_done(folder, monkeypatch, fault)
 
         def stop(self, part):
             if self.points == 2:
-                self._write("half a row, and then")
+                self._growing.write("half a row, and then")
                 raise fault
             add(self, part)
 
@@ -165,27 +165,27 @@ def test_notes_and_rows_cut_short_are_refused_or_gone_on_with_to_the_same_bytes(
     with monkeypatch.context() as patch:
         patch.setattr(growing_table.GrowingTable, "finish", lambda self: (_ for _ in ()).throw(KeyboardInterrupt))
         run(folder / "scene.toml", "--out", table)
-    notes, rows = beside(table).read_bytes(), growing_table._rows(table).read_bytes()
+    notes, rows = beside(table).read_bytes(), rows_beside(table).read_bytes()
     wanted = ("point", "time")
     ends = [i + shift for i, byte in enumerate(notes) if byte == ord("\n") for shift in (0, 1)]
     for length in sorted({*range(0, len(notes), 11), *ends}):
         beside(table).write_bytes(notes[:length])
-        growing_table._rows(table).write_bytes(rows + b"torn")
+        rows_beside(table).write_bytes(rows + b"torn")
         with growing_table.GrowingTable(table, scene.fingerprint, wanted, True) as growing:
             whole = notes[:length].count(b"\n") - 1
             assert growing.points == (0 if whole < 1 else [2, 4, 5][whole - 1])
     beside(table).write_bytes(notes)
-    growing_table._rows(table).write_bytes(rows[:-1])
+    rows_beside(table).write_bytes(rows[:-1])
     with pytest.raises(InputError, match="damaged"):
         growing_table.GrowingTable(table, scene.fingerprint, wanted, True)
-    growing_table._rows(table).write_bytes(rows.replace(b"1", b"2", 1))
+    rows_beside(table).write_bytes(rows.replace(b"1", b"2", 1))
     assert "damaged" in str(run(folder / "scene.toml", "--out", table, "--resume").exception)
-    growing_table._rows(table).unlink()
+    rows_beside(table).unlink()
     assert run(folder / "scene.toml", "--out", table, "--resume").return_value == 0
     assert table.read_bytes() == (folder / "whole.csv").read_bytes()
-    growing_table._rows(table).write_bytes(b"somebody's")
+    rows_beside(table).write_bytes(b"somebody's")
     assert "no part of a run" in str(run(folder / "scene.toml", "--out", table).exception)
-    assert growing_table._rows(table).read_bytes() == b"somebody's"
+    assert rows_beside(table).read_bytes() == b"somebody's"
 
 
 def test_points_that_end_early_are_counted_also_by_a_run_that_goes_on(folder, monkeypatch):

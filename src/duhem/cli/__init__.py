@@ -6,6 +6,7 @@ import click
 
 from duhem.cli.atlas import atlas
 from duhem.cli.bench import bench
+from duhem.cli.campaign import campaign
 from duhem.cli.derive import derive
 from duhem.cli.doctor import doctor
 from duhem.cli.explain import explain
@@ -53,6 +54,7 @@ for command in (
     figures,
     identify,
     snapshot,
+    campaign,
     list_laws,
     atlas,
     init,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -12,34 +11,9 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.path.history import History
 from duhem.path.plan import Plan
-from duhem.show.place import check_place
+from duhem.show.growing_file import DAMAGED, MARK, UNREADABLE, another, beside
 
-__all__ = ["ANOTHER", "DAMAGED", "MARK", "UNREADABLE", "beside", "check_kept", "keep", "recall"]
-
-MARK = "# duhem part of run "
-UNREADABLE = "check its permissions, or delete it"
-DAMAGED = "delete it and start afresh"
-ANOTHER = "delete it, or go on with the scene as it was and the version of duhem that wrote it"
-
-
-def beside(file: str | os.PathLike[str]) -> Path:
-    """Where the part of the table ``file`` is kept."""
-    return Path(f"{os.fspath(file)}.partial")
-
-
-def check_kept(file: str | os.PathLike[str], inputs: Iterable[str] = ()) -> None:
-    """InputError where the part of the table ``file`` cannot be kept: what stands there is something else, or one of the ``inputs``."""
-    place = beside(file)
-    check_place(place, inputs)
-    try:
-        with open(place, "rb") as stream:
-            known = stream.read(len(MARK)) == MARK.encode()
-    except FileNotFoundError:
-        return
-    except OSError as fault:
-        raise InputError(f"the part of a run cannot be read: {fault.strerror}", where=f"{place}", remedy=UNREADABLE) from None
-    if not known:
-        raise InputError("this is no part of a run, and one would be kept there", where=f"{place}", remedy="move it away")
+__all__ = ["keep", "recall"]
 
 
 def keep(history: History, file: str | os.PathLike[str], fingerprint: str) -> Path:
@@ -60,7 +34,7 @@ def recall(file: str | os.PathLike[str], plan: Plan, fingerprint: str) -> Histor
         raise InputError("the part of a run cannot be read", where=f"{place}", remedy=UNREADABLE) from None
     mark, _, table = text.partition("\n")
     if not mark.startswith(f"{MARK}{fingerprint} "):
-        raise InputError("this is the part of another run", where=f"{place}", remedy=ANOTHER)
+        raise another(place)
     try:
         if mark != f"{MARK}{fingerprint} {_sum(table)}":
             raise ValueError

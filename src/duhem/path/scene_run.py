@@ -9,12 +9,13 @@ from importlib.util import find_spec
 from duhem.errors import InputError, MissingExtraError
 from duhem.path import kept_part
 from duhem.path.batch_run import parts
-from duhem.path.growing_table import GrowingTable, check_growing
+from duhem.path.growing_table import GrowingTable
 from duhem.path.history import History, columns
 from duhem.path.loading import Path
 from duhem.path.scene import Scene
 from duhem.path.simulate import Interrupted, LeftDomain, LeftPrecision
 from duhem.show import figure
+from duhem.show.growing_file import beside, check_growing, check_kept
 from duhem.show.place import check_places
 
 __all__ = ["Stopped", "check_outputs", "perform", "perform_many"]
@@ -40,7 +41,7 @@ def check_outputs(table: str | None, plot: str | None, resume: bool, inputs: Seq
         raise MissingExtraError("pyarrow", "parquet")
     check_places([table, plot], inputs)
     if table is not None:
-        (check_growing if many else kept_part.check_kept)(table, inputs)
+        (check_growing if many else check_kept)(table, inputs)
     if plot is not None:
         figure.check(plot)
 
@@ -69,7 +70,7 @@ def perform(scene: Scene, table: str | None, resume: bool, on_step: Callable[[in
         raise InputError(f"{fault.what}; the steps before are kept in {kept}", where=fault.where, remedy=fault.remedy) from None
     if table is not None:
         (history.to_parquet if table.endswith(".parquet") else history.to_csv)(table)
-        kept_part.beside(table).unlink(missing_ok=True)
+        beside(table).unlink(missing_ok=True)
     return history
 
 
@@ -99,7 +100,7 @@ def perform_many(
                 if on_step is not None:
                     on_step(growing.points, n)
         except KeyboardInterrupt:
-            kept = kept_part.beside(table)
+            kept = beside(table)
             raise Stopped(f"interrupted after {growing.points} of {n} points, kept in {kept}; go on with --resume") from None
         growing.finish()
         return growing.ended

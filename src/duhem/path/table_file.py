@@ -13,7 +13,7 @@ from duhem.errors import InputError
 from duhem.expression.spelling import spelled
 from duhem.projection.result import Array
 
-__all__ = ["MOST_NUMBERS", "read_table"]
+__all__ = ["MOST_NUMBERS", "cells_of", "header_of", "read_table"]
 
 MOST_NUMBERS = 10_000_000  # of a path: five million knots in the plane, with some 100 bytes each before the first step
 _MOST_CHARACTERS = 100_000  # of a line
@@ -51,9 +51,9 @@ def _read(stream: TextIO, where: str, least: int) -> tuple[list[str], Array]:
             raise InputError("this is no line of a table", where=place, remedy="write the table as CSV")
         if not text.strip() or text.lstrip().startswith("#"):
             continue
-        cells = _cells(text, place)
+        cells = cells_of(text, place)
         if not header:
-            header = _header(cells, place)
+            header = header_of(cells, place)
             continue
         try:
             row = [float(cell) for cell in cells]
@@ -70,7 +70,8 @@ def _read(stream: TextIO, where: str, least: int) -> tuple[list[str], Array]:
     return header, np.array(numbers).reshape(-1, len(header))
 
 
-def _cells(text: str, place: str) -> list[str]:
+def cells_of(text: str, place: str) -> list[str]:
+    """The cells of a line; InputError where its quotes are none."""
     if '"' not in text:
         return text.split(",")
     try:
@@ -79,7 +80,8 @@ def _cells(text: str, place: str) -> list[str]:
         raise InputError(f"this is not CSV: {fault}", where=place, remedy=_COMMAS) from None
 
 
-def _header(cells: list[str], place: str) -> list[str]:
+def header_of(cells: list[str], place: str) -> list[str]:
+    """The names of the columns; InputError where these are none, or one is there twice."""
     names = [spelled(cell.strip()) for cell in cells]
     for mark, said in _SEPARATORS.items():
         if mark in names[0]:

@@ -30,7 +30,7 @@ from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
 from duhem.show.shown import Shown
 from duhem.version import __version__
 
-__all__ = ["ClaimResult", "Verification", "verify"]
+__all__ = ["ClaimResult", "Verification", "verify", "wanted_claims"]
 
 _TURN = RLock()
 _BITS = 53  # what Arb starts with
@@ -40,7 +40,7 @@ _BITS = 53  # what Arb starts with
 class ClaimResult:
     """One row of the verdict table; ``seconds`` of wall clock, ``scope`` what the verdict ranges over.
 
-    ``trust`` says what a proof rests on; ``proof`` is how the kernel confirmed it.
+    ``trust`` says what a proof rests on; ``proof`` is how the kernel confirmed it; ``steps`` is what it cost, counted.
     """
 
     claim: str
@@ -52,6 +52,7 @@ class ClaimResult:
     witness: Witness | None = None
     trust: Trust | None = None
     proof: Proof | None = None
+    steps: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """The row as the JSON report has it."""
@@ -147,7 +148,7 @@ def verify(
     """
     criterion: Law = load(law).fix(parameters)
     check_domain(criterion)
-    wanted = _wanted(claims)
+    wanted = wanted_claims(claims)
     if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     needed = _with_needs(wanted)
@@ -157,7 +158,7 @@ def verify(
     confirmations = Confirmations(criterion)
     results: dict[bool, list[ClaimResult]] = {True: [], False: []}
     for name in (name for name in CLAIMS if name in needed):
-        start = time.perf_counter()
+        start, before = time.perf_counter(), subject.spent
         with _alone():
             settled[name] = evidence = CLAIMS[name].examine(subject, settled, partial(confirmations.confirm, name))
             standing = confirmations.of(name, evidence, CLAIMS[name].needs)
@@ -177,6 +178,7 @@ def verify(
             evidence.witness,
             None if standing is None else standing.trust,
             None if standing is None else standing.proof,
+            subject.spent - before,
         )
         results[name in wanted].append(found)
         if name in wanted and on_claim is not None:
@@ -206,7 +208,8 @@ def _examined(law: Law, effort: Fraction) -> Subject:
     return subject
 
 
-def _wanted(claims: Iterable[str] | None) -> tuple[str, ...]:
+def wanted_claims(claims: Iterable[str] | None) -> tuple[str, ...]:
+    """The claims named, all of them for None; InputError for what is none."""
     every = f"the claims are: {', '.join(CLAIMS)}"
     if not isinstance(claims, Iterable | None):
         raise InputError(f"{claims!r} names no claims", where="claims", remedy=every)

@@ -24,7 +24,12 @@ class Budget:
     """Steps that may still be spent; a part of it draws on the whole as well."""
 
     def __init__(self, steps: int, whole: Budget | None = None) -> None:
-        self._left, self._whole = steps, whole
+        self._given, self._left, self._whole = steps, steps, whole
+
+    @property
+    def spent(self) -> int:
+        """How many steps were paid."""
+        return self._given - self._left
 
     @property
     def left(self) -> int:

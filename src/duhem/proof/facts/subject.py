@@ -22,13 +22,20 @@ class Subject(ABC):
 
     def __init__(self, question_steps: int, effort: Fraction) -> None:
         self._question_steps, self._effort = int(question_steps * effort), effort
+        self._spent, self.budget = 0, Budget(0)
         self.allow(2 * question_steps)
         self._answers: dict[Question, Answer] = {}
         self.known: dict[object, Any] = {}  # kept by `fact`, which knows the types
 
     def allow(self, steps: int) -> None:
         """What is asked from now on shares this many steps, times the effort; what comes after is left open."""
+        self._spent = self.spent
         self.budget = Budget(int(steps * self._effort))
+
+    @property
+    def spent(self) -> int:
+        """The steps that everything asked so far has cost."""
+        return self._spent + self.budget.spent
 
     def decided(self, question: Question) -> Answer:
         """The deciders' answer; where it leaves the question open, it is kept if all the steps of a question were to be had."""

@@ -1,0 +1,62 @@
+"""``duhem campaign``: many laws at once."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+import click
+
+from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
+from duhem.cli.output import Progress, page, say
+
+__all__ = ["campaign"]
+
+
+@click.command()
+@click.argument("campaign_file", metavar="CAMPAIGN", type=click.Path(dir_okay=False))
+@click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that ask rows; left out, one a core.")
+@click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped.")
+@click.option("--out", metavar="FILE", help="Write the table as .csv or .parquet; left out, the one that the campaign names.")
+def campaign(campaign_file: str, workers: int | None, resume: bool, out: str | None) -> int:
+    """Ask every row of CAMPAIGN, a TOML file: laws times parameter sets, one line of the table a row and claim.
+
+    A row whose law cannot be read, or that crashes, hangs or asks for too much memory, is a row with its reason and harms no other.
+    The table is the same from any number of workers, but for the seconds.  A campaign that is interrupted (Ctrl-C, SIGTERM) or
+    killed keeps what is done beside the table, and --resume goes on from there.
+
+    Exit codes: 1 where a line is refuted, 4 where a row has an error instead of verdicts, which comes first.
+    """
+    from duhem.errors import InputError
+    from duhem.screening import entry, file
+    from duhem.show.printing import text
+
+    asked = file.read(campaign_file)
+    table = asked.out if out is None else out  # an empty name is refused, not taken for none
+    if table is None:
+        raise InputError("there is no place for the table", where=campaign_file, remedy='write out = "table.csv" in [campaign], or --out')
+    with Progress("starting") as progress:
+        began, last, first = monotonic(), 0.0, -1
+
+        def on_row(done: int, rows: int) -> None:
+            nonlocal last, first
+            now = monotonic()
+            first = done - 1 if first < 0 else first
+            if now - last > 0.2:
+                last = now
+                rate = (done - first) / max(now - began, 1e-9)
+                progress.show(f"{done} of {rows} rows, {rate:.1f} a second, {_duration((rows - done) / rate)} left")
+
+        try:
+            summary = entry.campaign(asked, out=table, workers=workers, resume=resume, on_row=on_row)
+        except entry.StoppedCampaign as stop:
+            progress.show("")
+            click.echo(f"duhem: {stop}", err=True)
+            return INTERRUPTED
+    say(text(summary, page()))
+    return FAILED if summary.errors else REFUTED if summary.refuted else HELD
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s" if minutes else f"{rest} s"

@@ -1,0 +1,8 @@
+"""Campaigns: many laws and parameter sets at once, one table of verdicts."""
+
+from __future__ import annotations
+
+from duhem.screening.entry import campaign
+from duhem.screening.summary import Summary
+
+__all__ = ["Summary", "campaign"]

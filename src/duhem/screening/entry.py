@@ -1,0 +1,107 @@
+"""``duhem.campaign``: many laws at once, on the cores of this machine or on a cluster."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from duhem.errors import InputError
+from duhem.law.curve_law import Law
+from duhem.screening import file
+from duhem.screening.campaign import Campaign
+from duhem.screening.inquiries import Claimed
+from duhem.screening.lines import VerdictLine, lines_of, number_of
+from duhem.screening.pool import Pool, cores
+from duhem.screening.rows import given
+from duhem.screening.summary import Counts, Summary
+from duhem.screening.table import GrowingLines, check_table, write_table
+
+__all__ = ["StoppedCampaign", "campaign"]
+
+OnRow = Callable[[int, int], None]
+Pairs = Iterable[str | Law | tuple[str | Law, Mapping[str, Any]]]
+
+
+class StoppedCampaign(KeyboardInterrupt):
+    """A campaign that was interrupted; its text says what is kept and how to go on."""
+
+
+def campaign(
+    rows: str | os.PathLike[str] | Pairs | Campaign,
+    claims: Iterable[str] | None = None,
+    *,
+    out: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    resume: bool = False,
+    on_row: OnRow | None = None,
+) -> Summary:
+    """Ask many laws at once, each row in a process that may fail without harm to the others.
+
+    ``rows`` is a campaign file, or laws and pairs of a law and its parameters.  ``out`` is the table, .csv or .parquet, one line a row
+    and claim; without one the lines are in the summary.  ``workers`` processes (the cores, if left out) give the same table.  While
+    it runs, what is done is kept beside ``out``, and ``resume`` goes on from there; ``on_row`` is called with the rows done and all.
+
+    Raises InputError for a campaign that cannot be asked, StoppedCampaign, a KeyboardInterrupt, when interrupted.  What is wrong with a row
+    is in its lines: a law that cannot be read, a value outside its domain, a process that crashed or took too much.
+    """
+    asked = _read(rows, claims)
+    table = asked.out if out is None else os.fspath(out)
+    if workers is not None and (not isinstance(workers, int) or isinstance(workers, bool) or workers < 1):
+        raise InputError(f"{workers!r} workers", where="workers", remedy="give a whole number from 1 on")
+    if resume and table is None:
+        raise InputError("there is no table to go on with", where="resume", remedy="name it as out")
+    if table is not None:
+        check_table(table, asked.inputs)
+    with Pool(asked, workers or cores()) as pool:
+        return _gathered(asked, pool, on_row) if table is None else _written(asked, pool, table, resume, on_row)
+
+
+def _read(rows: str | os.PathLike[str] | Pairs | Campaign, claims: Iterable[str] | None) -> Campaign:
+    from duhem.proof.verification import wanted_claims
+
+    if isinstance(rows, Campaign):
+        return rows
+    if isinstance(rows, str | os.PathLike):
+        read = file.read(rows)
+        if claims is None:
+            return read
+        effort = read.inquiry.effort if isinstance(read.inquiry, Claimed) else "normal"
+        return replace(read, inquiry=Claimed(wanted_claims(claims), effort))
+    if not isinstance(rows, Iterable):
+        raise InputError(f"{type(rows).__name__} is no campaign", where="rows", remedy="give a campaign file, or laws")
+    pairs = tuple(each if isinstance(each, tuple) else (each, None) for each in rows)
+    if not pairs:
+        raise InputError("there are no rows", where="rows", remedy="give at least one law")
+    return Campaign((given(pairs),), Claimed(wanted_claims(claims)))
+
+
+def _gathered(asked: Campaign, pool: Pool, on_row: OnRow | None) -> Summary:
+    """The lines in the summary."""
+    found, counts = dict[int, tuple[VerdictLine, ...]](), Counts(asked)
+    for text in pool.texts([range(1, len(asked) + 1)]):
+        found[number_of(text)] = lines_of(text)
+        if on_row is not None:
+            on_row(len(found), len(asked))
+    lines = tuple(counts.passing(line for number in sorted(found) for line in found[number]))
+    return counts.summary(lines=lines)
+
+
+def _written(asked: Campaign, pool: Pool, table: str, resume: bool, on_row: OnRow | None) -> Summary:
+    """The lines in the table, which grows as they are done."""
+    counts = Counts(asked)
+    with GrowingLines(asked, table, resume) as growing:
+        try:
+            for text in pool.texts(list(growing.missing())):
+                growing.add(text)
+                if on_row is not None:
+                    on_row(growing.done, len(asked))
+        except KeyboardInterrupt:
+            growing.keep()
+            said = f"interrupted after {growing.done} of {len(asked)} rows, kept beside {table}; go on with --resume"
+            raise StoppedCampaign(said) from None
+        growing.keep()
+        write_table(table, counts.passing(growing.lines()), asked)
+        growing.drop()
+    return counts.summary(table)

@@ -1,0 +1,267 @@
+"""Campaigns from TOML: what is asked, and of which rows; a mistake is told with file, line and column.
+
+[campaign]
+claims = ["origin", "convexity"]              # left out: all of them
+effort = "normal"                             # quick, normal or thorough: the steps that a claim may cost
+out = "table.csv"                             # or .parquet; the command line's --out comes first
+seconds = 600                                 # of the processor; a row that takes more is ended with its process
+memory = 4                                    # GB that a row may ask for
+
+[[rows]]
+laws = ["coulomb", "laws/*.toml"]             # every law as it stands; files are looked for beside the campaign
+[[rows]]
+law = "limacon"
+grid = { mu = [0.3], e = [0.1, 0.5, 0.6] }    # every combination
+[[rows]]
+law = "limacon"
+set = { mu = 0.3 }                            # the same in every row
+draw = { n = 1000, seed = 1, e = [0, 1] }     # drawn in the domains of the parameters, or in a range where one has no end
+[[rows]]
+law = "quartic.toml"
+table = "coefficients.csv"                    # or .parquet; columns are named as parameters
+columns = ["c40", "c22"]                      # only these; left out, all of them
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Iterable, Mapping
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+from duhem.errors import InputError
+from duhem.expression.number import exact_number, fraction, ratio
+from duhem.expression.spelling import spelled
+from duhem.law.curve_law import Law
+from duhem.law.placed_toml import Key, meant, parsed, text_of
+from duhem.law.section_reader import SectionReader
+from duhem.screening.campaign import Campaign
+from duhem.screening.inquiries import Claimed
+from duhem.screening.rows import AsStated, Draw, Grid, LawName, RowBlock, Span, TableRows
+from duhem.screening.value_table import cells_in_lines
+
+__all__ = ["read", "reads"]
+
+MOST_BYTES = 1_000_000
+MOST_ROWS = 10_000_000
+_CAMPAIGN = ("claims", "effort", "out", "seconds", "memory")
+_ROWS = ("laws", "law", "set", "grid", "draw", "table", "columns")
+_KINDS = ("grid", "draw", "table")
+
+
+def read(file: str | os.PathLike[str]) -> Campaign:
+    """The campaign of a TOML file; InputError names file, line and column of what is wrong in it."""
+    text = text_of(file, "campaign", MOST_BYTES, large="put the values into a table")
+    return reads(text, where=f"{file}", folder=Path(file).parent)
+
+
+def reads(text: str, where: str = "campaign", folder: str | os.PathLike[str] = ".") -> Campaign:
+    """The campaign written in ``text``; files it names are looked for in ``folder``."""
+    return _CampaignReader(parsed(text, where, number=Decimal)).campaign(Path(folder))
+
+
+class _CampaignReader(SectionReader):
+    """From the document of a campaign to its value; stops at the first fault."""
+
+    def campaign(self, folder: Path) -> Campaign:
+        self.keys("", self.document, ("campaign", "rows"))
+        head = self.document.get("campaign", {})
+        if not isinstance(head, dict):
+            raise self.error("campaign is not a table", "campaign", remedy="write [campaign] on a line of its own")
+        self.keys("campaign", head, _CAMPAIGN)
+        given = self.document.get("rows")
+        if not isinstance(given, list) or not given or not all(isinstance(each, dict) for each in given):
+            raise self.error("there are no [[rows]]", "rows", remedy='write for example [[rows]] and below it laws = ["coulomb"]')
+        blocks, inputs = list[RowBlock](), [self.where]
+        for i in range(len(given)):
+            block, files = self.block(i, folder)
+            blocks.append(block)
+            inputs += files
+        if (count := sum(map(len, blocks))) > MOST_ROWS:
+            raise self.error(f"there are {count} rows", "rows", remedy=f"at most {MOST_ROWS} are asked at once")
+        out = self.string("campaign", "out", required=False) if "out" in head else ""
+        return Campaign(
+            tuple(blocks),
+            Claimed(self.claims(head), self.effort(head)),
+            seconds=self.limit(head, "seconds", 600.0),
+            memory=self.limit(head, "memory", 4.0),
+            out=str(folder / out) if out else None,
+            inputs=tuple(inputs),
+        )
+
+    # -- what is asked -----------------------------------------------------------------------------------------
+
+    def claims(self, head: Mapping[str, Any]) -> tuple[str, ...]:
+        from duhem.proof.claims import CLAIMS
+
+        asked = head.get("claims", list(CLAIMS))
+        if not isinstance(asked, list) or not asked:
+            raise self.error("claims is not a list of claims", "campaign", "claims", remedy=f"the claims are: {', '.join(CLAIMS)}")
+        for i, name in enumerate(asked):
+            if not isinstance(name, str) or name not in CLAIMS:
+                raise self.error(f"unknown claim {str(name)[:40]!r}", "campaign", "claims", i, remedy=meant(f"{name}", CLAIMS))
+        return tuple(dict.fromkeys(asked))
+
+    def effort(self, head: Mapping[str, Any]) -> str:
+        from duhem.proof.decide import EFFORTS
+
+        effort = head.get("effort", "normal")
+        if effort not in EFFORTS:
+            raise self.error(f"unknown effort {str(effort)[:40]!r}", "campaign", "effort", remedy=f"one of: {', '.join(EFFORTS)}")
+        return str(effort)
+
+    def limit(self, head: Mapping[str, Any], key: str, usual: float) -> float:
+        given = head.get(key, usual)
+        if isinstance(given, bool) or not isinstance(given, int | float | Decimal) or not 0 < given < 1e9:
+            raise self.error(f"{key} = {str(given)[:40]}", "campaign", key, remedy="give a number above 0")
+        return float(given)
+
+    # -- rows --------------------------------------------------------------------------------------------------
+
+    def block(self, i: int, folder: Path) -> tuple[RowBlock, list[str]]:
+        """The rows of the i-th table, and the files that they are read from."""
+        given: Mapping[str, Any] = self.value("rows", i)
+        self.keys("rows", given, _ROWS, at=("rows", i))
+        kinds = [kind for kind in _KINDS if kind in given]
+        if len(kinds) > 1:
+            raise self.error(f"{kinds[0]} and {kinds[1]} are both given", "rows", i, kinds[1], remedy="give each [[rows]] of its own")
+        if "columns" in given and "table" not in given:
+            raise self.error("columns are those of a table", "rows", i, "columns", remedy="name the table, or leave them out")
+        if ("laws" in given) == ("law" in given):
+            raise self.error("rows are of one law or of several laws", "rows", i, remedy='write law = "..." or laws = ["...", "..."]')
+        if "laws" in given:
+            if kinds:
+                raise self.error(f"{kinds[0]} is for one law", "rows", i, kinds[0], remedy='write law = "..."')
+            names = self.names(i, folder)
+            return AsStated(names, self.fixed(i)), [name.path for name in names if name.path]
+        name = self.named(self.string("rows", i, "law"), folder, "rows", i, "law")
+        values, files = self.fixed(i), [name.path] if name.path else []
+        if not kinds:
+            return AsStated((name,), values), files
+        law = self.law(name, i)
+        for parameter, _ in values:
+            self.known(law, parameter, "rows", i, "set", parameter)
+        match kinds[0]:
+            case "grid":
+                return Grid(name, self.axes(i, law), values), files
+            case "draw":
+                return self.draw(i, name, law, values), files
+        table = str(folder / self.string("rows", i, "table"))
+        columns, text = cells_in_lines(table)
+        return TableRows(name, self.columns(i, law, columns, table), text, values), [*files, table]
+
+    def names(self, i: int, folder: Path) -> tuple[LawName, ...]:
+        found = list[LawName]()
+        for path in self.entries("rows", i, "laws", example='["coulomb", "laws/*.toml"]'):
+            text = self.value(*path)
+            if any(letter in text for letter in "*?["):
+                files = sorted(glob.glob(text, root_dir=folder, recursive=True))
+                if not files:
+                    raise self.error(f"no file is named {text[:60]!r}", *path, remedy=f"they are looked for in {os.path.abspath(folder)}")
+                found += [LawName(file, str(folder / file)) for file in files]
+            else:
+                found.append(self.named(text, folder, *path))
+        if not found:
+            raise self.error("laws names none", "rows", i, "laws", remedy='write for example laws = ["coulomb"]')
+        return tuple(found)
+
+    def named(self, text: str, folder: Path, *path: Key) -> LawName:
+        """A law of duhem, or a criterion file beside the campaign; what is wrong in it is said of its rows."""
+        from duhem.law.catalogue import load_named
+
+        beside = str(folder / text)
+        if text.endswith(".toml") or os.path.isfile(beside):
+            if not os.path.isfile(beside):
+                raise self.error(f"there is no file {text[:60]!r}", *path, remedy=f"it is looked for in {os.path.abspath(folder)}")
+            return LawName(text, beside)
+        try:
+            load_named(text)
+        except InputError as fault:
+            raise self.error(fault.what, *path, remedy=fault.remedy) from None
+        return LawName(text)
+
+    def law(self, name: LawName, i: int) -> Law:
+        """The law whose parameters are given values: what is wrong in its file is wrong with all its rows."""
+        try:
+            return name.law()
+        except InputError as fault:
+            place = fault.where or self.place("rows", i, "law")
+            raise InputError(fault.what, where=place, remedy=fault.remedy) from None
+
+    def known(self, law: Law, name: str, *path: Key) -> None:
+        if name not in law.parameters:
+            raise self.error(f"unknown parameter {name[:40]!r} of {law.name}", *path, remedy=meant(name, law.parameters))
+
+    def fixed(self, i: int) -> tuple[tuple[str, str], ...]:
+        given = self.value("rows", i).get("set", {})
+        if not isinstance(given, dict):
+            raise self.error("set is not a table", "rows", i, "set", remedy="write for example set = { mu = 0.3 }")
+        return tuple((spelled(name), self.number(value, "rows", i, "set", name)) for name, value in given.items())
+
+    def number(self, value: Any, *path: Key) -> str:
+        try:
+            return ratio(exact_number(value))
+        except InputError as fault:
+            raise self.error(fault.what, *path, remedy=fault.remedy) from None
+
+    def axes(self, i: int, law: Law) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        given = self.value("rows", i, "grid")
+        if not isinstance(given, dict) or not given:
+            raise self.error("grid is not a table of values", "rows", i, "grid", remedy="write for example grid = { mu = [0.1, 0.2] }")
+        axes = []
+        for name, values in given.items():
+            self.known(law, spelled(name), "rows", i, "grid", name)
+            if not isinstance(values, list) or not values:
+                raise self.error(f"{name} is not a list of numbers", "rows", i, "grid", name, remedy=f"write {name} = [0.1, 0.2]")
+            axes.append((spelled(name), tuple(self.number(value, "rows", i, "grid", name, k) for k, value in enumerate(values))))
+        return tuple(axes)
+
+    def draw(self, i: int, name: LawName, law: Law, values: tuple[tuple[str, str], ...]) -> Draw:
+        given = self.value("rows", i, "draw")
+        if not isinstance(given, dict):
+            raise self.error("draw is not a table", "rows", i, "draw", remedy="write for example draw = { n = 1000, seed = 1 }")
+        ranges = {spelled(key): (key, value) for key, value in given.items() if key not in ("n", "seed")}
+        for parameter, (key, _) in ranges.items():
+            self.known(law, parameter, "rows", i, "draw", key)
+        for key, least in (("n", 1), ("seed", 0)):
+            value = given.get(key)
+            if not isinstance(value, int) or isinstance(value, bool) or value < least:
+                what = f"draw has no {key}" if value is None else f"{key} = {str(value)[:40]}"
+                raise self.error(what, "rows", i, "draw", key, remedy=f"give a whole number from {least} on")
+        fixed = dict(values)
+        free = [p for p, d in law.parameters.items() if p not in fixed and (d.value is None or p in ranges)]
+        spans = tuple(self.span(i, law, parameter, *ranges.get(parameter, (parameter, None))) for parameter in free)
+        return Draw(name, spans, given["n"], given["seed"], values)
+
+    def span(self, i: int, law: Law, parameter: str, key: str, given: Any) -> Span:
+        path: tuple[Key, ...] = ("rows", i, "draw", key)
+        domain = law.parameters[parameter]
+        if given is None:
+            if domain.low is None or domain.high is None:
+                words = f"the domain of {parameter} has no end ({domain.describe()})"
+                raise self.error(words, "rows", i, "draw", remedy=f"give the range to draw in: {parameter} = [0.1, 1]")
+            return Span(parameter, fraction(domain.low), fraction(domain.high), domain.positive)
+        if not isinstance(given, list) or len(given) != 2:
+            raise self.error(f"{key} is not a range", *path, remedy=f"write {key} = [least, greatest]")
+        low, high = (fraction(exact_number(self.number(end, *path, k))) for k, end in enumerate(given))
+        if low > high:
+            raise self.error(f"the range of {key} ends before it begins", *path, remedy="write the least value first")
+        return Span(parameter, low, high, domain.positive)
+
+    def columns(self, i: int, law: Law, columns: Iterable[str], table: str) -> tuple[str | None, ...]:
+        """Which parameter each column of the table gives, or None."""
+        found = list(columns)
+        asked = self.value("rows", i).get("columns", found)
+        if not isinstance(asked, list) or not all(isinstance(name, str) for name in asked):
+            raise self.error("columns is not a list of names", "rows", i, "columns", remedy='write columns = ["a", "b"]')
+        wanted = {spelled(name) for name in asked}
+        for name in wanted:
+            if name not in found:
+                raise self.error(f"{table} has no column {name[:40]!r}", "rows", i, "columns", remedy=meant(name, found))
+            if name not in law.parameters:
+                where = self.place("rows", i, "columns" if "columns" in self.value("rows", i) else "table")
+                remedy = f"{meant(name, law.parameters)}; columns = [...] names those to take"
+                raise InputError(f"the column {name[:40]!r} is no parameter of {law.name}", where=where, remedy=remedy)
+        return tuple(name if name in wanted else None for name in found)

@@ -1,0 +1,82 @@
+"""One row asked: its lines, whatever comes of it.  The text of a row is a JSON list of them, which is what processes and parts hold."""
+
+from __future__ import annotations
+
+import json
+import os
+import traceback
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from duhem.errors import DuhemError
+from duhem.screening.campaign import Campaign
+from duhem.screening.inquiries import Answered
+from duhem.screening.rows import Row
+
+__all__ = ["VerdictLine", "as_text", "asked", "ended", "lines_of", "number_of"]
+
+_MOST = 1_000  # characters of an error
+
+
+class VerdictLine(NamedTuple):
+    """One line of the table.  ``parameters`` are those that the row fixes and ``witness`` a violation, both as JSON text.
+
+    ``error`` says why there is no verdict; ``steps`` are what the verdict cost, counted, and ``seconds`` what it took.
+    """
+
+    row: int
+    law: str
+    parameters: str
+    claim: str
+    verdict: str | None
+    method: str | None
+    trust: str | None
+    witness: str | None
+    steps: int
+    seconds: float
+    error: str | None
+
+
+def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
+    """The lines of a row, sorted by claim; an error of any kind but lack of memory is in them."""
+    row = campaign.row(number)
+    try:
+        return _lines(row, tuple(campaign.inquiry.answers(row.law())), None)
+    except DuhemError as fault:
+        return ended(campaign, row, str(fault))
+    except MemoryError:
+        raise
+    except Exception as fault:
+        place = traceback.extract_tb(fault.__traceback__)[-1]
+        where = f"{os.path.basename(place.filename)}:{place.lineno}"
+        return ended(campaign, row, f"{type(fault).__name__}: {' '.join(str(fault).split())} (at {where})")
+
+
+def ended(campaign: Campaign, row: Row, error: str) -> tuple[VerdictLine, ...]:
+    """The lines of a row without verdicts, and why."""
+    answers = [Answered(name, None, None, None, None, 0, 0.0) for name in campaign.inquiry.names]
+    return _lines(row, answers, error if len(error) <= _MOST else f"{error[:_MOST]} ...")
+
+
+def _lines(row: Row, answers: Sequence[Answered], error: str | None) -> tuple[VerdictLine, ...]:
+    law, why = (None if text is None else text.encode("utf-8", "backslashreplace").decode() for text in (row.name.shown, error))
+    parameters = json.dumps(dict(row.values))
+    return tuple(
+        VerdictLine(row.number, law or "", parameters, r.claim, r.verdict, r.method, r.trust, r.witness, r.steps, r.seconds, why)
+        for r in sorted(answers, key=lambda reply: reply.claim)
+    )
+
+
+def as_text(lines: Sequence[VerdictLine]) -> str:
+    """The lines of one row as one line of text."""
+    return json.dumps(lines, separators=(",", ":"))
+
+
+def number_of(text: str) -> int:
+    """Of which row a text of :func:`as_text` is."""
+    return int(text[2 : text.index(",")])
+
+
+def lines_of(text: str) -> tuple[VerdictLine, ...]:
+    """What :func:`as_text` has written."""
+    return tuple(VerdictLine(*values) for values in json.loads(text))

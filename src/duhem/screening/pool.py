@@ -1,0 +1,181 @@
+"""Rows asked in processes of their own: each is done once, and a row that ends its process is a row with its reason.
+
+Whatever ends a process may have come from outside, or from rows before: the row it worked on is asked again in a fresh process, and
+only what that says stands.  So lines do not depend on which rows shared a process.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from multiprocessing import Pipe
+from multiprocessing.connection import wait
+from types import TracebackType
+
+from duhem.errors import InputError
+from duhem.screening import worker
+from duhem.screening.campaign import Campaign
+from duhem.screening.lines import as_text, ended
+
+__all__ = ["Pool", "cores"]
+
+_CHUNK = 0.5  # s: rows are handed out for about so long
+_MOST = 256  # of them at once
+_PATIENCE = 10.0  # s: a process that speaks no more is waited for
+_NO_MEMORY = f"with exit code {worker.NO_MEMORY}"
+_ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Worker:
+    """One worker: the rows that it is to do yet, and how many it has done."""
+
+    def __init__(self, campaign: bytes) -> None:
+        self.left, self.done, self.ready, self.since = range(0), 0, False, 0.0
+        self.link, far = Pipe()
+        command = [sys.executable, "-P", worker.__file__, str(far.fileno())]
+        environment = {**os.environ, **dict.fromkeys(_ONE_THREAD, "1")}
+        self.child = subprocess.Popen(
+            command,
+            pass_fds=[far.fileno()],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        far.close()
+        with suppress(OSError):  # it is gone, which is seen where its word is waited for
+            self.link.send([path or os.getcwd() for path in sys.path])
+            self.link.send_bytes(campaign)
+
+    def give(self, rows: range) -> None:
+        self.left, self.since = rows, time.monotonic()
+        with suppress(OSError):
+            self.link.send((rows.start, rows.stop))
+
+    def close(self) -> None:
+        """End it, whatever it does."""
+        self.link.close()
+        self.child.kill()
+        self.child.wait()
+
+    def ended(self) -> str:
+        """How it ended, which speaks no more."""
+        self.link.close()
+        try:
+            code = self.child.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
+            self.child.kill()
+            code = self.child.wait()
+        return f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
+
+
+class Pool:
+    """``workers`` processes for the rows of a campaign.  Use it as a context: they end with it."""
+
+    def __init__(self, campaign: Campaign, workers: int) -> None:
+        self.campaign, self.workers = campaign, workers
+        self._sent = pickle.dumps(campaign, protocol=pickle.HIGHEST_PROTOCOL)
+        self._processes: list[_Worker] = []
+        self._waiting: deque[range] = deque()
+        self._alone: deque[int] = deque()  # rows that ended a process and are asked again
+        self._ended_one = set[int]()
+        self._seconds, self._rows = 0.0, 0
+
+    def __enter__(self) -> Pool:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        for process in self._processes:
+            process.close()
+        self._processes.clear()
+
+    def texts(self, rows: Iterable[range]) -> Iterator[str]:
+        """The text of each row, as they are done.  InputError where no process can be started for the campaign."""
+        self._waiting.extend(r for r in rows if r)
+        while self._waiting or self._alone or any(p.left for p in self._processes):
+            self._hand_out()
+            busy = [p for p in self._processes if p.left or not p.ready]
+            speaking = wait([p.link for p in busy])
+            for process in (p for p in busy if p.link in speaking):
+                try:
+                    said = process.link.recv_bytes()
+                except (EOFError, OSError):
+                    yield from self._given_up(process)
+                    continue
+                if process.ready:
+                    self._cost(process)
+                    process.left, process.done = process.left[1:], process.done + 1
+                    yield said.decode()
+                elif said == worker.READY:
+                    process.ready = True
+                else:
+                    remedy = "define what is asked in a module that another process can import"
+                    raise InputError(f"no process can take the campaign: {said.decode()}", remedy=remedy)
+
+    def _hand_out(self) -> None:
+        """Rows to every process that has none, and a process more where there are rows for it."""
+        for process in [p for p in self._processes if p.ready and not p.left]:
+            if self._alone and process.done:  # not a fresh one
+                self._processes.remove(process)
+                process.close()
+            elif self._alone:
+                row = self._alone.popleft()
+                process.give(range(row, row + 1))
+            elif self._waiting:
+                process.give(self._chunk())
+        starting = sum(not p.ready for p in self._processes)
+        rows = sum(map(len, self._waiting)) + len(self._alone) - starting
+        for _ in range(min(self.workers - len(self._processes), rows)):
+            self._processes.append(_Worker(self._sent))
+
+    def _chunk(self) -> range:
+        """The next rows: about half a second of them, and no more than leaves some for the others."""
+        each = self._seconds / self._rows if self._rows else _CHUNK
+        share = -(-sum(map(len, self._waiting)) // (2 * self.workers))
+        first = self._waiting.popleft()
+        count = max(1, min(_MOST, int(_CHUNK / max(each, 1e-9)), share))
+        if first[count:]:
+            self._waiting.appendleft(first[count:])
+        return first[:count]
+
+    def _cost(self, process: _Worker) -> None:
+        """What a row took, as the chunks that follow are cut by it."""
+        now = time.monotonic()
+        self._seconds, self._rows, process.since = self._seconds + now - process.since, self._rows + 1, now
+
+    def _given_up(self, process: _Worker) -> Iterator[str]:
+        """The process is gone: its row is asked again, alone, or is given up where that has ended a fresh process too."""
+        self._processes.remove(process)
+        how = process.ended()
+        if not process.ready:
+            raise InputError(f"a process ended {how} before it could take the campaign", remedy="is there memory for it?")
+        if not process.left:
+            return
+        row, rest = process.left[0], process.left[1:]
+        if rest:
+            self._waiting.appendleft(rest)
+        if row in self._ended_one and not process.done:
+            yield as_text(ended(self.campaign, self.campaign.row(row), self._reason(how)))
+        else:
+            self._ended_one.add(row)
+            self._alone.append(row)
+
+    def _reason(self, how: str) -> str:
+        if how == _NO_MEMORY:
+            return f"it asks for more than {self.campaign.memory:g} GB of memory"
+        if how == "by SIGXCPU":
+            return f"it takes more than {self.campaign.seconds:g} s of the processor"
+        return f"its process ended {how}"

@@ -1,0 +1,243 @@
+"""Laws times parameter sets: blocks of rows, each row made from its number alone, in whichever process asks for it.
+
+Values are exact and travel as text such as ``3/20``.  What is wrong with one row is that row's ``fault``, not the block's.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import random
+from array import array
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from math import prod
+from typing import Protocol
+
+import sympy as sp
+
+from duhem.errors import InputError
+from duhem.expression.number import exact_number, ratio
+from duhem.law.catalogue import load, load_named
+from duhem.law.curve_law import Law
+
+__all__ = ["AsStated", "Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "given"]
+
+_FINENESS = 10**6  # equal parts of a range, at whose ends values are drawn
+_TRIES = 1_000
+
+
+@dataclass(frozen=True)
+class LawName:
+    """A law by the name that is ``shown``: that of a law of duhem, or of the file at ``path``, or of a value in the program."""
+
+    shown: str
+    path: str | None = None
+    value: Law | None = None
+
+    def law(self) -> Law:
+        """InputError where the file or the name is none."""
+        return _law(self) if self.value is None else self.value
+
+    def told(self) -> str:
+        """The law in words that tell it from every other; those of duhem are told by the version."""
+        if self.value is not None:
+            from duhem.proof.law_text import law_as_text
+
+            return json.dumps([self.shown, law_as_text(self.value)])
+        if self.path is None:
+            return self.shown
+        try:
+            with open(self.path, "rb") as stream:
+                return f"{self.shown} {hashlib.file_digest(stream, 'sha256').hexdigest()}"
+        except OSError:
+            return f"{self.shown} unread"
+
+
+@lru_cache(maxsize=64)
+def _law(name: LawName) -> Law:
+    from duhem.law.criterion_file import read
+
+    return load_named(name.shown) if name.path is None else read(name.path)
+
+
+@dataclass(frozen=True)
+class Row:
+    """The ``number``, from 1 on, of a law with some of its parameters fixed; ``fault`` says why it cannot be asked."""
+
+    number: int
+    name: LawName
+    values: Mapping[str, str] = field(default_factory=dict)
+    fault: str = ""
+
+    def law(self) -> Law:
+        """InputError where there is none, or a value does not fit it."""
+        if self.fault:
+            raise InputError(self.fault)
+        return self.name.law().fix(self.values)
+
+
+class RowBlock(Protocol):
+    """Rows of one kind, counted from 0 on."""
+
+    def __len__(self) -> int: ...
+
+    def row(self, i: int, number: int) -> Row: ...
+
+    def told(self) -> str:
+        """The block in words that tell it from every other."""
+        ...
+
+
+@dataclass(frozen=True)
+class AsStated:
+    """Every law as it stands, or with the same values."""
+
+    names: tuple[LawName, ...]
+    values: tuple[tuple[str, str], ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def row(self, i: int, number: int) -> Row:
+        return Row(number, self.names[i], dict(self.values))
+
+    def told(self) -> str:
+        return json.dumps(["as stated", [name.told() for name in self.names], self.values])
+
+
+@dataclass(frozen=True)
+class Given:
+    """Pairs of a law and its values, as a program gives them."""
+
+    pairs: tuple[tuple[LawName, tuple[tuple[str, str], ...]], ...]
+
+    def __len__(self) -> int:
+        return len(self.pairs)
+
+    def row(self, i: int, number: int) -> Row:
+        name, values = self.pairs[i]
+        return Row(number, name, dict(values))
+
+    def told(self) -> str:
+        return json.dumps(["given", [(name.told(), values) for name, values in self.pairs]])
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Every combination of the values on ``axes``, the last axis first."""
+
+    name: LawName
+    axes: tuple[tuple[str, tuple[str, ...]], ...]
+    values: tuple[tuple[str, str], ...] = ()
+
+    def __len__(self) -> int:
+        return prod(len(values) for _, values in self.axes)
+
+    def row(self, i: int, number: int) -> Row:
+        chosen = dict[str, str]()
+        for axis, values in reversed(self.axes):
+            i, at = divmod(i, len(values))
+            chosen[axis] = values[at]
+        return Row(number, self.name, {**dict(self.values), **{axis: chosen[axis] for axis, _ in self.axes}})
+
+    def told(self) -> str:
+        return json.dumps(["grid", self.name.told(), self.axes, self.values])
+
+
+@dataclass(frozen=True)
+class Span:
+    """A closed range of a parameter; ``positive`` leaves its end 0 out."""
+
+    parameter: str
+    low: Fraction
+    high: Fraction
+    positive: bool = False
+
+    def drawn(self, chance: random.Random) -> Fraction:
+        """One of a million equally spaced values."""
+        return self.low + (self.high - self.low) * Fraction(chance.randint(int(self.positive and self.low == 0), _FINENESS), _FINENESS)
+
+
+@dataclass(frozen=True)
+class Draw:
+    """``count`` points drawn in the spans, each from the seed and its number; again where a constraint of the law does not hold."""
+
+    name: LawName
+    spans: tuple[Span, ...]
+    count: int
+    seed: int
+    values: tuple[tuple[str, str], ...] = ()
+
+    def __len__(self) -> int:
+        return self.count
+
+    def row(self, i: int, number: int) -> Row:
+        chance, fixed = random.Random(f"{self.seed}/{i}"), dict(self.values)
+        try:
+            law = self.name.law()
+        except InputError as fault:
+            return Row(number, self.name, fixed, str(fault))
+        table = law.symbols()
+        exact = {table[p]: d.value for p, d in law.parameters.items() if d.value is not None}
+        exact |= {table[p]: exact_number(value) for p, value in fixed.items() if p in table}
+        for _ in range(_TRIES):
+            point = {span.parameter: span.drawn(chance) for span in self.spans}
+            at = exact | {table[p]: sp.Rational(x.numerator, x.denominator) for p, x in point.items()}
+            if all(c.subs(at) == sp.true for c in law.constraints):
+                return Row(number, self.name, fixed | {p: ratio(at[table[p]]) for p in point})
+        return Row(number, self.name, fixed, f"none of {_TRIES} draws satisfies the constraints of {law.name}; narrow the ranges")
+
+    def told(self) -> str:
+        spans = [(s.parameter, str(s.low), str(s.high), s.positive) for s in self.spans]
+        return json.dumps(["draw", self.name.told(), spans, self.count, self.seed, self.values])
+
+
+@dataclass(frozen=True)
+class TableRows:
+    """Rows of a table: ``columns`` are named as parameters, ``None`` is passed over; ``text`` has a line a row, cells between tabs."""
+
+    name: LawName
+    columns: tuple[str | None, ...]
+    text: bytes
+    values: tuple[tuple[str, str], ...] = ()
+
+    def __len__(self) -> int:
+        return len(self._ends)
+
+    @cached_property
+    def _ends(self) -> array[int]:
+        ends, at = array("q"), 0
+        while (at := self.text.find(b"\n", at) + 1) > 0:
+            ends.append(at)
+        return ends
+
+    def row(self, i: int, number: int) -> Row:
+        cells = self.text[self._ends[i - 1] if i else 0 : self._ends[i] - 1].decode().split("\t")
+        if len(cells) != len(self.columns):
+            return Row(number, self.name, dict(self.values), f"the row has {len(cells)} cells for {len(self.columns)} columns")
+        read = {name: _exact(cell) for name, cell in zip(self.columns, cells, strict=True) if name is not None}
+        return Row(number, self.name, {**dict(self.values), **read})
+
+    def told(self) -> str:
+        return json.dumps(["table", self.name.told(), self.columns, hashlib.sha256(self.text).hexdigest(), self.values])
+
+
+def _exact(cell: str) -> str:
+    """A number in one spelling; what is none stays, and is the fault of its row."""
+    try:
+        return ratio(exact_number(cell))
+    except InputError:
+        return cell
+
+
+def given(laws: tuple[tuple[str | Law, Mapping[str, object] | None], ...]) -> Given:
+    """Rows from pairs of a law, by name or as a value, and its values; InputError for a value that is no number."""
+    pairs = []
+    for law, values in laws:
+        found: Law = load(law)
+        shown = law if isinstance(law, str) else found.name
+        pairs.append((LawName(shown, value=found), tuple((str(p), ratio(exact_number(x))) for p, x in (values or {}).items())))
+    return Given(tuple(pairs))

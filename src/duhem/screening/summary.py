@@ -1,0 +1,126 @@
+"""What a campaign found, counted line by line: verdicts, methods, time, and the rows that deserve a look."""
+
+from __future__ import annotations
+
+import heapq
+import json
+import shlex
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from os import path
+from typing import ClassVar
+
+from duhem.screening.campaign import Campaign
+from duhem.screening.lines import VerdictLine
+from duhem.show.shown import Shown
+
+__all__ = ["Counts", "Summary", "alone"]
+
+_NAMED = 3  # rows of a kind
+_REASONS = 50  # that are counted each by itself
+_WORDS = 160  # characters of one
+
+
+@dataclass(frozen=True, repr=False)
+class Summary(Shown):
+    """Of ``rows`` rows: how many lines have which (claim, verdict), and (claim, method) with the number of lines, seconds and the most.
+
+    ``errors`` counts rows by reason; ``slowest``, ``open`` and ``failed`` are a few lines of such rows, ``commands`` what repeats each of
+    them alone, by its number.  ``table`` is where the lines are, or None; ``lines`` holds them where there is no table.
+    """
+
+    printed_by: ClassVar[str] = "duhem.screening.summary_text"
+
+    rows: int
+    seconds: float
+    verdicts: Mapping[tuple[str, str], int]
+    methods: Mapping[tuple[str, str], tuple[int, float, float]]
+    errors: Mapping[str, int]
+    slowest: tuple[VerdictLine, ...]
+    open: tuple[VerdictLine, ...]
+    failed: tuple[VerdictLine, ...]
+    commands: Mapping[int, str]
+    table: str | None = None
+    lines: tuple[VerdictLine, ...] = ()
+
+    def __repr__(self) -> str:
+        said = Counter[str]()
+        for (_, verdict), count in self.verdicts.items():
+            said[verdict] += count
+        return f"<Summary of {self.rows} rows: {', '.join(f'{count} {verdict}' for verdict, count in said.items()) or 'none'}>"
+
+    @property
+    def refuted(self) -> int:
+        """How many lines are refuted."""
+        return sum(count for (_, verdict), count in self.verdicts.items() if verdict == "refuted")
+
+
+class Counts:
+    """Counts lines as they pass; as much memory for many as for few."""
+
+    def __init__(self, campaign: Campaign) -> None:
+        self.campaign = campaign
+        self._verdicts = Counter[tuple[str, str]]()
+        self._methods = dict[tuple[str, str], tuple[int, float, float]]()
+        self._errors = Counter[str]()
+        self._slowest = list[tuple[float, int, VerdictLine]]()
+        self._open, self._failed = list[VerdictLine](), list[VerdictLine]()
+        self._seconds, self._last = 0.0, 0
+
+    def passing(self, lines: Iterator[VerdictLine]) -> Iterator[VerdictLine]:
+        for line in lines:
+            self._take(line)
+            yield line
+
+    def _take(self, line: VerdictLine) -> None:
+        self._seconds += line.seconds
+        verdict = "none" if line.verdict is None else line.verdict
+        self._verdicts[line.claim, verdict] += 1
+        if line.method is not None:
+            count, total, most = self._methods.get((line.claim, line.method), (0, 0.0, 0.0))
+            self._methods[line.claim, line.method] = count + 1, total + line.seconds, max(most, line.seconds)
+        if line.error is not None:
+            if line.row != self._last:
+                self._errors[self._reason(line.error)] += 1
+            self._failed += [line] if len(self._failed) < _NAMED and line.row != self._last else []
+        elif line.verdict in ("undecided", "tested"):
+            self._open += [line] if len(self._open) < _NAMED else []
+        heapq.heappush(self._slowest, (line.seconds, -line.row, line))
+        if len(self._slowest) > _NAMED:
+            heapq.heappop(self._slowest)
+        self._last = line.row
+
+    def _reason(self, error: str) -> str:
+        """An error by its first words; no more of them are told apart than are of use."""
+        reason = error if len(error) <= _WORDS else f"{error[:_WORDS]} ..."
+        return reason if reason in self._errors or len(self._errors) < _REASONS else "other reasons"
+
+    def summary(self, table: str | None = None, lines: tuple[VerdictLine, ...] = ()) -> Summary:
+        slowest = tuple(line for _, _, line in sorted(self._slowest, key=lambda one: (-one[0], -one[1])))
+        named = {line.row for line in (*slowest, *self._open, *self._failed)}
+        return Summary(
+            rows=len(self.campaign),
+            seconds=self._seconds,
+            verdicts=dict(self._verdicts),
+            methods=dict(self._methods),
+            errors=dict(self._errors),
+            slowest=slowest,
+            open=tuple(self._open),
+            failed=tuple(self._failed),
+            commands={number: alone(self.campaign, number) for number in sorted(named)},
+            table=table,
+            lines=lines,
+        )
+
+
+def alone(campaign: Campaign, number: int) -> str:
+    """The command that asks one row alone; for a law that is a value in a program, the call."""
+    row = campaign.row(number)
+    claims = campaign.inquiry.names
+    if row.name.value is not None and row.name.path is None:
+        return f"duhem.verify({row.name.shown!r}, {json.dumps(dict(row.values))}, claims={list(claims)!r})"
+    law = row.name.shown if row.name.path is None else path.relpath(row.name.path)
+    return shlex.join(
+        ["duhem", "verify", law, *(f"--set={name}={value}" for name, value in row.values.items()), "--claims", ",".join(claims)]
+    )

@@ -1,0 +1,124 @@
+"""The table of a campaign: rows grow beside it in the order in which they are done, and are sorted when all are there."""
+
+from __future__ import annotations
+
+import csv
+import os
+from array import array
+from collections.abc import Iterable, Iterator
+from importlib.util import find_spec
+from itertools import islice
+from time import monotonic
+from types import TracebackType
+from typing import Any, Self
+
+from duhem.errors import InputError, MissingExtraError
+from duhem.screening.campaign import Campaign
+from duhem.screening.lines import VerdictLine, lines_of, number_of
+from duhem.show.growing_file import DAMAGED, GrowingFile, check_growing
+from duhem.show.place import AnyPath, check_place, written
+from duhem.version import __version__
+
+__all__ = ["GrowingLines", "check_table", "write_table"]
+
+_PAUSE = 1.0  # s: what is done is noted so often
+_LINES = 8_192  # of a table, turned into Parquet together
+
+
+def check_table(file: AnyPath, inputs: Iterable[str] = ()) -> None:
+    """InputError or MissingExtraError, before a long run, where the table cannot go there."""
+    name, inputs = os.fspath(file), tuple(inputs)
+    if not name.endswith((".csv", ".parquet")):
+        raise InputError("the table is neither .csv nor .parquet", where=name, remedy="end its name in .csv or .parquet")
+    if name.endswith(".parquet") and find_spec("pyarrow") is None:
+        raise MissingExtraError("pyarrow", "parquet")
+    check_place(name, inputs)
+    check_growing(name, inputs)
+
+
+class GrowingLines:
+    """What is done of a campaign, beside its table ``file``; ``resume`` goes on with it.
+
+    Use it as a context: what is done is kept, and dropped with :meth:`drop` when the table is written.
+    """
+
+    def __init__(self, campaign: Campaign, file: AnyPath, resume: bool) -> None:
+        self._growing = GrowingFile(file, campaign.fingerprint, (0,), resume, asked="campaign")
+        self._places = array("q", [-1]) * (len(campaign) + 1)
+        self.done, self._noted = 0, monotonic()
+        with open(self._growing.rows, "rb") as rows:
+            while (at := rows.tell()) < self._growing.size:
+                self._found(number_of(rows.readline().decode()), at)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
+        self._growing.close()
+
+    def missing(self) -> Iterator[range]:
+        """The rows that are not done."""
+        first = 1
+        for number in range(1, len(self._places) + 1):
+            if number == len(self._places) or self._places[number] >= 0:
+                yield range(first, number)
+                first = number + 1
+
+    def add(self, text: str) -> None:
+        """A row that is done; every second what is there is noted."""
+        self._found(number_of(text), self._growing.size)
+        self._growing.write(f"{text}\n")
+        if monotonic() - self._noted > _PAUSE:
+            self.keep()
+
+    def keep(self) -> None:
+        """What is done so far stays, whatever happens."""
+        self._growing.note(self.done)
+        self._noted = monotonic()
+
+    def lines(self) -> Iterator[VerdictLine]:
+        """All lines, sorted by row and claim, once every row is done."""
+        with open(self._growing.rows, "rb") as rows:
+            for place in self._places[1:]:
+                rows.seek(place)
+                yield from lines_of(rows.readline().decode())
+
+    def drop(self) -> None:
+        """Leave nothing beside the table."""
+        self._growing.close()
+        self._growing.drop()
+
+    def _found(self, number: int, at: int) -> None:
+        if not 0 < number < len(self._places) or self._places[number] >= 0:
+            raise InputError("the part of a run is damaged", where=f"{self._growing.rows}", remedy=DAMAGED)
+        self._places[number] = at
+        self.done += 1
+
+
+def write_table(file: AnyPath, lines: Iterator[VerdictLine], campaign: Campaign) -> None:
+    """The table in its place, whole or not at all; as Parquet, its metadata say what was asked and by which version."""
+    name = os.fspath(file)
+    with written(name) as place:
+        if name.endswith(".parquet"):
+            _to_parquet(place, lines, campaign)
+            return
+        with open(place, "w", encoding="utf-8", newline="") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(VerdictLine._fields)
+            writer.writerows(lines)
+
+
+def _to_parquet(place: str, lines: Iterator[VerdictLine], campaign: Campaign) -> None:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingExtraError("pyarrow", "parquet") from None
+    kinds = {"row": pyarrow.int64(), "steps": pyarrow.int64(), "seconds": pyarrow.float64()}
+    told = {"duhem": __version__, "asked": campaign.inquiry.told(), "rows": f"{len(campaign)}", "campaign": campaign.fingerprint}
+    fields: Any = [(name, kinds.get(name, pyarrow.string())) for name in VerdictLine._fields]
+    schema = pyarrow.schema(fields, metadata=told)
+    with parquet.ParquetWriter(place, schema) as writer:
+        while part := list(islice(lines, _LINES)):
+            columns = [list(column) for column in zip(*part, strict=True)]
+            writer.write_table(pyarrow.table(dict(zip(VerdictLine._fields, columns, strict=True)), schema=schema))

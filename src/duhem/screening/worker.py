@@ -1,0 +1,81 @@
+"""The process that asks rows: it hears ranges of them and says each row's text as it is done, until nobody listens.
+
+As a script this file is that process.  It imports nothing of the package before it has heard where modules are found, so that what
+the program beside it defines can be sent.  A row beyond its limits ends the process: the kernel counts the processor's seconds,
+whatever code runs, and the bytes asked for.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from duhem.screening.campaign import Campaign
+
+__all__ = ["NO_MEMORY", "READY"]
+
+NO_MEMORY = 70  # the exit code
+READY = b"ready"
+
+_GIGABYTE = 10**9
+
+
+def _serve(link: Connection) -> None:
+    sys.path[:] = link.recv()
+    try:
+        campaign = pickle.loads(link.recv_bytes())
+    except Exception as fault:
+        link.send_bytes(f"{type(fault).__name__}: {fault}".encode("utf-8", "backslashreplace"))
+        return
+    link.send_bytes(READY)
+    from duhem.screening.lines import as_text, asked
+
+    _bound_memory(campaign)
+    while True:
+        first, last = link.recv()
+        for number in range(first, last):
+            _bound_seconds(campaign)
+            try:
+                text = as_text(asked(campaign, number)).encode()
+            except MemoryError:
+                os._exit(NO_MEMORY)
+            link.send_bytes(text)
+
+
+def _bound_memory(campaign: Campaign) -> None:
+    """So much more than there is now."""
+    try:
+        import resource
+
+        with open("/proc/self/statm") as stream:
+            now = int(stream.read().split()[0]) * resource.getpagesize()
+        most = now + int(campaign.memory * _GIGABYTE)
+        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+        resource.setrlimit(resource.RLIMIT_AS, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+    except (ImportError, OSError, ValueError):  # a platform that does not count
+        pass
+
+
+def _bound_seconds(campaign: Campaign) -> None:
+    """So many more of the processor than were taken so far, to the next whole one."""
+    try:
+        import resource
+
+        used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
+        hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+        most = int(used + campaign.seconds) + 1
+        resource.setrlimit(resource.RLIMIT_CPU, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    except (ImportError, OSError, ValueError):
+        pass
+
+
+if __name__ == "__main__":
+    try:
+        _serve(Connection(int(sys.argv[1])))
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        os._exit(0)  # who asked is gone

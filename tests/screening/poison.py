@@ -1,0 +1,36 @@
+"""An inquiry that some rows do not survive, in a module that another process can import."""
+
+import os
+from dataclasses import dataclass
+
+from duhem.screening.inquiries import Answered
+
+NAMES = ("alive", "well")
+
+
+@dataclass(frozen=True)
+class Poison:
+    """What happens to coulomb where mu is one of these, and nothing elsewhere."""
+
+    crash: int = 0
+    hang: int = 0
+    memory: int = 0
+    fault: int = 0
+    names: tuple[str, ...] = NAMES
+
+    def told(self):
+        return repr(self)
+
+    def answers(self, law):
+        match int(law.parameters["mu"].value):
+            case self.crash:
+                os.abort()
+            case self.hang:
+                while True:
+                    pass
+            case self.memory:
+                bytearray(40 * 10**9)
+            case self.fault:
+                raise ZeroDivisionError("by mu")
+        for name in reversed(self.names):
+            yield Answered(name, "proved", "by hand", None, None, 1, 0.5)

@@ -1,0 +1,196 @@
+"""A campaign's table: the same from any number of processes and after any interruption, whatever single rows do."""
+
+import csv
+import json
+import os
+import signal
+from dataclasses import replace
+
+import pytest
+from click.testing import CliRunner
+
+import duhem
+from duhem import InputError
+from duhem.cli import cli
+from duhem.screening import entry, file, pool
+from duhem.screening.campaign import Campaign
+from duhem.screening.lines import as_text, asked
+from duhem.screening.rows import Grid, LawName
+from duhem.show.growing_file import beside, rows_beside
+from tests.long import mostly_long
+from tests.screening.poison import NAMES, Poison
+
+CAMPAIGN = """\
+[campaign]
+claims = ["origin", "convexity"]
+out = "table.csv"
+[[rows]]
+laws = ["coulomb", "broken.toml"]
+[[rows]]
+law = "limacon"
+grid = { mu = [0.3], e = [0.1, 0.5, 0.6] }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "campaign.toml").write_text(CAMPAIGN)
+    (tmp_path / "broken.toml").write_text("[criterion]\nname =")
+    return tmp_path
+
+
+class InProcess:
+    """The pool's stand-in: rows asked here, in an order of its own, and ended after some of them."""
+
+    def __init__(self, campaign, workers, most=10**9, killed=KeyboardInterrupt):
+        self.campaign, self.most, self.killed, self.asked = campaign, most, killed, []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def texts(self, rows):
+        for number in sorted((n for each in rows for n in each), key=lambda n: (n % 2, n)):
+            if len(self.asked) == self.most:
+                raise self.killed
+            self.asked.append(number)
+            yield as_text(asked(self.campaign, number))
+
+
+def table(path):
+    """The lines without what may differ from run to run."""
+    with open(path, newline="") as stream:
+        return [{name: value for name, value in line.items() if name != "seconds"} for line in csv.DictReader(stream)]
+
+
+def mu(values):
+    return Grid(LawName("coulomb"), (("mu", tuple(map(str, values))),))
+
+
+def test_the_table_is_sorted_whatever_was_done_first(folder, monkeypatch):
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    done = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml")], standalone_mode=False)
+    assert done.return_value == 4  # a row has no verdict
+    lines = table(folder / "table.csv")
+    assert [(line["row"], line["claim"]) for line in lines] == [(f"{n}", c) for n in range(1, 6) for c in ("convexity", "origin")]
+    assert [line["verdict"] for line in lines] == ["proved"] * 2 + [""] * 2 + ["proved"] * 4 + ["refuted", "proved"]
+    assert "broken.toml:2" in lines[2]["error"] and json.loads(lines[4]["parameters"]) == {"mu": "3/10", "e": "1/10"}
+    assert lines[8]["witness"] and {line["steps"] == "0" for line in lines if line["claim"] == "convexity"} == {True, False}
+    words = " ".join(done.stdout.split())
+    assert "5 rows" in words and "convexity 3 1 1" in words and "origin 4 0 1" in words
+    assert "duhem verify limacon --set=mu=3/10" in words and "failed: row 2" in words
+    assert [p.name for p in folder.glob("table.csv.*")] == []
+
+
+class Killed(BaseException):
+    """What ends a run without a word."""
+
+
+@pytest.mark.parametrize("fault", [KeyboardInterrupt, Killed])
+def test_a_campaign_goes_on_from_what_is_done(folder, monkeypatch, fault):
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr("duhem.screening.table._PAUSE", 0.0)
+    whole = folder / "whole.csv"
+    duhem.campaign(folder / "campaign.toml", out=whole)
+    out, last = folder / "t.csv", []
+
+    def some(most, campaign, workers):
+        last.append(InProcess(campaign, workers, most, fault))
+        return last[-1]
+
+    for most in (2, 1):
+        monkeypatch.setattr(entry, "Pool", lambda campaign, workers, most=most: some(most, campaign, workers))
+        with pytest.raises(entry.StoppedCampaign if fault is KeyboardInterrupt else Killed) as ended:
+            duhem.campaign(folder / "campaign.toml", out=out, resume=bool(last))
+        assert fault is Killed or ("of 5 rows" in str(ended.value) and "--resume" in str(ended.value))
+        with open(rows_beside(out), "ab") as stream:
+            stream.write(b"half a row, and then")
+    assert not out.exists()
+    monkeypatch.setattr(entry, "Pool", lambda campaign, workers: some(9, campaign, workers))
+    with pytest.raises(InputError, match="another run; delete it, or go on with the campaign as it was"):
+        duhem.campaign(folder / "campaign.toml", claims=["origin"], out=out, resume=True)
+    duhem.campaign(folder / "campaign.toml", out=out, resume=True)
+    assert [each.asked for each in last if each.asked] == [[2, 4], [1], [3, 5]]
+    assert table(out) == table(whole) and not beside(out).exists() and not rows_beside(out).exists()
+
+
+def test_a_part_that_was_changed_is_refused(folder, monkeypatch):
+    monkeypatch.setattr(entry, "Pool", lambda campaign, workers: InProcess(campaign, workers, 3))
+    out = folder / "t.csv"
+    with pytest.raises(entry.StoppedCampaign):
+        duhem.campaign(folder / "campaign.toml", out=out)
+    rows_beside(out).write_bytes(rows_beside(out).read_bytes().replace(b"proved", b"Proved", 1))
+    with pytest.raises(InputError, match="damaged"):
+        duhem.campaign(folder / "campaign.toml", out=out, resume=True)
+
+
+def test_parquet_has_types_and_says_where_it_is_from(folder, monkeypatch):
+    pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    for name in ("t.csv", "t.parquet"):
+        duhem.campaign(folder / "campaign.toml", out=folder / name)
+    found = parquet.read_table(folder / "t.parquet")
+    kinds = {name: f"{found.schema.field(name).type}" for name in found.column_names}
+    assert kinds == dict.fromkeys(kinds, "string") | {"row": "int64", "steps": "int64", "seconds": "double"}
+    assert found.schema.metadata[b"asked"] == b"claims origin,convexity normal" and found.schema.metadata[b"rows"] == b"5"
+    as_csv = [{k: "" if v is None else f"{v}" for k, v in line.items() if k != "seconds"} for line in found.to_pylist()]
+    assert as_csv == table(folder / "t.csv")
+
+
+def test_a_row_that_ends_its_process_is_a_row_and_harms_no_other():
+    """Two real processes beside each other; what is asked elsewhere is asked here too."""
+    campaign = Campaign((mu(range(1, 8)),), Poison(crash=3, fault=5))
+    with pool.Pool(campaign, 2) as processes:
+        found = sorted(processes.texts([range(1, 8)]), key=lambda text: json.loads(text)[0][0])
+    alive = [number for number in range(1, 8) if number != 3]
+    assert [text for text in found if f"[[{3}," not in text] == [as_text(asked(campaign, number)) for number in alive]
+    (crashed,) = [json.loads(text) for text in found if text.startswith("[[3,")]
+    assert [line[3] for line in crashed] == sorted(NAMES) and {line[-1] for line in crashed} == {"its process ended by SIGABRT"}
+    assert "ZeroDivisionError: by mu" in found[4]
+
+
+@pytest.mark.parametrize(("how", "said"), mostly_long([("hang", "more than 1 s of the processor"), ("memory", "more than 4 GB")]))
+def test_a_row_that_takes_too_much_is_ended(how, said):
+    campaign = Campaign((mu(range(1, 5)),), Poison(**{how: 2}), seconds=1)
+    with pool.Pool(campaign, 1) as processes:
+        found = sorted(processes.texts([range(1, 5)]))
+    assert [json.loads(text)[0][4] for text in found] == ["proved", None, "proved", "proved"] and said in found[1]
+
+
+@pytest.mark.long
+def test_a_process_that_somebody_ends_costs_no_row(folder):
+    campaign = replace(file.read(folder / "campaign.toml"), out=None)
+    plain = duhem.campaign(campaign, workers=1).lines
+    with pool.Pool(campaign, 2) as processes:
+        texts = []
+        for text in processes.texts([range(1, 6)]):
+            texts.append(text)
+            if len(texts) in (1, 3):
+                for each in processes._processes:
+                    os.kill(each.child.pid, signal.SIGKILL)
+    found = sorted((json.loads(text) for text in texts), key=lambda lines: lines[0][0])
+    assert [[*line[:9], line[10]] for lines in found for line in lines] == [[*line[:9], line[10]] for line in plain]
+
+
+def test_what_cannot_be_asked_is_said_before_the_work(folder, monkeypatch):
+    monkeypatch.setattr(entry, "Pool", None)  # nothing is started
+    for arguments, said in (
+        ({"out": folder / "t.txt"}, "neither .csv nor .parquet"),
+        ({"out": folder / "campaign.toml"}, "neither"),
+        ({"out": folder / "none" / "t.csv"}, "no such directory"),
+        ({"workers": 0}, "0 workers"),
+        ({"claims": ["convex"]}, "unknown claim"),
+    ):
+        with pytest.raises(InputError, match=said):
+            duhem.campaign(folder / "campaign.toml", **arguments)
+    with pytest.raises(InputError, match="no table to go on with"):
+        duhem.campaign(["coulomb"], resume=True)
+    with pytest.raises(InputError, match="there are no rows"):
+        duhem.campaign([])
+    (folder / "campaign.toml").write_text(CAMPAIGN.replace('out = "table.csv"\n', ""))
+    done = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml")], standalone_mode=False)
+    assert "no place for the table" in str(done.exception)
