@@ -5,6 +5,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
+from nbformat.v4 import new_code_cell, new_notebook, new_output
 
 from tests.course import NOTEBOOKS, ROOT, departures, executed, pictures, texts
 from tests.long import mostly_long
@@ -16,6 +17,12 @@ PLACES = re.compile(r"(?:^|[\s\"'(=])/(?:home|mnt|opt|root|srv|tmp|usr|var|work|
 def test_the_contents_name_every_part() -> None:
     listed = re.findall(r"\]\((.+?\.ipynb)\)", (ROOT / "notebooks" / "README.md").read_text("utf-8"))
     assert listed == [path.name for path in NOTEBOOKS]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_its_links_lead_to_parts_that_are_there(path: Path) -> None:
+    led_to = {link for cell in nbformat.read(path, as_version=4).cells for link in re.findall(r"\]\(([^):]+)\)", cell.source)}
+    assert not [link for link in led_to if link.endswith(".ipynb") and not (path.parent / link).is_file()]
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
@@ -43,6 +50,29 @@ def test_has_what_a_student_needs(path: Path) -> None:
     assert places == sorted(places)
     starts = next(i for i, cell in enumerate(book.cells) if "## Solutions" in cell.source)
     assert sum("assert " in cell.source for cell in book.cells[starts:] if cell.cell_type == "code") >= 2
+
+
+@pytest.mark.parametrize(
+    ("kept", "now", "told"),
+    [
+        ("proved  0.25 at e = 1/2", "proved 0.25 at e = 1/2", False),
+        ("convexity  proved  0.01 s", "convexity  proved  12.34 s", False),
+        ("off by 1.2e-16", "off by 0.0e+00", False),
+        ("0.25000001", "0.25", False),
+        ("0.2501", "0.25", True),
+        ("proved", "refuted", True),
+        ("0.25", "-0.25", True),
+        ("0.25", "0.25 0.25", True),
+        ("0.25", "", True),
+    ],
+)
+def test_what_is_shown_otherwise_than_kept_is_told(kept: str, now: str, told: bool) -> None:
+    def book(text: str, **metadata: list[str]) -> nbformat.NotebookNode:
+        outputs = [new_output("stream", name="stdout", text=text)] if text else []
+        return new_notebook(cells=[new_code_cell("print(x)", outputs=outputs, metadata=metadata)])
+
+    assert bool(departures(book(kept), book(now))) == told
+    assert not departures(book(kept, tags=["varies"]), book(now))
 
 
 @pytest.mark.slow(6)

@@ -29,6 +29,12 @@ def test_the_numbers_of_the_paper_are_there() -> None:
     assert wanted <= {e.number for e in derived("antoni2007")}
 
 
+def test_a_notebook_shows_it_as_markdown_and_a_console_in_one_line() -> None:
+    d = derived("coulomb")
+    assert d._repr_markdown_() == d.markdown()
+    assert repr(d) == f"<Derivation of coulomb: {len(d)} equations>"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_latex_is_balanced(name: str) -> None:

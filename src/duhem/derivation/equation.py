@@ -70,6 +70,12 @@ class Derivation:
     def __len__(self) -> int:
         return len(self.equations)
 
+    def __repr__(self) -> str:
+        return f"<Derivation of {self.law}: {len(self)} equations>"
+
+    def _repr_markdown_(self) -> str:
+        return self.markdown()
+
     @property
     def titles(self) -> tuple[str, ...]:
         """Names of the equations, in order."""
