@@ -310,6 +310,7 @@ def test_doctor_lists_what_the_project_declares(run: Run) -> None:
     assert names(project["dependencies"]) == set(doctor.CORE)
     declared = {extra: names(r) for extra, r in project["optional-dependencies"].items() if extra != "all"}
     assert declared == {extra: set(packages) for extra, packages in doctor.EXTRAS.items()}
+    assert set(doctor.PURPOSES) == set(doctor.EXTRAS)
     code, out, _ = run("doctor")
     assert code == 0
     assert re.search(r"^  sympy +\d", out, re.MULTILINE)

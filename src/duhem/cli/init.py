@@ -14,13 +14,13 @@ __all__ = ["init"]
 
 @click.command()
 @click.argument("name")
-def init(name: str) -> None:
-    """Write NAME.toml, a commented criterion file to start from."""
-    from duhem.law import catalogue
-
+@click.option("--scene", is_flag=True, help="A scene for duhem simulate instead of a criterion.")
+def init(name: str, scene: bool) -> None:
+    """Write NAME.toml, a commented criterion file (or scene) to start from."""
     stem = name.removesuffix(".toml")
-    content, path = catalogue.template(stem), Path(f"{stem}.toml")
+    path = Path(f"{stem}.toml")
     try:
+        content, then = _content(stem, scene)
         with path.open("x", encoding="utf-8") as stream:
             stream.write(content)
     except FileExistsError:
@@ -28,4 +28,15 @@ def init(name: str) -> None:
     except OSError as fault:
         path.unlink(missing_ok=True)  # the half that found room
         raise InputError(f"the file cannot be written: {fault.strerror}", where=f"{path}", remedy="write where you may") from None
-    say(f"wrote {path}; verify it with: duhem verify {path}")
+    say(f"wrote {path}; {then} {path}")
+
+
+def _content(stem: str, scene: bool) -> tuple[str, str]:
+    """What to write, and what to do with it."""
+    if scene:
+        from duhem.path import scene_keys
+
+        return scene_keys.template(stem), "run it with: duhem simulate"
+    from duhem.law import catalogue
+
+    return catalogue.template(stem), "verify it with: duhem verify"

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from duhem.show.page import PAGE
 
-__all__ = ["CORE", "EXTRAS", "missing", "report"]
+__all__ = ["CORE", "EXTRAS", "PURPOSES", "missing", "report"]
 
 # As in pyproject.toml, by the names of the distributions; a test compares the two.
 CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "python-flint", "scipy", "sympy", "z3-solver")
@@ -20,8 +20,19 @@ EXTRAS = {
     "notebooks": ("ipykernel", "nbclient", "nbformat", "matplotlib"),
     "fast": ("numba",),
     "second": ("cvc5",),
-    "test": ("import-linter", "mypy", "pytest", "pytest-xdist", "pyyaml", "ruff"),
+    "docs": ("furo", "latex2mathml", "myst-nb", "sphinx"),
+    "test": ("import-linter", "jsonschema", "mypy", "pytest", "pytest-xdist", "pyyaml", "ruff"),
     "mutation": ("cosmic-ray", "coverage"),
+}
+PURPOSES = {
+    "parquet": "histories as Parquet: simulate --out history.parquet",
+    "plot": "pictures: duhem plot, duhem figures, and --plot of other commands",
+    "notebooks": "the course in notebooks, run without a browser; jupyterlab opens it",
+    "fast": "compiled increments and paths, through numba",
+    "second": "cvc5, a second solver; nothing in this version asks it",
+    "docs": "the pages in docs: python -m sphinx docs docs/_build",
+    "test": "the tests: python -m pytest",
+    "mutation": "which changes of the code no test sees: python -m tests.campaigns.mutation",
 }
 # Distributions that bring the same module under another name.
 _ALSO = {"cvxpy-base": "cvxpy"}
@@ -34,7 +45,8 @@ def report() -> str:
 
     lines = [f"duhem {__version__}", "", "core", *_rows(CORE, "duhem")]
     for extra, packages in EXTRAS.items():
-        lines += ["", f"extra {extra}", *_rows(packages, f"duhem[{extra}]")]
+        lines += ["", *PAGE.hanging(f"extra {extra}: {PURPOSES[extra]}"), *_rows(packages, f"duhem[{extra}]")]
+    lines += ["", *PAGE.hanging('every extra at once: pip install "duhem[all]"; from a clone, pip install ".[all]"')]
     return "\n".join([*lines, "", "machine", *_machine()])
 
 

@@ -1,38 +1,10 @@
-"""Scenes from TOML: a law, its numbers, a loading path, a method and what to write; every mistake is listed with its place.
-
-law = "antoni2007"                  # a built-in name, or the path of a criterion file beside the scene
-stiffness = [1e9, 2e9]              # Pa/m: a number, one a force, or a symmetric matrix
-
-[parameters]
-mu_a_plus = 0.2
-
-[points]                            # optional: many points, with columns of parameters, pressure, scale, scale_a ...
-table = "points.csv"                # one row a point; scales multiply the displacements of the path
-
-[path]                              # kind: linear, cycle, circle, random or table (point = "..." names the column of points)
-kind = "linear"
-points = [[0, 0], [1e-3, 5e-4]]     # m
-pressure = -1e6                     # Pa, <= 0 in compression; one number, or one a point
-
-[method]                            # optional
-integrator = "exact"                # implicit (the default), extrapolated or exact
-substeps = 10
-compiled = true                     # through numba
-threads = 2                         # for many points
-convex = "require"                  # ask (the default), require or assume: whether K is
-
-[output]                            # optional; the command line's --out and --plot come first
-table = "history.csv"
-plot = "history.png"
-keep = 10                           # of many points: every how many knots, or "last"
-checkpoint = 60                     # s; what is done is kept so often, for --resume
-"""
+"""Scenes from TOML: the keys of :mod:`duhem.path.scene_keys` read, and every mistake listed with its place."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path as File
 from typing import Any
@@ -42,34 +14,20 @@ import numpy as np
 from duhem.errors import InputError
 from duhem.expression.spelling import spelled
 from duhem.law.catalogue import load_formula, load_named
-from duhem.law.convex import CONVEX
 from duhem.law.formula_law import Criterion
 from duhem.law.placed_toml import PlacedToml, meant, parsed, text_of
 from duhem.path.batch import Batch
 from duhem.path.integrators import INTEGRATORS
-from duhem.path.loading import CONTROLS, Path
+from duhem.path.loading import Path
 from duhem.path.paths import Paths
 from duhem.path.plan import Plan
 from duhem.path.points_table import paths_from_csv, spread
 from duhem.path.run import Run
 from duhem.path.scene import Scene
-from duhem.projection.methods import METHODS
+from duhem.path.scene_keys import CHOICES, KINDS, SECTIONS
 
 __all__ = ["SceneFaults", "read", "reads"]
 
-_SECTIONS = {
-    "": ("law", "stiffness", "stress", "parameters", "points", "path", "method", "output"),
-    "points": ("table",),
-    "method": ("integrator", "projection", "substeps", "compiled", "threads", "convex"),
-    "output": ("table", "plot", "keep", "checkpoint"),
-}
-_KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # what each kind of path needs, and what it may have
-    "linear": (("points",), ("time", "control")),
-    "cycle": (("amplitude",), ("cycles", "mean", "control")),
-    "circle": (("radius",), ("points", "turns", "start", "centre", "chords")),
-    "random": (("seed", "points"), ("scale",)),
-    "table": (("file",), ("columns", "time", "control", "point")),
-}
 _VALUES: Mapping[str, tuple[Any, str]] = {
     "compiled": (bool, "write true or false"),
     "substeps": (int, "give a whole number from 1 on"),
@@ -77,7 +35,6 @@ _VALUES: Mapping[str, tuple[Any, str]] = {
     "keep": ((int, str), 'give every how many knots are kept, or "last"'),
     "checkpoint": ((int, float), "give seconds, above 0"),
 }
-_PROJECTIONS = ("auto", *METHODS)
 MOST_BYTES = 1_000_000
 
 
@@ -113,21 +70,21 @@ class _SceneReader:
         self.inputs: list[str] = []
 
     def scene(self) -> Scene:
-        self.known("", self.document, _SECTIONS[""])
+        self.known("", self.document, SECTIONS[""])
         law = self.law()
         path = self.path(law)
         path, own = self.points(law, path)
         parameters = self.parameters(law, own)
         method = self.section("method")
-        self.known("method", method, _SECTIONS["method"])
-        integrator = self.choice("method", method, "integrator", tuple(INTEGRATORS), "implicit")
-        projection = self.choice("method", method, "projection", _PROJECTIONS, "auto")
-        convex = self.choice("method", method, "convex", CONVEX, "ask")
+        self.known("method", method, SECTIONS["method"])
+        integrator = self.choice("method", method, "integrator")
+        projection = self.choice("method", method, "projection")
+        convex = self.choice("method", method, "convex")
         self.holds("method", method, "substeps", "compiled", "threads")
         substeps = method.get("substeps", 1)
         output = self.section("output")
         self.holds("output", output, "keep", "checkpoint")
-        self.known("output", output, _SECTIONS["output"])
+        self.known("output", output, SECTIONS["output"])
         table, plot = (self.file(output, key) for key in ("table", "plot"))
         if table is not None and not table.endswith((".csv", ".parquet")):
             self.fault(f"table {table!r} is neither .csv nor .parquet", "output", "table", 'write for example table = "history.csv"')
@@ -214,7 +171,7 @@ class _SceneReader:
     def points(self, law: Criterion | None, path: Path | Paths | None) -> tuple[Path | Paths | None, Mapping[str, Any]]:
         """The paths of many points, and their own parameters, where the scene has them."""
         given = self.section("points")
-        self.known("points", given, _SECTIONS["points"])
+        self.known("points", given, SECTIONS["points"])
         if "points" not in self.document or law is None or path is None:
             return path, {}
         if not isinstance(given.get("table"), str):
@@ -252,19 +209,19 @@ class _SceneReader:
     def path(self, law: Criterion | None) -> Path | Paths | None:
         given = dict(self.section("path"))
         if "path" not in self.document:
-            self.fault("there is no [path]", "", "path", f"add [path] with kind = {' or '.join(_KINDS)}")
+            self.fault("there is no [path]", "", "path", f"add [path] with kind = {' or '.join(KINDS)}")
             return None
         before = len(self.faults)
-        kind = self.choice("path", given, "kind", tuple(_KINDS), None)
+        kind = self.choice("path", given, "kind")
         if kind is None:
             return None
-        needed, optional = _KINDS[kind]
+        _, needed, optional = KINDS[kind]
         self.known("path", given, ("kind", *needed, *optional, "pressure"))
         for key in needed:
             if key not in given:
                 self.fault(f"a {kind} path needs {key}", "", "path", f"write {key} = ... in [path]")
         if "control" in given:
-            self.choice("path", given, "control", CONTROLS, "displacement")
+            self.choice("path", given, "control")
         if "pressure" not in given and kind != "table" and "points" not in self.document and law is not None and law.pressure is not None:
             self.fault(f"{law.name} needs the pressure {law.pressure}", "", "path", "write pressure = -1e6 in [path], in Pa")
         if len(self.faults) > before:
@@ -321,7 +278,10 @@ class _SceneReader:
             return None
         return str(self.folder / given)
 
-    def choice(self, section: str, given: Mapping[str, Any], key: str, allowed: Sequence[str], default: Any) -> Any:
+    def choice(self, section: str, given: Mapping[str, Any], key: str) -> Any:
+        """One of the words of a key, the first where it is left out; a kind of path is not left out."""
+        allowed = CHOICES[key]
+        default = None if key == "kind" else allowed[0]
         value = given.get(key, default)
         if value in allowed:
             return value
@@ -333,12 +293,12 @@ class _SceneReader:
             self.fault(f"unknown {key} {str(value)[:40]!r}", section, key, remedy)
         return default
 
-    def known(self, section: str, given: Mapping[str, Any], allowed: Sequence[str]) -> None:
+    def known(self, section: str, given: Mapping[str, Any], allowed: Iterable[str]) -> None:
         for key in given:
             if key not in allowed:
                 self.unknown("key", key, allowed, section)
 
-    def unknown(self, what: str, name: str, allowed: Sequence[str], section: str) -> None:
+    def unknown(self, what: str, name: str, allowed: Iterable[str], section: str) -> None:
         self.fault(f"unknown {what} {name[:40]!r}", section, name, meant(name, allowed))
 
     def fault(self, what: str, section: str, key: str, remedy: str) -> None:

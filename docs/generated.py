@@ -1,0 +1,203 @@
+"""The parts of the pages that are made from the code, so that they cannot go stale: a line `<!-- generated: NAME -->` stands for each."""
+
+import ast
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from importlib.util import find_spec
+from inspect import getdoc
+from pathlib import Path
+from typing import Any
+
+import click
+
+SCHEMAS = Path(__file__).parent / "reference"
+
+_PLACE = re.compile(r"^<!-- generated: ([a-z-]+) -->$", flags=re.M)
+
+
+def fill(app: Any, name: str, source: list[str]) -> None:
+    """Write the parts into a page that is being read (an event of Sphinx)."""
+    source[0] = filled(source[0])
+
+
+def filled(text: str) -> str:
+    """A page with its parts written out; KeyError for a part that there is not."""
+    return _PLACE.sub(lambda match: PARTS[match[1]](), text)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    cells = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", r"\|").replace("\n", " ") for cell in row) + " |" for row in cells)
+
+
+def atlas() -> str:
+    """Every published law by group, as `duhem atlas --format markdown` prints it."""
+    from duhem.cli.atlas import _markdown
+    from duhem.law.atlas.entry import entries, groups
+
+    return "\n\n".join(f"## {group}\n\n{_markdown(entries(group))}" for group in groups())
+
+
+def words() -> str:
+    """The words of a formula, from the list that the parser reads."""
+    from duhem.expression import WORDS
+
+    def taken(least: int, most: int | None) -> str:
+        return f"{least} or more" if most is None else str(least) if least == most else f"{least} to {most}"
+
+    rows = ([f"`{name}`", taken(word.least, word.most), word.meaning] for name, word in WORDS.items())
+    return table(["word", "arguments", "meaning"], rows)
+
+
+def invariants() -> str:
+    """What a formula may say of a declared stress."""
+    from duhem.expression.invariants import INVARIANTS
+
+    return table(["word", "meaning"], ([f"`{name}`", word.meaning] for name, word in INVARIANTS.items()))
+
+
+def stresses() -> str:
+    """The kinds of stress and the forces that a law of each has."""
+    from duhem.expression.invariants import KINDS, Stress
+
+    rows = ([f"`{kind}`", ", ".join(f"`{force}`" for force in Stress("sigma", kind).components)] for kind in KINDS)
+    return table(["kind", 'forces, for `name = "sigma"`'], rows)
+
+
+def laws() -> str:
+    """Each built-in law: what its formula is, in which units, and what holds of it; as its file says."""
+    from duhem.law import catalogue
+
+    return "\n\n".join(_law(name) for name in catalogue.names() if catalogue.shipped(name))
+
+
+def _law(name: str) -> str:
+    from duhem.law import catalogue
+
+    law = catalogue.load(name)
+    spec = find_spec(f"duhem.law.builtin.{name.replace('-', '_')}")
+    text = ast.get_docstring(ast.parse(spec.loader.get_source(spec.name))) or ""
+    summary, *rest = _paragraphs(text)
+    parameters = ", ".join(f"`{parameter}` {domain.describe()}" for parameter, domain in law.parameters.items())
+    return "\n\n".join([f"## {name}", summary, *rest, f"Parameters: {parameters or 'none'}."])
+
+
+def _paragraphs(text: str) -> Iterator[str]:
+    """Those of a docstring, as Markdown: indented ones as code, the others with their signs kept."""
+    for paragraph in re.split(r"\n\s*\n", text):
+        if paragraph.startswith("    "):
+            yield "```text\n" + "\n".join(line.removeprefix("    ") for line in paragraph.splitlines()) + "\n```"
+        else:
+            yield plain(" ".join(paragraph.split()))
+
+
+def plain(text: str) -> str:
+    """Words and formulas as they stand: what Markdown would read as marks is kept from it."""
+    return re.sub(r"([\\*_|$<\[\]^~])", r"\\\1", text).replace("``", "`")
+
+
+def claims() -> str:
+    """What `duhem explain` says of each claim."""
+    from duhem.proof.claims import CLAIMS
+
+    parts = ([f"## {name}", f"**{plain(claim.statement)}**", *_paragraphs(claim.theory.strip())] for name, claim in CLAIMS.items())
+    return "\n\n".join("\n\n".join(part) for part in parts)
+
+
+def commands() -> str:
+    """Each command with what its help says."""
+    from duhem.cli import cli
+
+    return "\n\n".join(_command(name, command) for name, command in cli.commands.items())
+
+
+def _command(name: str, command: click.Command) -> str:
+    context = click.Context(command, info_name=f"duhem {name}", max_content_width=100, terminal_width=100)
+    return f"## duhem {name}\n\n```text\n{command.get_help(context)}\n```"
+
+
+def scene() -> str:
+    """The keys of a scene by section, and those of each kind of path, from the table that the reader reads."""
+    from duhem.path.scene_keys import CHOICES, KIND_KEYS, KINDS, SECTIONS
+
+    def row(key: str, means: str) -> list[str]:
+        words = ", ".join(f"`{word}`" for word in CHOICES.get(key, ()))
+        return [f"`{key}`", f"{plain(means)} ({words})" if words else plain(means)]
+
+    def of_kind(kind: str, key: str) -> list[str]:
+        return row(key, KIND_KEYS.get(f"{kind} {key}", "") or KIND_KEYS[key])
+
+    parts = []
+    for section, keys in SECTIONS.items():
+        title = f"`[{section}]`" if section else "Above the first section"
+        parts += [f"## {title}", table(["key", "says"], (row(key, means) for key, means in keys.items()))]
+    parts += ["## `[path]`", "`kind` is one of the following; each has keys of its own, those in the first rows needed."]
+    for kind, (means, needs, may) in KINDS.items():
+        rows = [of_kind(kind, key) for key in (*needs, *may, "pressure")]
+        needed = ", ".join(f"`{key}`" for key in needs)
+        parts += [f'### kind = "{kind}"', f"{plain(means).capitalize()}. Needed: {needed}.", table(["key", "says"], rows)]
+    return "\n\n".join(parts)
+
+
+def exit_codes() -> str:
+    """The exit codes, each with its meaning."""
+    from duhem.cli import exit_code
+
+    rows = ([str(code), plain(exit_code.MEANINGS[code])] for code in sorted(exit_code.MEANINGS))
+    return table(["code", "meaning"], rows)
+
+
+def verdicts() -> str:
+    """The words of a verdict and of a trust, as their module says them."""
+    from duhem.proof import verdict
+
+    words = _paragraphs((verdict.__doc__ or "").split("\n\n", 1)[1])
+    trusts = _paragraphs(getdoc(verdict.Trust) or "")
+    return "\n\n".join([*words, *trusts])
+
+
+def json_keys() -> str:
+    """Each schema beside the reference as a table of its keys."""
+    schemas = (json.loads(file.read_text("utf-8")) for file in sorted(SCHEMAS.glob("*.schema.json")))
+    return "\n\n".join(f"## {s['title']}\n\n{s['description']}\n\n{table(['key', 'is', 'means'], _keys(s, s))}" for s in schemas)
+
+
+def _keys(schema: Mapping[str, Any], whole: Mapping[str, Any], before: str = "") -> Iterator[list[str]]:
+    """The keys of an object, and of those in it, with a dot between."""
+    needed = schema.get("required", ())
+    for key, value in schema.get("properties", {}).items():
+        value = _resolved(value, whole)
+        name = f"{before}{key}"
+        yield [f"`{name}`" + ("" if key in needed else " (may lack)"), _type(value), plain(value.get("description", ""))]
+        yield from _keys(value, whole, f"{name}.")
+        yield from _keys(_resolved(value.get("items", {}), whole), whole, f"{name}[].")
+
+
+def _resolved(schema: Mapping[str, Any], whole: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A schema, or the one in $defs that it refers to, with what it says itself."""
+    refers = schema.get("$ref")
+    return schema if refers is None else whole["$defs"][refers.rsplit("/", 1)[1]] | {k: v for k, v in schema.items() if k != "$ref"}
+
+
+def _type(schema: Mapping[str, Any]) -> str:
+    if "const" in schema or "enum" in schema:
+        return ", ".join(f"`{json.dumps(word)}`" for word in schema.get("enum", [schema.get("const")]))
+    given = schema.get("type", "any")
+    return " or ".join([given] if isinstance(given, str) else given)
+
+
+PARTS = {
+    "atlas": atlas,
+    "claims": claims,
+    "commands": commands,
+    "exit-codes": exit_codes,
+    "invariants": invariants,
+    "json": json_keys,
+    "laws": laws,
+    "scene": scene,
+    "stresses": stresses,
+    "verdicts": verdicts,
+    "words": words,
+}
