@@ -220,6 +220,17 @@ def test_dissipation_of_a_gauge_needs_no_stress(name: str) -> None:
     assert not derived(name)["dissipation"].rhs.has(*load(name).force_symbols())
 
 
+def test_a_right_side_has_its_value_at_numbers_by_name() -> None:
+    potential = derived("antoni2007")["dissipation_potential"]
+    given = {"mu_a_plus": 7, "mu_a_minus": "0.08", "mu_b_plus": 0.12, "mu_b_minus": 7}
+    assert potential.at(d_a=-1, d_b=1, sigma_n=-1, **given) == sp.sqrt(sp.Rational(8, 100) ** 2 + sp.Rational(12, 100) ** 2)
+    assert potential.at(sigma_n=0) == 0 and potential.at() == potential.rhs
+    with pytest.raises(InputError, match=r"dissipation_potential: mu is no symbol on the right side; it has d_a, d_b, mu_a_minus"):
+        potential.at(mu=1)
+    with pytest.raises(InputError, match="d_a: 'fast' is not a number"):
+        potential.at(d_a="fast")
+
+
 @pytest.mark.slow
 def test_which_laws_have_a_dissipation_potential() -> None:
     assert tuple(name for name in LAWS if "dissipation_potential" in derived(name)) == WITH_POTENTIAL

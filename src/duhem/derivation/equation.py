@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import sympy as sp
 
 from duhem.derivation.notation import Names
+from duhem.errors import InputError
+from duhem.expression.parse import exact_number
 from duhem.expression.verbatim import Verbatim
 from duhem.left_out import LeftOut
 from duhem.show.page import Page
@@ -41,6 +44,24 @@ class Equation(Verbatim):
     def rhs(self) -> sp.Basic:
         """Right side of the relation."""
         return self.relation.args[1]
+
+    def at(self, **values: Any) -> sp.Basic:
+        """The right side where the symbols of these names have these values, exactly: ``at(d_a=1, mu="0.3")``; decimals are fractions.
+
+        Raises InputError for a name that it does not have and for what is no number.
+        """
+        known = {symbol.name: symbol for symbol in self.rhs.free_symbols if isinstance(symbol, sp.Symbol)}
+        if strange := [name for name in values if name not in known]:
+            remedy = f"it has {', '.join(sorted(known)) or 'none'}"
+            raise InputError(f"{strange[0]} is no symbol on the right side", where=self.name, remedy=remedy)
+        return self.rhs.xreplace({known[name]: _number(name, value) for name, value in values.items()})
+
+
+def _number(name: str, value: Any) -> sp.Rational:
+    try:
+        return exact_number(value)
+    except InputError as fault:
+        raise InputError(fault.what, where=name, remedy=fault.remedy) from None
 
 
 @dataclass(frozen=True)
