@@ -11,7 +11,9 @@ import pytest
 
 from duhem.derivation.derive import derive
 from duhem.law import POSITIVE, Criterion
+from duhem.law.atlas.entry import groups
 from tests.derivation.derived import LAWS, derived
+from tests.long import mostly_long
 
 
 @pytest.mark.slow
@@ -53,12 +55,17 @@ def test_latex_is_balanced(name: str) -> None:
     assert set(re.findall(r"\\usepackage\{(\w+)\}", source)) == {"amsmath"}
 
 
+EVERY_LAW = (*LAWS, *(law for group in groups().values() for law in group), "wedge")
+
+
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
-@pytest.mark.parametrize("name", ["antoni2007", "tresca", "rotated-flow"])
-def test_latex_compiles(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", mostly_long(EVERY_LAW, "antoni2007", "tresca", "rotated-flow"))
+def test_latex_compiles_and_fits_the_page(name: str, tmp_path: Path) -> None:
     (tmp_path / "derivation.tex").write_text(derived(name).latex(), encoding="utf-8")
     done = subprocess.run(["pdflatex", "-halt-on-error", "-interaction=nonstopmode", "derivation.tex"], cwd=tmp_path, capture_output=True)
     assert done.returncode == 0, done.stdout[-800:]
+    log = (tmp_path / "derivation.log").read_text("utf-8", errors="replace")
+    assert [float(pt) for pt in re.findall(r"Overfull \\[hv]box \(([\d.]+)pt", log) if float(pt) > 5] == []
 
 
 def test_latex_writes_the_symbols_of_the_paper() -> None:

@@ -5,7 +5,7 @@ Everything one-sided is taken from the smooth branches of g, never from two-side
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import sympy as sp
 
@@ -13,10 +13,12 @@ from duhem.derivation.energy import column, equal
 from duhem.derivation.equation import Belongs, Equation
 from duhem.derivation.koiter import flow_of_surfaces
 from duhem.derivation.notation import Names
+from duhem.derivation.numerical_check import varies
 from duhem.derivation.pieces import Pieces, Seams, seams
 from duhem.derivation.potential import SupportFunction
 from duhem.derivation.support_function import biconjugate
 from duhem.expression.vocabulary import Norm
+from duhem.expression.weights import degree
 from duhem.law.formula_law import Criterion
 
 __all__ = ["evolution_equations", "potential_equations"]
@@ -179,10 +181,28 @@ def _dissipation(names: Names, found: Pieces) -> Iterator[Equation]:
 def _euler(law: Criterion, value: sp.Expr, power: sp.Expr) -> sp.Expr | None:
     """sigma . dg/dsigma on g = 0 where g = (homogeneous of degree m) + constant: it is -m constant."""
     constant, part = value.as_independent(*law.force_symbols(), as_Add=True)
+    if (known := _degree(part, law.force_symbols())) is not None:
+        return sp.factor_terms(-known * constant)
+    if varies(law, power / part):  # no multiple of it: told by numbers, which is cheap where to cancel is endless
+        return None
     roots = sp.cancel(sp.powsimp(sp.expand(rooted(power)) / rooted(part)))
     if roots.has(*law.force_symbols()):
         roots = sp.cancel(sp.together(rooted(power) * rooted(part)) / sp.expand(rooted(part) ** 2))
     return None if roots.has(*law.force_symbols()) else sp.factor_terms(-roots * constant)
+
+
+def _degree(expr: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Expr | None:
+    """Degree of homogeneity, of powers with a symbol for exponent too; None where there is none to see."""
+    if isinstance(expr, sp.Pow) and not expr.exp.has(*forces):
+        base = _degree(expr.base, forces)
+        return None if base is None else base * expr.exp
+    if isinstance(expr, sp.Add | sp.Mul):
+        parts = [_degree(part, forces) for part in expr.args]
+        known = [part for part in parts if part is not None]
+        if len(known) < len(parts):
+            return None
+        return sp.Add(*known) if isinstance(expr, sp.Mul) else known[0] if len(set(known)) == 1 else None
+    return degree(expr, forces)
 
 
 def _own_flow(names: Names) -> Iterator[Equation]:

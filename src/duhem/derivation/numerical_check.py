@@ -8,6 +8,7 @@ without any use of how K was read.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from random import Random
 from typing import Any
 
@@ -19,7 +20,7 @@ from duhem.expression import mpmath_
 from duhem.expression.rays_mpmath import reach
 from duhem.law.formula_law import Criterion
 
-__all__ = ["BITS", "ROUGH", "defects", "finite", "gauges_agree", "sample_values"]
+__all__ = ["BITS", "ROUGH", "defects", "finite", "gauges_agree", "sample_values", "varies"]
 
 DIGITS = 40
 BITS = 39  # of a boundary point: 12 digits, so that in 15 no rounding of g takes it out of K
@@ -119,6 +120,23 @@ def gauges_agree(law: Criterion, support: SupportFunction, gauge: sp.Expr, point
             if apart or (not g <= small and first < 1) or (g < -small and first > 1):
                 return False
     return True
+
+
+def varies(law: Criterion, expr: sp.Expr) -> bool:
+    """Whether ``expr`` takes two values, 20 digits apart at least, at forces drawn at random and the same parameters."""
+    random, forces = Random(1755), law.force_symbols()
+    others = [s for s in law.symbols().values() if s not in forces]
+    fine = mpmath_.digits(DIGITS)
+    value = mpmath_.compiled([expr], [*forces, *others], fine)
+    for values in sample_values(law, (), random, 3):
+        seen = []
+        for _ in range(6):
+            x = [sp.Rational(random.randint(-60, 60), random.randint(7, 40)) for _ in forces]
+            with suppress(ArithmeticError, TypeError, ValueError):
+                seen += finite(value(*x, *(values[s] for s in others)))
+        if seen and max(seen) - min(seen) > fine.mpf(10) ** -20 * (1 + max(map(abs, seen))):
+            return True
+    return False
 
 
 def _direction(support: SupportFunction, values: Mapping[sp.Symbol, sp.Rational], random: Random) -> list[sp.Rational]:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
 import sympy as sp
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
-from sympy.printing.latex import LatexPrinter
 from sympy.printing.str import StrPrinter
 
 from duhem.derivation.equation import Derivation, Equation
 from duhem.derivation.notation import Names
 from duhem.derivation.support_function import compression
+from duhem.derivation.typeset import Rows, Typesetter, by_name, positive_first
 from duhem.expression.vocabulary import Where
+from duhem.show.notation import latex_name
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import latex, markdown, text
 
@@ -40,25 +41,14 @@ def _swapped(expr: Any, swap: Mapping[Any, sp.Expr]) -> Any:
     return expr.xreplace(swap)
 
 
-def _by_name(conjunction: Any) -> list[Any]:
-    """Conditions on symbols by the symbols' names; any others in SymPy's order."""
-    parts = list(conjunction.args)
-    return sorted(parts, key=lambda p: p.lhs.name) if all(isinstance(p, Relational) and p.lhs.is_Symbol for p in parts) else parts
-
-
 _INDENT = " " * 10  # of what stands under a numbered formula
 
 
-class _PositiveFirst:
-    """Sums with their positive terms first."""
+class _Text(StrPrinter):
+    """Typesetter in the words of a criterion file."""
 
     def _as_ordered_terms(self, expr: Any, order: Any = None) -> list[Any]:
-        terms = super()._as_ordered_terms(expr, order)  # type: ignore[misc]
-        return sorted(terms, key=lambda term: bool(term.could_extract_minus_sign()))
-
-
-class _Text(_PositiveFirst, StrPrinter):
-    """Formulas in the words of a criterion file."""
+        return positive_first(super()._as_ordered_terms(expr, order))
 
     def _print_Function(self, expr: Any) -> str:
         name = {"Pos": "pos", "Neg": "neg", "Norm": "norm", "Atan2": "atan2", "EigMax": "eigmax"}.get(
@@ -89,7 +79,7 @@ class _Text(_PositiveFirst, StrPrinter):
         return f"{left} = {right}"
 
     def _print_And(self, expr: Any) -> str:
-        return ", ".join(self._print(a) for a in _by_name(expr))
+        return ", ".join(self._print(a) for a in by_name(expr))
 
     def _print_Implies(self, expr: Any) -> str:
         return f"({self._print(expr.args[0])}) implies {self._print(expr.args[1])}"
@@ -114,34 +104,21 @@ class _Text(_PositiveFirst, StrPrinter):
     _print_MutableDenseMatrix = _print_MatrixBase
 
 
-_FUNCTIONS = {"Phi_C_star": r"\Phi_C^{*}", "Phi_C": r"\Phi_C", "N_K": "N_K", "I_K": "I_K", "gamma_K": r"\gamma_K", "J": "J"}
-
-
-class _Latex(_PositiveFirst, LatexPrinter):
-    def _hprint_Function(self, func: str) -> str:
-        return _FUNCTIONS.get(func) or str(super()._hprint_Function(func))
-
-    def _print_Belongs(self, expr: Any) -> str:
-        return rf"{self._print(expr.args[0])} \in {self._print(expr.args[1])}"
-
-    def _print_And(self, expr: Any) -> str:
-        return r",\; ".join(self._print(a) for a in _by_name(expr))
-
-    def _print_ConditionSet(self, expr: Any) -> str:
-        return rf"\left\{{ {self._print(expr.sym)} : {self._print(expr.condition)} \right\}}"
-
-
-def _printer(names: Names) -> _Latex:
-    law = names.law
+def _formulas(derivation: Derivation) -> Iterator[tuple[Equation, Rows]]:
+    """Every equation with its formula in rows."""
+    names, law = derivation.names, derivation.names.law
     written = names.latex | {sp.Symbol("D", real=True): r"\mathcal{D}", sp.Symbol("psi_C", real=True): r"\psi_C",
                              sp.Symbol("Delta_psi_C", real=True): r"\Delta\psi_C"}  # fmt: skip
     if law.pressure is not None:
         written |= {size: rf"\left|{names.latex[law.symbols()[law.pressure]]}\right|" for size in compression(law)[1]}
-    return _Latex({"symbol_names": written, "mat_delim": "(", "mat_str": "matrix"})
-
-
-def _formula(equation: Equation, names: Names) -> str:
-    return str(_printer(names).doprint(_shown(equation.relation, names)))
+    defined = {}
+    for equation in derivation:
+        if equation.name == "criterion" or equation.name.startswith("definition_"):
+            relation = _shown(equation.relation, names)
+            defined[relation.args[1]] = (latex_name(relation.args[0].name), equation.number)
+    typesetter = Typesetter(written, defined)
+    for equation in derivation:
+        yield equation, typesetter.rows(_shown(equation.relation, names), equation.number)
 
 
 @text.register(Derivation)
@@ -163,17 +140,23 @@ def as_text(derivation: Derivation, page: Page = PAGE) -> str:
 def as_markdown(derivation: Derivation) -> str:
     """Markdown; formulas in LaTeX."""
     lines = [f"# Derivation of {derivation.law}", ""]
-    for section, group in groupby(derivation.equations, key=lambda e: e.section):
+    for section, group in groupby(_formulas(derivation), key=lambda pair: pair[0].section):
         lines += [f"## {section}", ""]
-        for equation in group:
-            formula = _formula(equation, derivation.names)
+        for equation, rows in group:
+            every = [*rows.formula, *([r"\text{where}", *rows.named] if rows.named else [])]
+            formula = every[0] if len(every) == 1 else rf"\begin{{aligned}}{_joined(every)}\end{{aligned}}"
             lines += [f"**({equation.number})** `{equation.name}`: {equation.note}", "", f"$$\n{formula}\n$$", ""]
     lines += ["## Left out", "", *(f"- {part}" for part in derivation.left_out)]
     return "\n".join(lines) + "\n"
 
 
+def _joined(rows: Sequence[str]) -> str:
+    return "&" + "\\\\\n&".join(rows)
+
+
 _ESCAPES = {c: rf"\{c}" for c in "&%$#_{}"} | {c: rf"\ensuremath{{{c}}}" for c in "<>|"}
 _ESCAPES |= {"~": r"\~{}", "^": r"\^{}", "\\": r"\textbackslash{}", "°": r"\ensuremath{^\circ}"}
+_ESCAPES |= {c: rf"{_ESCAPES.get(c, c)}\allowbreak{{}}" for c in "*/+_)"}  # where a formula in a sentence is broken
 
 
 def _prose(words: str) -> str:
@@ -186,15 +169,24 @@ def as_latex(derivation: Derivation) -> str:
     lines = [
         r"\documentclass[a4paper]{article}",
         r"\usepackage{amsmath}",
-        r"\setlength{\textwidth}{17cm}\setlength{\oddsidemargin}{-5mm}\allowdisplaybreaks",
+        r"\setlength{\textwidth}{17cm}\setlength{\oddsidemargin}{-5mm}\setlength{\textheight}{24cm}\setlength{\topmargin}{-15mm}",
+        r"\setlength{\emergencystretch}{3em}\allowdisplaybreaks",
         r"\begin{document}",
         rf"\section*{{Derivation of {_prose(derivation.law)}}}",
     ]
-    for section, group in groupby(derivation.equations, key=lambda e: e.section):
+    for section, group in groupby(_formulas(derivation), key=lambda pair: pair[0].section):
         lines.append(rf"\subsection*{{{_prose(section)}}}")
-        for equation in group:
-            formula = _formula(equation, derivation.names)
-            lines += [rf"\noindent {_prose(equation.note)}:", rf"\begin{{equation*}}{formula}\tag{{{equation.number}}}\end{{equation*}}"]
+        for equation, rows in group:
+            lines += [rf"\noindent {_prose(equation.note)}:", _displayed(rows.formula, equation.number)]
+            if rows.named:
+                lines += [r"\noindent where", _displayed(rows.named)]
     lines += [r"\subsection*{Left out}", r"\begin{itemize}"]
     lines += [rf"\item {_prose(part)}: {_prose(reason)}." for part, reason in derivation.left_out]
     return "\n".join([*lines, r"\end{itemize}", r"\end{document}", ""])
+
+
+def _displayed(rows: Sequence[str], number: str = "") -> str:
+    tag = rf"\tag{{{number}}}" if number else ""
+    if len(rows) == 1:
+        return rf"\begin{{equation*}}{rows[0]}{tag}\end{{equation*}}"
+    return rf"\begin{{align*}}{_joined(rows)}{tag}\end{{align*}}"

@@ -298,19 +298,25 @@ class _BallReader:
                 leaves.append(Leaf(Side(weight, weight), row, -slope[i] / (2 * matrix[i, i])))
             constant -= sp.Add(*[slope[i] ** 2 / (4 * matrix[i, i]) for i in seen])
             return (leaves[0] if len(leaves) == 1 else Node(sp.Integer(2), tuple(leaves))), sp.Integer(2), constant
-        self._semidefinite(matrix)
-        centre = -matrix.pinv() * slope / 2 if any(slope) else sp.zeros(n, 1)
-        if any(sp.cancel(v) != 0 for v in 2 * matrix * centre + slope):
-            raise UnreadError
+        whole = self._semidefinite(matrix)
+        if not any(slope):
+            centre = sp.zeros(n, 1)
+        elif whole:  # by Cramer's rule: pinv leaves quotients that no cancelling comes to the end of
+            centre = (-matrix.adjugate() * slope / (2 * matrix.det())).applyfunc(sp.cancel)
+        else:
+            centre = -matrix.pinv() * slope / 2
+            if any(sp.cancel(v) != 0 for v in 2 * matrix * centre + slope):
+                raise UnreadError
         constant -= (centre.T * matrix * centre)[0]
         return Form(matrix, tuple(centre)), sp.Integer(2), sp.cancel(constant)
 
-    def _semidefinite(self, matrix: sp.ImmutableMatrix) -> None:
-        """Positive semidefinite: the leading minors of the rows that see something independent are positive (Sylvester)."""
+    def _semidefinite(self, matrix: sp.ImmutableMatrix) -> bool:
+        """Positive semidefinite: the leading minors of the rows that see something independent are positive (Sylvester); whether all do."""
         kept = list(matrix.rref(simplify=True)[1])
         block = matrix[kept, kept]
         for k in range(1, len(kept) + 1):
             self._positive(sp.cancel(block[:k, :k].det()))
+        return len(kept) == matrix.rows
 
     # -- small readings -----------------------------------------------------------------------------------------
 
