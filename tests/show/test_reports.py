@@ -174,3 +174,13 @@ def test_a_value_that_nothing_shows_says_so() -> None:
     for show in (text, latex, markdown, draw):
         with pytest.raises(TypeError, match="int is not shown as"):
             show(3)
+
+
+def test_a_long_fraction_is_short_in_the_scope_and_whole_in_json() -> None:
+    exact = "1250019684171951/6250000000000000"
+    values = {"mu_a_plus": "0.20000314946751216", "mu_a_minus": "1e30", "mu_b_plus": "1/3"}
+    found = duhem.verify("antoni2007", values, claims="origin")
+    (row,) = re.findall(r"^origin +proved.*$", report_text.complete(found, Page(None)), flags=re.M)
+    assert "all other parameters, mu_a_plus ~ 0.20000315, mu_a_minus = 1E+30, mu_b_plus = 1/3" in row
+    assert exact in text(found)  # what the law states has it whole
+    assert found.to_dict()["claims"][0]["scope"].startswith(f"all other parameters, mu_a_plus = {exact}, mu_a_minus = 1{'0' * 30}, ")

@@ -11,9 +11,10 @@ from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.yield_surface import YieldSurface
 from duhem.show.page import tied
 
-__all__ = ["number_in_words", "stated"]
+__all__ = ["number_in_short", "number_in_words", "stated"]
 
 _DIGITS = Context(prec=8)
+_SHORT = 12  # characters of an exact number that a cell of a table shows whole
 
 
 def stated(law: Law) -> Iterator[tuple[str, str]]:
@@ -33,14 +34,24 @@ def stated(law: Law) -> Iterator[tuple[str, str]]:
 
 def number_in_words(exact: str) -> str:
     """A rational in decimals and exactly: ``= 0.15 = 3/20``, or ``~ 0.33333333 = 1/3`` where decimals do not end."""
+    decimal = _decimal(exact)
+    return f"= {exact}" if decimal is None or Fraction(exact).denominator == 1 else f"{decimal} = {exact}"
+
+
+def number_in_short(exact: str) -> str:
+    """The same in a cell of a table: exactly, ``= 3/20``, but ``~ 0.20000315`` where that is long; what is no number stays as it is."""
+    decimal = _decimal(exact) if len(exact) > _SHORT else None
+    return f"= {exact}" if decimal is None else decimal
+
+
+def _decimal(exact: str) -> str | None:
+    """A rational to eight digits, after the sign that says whether these are all; None for what is none."""
     try:
         fraction = Fraction(exact)
     except (ValueError, ZeroDivisionError):
-        return f"= {exact}"
-    if fraction.denominator == 1:
-        return f"= {exact}"
+        return None
     decimal = _DIGITS.divide(*(_DIGITS.create_decimal(x) for x in fraction.as_integer_ratio()))
-    return f"{'=' if Fraction(decimal) == fraction else '~'} {decimal} = {exact}"
+    return f"= {decimal.normalize()}" if Fraction(decimal) == fraction else f"~ {decimal}"
 
 
 def _direction(law: Law) -> str:

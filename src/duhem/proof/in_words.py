@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from duhem.law.stated import number_in_words
+from duhem.law.stated import number_in_short, number_in_words
 from duhem.proof.verdict import Trust, Verdict, Witness
 from duhem.proof.verification import ClaimResult, Verification
 from duhem.show.page import tied
@@ -21,9 +21,14 @@ def words(verdict: Verdict) -> str:
 
 
 def row(result: ClaimResult) -> tuple[str, ...]:
-    """One result below :data:`HEAD`; numbers of the scope are tied."""
-    scope = ", ".join(tied(part) if " = " in part else part for part in result.scope.split(", "))
+    """One result below :data:`HEAD`; numbers of the scope are tied, and long fractions short: what a law states has them whole."""
+    scope = ", ".join(_part_of_scope(part) for part in result.scope.split(", "))
     return result.claim, words(result.verdict), result.trust or "", result.method, scope, f"{result.seconds:.2f} s"
+
+
+def _part_of_scope(part: str) -> str:
+    name, equal, value = part.partition(" = ")
+    return tied(f"{name} {number_in_short(value)}") if equal else part
 
 
 def sentences(witness: Witness) -> Iterator[str]:
