@@ -39,6 +39,7 @@ MU = {side: symbol(f"mu_{side}", nonnegative=True) for side in ("alpha", "beta")
 HEIGHT, K_N, DELTA = symbol("h", positive=True), symbol("k_n", positive=True), symbol("delta", positive=True)
 F_0 = symbol("F_0", nonpositive=True)
 U = symbol("u_ta", nonnegative=True)
+_SIDES = (*SLOPE.values(), *MU.values())
 
 
 def apparent(mu: sp.Expr, slope: sp.Expr, direction: int) -> sp.Expr:
@@ -102,8 +103,15 @@ def averages(direction: int) -> Averages:
     return Averages(normal, tangential, _signed(sp.cancel(-direction * tangential / normal)))
 
 
+@cache
+def _quotients() -> tuple[tuple[sp.Poly, sp.Poly], ...]:
+    """Numerator and denominator of the coefficient in each direction, which take numbers much sooner than the printed form."""
+    written = (sp.fraction(averages(direction).coefficient) for direction in (+1, -1))
+    return tuple((sp.Poly(over, *_SIDES), sp.Poly(under, *_SIDES)) for over, under in written)
+
+
 def exact_coefficients(values: Mapping[str, Any]) -> tuple[sp.Rational, sp.Rational]:
     """(mu_a_plus, mu_a_minus) at exact ``tan_alpha``, ``tan_beta``, ``mu_alpha``, ``mu_beta``."""
-    at = {s: exact_number(values[s.name]) for s in (*SLOPE.values(), *MU.values())}
-    plus, minus = (averages(direction).coefficient.subs(at) for direction in (+1, -1))
+    at = [exact_number(values[s.name]) for s in _SIDES]
+    plus, minus = (over(*at) / under(*at) for over, under in _quotients())
     return plus, minus
