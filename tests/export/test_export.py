@@ -29,7 +29,7 @@ EYE = np.eye(2)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(LAWS, "antoni2007", "superellipse", "tresca"))
+@pytest.mark.parametrize("name", mostly_long(LAWS, "antoni2007", "superellipse"))
 def test_the_suite_finds_nothing(name: str) -> None:
     law = duhem.load(name).fix(LAWS[name])
     run = compiled(law)
@@ -45,7 +45,7 @@ def test_the_suite_finds_nothing(name: str) -> None:
     ("right", "wrong"),
     [
         (r"v\[slopes\]\[0\] = ", "v[slopes][0] = -"),
-        (r"m\[bends\]\[0\]\[0\] = ", "m[bends][0][0] = -"),
+        pytest.param(r"m\[bends\]\[0\]\[0\] = ", "m[bends][0][0] = -", marks=pytest.mark.long),
         (r"tangent\[i \* D \+ j\] = mean \* total", "tangent[i * D + j] = -mean * total"),
         (r"slips\[0\]\[i\] /= mean", "slips[0][i] *= mean"),
     ],

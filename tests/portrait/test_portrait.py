@@ -123,8 +123,8 @@ def test_k_is_found_thin_small_large_and_away_from_zero(g: str, sides: tuple[flo
     ("g", "said"),
     [
         ("norm(sigma_a, sigma_b)", "thinner than the picture resolves"),
-        ("norm(sigma_a, sigma_b) + sigma_a", "thinner than the picture resolves"),
-        ("min(norm(sigma_a, sigma_b) - 1, norm(sigma_a - 10, 1000*sigma_b) - 5)", "may be missing"),
+        pytest.param("norm(sigma_a, sigma_b) + sigma_a", "thinner than the picture resolves", marks=pytest.mark.long),
+        pytest.param("min(norm(sigma_a, sigma_b) - 1, norm(sigma_a - 10, 1000*sigma_b) - 5)", "may be missing", marks=pytest.mark.long),
         ("min(norm(sigma_a, sigma_b), 1) - 2", "all of the window"),
     ],
 )

@@ -26,7 +26,7 @@ def project(of: Criterion | str, trial: Any, pressure: Any = None, stiffness: An
     return Projector.of(of, stiffness, parameters)(trial, pressure)
 
 
-@pytest.mark.parametrize("family", NOT_CONVEX)
+@pytest.mark.parametrize("family", mostly_long(NOT_CONVEX, "discs", "ovals", "cassini"))
 def test_no_stationary_point_passes_for_the_closest(family: str) -> None:
     rng = np.random.default_rng(1)
     farther = passed = 0
@@ -117,7 +117,7 @@ LOADS = ("1 + abs(sigma_n)", "abs(sigma_n)**2", "abs(sigma_n)")
 STIFFNESSES = (1.0, (1.0, 100.0), ((2.0, 1.0), (1.0, 3.0)))
 
 
-@pytest.mark.parametrize(("load", "stiffness"), mostly_long(product(LOADS, STIFFNESSES), *zip(LOADS, STIFFNESSES, strict=True)))
+@pytest.mark.parametrize(("load", "stiffness"), mostly_long(product(LOADS, STIFFNESSES), *list(zip(LOADS, STIFFNESSES, strict=True))[::2]))
 def test_another_part_of_k_is_seen_at_every_pressure(load: str, stiffness: object) -> None:
     """Two discs, their size and distance growing with the pressure in step."""
     two = Criterion("two", f"min(norm(sigma_a, sigma_b), norm(sigma_a + 3*({load}), sigma_b)) - ({load})", {})

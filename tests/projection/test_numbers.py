@@ -33,7 +33,7 @@ def total(counts: list[Count]) -> Count:
     [
         pytest.param("cancelling", 4, 60, marks=pytest.mark.long),
         ("cancelling", 16, 14),
-        ("powers", 7, 200),
+        pytest.param("powers", 7, 200, marks=pytest.mark.long),
         pytest.param("ulps", 15, 50, marks=pytest.mark.long),
     ],
 )

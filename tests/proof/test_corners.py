@@ -54,7 +54,7 @@ SMOOTH = [
     law("a**2 + b**2 + c**2 - 1"),
     law("max(a**2 + b**2 + c**2 - 1, a - 2)"),  # a face that K does not reach
     law("max(norm(a, b, c), 1/2) - 1"),  # a kink inside K
-    law("norm(a, b, c) + pos(norm(a, b, c) - 2) - 1"),  # outside it
+    long(law("norm(a, b, c) + pos(norm(a, b, c) - 2) - 1")),  # outside it
     long(law("pos(a)**2 + 2*neg(a)**2 + b**2 + c**2 - 1")),  # the gradient is continuous
     long(law("norm(pos(a)/2 + neg(a)/3, b, c) - 1")),
     long(law("max(norm(a, b, c) - 1, 2*(norm(a, b, c) - 1))")),  # it jumps in size alone

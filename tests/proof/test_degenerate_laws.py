@@ -15,6 +15,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import rationals
 from duhem.proof.report_text import complete
 from duhem.proof.verdict import Evidence
+from tests.long import mostly_long
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
 
@@ -62,7 +63,7 @@ OUTER = ("max({f}, 2*{f})", "{f} + abs({f})/2", "where({f} > 0, 3*{f}, {f})", "2
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("outer", OUTER)
+@pytest.mark.parametrize("outer", mostly_long(OUTER, OUTER[0], OUTER[4]))
 def test_a_boundary_along_a_seam_is_asked_about(outer: str) -> None:
     """Convex if and only if 0 <= c <= 6 (the sign of the curvature at 45 degrees and on the axes)."""
     g = outer.format(f=QUARTIC)

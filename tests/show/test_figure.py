@@ -185,7 +185,7 @@ SETTINGS = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "settings"), mostly_long(SETTINGS, *SETTINGS[::3]))
+@pytest.mark.parametrize(("name", "settings"), mostly_long(SETTINGS, *SETTINGS[::6]))
 def test_the_figures_of_the_paper_are_legible(name: str, settings: dict[str, float]) -> None:
     from duhem.micromodel.figures.drawing import draw as drawn
 
