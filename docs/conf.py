@@ -18,7 +18,7 @@ version = release = __version__
 extensions = ["myst_nb", "sphinx.ext.autodoc"]
 exclude_patterns = ["_build", "paper"]
 nb_execution_mode = "off"  # notebooks are kept with their outputs, which tests make again
-nb_mime_priority_overrides = [("html", "text/markdown", None), ("html", "text/latex", None)]
+nb_mime_priority_overrides = [("html", "text/markdown", None)]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 suppress_warnings = ["mystnb.unknown_mime_type"]
