@@ -13,7 +13,7 @@ import duhem
 
 REPORT = """
 import atexit, json, sys
-heavy = ("numpy", "sympy", "matplotlib", "cvxpy", "hypothesis", "clarabel", "z3", "flint", "cvc5", "scipy", "pytest")
+heavy = ("numpy", "sympy", "matplotlib", "cvxpy", "hypothesis", "clarabel", "z3", "flint", "cvc5", "scipy", "pytest", "dask", "distributed")
 atexit.register(lambda: print("\\n" + json.dumps([m for m in heavy if m in sys.modules]), file=sys.stderr))
 from duhem.__main__ import main
 sys.argv = ["duhem", *sys.argv[1:]]
@@ -38,7 +38,7 @@ def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
 
 
 def test_verify_leaves_out_what_it_does_not_need() -> None:
-    unneeded = {"matplotlib", "numpy", "cvxpy", "clarabel", "hypothesis", "scipy", "pytest"}
+    unneeded = {"matplotlib", "numpy", "cvxpy", "clarabel", "hypothesis", "scipy", "pytest", "dask", "distributed"}
     assert imported("verify", "antoni2007") & unneeded == set()
 
 

@@ -15,13 +15,15 @@ __all__ = ["campaign"]
 @click.command()
 @click.argument("campaign_file", metavar="CAMPAIGN", type=click.Path(dir_okay=False))
 @click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that ask rows; left out, one a core.")
+@click.option("--scheduler", metavar="ADDRESS", help="The scheduler of a Dask cluster, by address or by the file that it wrote.")
 @click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped.")
 @click.option("--out", metavar="FILE", help="Write the table as .csv or .parquet; left out, the one that the campaign names.")
-def campaign(campaign_file: str, workers: int | None, resume: bool, out: str | None) -> int:
+def campaign(campaign_file: str, workers: int | None, scheduler: str | None, resume: bool, out: str | None) -> int:
     """Ask every row of CAMPAIGN, a TOML file: laws times parameter sets, one line of the table a row and claim.
 
     A row whose law cannot be read, or that crashes, hangs or asks for too much memory, is a row with its reason and harms no other.
-    The table is the same from any number of workers, but for the seconds.  A campaign that is interrupted (Ctrl-C, SIGTERM) or
+    The table is the same from any number of workers, but for the seconds; --scheduler asks a Dask cluster (extra cluster), of SLURM for
+    example through dask-jobqueue, whose workers see the files that the campaign names.  A campaign that is interrupted (Ctrl-C, SIGTERM) or
     killed keeps what is done beside the table, and --resume goes on from there.
 
     Exit codes: 1 where a line is refuted, 4 where a row has an error instead of verdicts, which comes first.
@@ -46,8 +48,14 @@ def campaign(campaign_file: str, workers: int | None, resume: bool, out: str | N
                 rate = (done - first) / max(now - began, 1e-9)
                 progress.show(f"{done} of {rows} rows, {rate:.1f} a second, {_duration((rows - done) / rate)} left")
 
+        def on_start(dashboard: str) -> None:
+            progress.show("")
+            click.echo(f"duhem: the cluster's dashboard is {dashboard}", err=True)
+
         try:
-            summary = entry.campaign(asked, out=table, workers=workers, resume=resume, on_row=on_row)
+            summary = entry.campaign(
+                asked, out=table, workers=workers, scheduler=scheduler, resume=resume, on_row=on_row, on_start=on_start
+            )
         except entry.StoppedCampaign as stop:
             progress.show("")
             click.echo(f"duhem: {stop}", err=True)

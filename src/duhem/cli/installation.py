@@ -16,6 +16,7 @@ __all__ = ["CORE", "EXTRAS", "PURPOSES", "missing", "report"]
 CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "python-flint", "scipy", "sympy", "z3-solver")
 EXTRAS = {
     "parquet": ("pyarrow",),
+    "cluster": ("distributed",),
     "plot": ("matplotlib",),
     "notebooks": ("ipykernel", "nbclient", "nbformat", "matplotlib"),
     "fast": ("numba",),

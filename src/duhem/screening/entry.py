@@ -11,6 +11,7 @@ from duhem.errors import InputError
 from duhem.law.curve_law import Law
 from duhem.screening import file
 from duhem.screening.campaign import Campaign
+from duhem.screening.cluster import Cluster
 from duhem.screening.inquiries import Claimed
 from duhem.screening.lines import VerdictLine, lines_of, number_of
 from duhem.screening.pool import Pool, cores
@@ -34,14 +35,18 @@ def campaign(
     *,
     out: str | os.PathLike[str] | None = None,
     workers: int | None = None,
+    scheduler: str | os.PathLike[str] | None = None,
     resume: bool = False,
     on_row: OnRow | None = None,
+    on_start: Callable[[str], None] | None = None,
 ) -> Summary:
     """Ask many laws at once, each row in a process that may fail without harm to the others.
 
     ``rows`` is a campaign file, or laws and pairs of a law and its parameters.  ``out`` is the table, .csv or .parquet, one line a row
-    and claim; without one the lines are in the summary.  ``workers`` processes (the cores, if left out) give the same table.  While
-    it runs, what is done is kept beside ``out``, and ``resume`` goes on from there; ``on_row`` is called with the rows done and all.
+    and claim; without one the lines are in the summary.  ``workers`` processes (the cores, if left out) give the same table, and so does
+    a Dask cluster, whose ``scheduler`` is given by its address or file (extra ``cluster``).  While it runs, what is done is kept beside
+    ``out``, and ``resume`` goes on from there; ``on_row`` is called with the rows done and all, ``on_start`` with a cluster's
+    dashboard.
 
     Raises InputError for a campaign that cannot be asked, StoppedCampaign, a KeyboardInterrupt, when interrupted.  What is wrong with a row
     is in its lines: a law that cannot be read, a value outside its domain, a process that crashed or took too much.
@@ -54,7 +59,11 @@ def campaign(
         raise InputError("there is no table to go on with", where="resume", remedy="name it as out")
     if table is not None:
         check_table(table, asked.inputs)
-    with Pool(asked, workers or cores()) as pool:
+    if scheduler is not None and workers is not None:
+        raise InputError("workers and a scheduler are both given", where="workers", remedy="the scheduler has its own")
+    with Pool(asked, workers or cores()) if scheduler is None else Cluster(asked, scheduler) as pool:
+        if isinstance(pool, Cluster) and on_start is not None:
+            on_start(pool.dashboard)
         return _gathered(asked, pool, on_row) if table is None else _written(asked, pool, table, resume, on_row)
 
 
@@ -77,7 +86,7 @@ def _read(rows: str | os.PathLike[str] | Pairs | Campaign, claims: Iterable[str]
     return Campaign((given(pairs),), Claimed(wanted_claims(claims)))
 
 
-def _gathered(asked: Campaign, pool: Pool, on_row: OnRow | None) -> Summary:
+def _gathered(asked: Campaign, pool: Pool | Cluster, on_row: OnRow | None) -> Summary:
     """The lines in the summary."""
     found, counts = dict[int, tuple[VerdictLine, ...]](), Counts(asked)
     for text in pool.texts([range(1, len(asked) + 1)]):
@@ -88,7 +97,7 @@ def _gathered(asked: Campaign, pool: Pool, on_row: OnRow | None) -> Summary:
     return counts.summary(lines=lines)
 
 
-def _written(asked: Campaign, pool: Pool, table: str, resume: bool, on_row: OnRow | None) -> Summary:
+def _written(asked: Campaign, pool: Pool | Cluster, table: str, resume: bool, on_row: OnRow | None) -> Summary:
     """The lines in the table, which grows as they are done."""
     counts = Counts(asked)
     with GrowingLines(asked, table, resume) as growing:

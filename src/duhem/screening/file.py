@@ -160,7 +160,7 @@ class _CampaignReader(SectionReader):
                 files = sorted(glob.glob(text, root_dir=folder, recursive=True))
                 if not files:
                     raise self.error(f"no file is named {text[:60]!r}", *path, remedy=f"they are looked for in {os.path.abspath(folder)}")
-                found += [LawName(file, str(folder / file)) for file in files]
+                found += [LawName(file, os.path.abspath(folder / file)) for file in files]
             else:
                 found.append(self.named(text, folder, *path))
         if not found:
@@ -171,7 +171,7 @@ class _CampaignReader(SectionReader):
         """A law of duhem, or a criterion file beside the campaign; what is wrong in it is said of its rows."""
         from duhem.law.catalogue import load_named
 
-        beside = str(folder / text)
+        beside = os.path.abspath(folder / text)
         if text.endswith(".toml") or os.path.isfile(beside):
             if not os.path.isfile(beside):
                 raise self.error(f"there is no file {text[:60]!r}", *path, remedy=f"it is looked for in {os.path.abspath(folder)}")

@@ -22,6 +22,7 @@ from duhem.errors import InputError
 from duhem.expression.number import exact_number, ratio
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
+from duhem.law.placed_toml import text_of
 
 __all__ = ["AsStated", "Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "given"]
 
@@ -58,9 +59,11 @@ class LawName:
 
 @lru_cache(maxsize=64)
 def _law(name: LawName) -> Law:
-    from duhem.law.criterion_file import read
+    from duhem.law.criterion_file import MOST_BYTES, reads
 
-    return load_named(name.shown) if name.path is None else read(name.path)
+    if name.path is None:
+        return load_named(name.shown)
+    return reads(text_of(name.path, "criterion file", MOST_BYTES), where=name.shown)
 
 
 @dataclass(frozen=True)
