@@ -161,7 +161,10 @@ def test_the_pages_are_built_without_a_warning(tmp_path: Path) -> None:
 def test_the_oldest_versions_are_those_that_the_project_allows() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     extras = project["optional-dependencies"]
-    asked = [*project["dependencies"], *(each for extra in ("parquet", "plot", "notebooks", "fast", "test") for each in extras[extra])]
+    asked = [
+        *project["dependencies"],
+        *(each for extra in ("parquet", "plot", "notebooks", "report", "fast", "test") for each in extras[extra]),
+    ]
     pins = (ROOT / ".ci" / "oldest.txt").read_text("utf-8").splitlines()[1:]
     assert pins == sorted({each.replace(">=", "==") for each in asked if not each.startswith("duhem[")})
 

@@ -10,7 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from duhem.show.page import PAGE
 
-__all__ = ["CORE", "EXTRAS", "PURPOSES", "missing", "report"]
+__all__ = ["CORE", "EXTRAS", "PURPOSES", "missing", "report", "versions"]
 
 # As in pyproject.toml, by the names of the distributions; a test compares the two.
 CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "python-flint", "scipy", "sympy", "z3-solver")
@@ -19,6 +19,7 @@ EXTRAS = {
     "cluster": ("distributed",),
     "plot": ("matplotlib",),
     "notebooks": ("ipykernel", "nbclient", "nbformat", "matplotlib"),
+    "report": ("latex2mathml", "matplotlib"),
     "fast": ("numba",),
     "second": ("cvc5",),
     "docs": ("furo", "latex2mathml", "myst-nb", "sphinx"),
@@ -29,6 +30,7 @@ PURPOSES = {
     "parquet": "histories as Parquet: simulate --out history.parquet",
     "plot": "pictures: duhem plot, duhem figures, and --plot of other commands",
     "notebooks": "the course in notebooks, run without a browser; jupyterlab opens it",
+    "report": "pages with pictures and typeset formulas: verify --report FILE",
     "fast": "compiled increments and paths, through numba",
     "second": "cvc5, a second solver; nothing in this version asks it",
     "docs": "the pages in docs: python -m sphinx docs docs/_build",
@@ -54,6 +56,11 @@ def report() -> str:
 def missing() -> tuple[str, ...]:
     """The core packages that are not installed."""
     return tuple(name for name in CORE if _version(name) is None)
+
+
+def versions(packages: tuple[str, ...]) -> dict[str, str]:
+    """Those of the packages that are installed, with their versions."""
+    return {name: found for name in packages if (found := _version(name)) is not None}
 
 
 def _rows(packages: tuple[str, ...], requirement: str) -> Iterator[str]:

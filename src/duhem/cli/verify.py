@@ -33,6 +33,7 @@ __all__ = ["verify"]
     show_default=True,
     help="For people, for programs, or for what reads JUnit's XML.",
 )
+@click.option("--report", metavar="FILE", help="Also write a page for people, HTML in one file: pictures, derivation, how to reproduce it.")
 @click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON.")
 @click.option(
     "--effort",
@@ -43,21 +44,30 @@ __all__ = ["verify"]
 )
 @click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
 def verify(
-    laws: Sequence[str], settings: Sequence[str], claims: str | None, form: str, certificate: str | None, effort: str, strict: bool
+    laws: Sequence[str],
+    settings: Sequence[str],
+    claims: str | None,
+    form: str,
+    report: str | None,
+    certificate: str | None,
+    effort: str,
+    strict: bool,
 ) -> int:
     """Prove or refute what is claimed of LAW, or of several laws one after the other.
 
     Each claim is decided over the whole parameter domain and for every pressure, unless --set fixes a parameter.  Results
     go to standard output, progress to standard error.
     """
-    from duhem.show.place import check_place, write
+    from duhem.show.place import check_places, write
 
     asked = None if claims is None else read_claims(claims)
     fixed = [_fixed(law, settings, several=len(laws) > 1) for law in laws]
-    if certificate is not None:
-        check_place(certificate, laws)
-        if len(laws) > 1:
-            raise InputError("a certificate is of one law", where=f"--certificate {certificate}", remedy="verify the laws one by one")
+    check_places([report, certificate], laws)
+    if certificate is not None and len(laws) > 1:
+        raise InputError("a certificate is of one law", where=f"--certificate {certificate}", remedy="verify the laws one by one")
+    from duhem.cli.report import again, article, law_lines
+
+    texts = [law_lines(law) for law in laws] if report is not None else []
 
     from duhem.proof import verification
 
@@ -80,6 +90,11 @@ def verify(
         from duhem.proof.certificate import certificate as certified
 
         write(certificate, json.dumps(certified(told.done[0]), indent=1, ensure_ascii=False) + "\n")
+    if report is not None:
+        from duhem.show.document import as_page
+
+        commands = (again(law, settings, claims, effort) for law in laws)
+        write(report, as_page([article(*each) for each in zip(told.done, commands, texts, strict=True)]))
     return told.code()
 
 

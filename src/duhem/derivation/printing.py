@@ -20,7 +20,7 @@ from duhem.show.notation import latex_name
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import latex, markdown, text
 
-__all__ = ["as_latex", "as_markdown", "as_text"]
+__all__ = ["as_latex", "as_markdown", "as_text", "formulas", "in_words"]
 
 
 def _shown(expr: sp.Basic, names: Names) -> sp.Basic:
@@ -104,7 +104,7 @@ class _Text(StrPrinter):
     _print_MutableDenseMatrix = _print_MatrixBase
 
 
-def _formulas(derivation: Derivation) -> Iterator[tuple[Equation, Rows]]:
+def formulas(derivation: Derivation) -> Iterator[tuple[Equation, Rows]]:
     """Every equation with its formula in rows."""
     names, law = derivation.names, derivation.names.law
     written = names.latex | {sp.Symbol("D", real=True): r"\mathcal{D}", sp.Symbol("psi_C", real=True): r"\psi_C",
@@ -119,6 +119,11 @@ def _formulas(derivation: Derivation) -> Iterator[tuple[Equation, Rows]]:
     typesetter = Typesetter(written, defined)
     for equation in derivation:
         yield equation, typesetter.rows(_shown(equation.relation, names), equation.number)
+
+
+def in_words(equation: Equation, names: Names) -> str:
+    """The relation in the words of a criterion file."""
+    return str(_Text().doprint(_shown(equation.relation, names)))
 
 
 @text.register(Derivation)
@@ -140,7 +145,7 @@ def as_text(derivation: Derivation, page: Page = PAGE) -> str:
 def as_markdown(derivation: Derivation) -> str:
     """Markdown; formulas in LaTeX."""
     lines = [f"# Derivation of {derivation.law}", ""]
-    for section, group in groupby(_formulas(derivation), key=lambda pair: pair[0].section):
+    for section, group in groupby(formulas(derivation), key=lambda pair: pair[0].section):
         lines += [f"## {section}", ""]
         for equation, rows in group:
             every = [*rows.formula, *([r"\text{where}", *rows.named] if rows.named else [])]
@@ -174,7 +179,7 @@ def as_latex(derivation: Derivation) -> str:
         r"\begin{document}",
         rf"\section*{{Derivation of {_prose(derivation.law)}}}",
     ]
-    for section, group in groupby(_formulas(derivation), key=lambda pair: pair[0].section):
+    for section, group in groupby(formulas(derivation), key=lambda pair: pair[0].section):
         lines.append(rf"\subsection*{{{_prose(section)}}}")
         for equation, rows in group:
             lines += [rf"\noindent {_prose(equation.note)}:", _displayed(rows.formula, equation.number)]

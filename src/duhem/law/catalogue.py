@@ -73,6 +73,14 @@ def load(law: str | Path | Law) -> Law:
     raise _unknown(law)
 
 
+def file_read(law: str) -> Path | None:
+    """The criterion file that :func:`load` reads for a name or path; None where it reads none."""
+    if not law.endswith(".toml") and _of_name(law) is not None:
+        name = law.strip().replace("_", "-")
+        return None if name in registered() else file_of(name)
+    return Path(law) if law.endswith(".toml") or _exists(law) else None
+
+
 def load_named(name: str) -> Law:
     """The law of a name, never of a file or of a module: what a document asks for, which is data.  InputError if none has it."""
     if (known := _of_name(name)) is not None:

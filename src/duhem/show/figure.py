@@ -23,6 +23,7 @@ __all__ = [
     "GREY",
     "Picture",
     "Target",
+    "as_svg",
     "check",
     "drawn",
     "legend",
@@ -358,6 +359,16 @@ def save(sheet: Figure, file: Target) -> None:
     form = _ending(file)
     with written(file) as beside, style():
         sheet.savefig(beside, format=form, dpi=160, metadata=_UNDATED.get(form))
+
+
+def as_svg(places: tuple[Axes, ...]) -> str:
+    """The sheet of some axes as the text of an SVG file, the same for the same sheet."""
+    from io import StringIO
+
+    beside = StringIO()
+    with style():
+        _sheet_of(places).savefig(beside, format="svg", metadata=_UNDATED["svg"])
+    return beside.getvalue()
 
 
 def _is_stream(file: object) -> bool:

@@ -1,0 +1,108 @@
+"""The page of ``duhem verify --report``: what each room says of a verified law, and how to see it again."""
+
+from __future__ import annotations
+
+import platform
+import shlex
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from duhem.cli import installation
+from duhem.errors import DuhemError, InputError
+from duhem.left_out import LeftOut
+from duhem.version import __version__
+
+if TYPE_CHECKING:
+    from duhem.proof.verification import Verification
+    from duhem.show.document import Article, Chapter
+
+__all__ = ["again", "article", "law_lines"]
+
+_SHOWN_WITH = ("matplotlib", "latex2mathml")
+
+
+def article(found: Verification, command: str, law: str) -> Article:
+    """One law on the page; ``command`` is the line that verifies it again, ``law`` its text."""
+    from duhem.proof import report_html
+    from duhem.show.document import Article
+
+    document = _certificate(found)
+    derived, missing = _derivation(found)
+    chapters = (
+        report_html.stated(found),
+        *report_html.decided(found),
+        _pictures(found),
+        *report_html.left_aside(found, missing),
+        *derived,
+        _certified(document),
+        _again(command, law),
+    )
+    return Article(found.criterion.name, found.criterion.summary, chapters)
+
+
+def again(law: str, settings: Sequence[str], claims: str | None, effort: str) -> str:
+    """The command line that verifies a law again."""
+    words = ["duhem", "verify", law, *(word for setting in settings for word in ("--set", setting))]
+    words += [] if claims is None else ["--claims", claims]
+    return shlex.join(words + ([] if effort == "normal" else ["--effort", effort]))
+
+
+def law_lines(law: str) -> str:
+    """The text of the file that a law is read from, or else of a criterion file that states the same law."""
+    from duhem.cli.arguments import read_law
+    from duhem.identification.criterion_text import criterion_text
+    from duhem.law import catalogue
+
+    if (file := catalogue.file_read(law)) is not None:
+        return file.read_text("utf-8-sig")
+    return criterion_text(read_law(law))
+
+
+def _pictures(found: Verification) -> Chapter:
+    from duhem.portrait.panels import panels
+    from duhem.show.document import Chapter, Paragraph
+
+    try:
+        return Chapter("Pictures", panels(found))
+    except DuhemError as fault:  # without matplotlib, or without numbers to draw it at
+        return Chapter("Pictures", (Paragraph(f"None: {fault}.", "without"),))
+
+
+def _derivation(found: Verification) -> tuple[tuple[Chapter, ...], tuple[LeftOut, ...]]:
+    from duhem.derivation import derive
+    from duhem.derivation.chapters import chapters
+    from duhem.show.document import Chapter
+
+    try:
+        derived = derive(found.criterion)
+    except InputError as fault:
+        return (), (LeftOut("derivation", fault.what),)
+    return (Chapter("Derivation", chapters(derived)),), derived.left_out
+
+
+def _certificate(found: Verification) -> dict[str, Any] | InputError:
+    from duhem.proof.certificate import certificate
+
+    try:
+        return certificate(found)
+    except InputError as fault:
+        return fault
+
+
+def _certified(document: Mapping[str, Any] | InputError) -> Chapter:
+    from duhem.proof.report_html import certified
+    from duhem.show.document import Chapter, Paragraph
+
+    return Chapter("Certificate", (Paragraph(f"None: {document}."),)) if isinstance(document, InputError) else certified(document)
+
+
+def _again(command: str, law: str) -> Chapter:
+    from duhem.show.document import Chapter, Lines, Paragraph, Titled
+
+    packages = installation.versions((*installation.CORE, *_SHOWN_WITH))
+    about = (
+        ("duhem", __version__),
+        ("python", f"{platform.python_version()} ({platform.python_implementation()})"),
+        ("packages", ", ".join(f"{name} {version}" for name, version in packages.items())),
+    )
+    return Chapter("How to reproduce it", (Lines(command), Titled(about), Paragraph("The law:"), Lines(law)))

@@ -1,0 +1,245 @@
+"""A page that stands alone: articles of chapters, written as one HTML file that asks nothing of a network and runs nothing.
+
+All text is text: the page is a tree, and what writes the tree escapes it.  Formulas are MathML where latex2mathml is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from duhem.errors import MissingExtraError
+from duhem.show.mathematics import check, mathematics
+from duhem.show.page import printable
+from duhem.show.sheet import Typeset
+from duhem.show.theme import themed
+from duhem.version import __version__
+
+__all__ = ["Article", "Block", "Chapter", "Columns", "Display", "Drawing", "Lines", "Paragraph", "Sentences", "Titled", "as_page"]
+
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'"
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """A paragraph; ``kind`` marks what stands out, as a class of the style."""
+
+    text: str
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Sentences:
+    """A list."""
+
+    items: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Titled:
+    """Pairs of title and content."""
+
+    fields: tuple[tuple[str, str | Typeset], ...]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """``rows`` under ``head``; ``kinds`` has a class of the style for each row, ``marked`` is the column that shows it."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    kinds: tuple[str, ...] = ()
+    marked: int = -1
+
+
+@dataclass(frozen=True)
+class Display:
+    """A numbered formula with a sentence: in plain ``text``, and in ``rows`` of LaTeX with those that say what is ``named`` in them."""
+
+    number: str
+    note: str
+    text: str
+    rows: tuple[str, ...]
+    named: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A picture, as the text of an SVG file, with what stands below it."""
+
+    svg: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Text whose lines stay as they are."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """Blocks under a title; chapters among them are parts of it."""
+
+    title: str
+    blocks: tuple[Block, ...]
+
+
+Block = Paragraph | Sentences | Titled | Columns | Display | Drawing | Lines | Chapter
+
+
+@dataclass(frozen=True)
+class Article:
+    """What is said of one thing: a title, a sentence below it, and chapters."""
+
+    title: str
+    lead: str
+    chapters: tuple[Chapter, ...]
+
+
+def as_page(articles: Sequence[Article]) -> str:
+    """The whole HTML file, the same for the same articles."""
+    return _Page().written(articles)
+
+
+class _Page:
+    """One page in the making: pictures are counted, and it is known whether formulas can be typeset."""
+
+    def __init__(self) -> None:
+        self.drawings = 0
+        try:
+            check()
+            self.without = ""
+        except MissingExtraError as fault:
+            self.without = f"Formulas are shown as text: {fault}."
+
+    def written(self, articles: Sequence[Article]) -> str:
+        title = ", ".join(article.title for article in articles)
+        page = Element("html", lang="en")
+        head = SubElement(page, "head")
+        SubElement(head, "meta", charset="utf-8")
+        SubElement(head, "meta", {"http-equiv": "Content-Security-Policy", "content": _POLICY})
+        SubElement(head, "meta", name="viewport", content="width=device-width, initial-scale=1")
+        SubElement(head, "meta", name="generator", content=f"duhem {__version__}")
+        SubElement(head, "title").text = printable(f"{title} - duhem")
+        SubElement(head, "style").text = files("duhem.show").joinpath("document.css").read_text("utf-8")
+        body = SubElement(page, "body")
+        if len(articles) > 1:
+            contents = SubElement(SubElement(body, "nav"), "ul")
+            for i, article in enumerate(articles, 1):
+                SubElement(SubElement(contents, "li"), "a", href=f"#law-{i}").text = printable(article.title)
+        main = SubElement(body, "main")
+        for i, article in enumerate(articles, 1):
+            self._article(SubElement(main, "article", id=f"law-{i}"), article)
+        return "<!DOCTYPE html>\n" + ElementTree.tostring(page, encoding="unicode", method="html") + "\n"
+
+    def _article(self, place: Element, article: Article) -> None:
+        head = SubElement(place, "header")
+        _say(head, "h1", article.title)
+        if article.lead:
+            _say(head, "p", article.lead)
+        if self.without:
+            _say(head, "p", self.without, "without")
+        for chapter in article.chapters:
+            self._chapter(place, chapter, 2)
+
+    def _chapter(self, place: Element, chapter: Chapter, level: int) -> None:
+        section = SubElement(place, "section")
+        _say(section, f"h{min(level, 6)}", chapter.title)
+        drawings: Element | None = None
+        for block in chapter.blocks:
+            if isinstance(block, Drawing):  # side by side where there is room
+                drawings = SubElement(section, "div", {"class": "drawings"}) if drawings is None else drawings
+                self._drawing(drawings, block)
+                continue
+            drawings = None
+            if isinstance(block, Chapter):
+                self._chapter(section, block, level + 1)
+            else:
+                self._block(section, block)
+
+    def _block(self, place: Element, block: Paragraph | Sentences | Titled | Columns | Display | Lines) -> None:
+        match block:
+            case Paragraph(text, kind):
+                _say(place, "p", text, kind)
+            case Sentences(items):
+                rows = SubElement(place, "ul")
+                for item in items:
+                    _say(rows, "li", item)
+            case Titled(fields):
+                pairs = SubElement(place, "dl")
+                for title, content in fields:
+                    _say(pairs, "dt", title)
+                    self._content(SubElement(pairs, "dd"), content)
+            case Columns():
+                _grid(place, block)
+            case Display():
+                self._display(place, block)
+            case Lines(text):
+                _say(SubElement(place, "pre"), "code", text)
+
+    def _display(self, place: Element, block: Display) -> None:
+        shown = SubElement(place, "div", {"class": "display"})
+        _say(shown, "p", block.note)
+        line = SubElement(shown, "div", {"class": "line"})
+        formula = SubElement(line, "div", {"class": "formula"})
+        if not self._typeset(formula, (*block.rows, *((r"\text{where}", *block.named) if block.named else ()))):
+            _say(formula, "code", block.text)
+        _say(line, "span", f"({block.number})", "number")
+
+    def _content(self, place: Element, content: str | Typeset) -> None:
+        if isinstance(content, str):
+            place.text = printable(content)
+        elif not self._typeset(place, (content.latex,)):
+            _say(place, "code", content.text)
+
+    def _typeset(self, place: Element, rows: Sequence[str]) -> bool:
+        """Whether all rows are there, each on a line that breaks between its pieces."""
+        every = [] if self.without else [mathematics(row) for row in rows]
+        if not every or not all(every):
+            return False
+        for pieces in every:
+            line = SubElement(place, "div", {"class": "mathematics"})
+            for piece in pieces:
+                piece.tail = " "
+                line.append(piece)
+        return True
+
+    def _drawing(self, place: Element, block: Drawing) -> None:
+        self.drawings += 1
+        name = f"picture-{self.drawings}"
+        figure = SubElement(place, "figure")
+        picture = themed(block.svg, name)
+        picture.attrib |= {"role": "img", "aria-labelledby": f"{name}-caption"}
+        figure.append(picture)
+        _say(figure, "figcaption", block.caption).set("id", f"{name}-caption")
+
+
+def _grid(place: Element, block: Columns) -> None:
+    table = SubElement(place, "table")
+    row = SubElement(SubElement(table, "thead"), "tr")
+    for title in block.head:
+        _say(row, "th", title).set("scope", "col")
+    body = SubElement(table, "tbody")
+    for i, cells in enumerate(block.rows):
+        row = SubElement(body, "tr")
+        for j, (title, cell) in enumerate(zip(block.head, cells, strict=True)):
+            made = SubElement(row, "th", scope="row") if j == 0 else SubElement(row, "td", {"data-title": printable(title)})
+            if block.kinds and j == block.marked:
+                _say(made, "span", cell, f"verdict {block.kinds[i]}")
+            else:
+                made.text = printable(cell)
+
+
+def _say(place: Element, tag: str, text: str, kind: str = "") -> Element:
+    made = SubElement(place, tag, {"class": kind} if kind else {})
+    made.text = printable("\n".join(_lines(text)))
+    return made
+
+
+def _lines(text: str) -> Iterator[str]:
+    return (line.expandtabs() for line in text.splitlines())

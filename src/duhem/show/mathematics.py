@@ -1,0 +1,111 @@
+"""Formulas of LaTeX as MathML that breaks between its terms and fits its line (extra ``report``)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from duhem.errors import MissingExtraError
+
+__all__ = ["check", "mathematics"]
+
+_RELATIONS = {"=", "≤", "≥", "<", ">", "∈", "⇒", "≠"}
+_SUMS = {"+", "−", "-"}
+_OPEN = _RELATIONS | _SUMS | {"(", "[", "{", ",", ";", "⋅", "⟨", "|", "‖"}
+_ROOM = re.compile(r"(?<=\\\\)\[\w+\]")  # between rows: a page has its own
+_SCRIPT, _CELL = 0.72, 0.75  # of the size of letters
+_GAP = 0.9  # between the columns of a table
+
+
+def check() -> None:
+    """Raises MissingExtraError without latex2mathml."""
+    try:
+        import latex2mathml.converter  # noqa: F401
+    except ImportError:
+        raise MissingExtraError("latex2mathml", "report") from None
+
+
+def mathematics(latex: str) -> tuple[Element, ...]:
+    """The formula in pieces between which a line may break: before relations, sums and after commas of no bracket.
+
+    Each carries as ``style`` its estimated width in letters, ``--ems``, by which a page makes it fit.
+    None of them where the formula is not read.  Raises MissingExtraError without latex2mathml.
+    """
+    check()
+    from latex2mathml.converter import convert
+
+    try:
+        root = _plain(ElementTree.fromstring(convert(_ROOM.sub("", latex))))
+    except Exception:  # of a reader of others, whose errors have nothing in common
+        return ()
+    row = root[0] if len(root) == 1 and root[0].tag == "mrow" else root
+    return tuple(_piece(part) for part in _pieces(list(row)))
+
+
+def _plain(element: Element) -> Element:
+    """The element without namespaces, which a page has no need of, and with brackets close to what they hold."""
+    for each in element.iter():
+        each.tag = each.tag.rpartition("}")[2]
+        if each.get("fence"):
+            each.attrib |= {"lspace": "0", "rspace": "0"}
+    return element
+
+
+def _pieces(row: list[Element]) -> Iterator[list[Element]]:
+    piece: list[Element] = []
+    depth = 0
+    for element in row:
+        text = element.text or "" if element.tag == "mo" else ""
+        depth += (element.get("form") == "prefix") - (element.get("form") == "postfix")
+        free = depth <= 0 and element.get("form") is None
+        if piece and free and (text in _RELATIONS or (text in _SUMS and not _opens(piece))):
+            yield piece
+            piece = []
+        piece.append(element)
+        if free and text in (",", ";"):
+            yield piece
+            piece = []
+    if piece:
+        yield piece
+
+
+def _opens(piece: list[Element]) -> bool:
+    """Whether what follows the piece is a sign, not a sum."""
+    return piece[-1].tag == "mo" and (piece[-1].text or "") in _OPEN
+
+
+def _piece(elements: list[Element]) -> Element:
+    if len(elements) > 1 and elements[0].tag == "mo" and elements[0].text in _RELATIONS | _SUMS:
+        elements[0].set("form", "infix")
+    math = Element("math", displaystyle="true")
+    ElementTree.SubElement(math, "mrow").extend(elements)
+    math.set("style", f"--ems:{max(_width(math), 1.0):.1f}")
+    return math
+
+
+def _width(element: Element) -> float:
+    """About how many ems it is wide."""
+    parts = [_width(child) for child in element]
+    match element.tag:
+        case "mi" | "mn" | "mtext":
+            return 0.56 * len(element.text or "")
+        case "mo":
+            return 0.45 if element.get("fence") or (element.text or "") in ",;" else 0.95
+        case "mspace":
+            return float((element.get("width") or "0em").removesuffix("em") or 0)
+        case "mfrac":
+            return max(parts) + 0.2
+        case "msub" | "msup" | "msubsup" | "munderover":
+            return parts[0] + _SCRIPT * max(parts[1:])
+        case "mover" | "munder":
+            return parts[0]
+        case "msqrt" | "mroot":
+            return sum(parts) + 0.9
+        case "mtable":
+            columns = max(map(len, element), default=0)
+            each = (max((_width(row[i]) for row in element if i < len(row)), default=0.0) for i in range(columns))
+            return _CELL * sum(each) + _GAP * columns
+        case _:
+            return sum(parts)
