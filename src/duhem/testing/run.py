@@ -36,11 +36,12 @@ from duhem.testing.routines.origin import Origin, named, origin
 from duhem.testing.routines.routine import Update
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["TRIES", "ConformanceRun"]
+__all__ = ["EVERY", "TRIES", "ConformanceRun"]
 
 _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _MEMORY = "repeatability"
+EVERY = 7  # so many increments, of which one is asked what the checks ask again: an odd number, as seams have two sides by turns
 TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
@@ -107,6 +108,7 @@ class ConformanceRun:
         accuracy: float,
         max_examples: int | None,
         rows: int,
+        every: int = EVERY,
         tries: int = TRIES,
         seconds: float | None = None,
         seed: int | None = None,
@@ -122,12 +124,13 @@ class ConformanceRun:
             accuracy=accuracy,
             max_examples=max_examples,
             rows=rows,
+            every=every,
             tries=tries,
             seconds=seconds,
             seed=seed,
         )
         self.law, self.update, self.accuracy, self.on_case = law, update, accuracy, on_case
-        self.tries, self.seconds = tries, seconds
+        self.tries, self.seconds, self.every = tries, seconds, every
         self.given = law if given is None else given
         self.parameters, self.stiffness, self.pressure, self.rows = parameters, stiffness, pressure, rows
         self.passed = self._open()
@@ -193,7 +196,7 @@ class ConformanceRun:
 
     def _drawn(self, query: Query) -> None:
         self.examples += 1
-        if "first" in query.__dict__:  # the routine was asked
+        if "here" in query.__dict__:  # the routine was asked
             self.visited.add(query)
         if self.on_case is not None:
             self.on_case(self)
@@ -265,8 +268,9 @@ class ConformanceRun:
                     row, message, measured, allowed = found
                     yield self._failure(asked, message, query.case.row(row), measured, allowed)
         finally:
-            self.points += query.points
-            self.flagged, self.undefined = self.flagged + query.flagged, self.undefined + int(query.unsaid.sum())
+            for part in query.parts:
+                self.points, self.flagged = self.points + part.points, self.flagged + part.flagged
+                self.undefined += int(part.unsaid.sum())
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """The same with the increment, and what shows it again."""
@@ -287,7 +291,7 @@ class ConformanceRun:
     def query(self, case: Case) -> Query:
         """The routine asked about one case."""
         self.last = case
-        return Query(Region(self.known, case.parameters), case, self.update, self.passed, self.accuracy)
+        return Query(Region(self.known, case.parameters), case, self.update, self.passed, self.accuracy, self.every, self.examples)
 
     def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
         return Failure(check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed)

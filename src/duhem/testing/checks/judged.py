@@ -15,6 +15,7 @@ def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
 
     Raises NothingToCheck where no row can be judged, NoReply where the routine gave none.
     """
+    query = query.some if asked.again else query
     with np.errstate(all="ignore"):
         finding = asked.measure(query)
     counts = query.sound | asked.law_only
@@ -33,4 +34,4 @@ def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
     i = int(np.argmax(excess))
     measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
     said = f"measured {measured:.3g}, allowed {allowed:.3g}" if finding.said is None else str(finding.said[i])
-    return i, said, measured, allowed
+    return int(query.rows[i]), said, measured, allowed

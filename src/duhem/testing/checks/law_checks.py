@@ -27,7 +27,7 @@ _PARTS = 16  # of the way to a seam, looked at in one round
 )
 def origin(q: Query) -> Finding:
     zero = np.zeros_like(q.case.trial)
-    out = q.certainly(np.ones(len(zero), dtype=np.bool_), zero, outside=True)
+    out = q.certainly(~q.region.surely_inside(zero, q.pressure), zero, outside=True)
     return Finding(out.astype(np.float64), np.zeros(len(zero)), unknown=q.region.unknown(zero, q.pressure))
 
 

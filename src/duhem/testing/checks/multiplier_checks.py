@@ -26,7 +26,7 @@ _ALONG = 1.0 - 1e-6  # cosine of a slip along the normal
     "none, and where some of those slopes are not positive (the tip of a cone, a K that thin) there is no one multiplier",
 )
 def multiplier(q: Query) -> Finding:
-    found = q.first[0]
+    found = q.here
     given = found.multiplier
     if given is None:
         raise NothingToCheck("the routine returns no multiplier")

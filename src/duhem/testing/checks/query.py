@@ -17,6 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -33,6 +34,7 @@ from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["Asked", "NoReply", "NothingToCheck", "Query", "Reply"]
 
+_PATHS = 3  # cases, in one of which some rows follow their paths to the end
 _SIZE = 20  # bits: the size of K to a part in a thousand
 
 Asked: TypeAlias = tuple[Array, Array | None]  # trial stresses (N, d) and their pressures (N,)
@@ -57,7 +59,7 @@ class Reply:
     tangent: Array | None
     solved: NDArray[np.bool_]
 
-    def part(self, rows: slice) -> Reply:
+    def part(self, rows: slice | NDArray[np.intp]) -> Reply:
         """Some of the rows."""
         return Reply(*(None if x is None else x[rows] for x in (getattr(self, name) for name in self.__dataclass_fields__)))  # type: ignore[arg-type]
 
@@ -66,26 +68,54 @@ class Reply:
 class Query:
     """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies;
     ``overwritten`` (N,): the names of what the routine was only given and has changed, "" where nothing; ``unsaid`` (N,): the
-    rows of which a check could not judge, since g has no value there."""
+    rows of which a check could not judge, since g has no value there.
+
+    Of one row in ``every`` more is asked than the trial, and those are a query of their own, :attr:`some`; ``whole`` is the one that
+    has them among its own, and ``rows`` (N,) which they are there.  ``turn`` counts the cases of a run: what takes calls of its own
+    is asked of some rows in some of the cases only (:meth:`by_turns`)."""
 
     region: Region
     case: Case
     update: Update
     passed: tuple[str, ...]
     accuracy: float
+    every: int = 1
+    turn: int = 0
+    whole: Query | None = None
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
     overwritten: Overwritten = field(init=False)
     unsaid: NDArray[np.bool_] = field(init=False)
+    rows: NDArray[np.intp] = field(init=False)
     _raised: dict[tuple[bytes, bytes, bytes], str] = field(init=False, default_factory=dict)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.rows = np.arange(len(self.case)) if self.whole is None else _some(len(self.whole.case), self.whole.every)
         self.sound = np.ones(len(self.case), dtype=np.bool_)
         self.unsaid = ~self.sound
         self.overwritten = np.full(len(self.case), "", dtype=object)
         self._lower, self._inverse = factors(self.case.stiffness)
+
+    @cached_property
+    def some(self) -> Query:
+        """The rows of which more is asked than the trial; this query itself where these are all."""
+        rows = _some(len(self.case), self.every)
+        if len(rows) == len(self.case):
+            return self
+        part = Query(self.region, self.case.rows(rows), self.update, self.passed, self.accuracy, turn=self.turn, whole=self)
+        part._raised = self._raised
+        return part
+
+    def by_turns(self, cases: int) -> bool:
+        """Whether to ask what is asked in the first of so many cases: always, where all the rows are asked for all."""
+        return self.whole is None or self.turn % cases == 0
+
+    @property
+    def parts(self) -> tuple[Query, ...]:
+        """What has asked the routine."""
+        return (self,) if self.some is self else (self, self.some)
 
     # -- measures ------------------------------------------------------------------------------------------------------
 
@@ -116,6 +146,8 @@ class Query:
 
     def unit(self, reply: Reply) -> Array:
         """The error u in stress the routine is held to (N,)."""
+        if self.whole is not None and reply is self.here:
+            return self.whole.unit(self.whole.here)[self.rows]
         if id(reply) not in self._units:
             size = self.length(reply.trial) + self.length(reply.stress)
             gradient, _ = self.region.slope(reply.stress, self.pressure)
@@ -132,6 +164,8 @@ class Query:
     @cached_property
     def _extent(self) -> Array:
         """|K| (N,)."""
+        if self.whole is not None:
+            return self.whole._extent[self.rows]
         n, d = self.case.trial.shape
         ways = np.vstack([np.eye(d), -np.eye(d)])
         reach = self.region.reach(np.tile(ways, (n, 1)), np.repeat(self.pressure, 2 * d), _SIZE).reshape(n, 2 * d)
@@ -169,13 +203,18 @@ class Query:
     def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
         """The replies to trial stresses (N, d) under pressures (N,), asked in one call."""
         loads = None if self.case.pressure is None else np.concatenate([pressure for _, pressure in asked if pressure is not None])
-        whole = self._reply(np.concatenate([trial for trial, _ in asked]), loads, stiffness)
+        ends = np.cumsum([0, *(len(trial) for trial, _ in asked)]).tolist()
+        rows = np.concatenate([self._rows_of(len(trial)) for trial, _ in asked])
+        whole = self._reply(np.concatenate([trial for trial, _ in asked]), loads, stiffness, rows)
         self.points += len(whole.trial)
         self.flagged += int((~whole.solved).sum())
-        n = len(self.case)
-        return [whole.part(slice(i * n, (i + 1) * n)) for i in range(len(asked))]
+        return [whole.part(slice(start, end)) for start, end in pairwise(ends)]
 
-    def _reply(self, trial: Array, pressure: Array | None, stiffness: Array) -> Reply:
+    def _rows_of(self, asked: int) -> NDArray[np.intp]:
+        """The rows that so many trial stresses are of: all, or some."""
+        return np.arange(len(self.case)) if asked == len(self.case) else self.some.rows
+
+    def _reply(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Reply:
         values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
         asked = trial.tobytes(), b"" if pressure is None else pressure.tobytes(), stiffness.tobytes()
         if asked in self._raised:  # a crash costs a new process: one check has seen it, and no other asks for it again
@@ -186,11 +225,12 @@ class Query:
             fault.locate(
                 lambda at: called(self.update, values, trial[at], None if pressure is None else pressure[at], stiffness), len(trial)
             )
+            fault.row = None if fault.row is None else int(self.rows[rows[fault.row]])
             raise
         except Exception as fault:
             self._raised[asked] = f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}"
             raise NoReply(self._raised[asked]) from fault
-        self.note_overwritten(step.overwritten)
+        self.note_overwritten(step.overwritten, rows)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
         parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}
@@ -205,16 +245,25 @@ class Query:
         name = missed[1]
         return f" (parameters that are left open are passed: {name} is fixed, so leave it open, or give the routine its value as a default)"
 
-    def note_overwritten(self, names: Any) -> None:
-        """Keep the names (M N,) that a reply to every row M times brings."""
-        if names is not None:
-            for each in np.asarray(names, dtype=object).reshape(-1, len(self.case)):
-                self.overwritten = np.where(self.overwritten == "", each, self.overwritten)
+    def note_overwritten(self, names: Any, rows: NDArray[np.intp]) -> None:
+        """Keep the names (M,) that a reply to so many ``rows`` brings."""
+        if names is None:
+            return
+        for name, row in zip(np.asarray(names, dtype=object).tolist(), rows.tolist(), strict=True):
+            self.overwritten[row] = self.overwritten[row] or name
+        if self.whole is not None:
+            self.whole.note_overwritten(names, self.rows[rows])
+
+    @cached_property
+    def here(self) -> Reply:
+        """The reply to ``trial``."""
+        return self.heeded(self._round_1["trial"])
 
     @cached_property
     def first(self) -> list[Reply]:
-        """The replies to ``trial``, ``other`` and ``third``."""
-        return [self.heeded(self._round_1[name]) for name in ("trial", "other", "third")]
+        """The replies to ``trial``, ``other`` and ``third``, of a query of which all the rows are asked for them."""
+        assert self.some is self
+        return [self.here, *(self.heeded(self._round_1[name]) for name in ("other", "third"))]
 
     @cached_property
     def second(self) -> list[Reply]:
@@ -233,8 +282,8 @@ class Query:
 
     def along_the_path(self) -> Iterator[Reply]:
         """The replies to the increments of ``path``, from no stress on, each from where the one before has ended."""
-        stress = np.zeros_like(self.case.trial)
-        for i in range(1, self.case.path.shape[1]):
+        stress, steps = np.zeros_like(self.case.trial), self.case.path.shape[1] - 1
+        for i in range(1, 1 + (steps if self.by_turns(_PATHS) else min(steps, 2))):  # the first two are asked with the rest
             known = self._round_1 if i == 1 else self._round_2 if i == 2 else {}
             reply = self.heeded(self._known_or_asked(known, "step", self._step(i, stress)))
             yield reply
@@ -244,13 +293,22 @@ class Query:
 
     @cached_property
     def _round_1(self) -> Mapping[str, Reply]:
-        case = self.case
-        asked = {"trial": (case.trial, case.pressure), "other": (case.other, case.pressure), "third": (case.third, case.pressure)}
-        return self._at_once(asked, self.ahead())
+        trial = {"trial": (self.case.trial, self.case.pressure)}
+        if self.whole is not None:  # which has asked the rest with its trial stresses, if the routine could answer all of it
+            known = {**self.whole._round_1}
+            here = {"trial": known.pop("trial").part(self.rows)}
+            return {**here, **(known or self._at_once(self._others, self.ahead()))}
+        if self.some is self:
+            return self._at_once({**trial, **self._others}, self.ahead())
+        return self._at_once(trial, {**self.some._others, **self.some.ahead()})
+
+    @property
+    def _others(self) -> Mapping[str, Asked]:
+        return {"other": (self.case.other, self.case.pressure), "third": (self.case.third, self.case.pressure)}
 
     @cached_property
     def _round_2(self) -> Mapping[str, Reply]:
-        here, load = self.first[0], self.case.pressure
+        here, load = self.here, self.case.pressure
         way = here.stress + self.case.stretch[:, None] * (here.trial - here.stress)
         more = {"again": self._backwards}
         if "step" in self._round_1 and self.case.path.shape[1] > 2:
@@ -285,6 +343,11 @@ class Query:
 
     def _known_or_asked(self, known: Mapping[str, Reply], name: str, asked: Asked) -> Reply:
         return known[name] if name in known else self.together([asked], self.case.stiffness)[0]
+
+
+def _some(rows: int, every: int) -> NDArray[np.intp]:
+    """One row in ``every`` of so many, from the middle of the first ones on."""
+    return np.arange(min(rows, every) // 2, rows, every)
 
 
 def _array(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:

@@ -39,7 +39,8 @@ class Check:
     ``tolerance`` says what it is compared with and why; |s| = (s . k^-1 s)^1/2, and u is the error in stress
     the routine is held to (:mod:`duhem.testing.checks.query`).  ``law_only``: it looks at the law and never asks the routine.
     ``demanded``: the theory asks it of every law; the others are run where asked for by name.  ``whole``, of a check that no
-    single case can fail, says at the end what is wrong with all that was visited, or None.
+    single case can fail, says at the end what is wrong with all that was visited, or None.  ``again``: it asks the routine for
+    more than the answer to each trial, and so of some rows only (:attr:`duhem.testing.checks.query.Query.some`).
     """
 
     name: str
@@ -51,6 +52,7 @@ class Check:
     law_only: bool = False
     demanded: bool = True
     whole: Callable[[Visited], str | None] | None = None
+    again: bool = False
 
     @property
     def __name__(self) -> str:  # pytest names parametrised tests by it
@@ -73,11 +75,12 @@ def register(
     law_only: bool = False,
     demanded: bool = True,
     whole: Callable[[Visited], str | None] | None = None,
+    again: bool = False,
 ) -> Callable[[Callable[[Query], Finding]], Callable[[Query], Finding]]:
     """Add a check."""
 
     def add(measure: Callable[[Query], Finding]) -> Callable[[Query], Finding]:
-        _checks[name] = Check(name, statement, formula, source, tolerance, measure, law_only, demanded, whole)
+        _checks[name] = Check(name, statement, formula, source, tolerance, measure, law_only, demanded, whole, again)
         return measure
 
     return add

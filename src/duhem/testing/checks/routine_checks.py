@@ -16,6 +16,7 @@ from duhem.testing.checks.registry import Finding, register
 __all__: list[str] = []
 
 _EPS = float(np.finfo(np.float64).eps)
+_SCALES = 2  # cases, in one of which some rows are asked with another stiffness
 _MOREAU = "Moreau (1965), Bull. Soc. Math. France 93, 273-299"
 _LAW = "Antoni et al. (2007), Eq. 36"
 
@@ -33,9 +34,9 @@ def _slip(q: Query, reply: Reply) -> Array:
     tolerance="none",
 )
 def answers(q: Query) -> Finding:
-    bad = np.zeros(len(q.case), dtype=np.bool_)
-    for found in q.first:
-        bad |= ~np.isfinite(found.stress).all(axis=1)
+    bad = np.asarray(~np.isfinite(q.here.stress).all(axis=1))
+    for found in q.some.first:
+        bad[q.some.rows] |= ~np.isfinite(found.stress).all(axis=1) & q.some.sound
     return Finding(bad.astype(np.float64), np.zeros(len(bad)))
 
 
@@ -48,7 +49,7 @@ def answers(q: Query) -> Finding:
     "there and at u from there: towards 0, against the slip and against grad g, which may vanish on the boundary",
 )
 def feasibility(q: Query) -> Finding:
-    found = q.first[0]
+    found = q.here
     gradient, _ = q.region.slope(found.stress, q.pressure)
     with np.errstate(all="ignore"):
         allowed = q.unit(found) * q.dual_length(gradient)
@@ -71,9 +72,10 @@ def feasibility(q: Query) -> Finding:
     formula="P(P(sigma_tr)) = P(sigma_tr)",
     source=_MOREAU,
     tolerance="u + u': sigma lies within u of K, and its own answer within u' of its closest point",
+    again=True,
 )
 def idempotence(q: Query) -> Finding:
-    here, again = q.first[0], q.second[0]
+    here, again = q.here, q.second[0]
     return Finding(q.length(again.stress - here.stress), q.unit(here) + q.unit(again))
 
 
@@ -83,6 +85,7 @@ def idempotence(q: Query) -> Finding:
     formula="|P(x) - P(y)| <= |x - y|",
     source=_MOREAU,
     tolerance="u + u' + 8 eps |x - y|",
+    again=True,
 )
 def non_expansiveness(q: Query) -> Finding:
     a, b, _ = q.first
@@ -96,6 +99,7 @@ def non_expansiveness(q: Query) -> Finding:
     formula="|P(x) - P(y)|^2 <= (P(x) - P(y)) . k^-1 (x - y)",
     source=_MOREAU,
     tolerance="(u + u')(2 |P(x) - P(y)| + |x - y| + u + u') + 8 eps |P(x) - P(y)| |x - y|",
+    again=True,
 )
 def firmness(q: Query) -> Finding:
     a, b, _ = q.first
@@ -110,10 +114,11 @@ def firmness(q: Query) -> Finding:
     formula="sum over a cycle x_1, x_2, x_3 of P(x_i) . k^-1 (x_i+1 - x_i) <= 0",
     source="Rockafellar (1970), Convex Analysis, Theorem 24.8; P = grad(|x|^2 - dist^2)/2",
     tolerance="sum of (u_i + 8 eps |P(x_i)|) |x_i+1 - x_i|",
+    again=True,
 )
 def potential(q: Query) -> Finding:
     total, allowed = np.zeros(len(q.case)), np.zeros(len(q.case))
-    for here, there in zip(q.first, [*q.first[1:], q.first[0]], strict=True):
+    for here, there in zip(q.first, [*q.first[1:], q.here], strict=True):
         step = there.trial - here.trial
         total += q.inner(here.stress, step)
         allowed += (q.unit(here) + 8.0 * _EPS * q.length(here.stress)) * q.length(step)
@@ -128,7 +133,7 @@ def potential(q: Query) -> Finding:
     tolerance="u (|sigma_tr - sigma| + |tau - sigma| + u) + 8 eps |sigma_tr - sigma| (|tau| + |sigma|); tau is in K in 60 digits",
 )
 def variational_inequality(q: Query) -> Finding:
-    found = q.first[0]
+    found = q.here
     slip, u = _slip(q, found), q.unit(found)
     worst, bound = np.full(len(slip), -np.inf), np.zeros(len(slip))
     for tau in (q.case.inside, q.case.beside):
@@ -150,7 +155,7 @@ def variational_inequality(q: Query) -> Finding:
     tolerance="sigma lies within u of the boundary where g >= -u |grad g| (exact for convex g), or within 2 u on the way to the trial",
 )
 def complementarity(q: Query) -> Finding:
-    found = q.first[0]
+    found = q.here
     slip, u = _slip(q, found), q.unit(found)
     size = q.length(slip)
     with np.errstate(all="ignore"):
@@ -171,7 +176,7 @@ def complementarity(q: Query) -> Finding:
     tolerance="u (|sigma| + |sigma_tr - sigma| + u) + 8 eps |sigma| |sigma_tr - sigma|",
 )
 def dissipation(q: Query) -> Finding:
-    found = q.first[0]
+    found = q.here
     loss, allowed = _loss(q, found)
     return Finding(loss, allowed)
 
@@ -191,7 +196,7 @@ def _loss(q: Query, found: Reply) -> tuple[Array, Array]:
     tolerance="2 u",
 )
 def slip(q: Query) -> Finding:
-    found = q.first[0]
+    found = q.here
     return Finding(q.length(_returned(found) @ q.case.stiffness - _slip(q, found)), 2.0 * q.unit(found))
 
 
@@ -209,7 +214,7 @@ def _returned(found: Reply) -> Array:
     tolerance="2 u (2 |sigma| + |d sigma| + 2 u) + 32 eps (|sigma| + |start| + |sigma_tr|)^2, the start a stress of K",
 )
 def energy(q: Query) -> Finding:
-    found, start = q.first[0], q.case.inside
+    found, start = q.here, q.case.inside
     moved = _returned(found) @ q.case.stiffness  # k times the slip
     asked = found.trial - start
     elastic = asked - moved
@@ -226,9 +231,10 @@ def energy(q: Query) -> Finding:
     formula="P(sigma + t (sigma_tr - sigma)) = sigma for all t >= 0",
     source=_MOREAU,
     tolerance="u (1 + |1 - t|) + u'",
+    again=True,
 )
 def ray(q: Query) -> Finding:
-    here, there = q.first[0], q.second[1]
+    here, there = q.here, q.second[1]
     allowed = q.unit(here) * (1.0 + np.abs(1.0 - q.case.stretch)) + q.unit(there)
     return Finding(q.length(there.stress - here.stress), allowed)
 
@@ -239,9 +245,12 @@ def ray(q: Query) -> Finding:
     formula="P(sigma_tr; c k) = P(sigma_tr; k) for c > 0",
     source="the minimum of (sigma_tr - sigma) . (c k)^-1 (sigma_tr - sigma)/2 is where that of k is",
     tolerance="2 u (c is a power of two)",
+    again=True,
 )
 def stiffness_scale(q: Query) -> Finding:
-    here = q.first[0]
+    if not q.by_turns(_SCALES):
+        raise NothingToCheck(f"asked in one of {_SCALES} cases")
+    here = q.here
     there = q.ask(q.case.trial, stiffness=q.case.stiffness * q.case.factor)[0]
     return Finding(q.length(there.stress - here.stress), 2.0 * q.unit(here))
 
@@ -252,11 +261,12 @@ def stiffness_scale(q: Query) -> Finding:
     formula="P(c sigma_tr; c sigma_n) = c P(sigma_tr; sigma_n) for c > 0, where K(c sigma_n) = c K(sigma_n)",
     source="Antoni et al. (2007), Eq. 35: the gauge is positively homogeneous",
     tolerance="2 u (c is a power of two)",
+    again=True,
 )
 def homogeneity(q: Query) -> Finding:
     if not q.region.homogeneous:
         raise NothingToCheck(f"K of {q.region.law.name} has a size of its own")
-    here, there = q.first[0], q.larger
+    here, there = q.here, q.larger
     return Finding(q.length(there.stress / q.case.factor - here.stress), 2.0 * q.unit(here))
 
 
@@ -266,6 +276,7 @@ def homogeneity(q: Query) -> Finding:
     formula="sum over the steps of sigma . slip >= 0",
     source="Antoni et al. (2007), Eqs. 22, 23",
     tolerance="the sum of what each step is allowed",
+    again=True,
 )
 def path(q: Query) -> Finding:
     n = len(q.case)

@@ -34,7 +34,7 @@ def _visited(visited: Visited) -> str | None:
     whole=_visited,
 )
 def vacuity(q: Query) -> Finding:
-    none = np.zeros(len(q.first[0].trial))
+    none = np.zeros(len(q.here.trial))
     return Finding(none, none)
 
 
@@ -44,9 +44,10 @@ def vacuity(q: Query) -> Finding:
     formula="P(sigma_tr) = P(sigma_tr)",
     source="a state kept between calls, or shared between rows, makes an answer depend on the order of the questions",
     tolerance="2 u",
+    again=True,
 )
 def repeatability(q: Query) -> Finding:
-    here, again = q.first[0], q.again
+    here, again = q.here, q.again
     silent = ~np.isfinite(again.stress) & ~np.isfinite(here.stress)  # a nan twice is the same answer
     return Finding(q.length(np.where(silent, 0.0, again.stress - here.stress)), 2.0 * q.unit(here))
 
@@ -59,5 +60,5 @@ def repeatability(q: Query) -> Finding:
     tolerance="none: to the last bit; of C and Fortran, all arguments that are not returned, and 64 bytes either side of each array",
 )
 def inputs(q: Query) -> Finding:
-    none = np.zeros(len(q.first[0].trial))
+    none = np.zeros(len(q.here.trial))
     return Finding((q.overwritten != "").astype(np.float64), none, "overwritten: " + q.overwritten)

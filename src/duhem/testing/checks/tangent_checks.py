@@ -47,21 +47,24 @@ def _beyond(q: Query, c: Array) -> tuple[Array, Array]:
     "|sigma_tr| + |sigma|, or 320 u where they disagree by k/20 and neither way agrees with the tangent; what they are off by there, where "
     "smaller steps one way come ten times closer (K may be thinner than h), or where at all of them the two ways disagree by a quarter "
     "of it (no slope); any in [0, k] within 4 u of the boundary, where it jumps",
+    again=True,
 )
 def slope(q: Query) -> Finding:
-    here, (c, finite) = q.first[0], _tangent(q)
+    here, (c, finite) = q.here, _tangent(q)
     u = q.unit(here)
     h = np.sqrt(u * (q.length(here.trial) + q.length(here.stress)))
     h = np.where(h > 0.0, h, 1e5 * u)  # no stress at all: small beside K
     h = np.where(h > 0.0, h, 1.0)
     worst = np.where(finite, 0.0, np.inf)
-    for i, axis in enumerate(q.axes):
+    rows, d = np.arange(len(c)), len(q.axes)
+    for i in range(d) if q.whole is None else [(q.rows + q.turn) % d]:  # of some rows among others, one axis each
+        axis, column = np.broadcast_to(q.axes[i], (len(c), d)), c[rows, :, i]
         slopes, step, kink = _slopes(q, h, axis), h, np.ones(len(c), dtype=np.bool_)
-        off, spread, near = _misses(slopes, c[:, :, i])
+        off, spread, near = _misses(slopes, column)
         ratio = off / (2.0 * spread + 16.0 * u / h + 8.0 * _EPS)
         if (unresolved := q.sound & (ratio <= 1.0) & (spread > _RESOLVED) & (near > _RESOLVED) & (_LEAST * u < h)).any():
             least = np.where(unresolved, _LEAST * u, h)
-            off_then, spread, _ = _misses(_slopes(q, least, axis), c[:, :, i])
+            off_then, spread, _ = _misses(_slopes(q, least, axis), column)
             seen = unresolved & (spread <= _RESOLVED)
             off, step = np.where(seen, off_then, off), np.where(seen, least, h)
             ratio = np.where(seen, off / (2.0 * spread + 16.0 / _LEAST + 8.0 * _EPS), ratio)
@@ -70,7 +73,7 @@ def slope(q: Query) -> Finding:
                 break
             step = step / 4.0
             slopes = _slopes(q, step, axis)
-            near = _misses(slopes, c[:, :, i])[2]
+            near = _misses(slopes, column)[2]
             ratio = np.where(near <= off / 10.0, np.minimum(ratio, 1.0), ratio)
             kink &= np.linalg.norm(slopes[:2].mean(axis=0) - slopes[2:].mean(axis=0), axis=1) >= off / 4.0
         ratio = np.where(kink, np.minimum(ratio, 1.0), ratio)
@@ -90,7 +93,7 @@ def _misses(slopes: Array, column: Array) -> tuple[Array, Array, Array]:
 
 def _at_the_end(q: Query) -> NDArray[np.bool_]:
     """Where the trial lies within 4 u of the end of K and comes back so near: k from inside, and outside what curvature makes of it."""
-    here, (n, d) = q.first[0], q.case.trial.shape
+    here, (n, d) = q.here, q.case.trial.shape
     u = q.unit(here)
     ways = np.vstack([q.axes, -q.axes])
     around = (here.trial[:, None, :] + 4.0 * u[:, None, None] * ways).reshape(n * 2 * d, d)
@@ -99,15 +102,15 @@ def _at_the_end(q: Query) -> NDArray[np.bool_]:
 
 
 def _slopes(q: Query, h: Array, axis: Array) -> Array:
-    """Slopes of the routine along an axis (4, N, d) in the metric of k, by differences at h and h/2, either way."""
-    here, shares = q.first[0], (1.0, 0.5, -1.0, -0.5)
+    """Slopes (4, N, d) of the routine along an axis a row (N, d), in the metric of k, by differences at h and h/2, either way."""
+    here, shares = q.here, (1.0, 0.5, -1.0, -0.5)
     found = q.ask(*(here.trial + s * h[:, None] * axis for s in shares))
     return np.stack([q.shadow(beside.stress - here.stress) / (s * h[:, None]) for s, beside in zip(shares, found, strict=True)])
 
 
 def _tangent(q: Query) -> tuple[Array, NDArray[np.bool_]]:
     """The routine's tangents in the metric of k, and which are finite (the others as 0)."""
-    given = q.first[0].tangent
+    given = q.here.tangent
     if given is None:
         raise NothingToCheck("the routine returns no tangent")
     c = q.whitened(given)

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.query import NoReply, Query, Reply
 
 __all__ = ["Visited"]
 
@@ -61,9 +62,11 @@ class Visited:
     def add(self, query: Query) -> None:
         """Count the increments of a case that has been asked."""
         with np.errstate(all="ignore"):
-            for reply in query.first:
-                self._trials(query, reply)
-            self._answers(query, query.first[0])
+            self._trials(query, query.here)
+            with suppress(NoReply):
+                for reply in query.some.first[1:]:
+                    self._trials(query.some, reply)
+            self._answers(query, query.here)
         case = query.case
         for name, values in (("stress", case.trial), ("pressure", case.pressure), ("stiffness", np.diag(case.stiffness))):
             if values is not None:

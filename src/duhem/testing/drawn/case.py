@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from duhem.projection.result import Array
 
@@ -47,9 +48,13 @@ class Case:
 
     def row(self, i: int) -> Case:
         """The case of one increment alone."""
+        return self.rows(slice(i, i + 1))
+
+    def rows(self, which: slice | NDArray[np.intp]) -> Case:
+        """The case of some of the increments."""
         whole = ("parameters", "stiffness", "factor")
         parts = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in whole}
-        rows: dict[str, Any] = {name: None if part is None else part[i : i + 1] for name, part in parts.items()}
+        rows: dict[str, Any] = {name: None if part is None else part[which] for name, part in parts.items()}
         return replace(self, **rows)
 
     def __repr__(self) -> str:

@@ -71,9 +71,17 @@ class Region:
 
         Running bounds (:mod:`duhem.expression.rounding`): N. J. Higham (2002), Accuracy and Stability, section 3.3.
         """
-        values = [np.asarray(x) for x in (*stress.T, *self._others(pressure))]
-        _, bound = bounded(self.law.g, tuple(self.law.symbols().values()))(values, [0.0] * len(values))
+        _, bound = self._bounded(stress, pressure)
         return np.where(np.isfinite(bound), bound, 0.0)
+
+    def surely_inside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
+        """Where the bound of rounding leaves no doubt that g < 0 (N,)."""
+        value, bound = self._bounded(stress, pressure)
+        return np.asarray(value + 2.0 * bound < 0.0)  # twice: the bound is itself rounded
+
+    def _bounded(self, stress: Array, pressure: Array) -> tuple[Array, Array]:
+        values = [np.asarray(x) for x in (*stress.T, *self._others(pressure))]
+        return bounded(self.law.g, tuple(self.law.symbols().values()))(values, [0.0] * len(values))
 
     def reach(self, way: Array, pressure: Array, bits: int = 64) -> Array:
         """The largest r (N,) with r ``way`` in K, from within, to the last digit or so many ``bits`` of 64; 0 without the origin.

@@ -29,6 +29,7 @@ def check_options(
     accuracy: float = 1e-9,
     max_examples: int | None = None,
     rows: int = 1,
+    every: int = 1,
     tries: int = 0,
     seconds: float | None = None,
     seed: int | None = None,
@@ -40,6 +41,7 @@ def check_options(
     if seconds is not None and not (_is_number(seconds) and seconds >= 0.0):
         raise InputError(f"{seconds!r} is no time", where="seconds", remedy="give a number >= 0, or leave it out")
     _check_count(rows, "rows", 1)
+    _check_count(every, "every", 1)
     _check_count(tries, "tries", 0)
     if max_examples is not None:
         _check_count(max_examples, "max_examples", 1)

@@ -25,7 +25,7 @@ _MOREAU = "Moreau (1965), Bull. Soc. Math. France 93, 273-299"
     demanded=False,
 )
 def symmetry(h: HistoryQuery) -> Finding:
-    given = h.first[0].tangent
+    given = h.here.tangent
     if given is None:
         raise NothingToCheck("the routine returns no tangent")
     c, d = h.whitened(given), given.shape[1]

@@ -94,7 +94,7 @@ def dissipation(h: HistoryQuery) -> Finding:
     "2 u (|sigma_0| + |sigma| + |k du|) + 32 eps (psi + D)",
 )
 def energy(h: HistoryQuery) -> Finding:
-    if not h.remembers and h.start.slip is None and h.first[0].slip is None:
+    if not h.remembers and h.start.slip is None and h.here.slip is None:
         raise NothingToCheck("the routine returns no slip: k^-1 (sigma_tr - sigma) satisfies this by definition")
     left, allowed = [], []
     for before, after in h.steps:
@@ -111,5 +111,5 @@ def energy(h: HistoryQuery) -> Finding:
 
 def slipped(h: HistoryQuery) -> NDArray[np.bool_]:
     """Which first increments from the start were not answered elastically."""
-    found = h.first[0]
+    found = h.here
     return np.asarray(h.length(found.trial - found.stress) > 4.0 * h.unit(found) + 1e-9 * h.length(found.trial))

@@ -97,7 +97,7 @@ class HistoryQuery(Query):
         except Exception as fault:
             raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
         self.points += len(after)
-        self.note_overwritten(after.overwritten)
+        self.note_overwritten(after.overwritten, np.arange(len(self.case)))
         if after.solved is not None:
             self.flagged += int((~after.solved).sum())
             self.sound = self.sound & after.solved

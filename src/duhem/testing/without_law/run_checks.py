@@ -25,7 +25,7 @@ _INPUTS = _OF_LAWS["inputs"]
     whole=_WHOLE.whole,
 )
 def vacuity(h: HistoryQuery) -> Finding:
-    none = np.zeros(len(h.first[0].trial))
+    none = np.zeros(len(h.here.trial))
     return Finding(none, none)
 
 

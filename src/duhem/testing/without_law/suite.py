@@ -93,7 +93,7 @@ class _Answered(Visited):
             del self._counts[name]
 
     def _trials(self, query: Query, reply: Reply) -> None:
-        if reply is not query.first[0]:
+        if reply is not query.here:
             return
         history = cast(HistoryQuery, query)
         solved, out, trial = reply.solved, slipped(history), reply.trial
@@ -185,7 +185,7 @@ class FreeRun(ConformanceRun):
         if failure.check.whole or len(failure.case) != 1:
             return None
         with suppress(NoReply):
-            found, load = self.query(failure.case).first[0], failure.case.pressure
+            found, load = self.query(failure.case).here, failure.case.pressure
             return Departure(
                 trial=tuple(found.trial[0].tolist()),
                 pressure=None if load is None else float(load[0]),
