@@ -23,7 +23,7 @@ from duhem.testing.failures import output_diagnoses, stress_diagnoses  # noqa: F
 from duhem.testing.failures.report import Report
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.routine import Update
-from duhem.testing.run import EVERY, TRIES, ConformanceRun
+from duhem.testing.run import TRIES, ConformanceRun
 from duhem.testing.without_law import FreeRun, free_check, free_checks, free_violation
 
 __all__ = [
@@ -129,7 +129,7 @@ def conformance(
     accuracy: float = ACCURACY,
     max_examples: int | None = None,
     rows: int = 30,
-    every: int = EVERY,
+    every: int | None = None,
     tries: int = TRIES,
     seconds: float | None = None,
     seed: int | None = None,
@@ -144,9 +144,9 @@ def conformance(
     ``pressure`` are fixed values or strategies, drawn where left out.  ``accuracy`` is the relative error in stress the
     routine promises; every tolerance follows from it (:attr:`Check.tolerance`).  ``max_examples`` cases of about ``rows``
     increments are drawn, as the Hypothesis profile says where left out; of one in ``every`` more is asked than the answer to its
-    trial, such as the answer to that answer, or to what lies beside it (:attr:`Check.again`): 1 asks it of all.  ``tries``
-    bounds the shrinking of each failure, and ``seconds`` its time too, if that is worth more than being told the same by a
-    busy machine.
+    trial, such as the answer to that answer, or to what lies beside it (:attr:`Check.again`): in 7 where left out, in 2 without a
+    law, and 1 asks it of all.  ``tries`` bounds the shrinking of each failure, and ``seconds`` its time too, if that is worth
+    more than being told the same by a busy machine.
     ``seed`` is that of the cases, drawn anew where left out unless the profile is derandomised; the report names it.
     ``expected_failed_checks`` gives the checks that are known to fail, each with the reason: one of them that passes makes
     the report not ``ok``.  ``first`` are cases that are tried before any is drawn, such as those that failed before; one that

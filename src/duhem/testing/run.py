@@ -36,12 +36,12 @@ from duhem.testing.routines.origin import Origin, named, origin
 from duhem.testing.routines.routine import Update
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["EVERY", "TRIES", "ConformanceRun"]
+__all__ = ["TRIES", "ConformanceRun"]
 
 _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _MEMORY = "repeatability"
-EVERY = 7  # so many increments, of which one is asked what the checks ask again: an odd number, as seams have two sides by turns
+_EVERY = 7  # so many increments, of which one is asked what the checks ask again: an odd number, as seams have two sides by turns
 TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
 
@@ -108,7 +108,7 @@ class ConformanceRun:
         accuracy: float,
         max_examples: int | None,
         rows: int,
-        every: int = EVERY,
+        every: int | None = None,
         tries: int = TRIES,
         seconds: float | None = None,
         seed: int | None = None,
@@ -124,13 +124,13 @@ class ConformanceRun:
             accuracy=accuracy,
             max_examples=max_examples,
             rows=rows,
-            every=every,
+            every=_EVERY if every is None else every,
             tries=tries,
             seconds=seconds,
             seed=seed,
         )
         self.law, self.update, self.accuracy, self.on_case = law, update, accuracy, on_case
-        self.tries, self.seconds, self.every = tries, seconds, every
+        self.tries, self.seconds, self.every = tries, seconds, _EVERY if every is None else every
         self.given = law if given is None else given
         self.parameters, self.stiffness, self.pressure, self.rows = parameters, stiffness, pressure, rows
         self.passed = self._open()

@@ -18,7 +18,8 @@ def judged(asked: Check, query: Query) -> tuple[int, str, float, float] | None:
     query = query.some if asked.again else query
     with np.errstate(all="ignore"):
         finding = asked.measure(query)
-    counts = query.sound | asked.law_only
+    sound = query.sound if query.whole is None else query.sound & query.whole.sound[query.rows]
+    counts = sound | asked.law_only
     if not counts.any():
         raise NothingToCheck("the routine flags every increment as not solved")
     if finding.unknown is not None:

@@ -104,9 +104,13 @@ class Query:
         rows = _some(len(self.case), self.every)
         if len(rows) == len(self.case):
             return self
-        part = Query(self.region, self.case.rows(rows), self.update, self.passed, self.accuracy, turn=self.turn, whole=self)
+        part = self.part(self.case.rows(rows))
         part._raised = self._raised
         return part
+
+    def part(self, case: Case) -> Query:
+        """A query of some of the rows, which this one has among its own."""
+        return Query(self.region, case, self.update, self.passed, self.accuracy, turn=self.turn, whole=self)
 
     def by_turns(self, cases: int) -> bool:
         """Whether to ask what is asked in the first of so many cases: always, where all the rows are asked for all."""
@@ -300,7 +304,11 @@ class Query:
             return {**here, **(known or self._at_once(self._others, self.ahead()))}
         if self.some is self:
             return self._at_once({**trial, **self._others}, self.ahead())
-        return self._at_once(trial, {**self.some._others, **self.some.ahead()})
+        return self._at_once(trial, self.beside())
+
+    def beside(self) -> Mapping[str, Asked]:
+        """What may be asked of some rows with the trial stresses of all."""
+        return {**self.some._others, **self.some.ahead()}
 
     @property
     def _others(self) -> Mapping[str, Asked]:

@@ -39,6 +39,7 @@ def symmetry(h: HistoryQuery) -> Finding:
     source=_MOREAU,
     tolerance="u + u' + 8 eps |x - y|",
     demanded=False,
+    again=True,
 )
 def non_expansiveness(h: HistoryQuery) -> Finding:
     return routine_checks.non_expansiveness(h)
@@ -51,6 +52,7 @@ def non_expansiveness(h: HistoryQuery) -> Finding:
     source="Rockafellar (1970), Convex Analysis, Theorem 24.8; P = grad(|x|^2 - dist^2)/2",
     tolerance="sum of (u_i + 8 eps |P(x_i)|) |x_i+1 - x_i|",
     demanded=False,
+    again=True,
 )
 def potential(h: HistoryQuery) -> Finding:
     return routine_checks.potential(h)
@@ -63,6 +65,7 @@ def potential(h: HistoryQuery) -> Finding:
     source=_MOREAU,
     tolerance="u (1 + |1 - t|) + u'",
     demanded=False,
+    again=True,
 )
 def ray(h: HistoryQuery) -> Finding:
     return routine_checks.ray(h)

@@ -25,6 +25,7 @@ __all__ = ["slipped"]
     source="Antoni et al. (2007), Eqs. 22, 23",
     tolerance="(u + 1e-6 |sigma|) h + 32 eps psi, by central differences over a step h = (|sigma| + |sigma_tr|)/100 either way, where both "
     "are answered by k to a millionth: there psi is quadratic, and the difference exact",
+    again=True,
 )
 def stored_energy(h: HistoryQuery) -> Finding:
     if not h.remembers:

@@ -45,15 +45,23 @@ class _Unknown(Region):
 class HistoryQuery(Query):
     """``first`` and what else a :class:`Query` asks are steps from :attr:`start`, where the path ends."""
 
-    def __init__(self, material: Material, case: Case, accuracy: float) -> None:
-        super().__init__(_Unknown(case.parameters), case, self._from_start, (), accuracy)
-        self.material = material
+    def __init__(
+        self, material: Material, case: Case, accuracy: float, every: int = 1, turn: int = 0, whole: HistoryQuery | None = None
+    ) -> None:
+        super().__init__(_Unknown(case.parameters), case, self._from_start, (), accuracy, every, turn, whole)
+        self.material, self.before = material, whole
+
+    def part(self, case: Case) -> Query:
+        return HistoryQuery(self.material, case, self.accuracy, turn=self.turn, whole=self)
 
     def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
         _ = self.start  # what fails on the way there is no fault of this step
         return super().together(asked, stiffness)
 
     def ahead(self) -> Mapping[str, Asked]:
+        return {}
+
+    def beside(self) -> Mapping[str, Asked]:
         return {}
 
     def unit(self, reply: Reply) -> Array:
@@ -120,12 +128,12 @@ class HistoryQuery(Query):
     @cached_property
     def course(self) -> list[MaterialState]:
         """The points at the knots of the path, the virgin ones first."""
-        return self.along(1)
+        return self.along(1) if self.before is None else [state.rows(self.rows) for state in self.before.course]
 
     @cached_property
     def fine(self) -> list[MaterialState]:
         """The points along the path, each leg in ``FINER`` steps."""
-        return self.along(FINER)
+        return self.along(FINER) if self.before is None else [state.rows(self.rows) for state in self.before.fine]
 
     def along(self, parts: int, duration: float = 1.0) -> list[MaterialState]:
         """The points along the path, each leg in so many steps, and the virgin ones first; ``duration`` is that of a leg."""

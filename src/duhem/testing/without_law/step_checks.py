@@ -13,6 +13,7 @@ from duhem.testing.without_law.registry import register
 __all__: list[str] = []
 
 _PER_MILLE = 1e-3
+_DIVIDED = 3  # cases, in one of which some paths are taken in smaller steps
 _SMALL = (1e-3, 1e-6, 1e-9)  # shares of a step that are taken to be small
 
 
@@ -56,6 +57,7 @@ def repeatability(h: HistoryQuery) -> Finding:
     formula="sigma(du) = k du, where -du/2 after du leads back to half the stress, -du to none, and sigma(-du) = -sigma(du)",
     source="the stiffness that all else is measured with; shear strains of the tensor and of engineers differ by a factor of two",
     tolerance="|sigma - k du| <= |k du|/1000 at the smallest of three steps: a material may be elastic without being linear",
+    again=True,
 )
 def elasticity(h: HistoryQuery) -> Finding:
     asked, worst = h.case.trial, np.full(len(h.case), np.inf)
@@ -79,6 +81,7 @@ def elasticity(h: HistoryQuery) -> Finding:
     formula="sigma(state, 0) = sigma; sigma(state after that, du) = sigma(state, du)",
     source="rate independence: no increment, no change (Moreau 1977, J. Differ. Equ. 26, 347-374)",
     tolerance="2 u at rest; 4 u after the next increment",
+    again=True,
 )
 def rest(h: HistoryQuery) -> Finding:
     case = h.case
@@ -99,6 +102,7 @@ def rest(h: HistoryQuery) -> Finding:
     formula="sigma(u(t)) = sigma(u(c t)) for c > 0",
     source="Moreau (1977), J. Differ. Equ. 26, 347-374",
     tolerance="2 u, the sum over the steps",
+    again=True,
 )
 def rate(h: HistoryQuery) -> Finding:
     if not h.remembers:
@@ -117,8 +121,11 @@ def rate(h: HistoryQuery) -> Finding:
     formula="sigma_2n - sigma_n -> 0 as each leg is taken in n steps",
     source="Moreau (1977), J. Differ. Equ. 26, 347-374: the catching-up algorithm converges",
     tolerance=f"the elastic length of the path over n, at n = {FINER}, or else at n = {4 * FINER}",
+    again=True,
 )
 def subdivision(h: HistoryQuery) -> Finding:
+    if not h.by_turns(_DIVIDED):
+        raise NothingToCheck(f"asked in one of {_DIVIDED} cases")
     legs = np.diff(h.case.path, axis=1)
     whole = np.sum([h.length(legs[:, i]) for i in range(legs.shape[1])], axis=0)
     ends = [h.fine[-1], h.along(2 * FINER)[-1]]
@@ -139,6 +146,7 @@ def subdivision(h: HistoryQuery) -> Finding:
     tolerance="what the differences at h and h/2, either way, disagree by (twice), + 16 u/h, with h the geometric mean of u and "
     "|sigma_tr| + |sigma|; what they are off by there, where smaller steps one way come ten times closer, or where at all of them "
     "the two ways disagree by a quarter of it (no slope)",
+    again=True,
 )
 def slope(h: HistoryQuery) -> Finding:
     return tangent_checks.slope(h)

@@ -32,6 +32,7 @@ from duhem.testing.without_law.registry import registered
 
 __all__ = ["FreeRun", "free_check", "free_checks", "free_violation"]
 
+_EVERY = 2  # so many histories, of which one is asked what the checks ask again
 _STRESS = ("rest", "slip", "stored-energy", "dissipation", "energy", "slope", "subdivision")
 _ASSOCIATED = ("associated-symmetry", "associated-non-expansiveness", "associated-potential", "associated-ray")
 # a check, and those that fail with it for the same reason; the first is told first
@@ -124,6 +125,7 @@ class FreeRun(ConformanceRun):
         asked: Sequence[Check],
         *,
         stiffness: ArrayLike | Strategy | None,
+        every: int | None = None,
         **options: Any,
     ) -> None:
         if isinstance(update, Material):
@@ -136,7 +138,15 @@ class FreeRun(ConformanceRun):
             remedy = "give (d,) or (d, d), or a strategy such as stiffnesses(d)"
             raise InputError("without a law the stiffness says how many forces there are", where="conformance without a law", remedy=remedy)
         self.routine = update
-        super().__init__(None, cast(Update, update), dict(parameters or {}), asked, stiffness=stiffness, **options)
+        super().__init__(
+            None,
+            cast(Update, update),
+            dict(parameters or {}),
+            asked,
+            stiffness=stiffness,
+            every=_EVERY if every is None else every,
+            **options,
+        )
 
     def _open(self) -> tuple[str, ...]:
         return tuple(self.parameters or {})
@@ -153,7 +163,8 @@ class FreeRun(ConformanceRun):
 
     def query(self, case: Case) -> Query:
         self.last = case
-        return HistoryQuery(_material(self.routine, case.parameters, case.stiffness), case, self.accuracy)
+        material = _material(self.routine, case.parameters, case.stiffness)
+        return HistoryQuery(material, case, self.accuracy, self.every, self.examples)
 
     def _title(self) -> str:
         return f"{getattr(self.routine, 'name', None) or getattr(self.routine, '__name__', 'update')}, without a law"
