@@ -168,15 +168,8 @@ class ConformanceRun:
     def try_first(self, cases: Iterable[Case]) -> None:
         """Note what fails on cases that are known already, one increment each; those that do not fit are passed over."""
         for case in cases:
-            if len(case) == 1 and self._fits(case):
+            if len(case) == 1 and self.law is not None and case.fits(self.law.fix(self.parameters)):
                 self._note_all(list(self.failures(self.query(case), self.pending)))
-
-    def _fits(self, case: Case) -> bool:
-        if (law := self.law) is None:
-            return False
-        domains = law.fix(self.parameters).parameters
-        named = {*case.parameters} == {*domains} and (case.pressure is None) == (law.pressure is None)
-        return named and case.trial.shape[1] == len(law.forces) and all(value in domains[name] for name, value in case.parameters.items())
 
     def to_the_end(self) -> ConformanceRun:
         """Draw cases until every check has failed or has seen them all."""

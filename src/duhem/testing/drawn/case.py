@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array
 
 __all__ = ["Case"]
@@ -56,6 +57,12 @@ class Case:
         parts = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in whole}
         rows: dict[str, Any] = {name: None if part is None else part[which] for name, part in parts.items()}
         return replace(self, **rows)
+
+    def fits(self, law: Criterion) -> bool:
+        """Whether its parameters, forces and pressure are those of a law, and the values in its domains."""
+        domains, values = law.parameters, self.parameters
+        named = {*values} == {*domains} and (self.pressure is None) == (law.pressure is None)
+        return named and self.trial.shape[1] == len(law.forces) and all(value in domains[name] for name, value in values.items())
 
     def __repr__(self) -> str:
         if len(self) > 1:
