@@ -144,7 +144,7 @@ def test_the_cases_are_drawn_once_and_only_for_what_is_selected(pytester: pytest
     pytester.makepyfile(
         HEAD
         + """
-@pytest.mark.duhem(checks=["feasibility", "idempotence", "stiffness-scale"], **MARK)
+@pytest.mark.duhem(checks=["feasibility", "idempotence", "stiffness-scale"], every=1, **MARK)
 def update(trial, pressure, stiffness):
     with open("calls", "a") as stream:
         stream.write("x" if stiffness[0, 0] == 1.0 else "s")

@@ -31,7 +31,7 @@ __all__ = ["check_items", "checked", "names_of_checks"]
 
 FLAGGED = "flagged"  # the node that says how many increments the routine gives up
 _TAKES = (
-    "law", "parameters", "stiffness", "pressure", "checks", "accuracy", "max_examples", "rows", "seconds", "seed",
+    "law", "parameters", "stiffness", "pressure", "checks", "accuracy", "max_examples", "rows", "every", "seconds", "seed",
     "expected_failed_checks", "most_flagged", "tries",
 )  # fmt: skip
 _REMEDY = 'write for example @pytest.mark.duhem(law="coulomb", parameters={"mu": 0.3})'
