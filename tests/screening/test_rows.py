@@ -90,6 +90,8 @@ WRONG = {
     "no seed": (f"{LIMACON}draw = {{ n = 1 }}\n", "draw has no seed"),
     "a column of nothing": (f'{LIMACON}table = "t.csv"\n', "'id' is no parameter"),
     "no such column": (f'{LIMACON}table = "t.csv"\ncolumns = ["m"]\n', "no column 'm'"),
+    "twice": (f"{LIMACON}set = {{ mu = 1 }}\ngrid = {{ mu = [1] }}\n", "6:1: mu is given twice"),
+    "drawn and set": (f"{LIMACON}set = {{ mu = 1 }}\ndraw = {{ n = 1, seed = 1, mu = [0, 1] }}\n", "mu is given twice"),
     "unknown claim": ("claims_ = 1\n", "unknown key 'claims_'"),
     "negative": (f"seconds = -1\n{LIMACON}", "seconds = -1"),
 }

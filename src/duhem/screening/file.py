@@ -145,12 +145,24 @@ class _CampaignReader(SectionReader):
             self.known(law, parameter, "rows", i, "set", parameter)
         match kinds[0]:
             case "grid":
-                return Grid(name, self.axes(i, law), values), files
+                axes = self.axes(i, law)
+                self.once(i, "grid", values, [axis for axis, _ in axes])
+                return Grid(name, axes, values), files
             case "draw":
-                return self.draw(i, name, law, values), files
+                drawn = self.draw(i, name, law, values)
+                self.once(i, "draw", values, [span.parameter for span in drawn.spans])
+                return drawn, files
         table = str(folder / self.string("rows", i, "table"))
         columns, text = cells_in_lines(table)
-        return TableRows(name, self.columns(i, law, columns, table), text, values), [*files, table]
+        taken = self.columns(i, law, columns, table)
+        self.once(i, "table", values, taken)
+        return TableRows(name, taken, text, values), [*files, table]
+
+    def once(self, i: int, kind: str, values: Iterable[tuple[str, str]], names: Iterable[str | None]) -> None:
+        """No parameter has a value for all rows and one for each, nor two spellings."""
+        every = [name for name in (*dict(values), *names) if name is not None]
+        if twice := next((name for name in every if every.count(name) > 1), None):
+            raise self.error(f"{twice} is given twice", "rows", i, kind, remedy="give it once")
 
     def names(self, i: int, folder: Path) -> tuple[LawName, ...]:
         found = list[LawName]()
@@ -231,7 +243,7 @@ class _CampaignReader(SectionReader):
                 what = f"draw has no {key}" if value is None else f"{key} = {str(value)[:40]}"
                 raise self.error(what, "rows", i, "draw", key, remedy=f"give a whole number from {least} on")
         fixed = dict(values)
-        free = [p for p, d in law.parameters.items() if p not in fixed and (d.value is None or p in ranges)]
+        free = [p for p, d in law.parameters.items() if p in ranges or (p not in fixed and d.value is None)]
         spans = tuple(self.span(i, law, parameter, *ranges.get(parameter, (parameter, None))) for parameter in free)
         return Draw(name, spans, given["n"], given["seed"], values)
 
