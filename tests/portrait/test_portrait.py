@@ -7,6 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from math import cos, pi, sin, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
@@ -266,6 +267,32 @@ def test_an_increment_of_one_force_is_drawn_at_its_pressure() -> None:
     taken = step(at, [3.0], 1.0, plane, 0.25, -2.0)
     assert taken.trial == pytest.approx([-2.0, 3.0]) and taken.stress == pytest.approx([-2.0, 1.0])
     assert taken.slip == pytest.approx([0.0, 0.25]) and taken.status == "slip"
+
+
+def test_a_witness_in_a_thin_section_is_seen_beside_its_width() -> None:
+    found = duhem.verify("radial-flow", claims="normality")
+    shown = violation(found.criterion, found["normality"]).section
+    a, b, c, d = shown.window
+    assert shown.slender and not shown.remark and (b - a) / (d - c) == pytest.approx(1e-3, rel=0.2)
+
+
+def test_a_section_lost_in_rounding_is_a_point_and_another_is_shown_if_none_was_asked() -> None:
+    law = catalogue.load("murrell")
+    lost = section(given(law), usual(law, 0.0)[0])
+    assert lost.lines == () and len(lost.points) == 1 and "one point" in lost.remark
+    assert cut(given(law), usual(law, None)[0]).lines
+
+
+def test_a_note_keeps_clear_of_the_way_between_points() -> None:
+    (axes,) = figure.drawn(_noted)
+    line, words = axes.lines[0], axes.texts[0]
+    way = line.get_transform().transform_path(line.get_path())
+    assert words.get_visible() and not way.intersects_bbox(words.get_window_extent(), filled=False)
+
+
+def _noted(axes: Any) -> None:
+    axes.plot([0.0, 1.0], [0.0, 1.0], gid=figure.OPEN)
+    figure.note(axes, "here", (0.5, 0.5))
 
 
 # ---- what does not fit

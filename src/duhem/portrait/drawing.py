@@ -24,6 +24,7 @@ UNIT = "unit of the law"
 _DARK = "0.25"  # of normals: pink beside it is grey to one reader in twenty
 _ARROW = 0.085  # of the window's size
 _BLUE, _RED, _GREEN, _ORANGE = (figure.palette(i) for i in (0, 1, 2, 4))
+_REMARK = 3.2  # inches: no wider than a panel among others
 _SPREAD = 3  # normals of a fan beside its two sides
 _ROLES = {"sigma": r"$\sigma$", "inside": r"$\sigma$", "tau": r"$\tau$", "midpoint": "midpoint", "origin": "$0$"}
 
@@ -76,7 +77,7 @@ def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
             axis.set_label_text(f"{symbol} [{UNIT}]")
     if not found.plane.y_symbol:
         axes.yaxis.set_visible(False)
-    lines = [title, found.plane.caption, "axes not to one scale" if found.slender else "", found.remark]
+    lines = [title, found.plane.caption, "axes not to one scale" if found.slender else "", figure.wrapped(found.remark, _REMARK)]
     axes.set_title("\n".join(line for line in lines if line))
 
 
@@ -173,7 +174,7 @@ def paint_violation(axes: Axes, seen: Violation, unit: str, title: str) -> None:
     """The section with the points of a witness and the way between two of them, solid in K and dashed outside."""
     paint_section(axes, seen.section, unit, title, fans=False)
     if seen.way is not None:
-        axes.plot(*seen.way.T, color=_RED, linewidth=2.0, linestyle=(0, (5, 1.5)), zorder=5, label="chord of the witness")
+        axes.plot(*seen.way.T, color=_RED, linewidth=2.0, linestyle=(0, (5, 1.5)), zorder=5, label="chord of the witness", gid=figure.OPEN)
     for i, (role, point) in enumerate(seen.points.items()):
         axes.plot(
             *point,

@@ -79,6 +79,8 @@ def plot(
         else:
             painters.append(partial(paint_section, found=seen, unit=unit))
     for each in refuted:
+        if each.section.remark:
+            on_remark(f"{each.claim} refuted, {each.section.plane.plain}: {each.section.remark.replace('$', '')}")
         painters.append(partial(paint_violation, seen=each, unit=unit, title=f"{each.claim} refuted"))
 
     def paint(*places: Axes) -> None:

@@ -27,6 +27,7 @@ __all__ = ["Arrow", "View", "beside", "section"]
 Array = NDArray[np.float64]
 
 _ARROWS = 18
+_POINT = 1e-12  # of the law's stresses: K that is no larger is drawn as a point
 _SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
 _STEPS = 721  # angles at which a boundary curve is computed
 
@@ -74,7 +75,7 @@ class View:
     @property
     def size(self) -> float:
         """The greater side of the window."""
-        return max(self.window[1] - self.window[0], self.window[3] - self.window[2])
+        return _width(self.window)
 
 
 @dataclass(frozen=True)
@@ -118,6 +119,8 @@ def section(given: Numbered, plane: Plane, window: Window | None = None, *, need
         tried = "0, along rays from it and where g falls to from there"
         remedy = "name another plane or pressure, or set other parameters"
         raise InputError(f"no point of K is found on {plane.plain}: looked at {tried}", where=given.law.name, remedy=remedy)
+    if window is None and len(seen.points) and _width(seen.window) < _POINT * given.size:
+        return _of_point(plane, seen.points.mean(axis=0), given.size)
     window = seen.window
     lines, value = traced(level, window)
     x, y, _ = region(lambda points: points[..., 0], window)
@@ -127,6 +130,16 @@ def section(given: Numbered, plane: Plane, window: Window | None = None, *, need
         return found
     found = replace(found, normals=tuple(_normals(found)))
     return found if given.law.associated else replace(found, slips=_slips(formula, plane, found.normals))
+
+
+def _width(window: Window) -> float:
+    return max(window[1] - window[0], window[3] - window[2])
+
+
+def _of_point(plane: Plane, point: Array, size: float) -> View:
+    """K that is lost in the rounding of its law: a point, in a window of the size of the law's stresses."""
+    (x, y), remark = point.tolist(), "all of $K$ is within $10^{-12}$ of one point"
+    return View(plane, (x - size, x + size, y - size, y + size), (), remark=remark, points=point[None])
 
 
 def _unseen(level: Callable[[Array], Array], found: View, points: Array) -> dict[str, Any]:

@@ -62,30 +62,28 @@ def violation(law: Law, result: ClaimResult) -> Violation:
     if ends is not None and result.claim == "smoothness":
         ends = None  # the corner is what is seen
     way = None if ends is None else np.array([plane.within(ends[0]), plane.within(ends[1])])
-    window = _around(whole.window, flat.values(), way)
+    window = _around(whole, flat.values(), way)
     shown = whole if window is None else section(at, plane, window)
     told = next((flat[role] for role in ("sigma", "inside") if role in flat and result.claim in ("normality", "dissipation")), None)
     bare = replace(shown, normals=(), slips=()) if told is None else beside(at, shown, told)
     return Violation(result.claim, at, bare, flat, way)
 
 
-def _around(whole: Window, points: Iterable[Array], way: Array | None) -> Window | None:
+def _around(section_of_all: View, points: Iterable[Array], way: Array | None) -> Window | None:
     """A window for points too close together to be told apart, or out of sight; None where the whole of K shows them."""
+    whole = section_of_all.window
     every = np.array([*points])
     low, high = every.min(axis=0), every.max(axis=0)
-    size = float(max(whole[1] - whole[0], whole[3] - whole[2]))
+    wide, tall = whole[1] - whole[0], whole[3] - whole[2]
+    size = float(max(wide, tall))
     told = every if way is None else way
     long = float(np.hypot(*np.ptp(told, axis=0)))
     if 0.0 < long < _SMALL * size:
         middle = (told.min(axis=0) + told.max(axis=0)) / 2.0
         return (middle[0] - 1.1 * long, middle[0] + 1.1 * long, middle[1] - 1.1 * long, middle[1] + 1.1 * long)
-    free = 0.05 * size
-    box = (
-        min(whole[0], float(low[0]) - free),
-        max(whole[1], float(high[0]) + free),
-        min(whole[2], float(low[1]) - free),
-        max(whole[3], float(high[1]) + free),
-    )
+    free = 0.05 * (np.array([wide, tall]) if section_of_all.slender else np.array([size, size]))  # not to scale: each axis has its own
+    (a, c), (b, d) = (low - free).tolist(), (high + free).tolist()
+    box = (min(whole[0], a), max(whole[1], b), min(whole[2], c), max(whole[3], d))
     return None if box == whole else box
 
 

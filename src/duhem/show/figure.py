@@ -17,10 +17,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.path import Path
     from matplotlib.transforms import Bbox
 
 __all__ = [
     "GREY",
+    "OPEN",
     "Picture",
     "Target",
     "as_svg",
@@ -69,6 +71,7 @@ _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationD
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _LEAST, _MOST = 1e-200, 1e200
 _NOTE = "note"
+OPEN = "open"  # gid of a line that notes keep clear of
 _SIDES: tuple[dict[str, Any], ...] = tuple(
     {"xytext": (5 * x, 5 * y), "ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1))
@@ -277,17 +280,25 @@ def _settle(places: tuple[Axes, ...]) -> None:
     _uncrowd(places)
     for axes in places:
         taken: list[Bbox] = []
+        lines = [line.get_transform().transform_path(line.get_path()) for line in axes.lines if line.get_gid() == OPEN]
         for text in axes.texts:
             if not isinstance(text, Annotation) or text.get_gid() != _NOTE:
                 continue
-            for side in _SIDES:
+            for side, across in _sides(lines):
                 text.set(position=side["xytext"], ha=side["ha"], va=side["va"])
                 box = text.get_window_extent()
-                if axes.bbox.containsx(box.x1) and axes.bbox.containsy(box.y1) and not box.count_overlaps(taken):
+                room = axes.bbox.containsx(box.x1) and axes.bbox.containsy(box.y1) and not box.count_overlaps(taken)
+                if room and not any(line.intersects_bbox(box, filled=False) for line in across):
                     taken.append(box)
                     break
             else:
                 text.set_visible(False)
+
+
+def _sides(lines: list[Path]) -> Iterator[tuple[dict[str, Any], list[Path]]]:
+    """Where a note may stand and the lines it must not touch there: none of all, or else any."""
+    for free in (lines, []) if lines else ([],):
+        yield from ((side, free) for side in _SIDES)
 
 
 def _uncrowd(places: tuple[Axes, ...], rounds: int = 6) -> None:
