@@ -21,7 +21,7 @@ from duhem.expression.matrices import rows
 from duhem.expression.recording import bound, recorded
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["compiled", "constant", "digits", "evaluate", "number", "table"]
+__all__ = ["compiled", "constant", "digits", "evaluate", "kept_digits", "number", "table"]
 
 _MOST_BITS = 4096  # before the point, of what stands under an exponential or a wave
 
@@ -32,7 +32,7 @@ def evaluate(expr: sp.Basic, values: Mapping[sp.Symbol, Any], dps: int = 30) -> 
     ``values`` may be integers, floats (taken exactly), fractions, SymPy rationals, mpf or decimal text.  Comparisons
     give 1 and 0.  Raises InputError for a symbol without a value and for a node without a meaning.
     """
-    context = _kept_context(dps)
+    context = kept_digits(dps)
     known = {symbol: number(context, value) for symbol, value in values.items()}
     return fold(expr, table(context), lambda node: known[node] if node in known else constant(context, node))
 
@@ -68,8 +68,8 @@ class _Kept(local):
 _KEPT = _Kept()
 
 
-def _kept_context(count: int) -> Any:
-    """A context of so many digits, for one evaluation at a time: of our own, so that nobody's precision changes."""
+def kept_digits(count: int) -> Any:
+    """The context of so many decimal digits that this thread keeps, for whoever leaves its precision as it is."""
     if (context := _KEPT.contexts.get(count)) is None:
         context = _KEPT.contexts[count] = digits(count)
     context.dps = count  # whoever has a number of it may have changed that

@@ -20,7 +20,7 @@ def common_zero(
 
     ``slopes`` are the derivatives of the formulas, row by row.
     """
-    context = mpmath_.digits(digits)
+    context = mpmath_.kept_digits(digits)
     rows = mpmath_.table(context)
 
     def evaluated(exprs: Any, point: Sequence[Any]) -> list[Any]:

@@ -30,10 +30,7 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
 
     In more than two forces along the tangent in which the second differences of that length are least.
     """
-    from mpmath import MPContext
-
-    context = MPContext()
-    context.dps = dps
+    context = mpmath_.kept_digits(dps)
     forces = subject.simple.forces
     run = mpmath_.compiled([subject.formula_at(parameters)], forces, context)
 
@@ -110,10 +107,7 @@ def kink_chords(subject: FormulaSubject, most: int = 12) -> Iterator[Chord]:
 
 def _across(subject: FormulaSubject, parameters: Values, crossing: Crossing, dps: int = 80) -> Iterator[Chord]:
     """With unit tangents t1, t2 away from the crossing, K is dented there if t1 + t2 points along the outward normals."""
-    from mpmath import MPContext
-
-    context = MPContext()
-    context.dps = dps
+    context = mpmath_.kept_digits(dps)
     forces = subject.simple.forces
     exact = rationals(parameters)
     x = [context.mpf(c.numerator) / c.denominator for c in crossing.point]
