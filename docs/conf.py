@@ -21,6 +21,7 @@ nb_execution_mode = "off"  # notebooks are kept with their outputs, which tests 
 nb_mime_priority_overrides = [("html", "text/markdown", None)]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
+smartquotes = False  # --out is an option
 suppress_warnings = ["mystnb.unknown_mime_type"]
 autodoc_typehints = "none"  # a signature is long enough; the docstrings say shapes and units
 autodoc_preserve_defaults = True

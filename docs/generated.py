@@ -133,7 +133,7 @@ def scene() -> str:
     for section, keys in SECTIONS.items():
         title = f"`[{section}]`" if section else "Above the first section"
         parts += [f"## {title}", table(["key", "says"], (row(key, means) for key, means in keys.items()))]
-    parts += ["## `[path]`", "`kind` is one of the following; each has keys of its own, those in the first rows needed."]
+    parts += ["## `[path]`", "`kind` is one of the following; each has keys of its own."]
     for kind, (means, needs, may) in KINDS.items():
         rows = [of_kind(kind, key) for key in (*needs, *may, "pressure")]
         needed = ", ".join(f"`{key}`" for key in needs)
