@@ -1,5 +1,7 @@
 """The parts of the pages that are made from the code, so that they cannot go stale: a line `<!-- generated: NAME -->` stands for each."""
 
+from __future__ import annotations
+
 import ast
 import json
 import re
@@ -7,9 +9,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib.util import find_spec
 from inspect import getdoc
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from duhem.law.atlas.entry import AtlasEntry
 
 SCHEMAS = Path(__file__).parent / "reference"
 
@@ -33,11 +38,22 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def atlas() -> str:
-    """Every published law by group, as `duhem atlas --format markdown` prints it."""
-    from duhem.cli.atlas import _markdown
-    from duhem.law.atlas.entry import entries, groups
+    """Every published law by group: its verdicts as `duhem atlas` prints them, and what is said of it."""
+    from duhem.cli.atlas import word
+    from duhem.law.atlas.entry import ASKED, entries, groups
 
-    return "\n\n".join(f"## {group}\n\n{_markdown(entries(group))}" for group in groups())
+    parts = []
+    for group in groups():
+        laws = entries(group)
+        rows = ([f"`{law.name}`", *(word(law.verdicts[claim]) for claim in ASKED)] for law in laws)
+        parts += [f"## {group}", table(["law", *ASKED], rows), *map(_published, laws)]
+    return "\n\n".join(parts)
+
+
+def _published(law: AtlasEntry) -> str:
+    said = "; ".join(f"{claim}: {text}" for claim, text in law.claims.items())
+    parts = (f"{law.summary}.", f"{law.source}.", law.equation and f"{law.equation}.", said and f"Said of it: {said}.", law.note)
+    return f"- `{law.name}`: " + " ".join(plain(part) for part in parts if part)
 
 
 def words() -> str:

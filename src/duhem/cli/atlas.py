@@ -13,7 +13,7 @@ from duhem.cli.output import Progress, endless_page, say
 if TYPE_CHECKING:
     from duhem.law.atlas.entry import AtlasEntry
 
-__all__ = ["atlas"]
+__all__ = ["atlas", "word"]
 
 _OPEN = ("tested", "undecided")
 
@@ -50,7 +50,8 @@ def atlas(group: str | None, form: str, file: str | None) -> None:
         say(_markdown(laws) if form == "markdown" else _text(laws))
 
 
-def _word(verdict: str) -> str:
+def word(verdict: str) -> str:
+    """A verdict in a cell of the table."""
     return "open" if verdict in _OPEN else verdict.replace("not_applicable", "-")
 
 
@@ -63,7 +64,7 @@ def _said(law: AtlasEntry) -> str:
 def _markdown(laws: Sequence[AtlasEntry]) -> str:
     """One table, a row a law."""
     head = ["law", "source", *laws[0].verdicts, "what is said of it"]
-    rows = [[f"`{law.name}`", law.source, *map(_word, law.verdicts.values()), _said(law)] for law in laws]
+    rows = [[f"`{law.name}`", law.source, *map(word, law.verdicts.values()), _said(law)] for law in laws]
     lines = [[cell.replace("|", "\\|") for cell in row] for row in [head, ["---"] * len(head), *rows]]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
@@ -74,7 +75,7 @@ def _text(laws: Sequence[AtlasEntry]) -> str:
     parts: list[Sequence[str]] = []
     for group in dict.fromkeys(law.group for law in laws):
         of_group = [law for law in laws if law.group == group]
-        rows = [["law", *of_group[0].verdicts], *([law.name, *map(_word, law.verdicts.values())] for law in of_group)]
+        rows = [["law", *of_group[0].verdicts], *([law.name, *map(word, law.verdicts.values())] for law in of_group)]
         parts += [[group, *page.table(rows, "l")]]
         for law in of_group:
             about = (law.source, law.equation, _said(law))

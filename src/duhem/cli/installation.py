@@ -16,7 +16,7 @@ __all__ = ["CORE", "EXTRAS", "PURPOSES", "missing", "report", "versions"]
 CORE = ("click", "clarabel", "cvxpy-base", "hypothesis", "mpmath", "numpy", "python-flint", "scipy", "sympy", "z3-solver")
 EXTRAS = {
     "parquet": ("pyarrow",),
-    "cluster": ("distributed",),
+    "cluster": ("dask", "distributed"),
     "plot": ("matplotlib",),
     "notebooks": ("ipykernel", "nbclient", "nbformat", "matplotlib"),
     "report": ("latex2mathml", "matplotlib"),
@@ -28,6 +28,7 @@ EXTRAS = {
 }
 PURPOSES = {
     "parquet": "histories as Parquet: simulate --out history.parquet",
+    "cluster": "campaigns on many machines, by Dask: duhem campaign --scheduler ADDRESS",
     "plot": "pictures: duhem plot, duhem figures, and --plot of other commands",
     "notebooks": "the course in notebooks, run without a browser; jupyterlab opens it",
     "report": "pages with pictures and typeset formulas: verify --report FILE",
