@@ -91,11 +91,17 @@ def test_what_a_page_has_no_use_for_is_not_on_it() -> None:
 def test_a_formula_that_is_wider_says_so() -> None:
     pytest.importorskip("latex2mathml")
 
-    def ems(latex: str) -> float:
+    def wide(latex: str) -> float:
         (piece,) = mathematics.mathematics(latex)
-        return float((piece.get("style") or "").removeprefix("--ems:"))
+        return mathematics.ems(piece)
 
-    assert ems(r"\frac{a}{b}") < ems("abcd") < ems(r"\left(\begin{matrix}abcd & abcd\\a & b\end{matrix}\right)") < 12
+    assert wide(r"\frac{a}{b}") < wide("abcd") < wide(r"\left(\begin{matrix}abcd & abcd\\a & b\end{matrix}\right)") < 12
+
+
+def test_a_formula_wider_than_any_page_is_text() -> None:
+    pytest.importorskip("latex2mathml")
+    for count, tag in ((20, "<math"), (400, "<code>g &lt;= 0</code>")):
+        assert tag in as_page([Article("a", "", (Chapter("c", (Titled((("e", Typeset("g <= 0", count * "x")),)),)),))])
 
 
 def test_without_the_converter_formulas_are_text_and_the_page_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
+from itertools import chain
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from duhem.errors import MissingExtraError
-from duhem.show.mathematics import check, mathematics
+from duhem.show.mathematics import check, ems, mathematics
 from duhem.show.page import printable
 from duhem.show.sheet import Typeset
 from duhem.show.theme import themed
@@ -20,6 +21,7 @@ from duhem.version import __version__
 
 __all__ = ["Article", "Block", "Chapter", "Columns", "Display", "Drawing", "Lines", "Paragraph", "Sentences", "Titled", "as_page"]
 
+_WIDEST = 90.0  # ems: on paper its letters would be of 5 points
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'"
 
 
@@ -198,9 +200,9 @@ class _Page:
             _say(place, "code", content.text)
 
     def _typeset(self, place: Element, rows: Sequence[str]) -> bool:
-        """Whether all rows are there, each on a line that breaks between its pieces."""
+        """Whether all rows are there, each on a line that breaks between its pieces; not where a piece is wider than any page."""
         every = [] if self.without else [mathematics(row) for row in rows]
-        if not every or not all(every):
+        if not every or not all(every) or max(map(ems, chain.from_iterable(every))) > _WIDEST:
             return False
         for pieces in every:
             line = SubElement(place, "div", {"class": "mathematics"})

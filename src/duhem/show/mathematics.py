@@ -9,13 +9,13 @@ from xml.etree.ElementTree import Element
 
 from duhem.errors import MissingExtraError
 
-__all__ = ["check", "mathematics"]
+__all__ = ["check", "ems", "mathematics"]
 
 _RELATIONS = {"=", "≤", "≥", "<", ">", "∈", "⇒", "≠"}
 _SUMS = {"+", "−", "-"}
 _OPEN = _RELATIONS | _SUMS | {"(", "[", "{", ",", ";", "⋅", "⟨", "|", "‖"}
 _ROOM = re.compile(r"(?<=\\\\)\[\w+\]")  # between rows: a page has its own
-_SCRIPT, _CELL = 0.72, 0.75  # of the size of letters
+_SCRIPT = 0.72  # of the size of letters
 _GAP = 0.9  # between the columns of a table
 
 
@@ -85,9 +85,13 @@ def _piece(elements: list[Element]) -> Element:
     return math
 
 
-def _width(element: Element) -> float:
-    """About how many ems it is wide."""
-    parts = [_width(child) for child in element]
+def ems(piece: Element) -> float:
+    """The estimated width of a piece."""
+    return float((piece.get("style") or "").removeprefix("--ems:"))
+
+
+def _width(element: Element, displayed: bool = True) -> float:
+    """About how many ems it is wide; where it is not ``displayed``, quotients are written smaller."""
     match element.tag:
         case "mi" | "mn" | "mtext":
             return 0.56 * len(element.text or "")
@@ -96,16 +100,17 @@ def _width(element: Element) -> float:
         case "mspace":
             return float((element.get("width") or "0em").removesuffix("em") or 0)
         case "mfrac":
-            return max(parts) + 0.2
+            return (1.0 if displayed else _SCRIPT) * max(_width(part, False) for part in element) + 0.2
         case "msub" | "msup" | "msubsup" | "munderover":
-            return parts[0] + _SCRIPT * max(parts[1:])
+            base, *scripts = element
+            return _width(base, displayed) + _SCRIPT * max(_width(script, False) for script in scripts)
         case "mover" | "munder":
-            return parts[0]
+            return _width(element[0], displayed)
         case "msqrt" | "mroot":
-            return sum(parts) + 0.9
+            return sum(_width(part, displayed) for part in element) + 0.9
         case "mtable":
             columns = max(map(len, element), default=0)
-            each = (max((_width(row[i]) for row in element if i < len(row)), default=0.0) for i in range(columns))
-            return _CELL * sum(each) + _GAP * columns
+            each = (max((_width(row[i], False) for row in element if i < len(row)), default=0.0) for i in range(columns))
+            return sum(each) + _GAP * columns
         case _:
-            return sum(parts)
+            return sum(_width(part, displayed) for part in element)
