@@ -176,6 +176,20 @@ def test_a_process_that_somebody_ends_costs_no_row(folder):
     assert [[*line[:9], line[10]] for lines in found for line in lines] == [[*line[:9], line[10]] for line in plain]
 
 
+@pytest.mark.long
+def test_a_process_that_has_grown_is_replaced_and_no_row_is_lost_or_doubled(monkeypatch):
+    monkeypatch.setattr(pool, "_ROWS", 2)
+    monkeypatch.setattr(pool, "_RESIDENT", 0)
+    monkeypatch.setattr(pool, "_MOST", 2)
+    started = []
+    monkeypatch.setattr(pool, "_Worker", lambda sent, make=pool._Worker: started.append(make(sent)) or started[-1])
+    campaign = Campaign((mu(range(1, 8)),), Poison())
+    with pool.Pool(campaign, 1) as processes:
+        found = list(processes.texts([range(1, 8)]))
+    assert found == [as_text(asked(campaign, number)) for number in range(1, 8)]
+    assert len(started) > 2 and all(each.done in (2, 3) for each in started[:-1])
+
+
 def test_what_cannot_be_asked_is_said_before_the_work(folder, monkeypatch):
     monkeypatch.setattr(entry, "Pool", None)  # nothing is started
     for arguments, said in (

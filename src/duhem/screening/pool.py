@@ -28,6 +28,8 @@ __all__ = ["Pool", "cores"]
 
 _CHUNK = 0.5  # s: rows are handed out for about so long
 _MOST = 256  # of them at once
+_ROWS = 500  # that a process does at least
+_RESIDENT = 256_000_000  # bytes: of a process that has done so many, and is replaced
 _PATIENCE = 10.0  # s: a process that speaks no more is waited for
 _NO_MEMORY = f"with exit code {worker.NO_MEMORY}"
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -70,6 +72,16 @@ class _Worker:
         self.link.close()
         self.child.kill()
         self.child.wait()
+
+    def swollen(self) -> bool:
+        """Whether what many rows leave behind in it has become much: kilobytes a row add up, whoever keeps them."""
+        if self.done < _ROWS:
+            return False
+        try:
+            with open(f"/proc/{self.child.pid}/statm") as sizes:
+                return int(sizes.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") > _RESIDENT
+        except (OSError, ValueError):  # no such count: by rows alone
+            return self.done > 10 * _ROWS
 
     def ended(self) -> str:
         """How it ended, which speaks no more."""
@@ -128,7 +140,7 @@ class Pool:
     def _hand_out(self) -> None:
         """Rows to every process that has none, and a process more where there are rows for it."""
         for process in [p for p in self._processes if p.ready and not p.left]:
-            if self._alone and process.done:  # not a fresh one
+            if (self._alone and process.done) or process.swollen():  # a fresh one takes its place
                 self._processes.remove(process)
                 process.close()
             elif self._alone:
