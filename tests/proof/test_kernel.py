@@ -24,6 +24,7 @@ from tests.campaigns.certificates import rechecked
 from tests.campaigns.tampering import tampering
 from tests.long import mostly_long
 from tests.oracles import drawn_formulas
+from tests.oracles.verified import verified
 from tests.proof.test_adversary import CLAIMS as LETTERS
 from tests.proof.test_adversary import ROWS
 from tests.proof.test_adversary import Row as AdversaryLaw
@@ -228,7 +229,7 @@ def test_support_functions(g: str, potential: str, right: bool) -> None:
 
 @pytest.fixture(scope="module")
 def certificates() -> dict[str, dict[str, Any]]:
-    return {name: certificate(verify(name)) for name in FORMULA_LAWS}
+    return {name: certificate(verified(name)) for name in FORMULA_LAWS}
 
 
 @pytest.mark.slow

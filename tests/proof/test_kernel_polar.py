@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 
-from duhem import load, verify
 from duhem.proof.certificate import certificate
 from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.curvature import over
@@ -22,6 +21,7 @@ from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
 from duhem.proof.kernel.star import StarGauge, undefined_at_zero
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
+from tests.oracles.verified import verified
 
 F = Fraction
 POSITIVE = {"positive": True}
@@ -385,5 +385,5 @@ def test_what_is_shown_of_drawn_gauges_holds_on_drawn_rays(count: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(["limacon", "lobes", "matchstick", "quartic", "drucker1949"], "limacon", "lobes", "quartic"))
 def test_built_in_star_shaped_laws_rest_on_the_kernel(name: str) -> None:
-    made = certificate(verify(load(name)))
+    made = certificate(verified(name))
     assert {c["claim"] for c in made["claims"] if c["verdict"] == "proved" and c["trust"] != "checked"} == set()

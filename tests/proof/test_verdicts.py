@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 
 import pytest
 
@@ -16,14 +15,10 @@ from duhem.proof.methods import chords, composition, corners, evaluation, flow, 
 from duhem.proof.verdict import Evidence
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
 from tests.oracles.reevaluation import confirmed
+from tests.oracles.verified import verified
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
 ProofMethod = Callable[[FormulaSubject], Evidence | None]
-
-
-@cache
-def found(name: str) -> Verification:
-    return verify(name)
 
 
 def _holds_elsewhere(verification: Verification) -> bool:
@@ -36,34 +31,34 @@ def _holds_elsewhere(verification: Verification) -> bool:
 
 @pytest.mark.parametrize("name", KNOWN)
 def test_verdicts_over_the_whole_domain(name: str) -> None:
-    assert {claim: found(name)[claim].verdict for claim in KNOWN[name]} == KNOWN[name]
+    assert {claim: verified(name)[claim].verdict for claim in KNOWN[name]} == KNOWN[name]
 
 
 @pytest.mark.parametrize("name", KNOWN)
 def test_nothing_is_left_open(name: str) -> None:
-    assert tuple(r.claim for r in found(name).results) == CLAIMS == tuple(REGISTERED)
-    assert [r.claim for r in found(name).results if r.verdict in (Verdict.UNDECIDED, Verdict.TESTED)] == []
+    assert tuple(r.claim for r in verified(name).results) == CLAIMS == tuple(REGISTERED)
+    assert [r.claim for r in verified(name).results if r.verdict in (Verdict.UNDECIDED, Verdict.TESTED)] == []
 
 
 @pytest.mark.parametrize("name", KNOWN)
 def test_witnesses_hold_in_another_arithmetic(name: str) -> None:
-    for result in found(name).results:
+    for result in verified(name).results:
         assert (result.verdict is REFUTED) == (result.witness is not None)
-        assert result.witness is None or confirmed(found(name).criterion, result.claim, result.witness), result.claim
+        assert result.witness is None or confirmed(verified(name).criterion, result.claim, result.witness), result.claim
 
 
 def test_a_non_convex_law_is_not_normal() -> None:
     """Left out of the table for want of a convention; here: the normal of g is not in the normal cone of a non-convex K."""
     for name, claims in KNOWN.items():
         if claims["convexity"] is REFUTED:
-            assert found(name)["normality"].verdict is REFUTED
+            assert verified(name)["normality"].verdict is REFUTED
 
 
 def test_the_summary_follows_from_the_claims() -> None:
     for name, claims in KNOWN.items():
-        standard = [found(name)[c].verdict for c in ("origin", "convexity", "normality")]
-        assert found(name).generalized_standard is (REFUTED not in standard)
-        assert found(name).dissipative is True, claims
+        standard = [verified(name)[c].verdict for c in ("origin", "convexity", "normality")]
+        assert verified(name).generalized_standard is (REFUTED not in standard)
+        assert verified(name).dissipative is True, claims
 
 
 # -- at and beside thresholds -----------------------------------------------------------------------------------------
