@@ -43,5 +43,6 @@ def setup(app):
     shutil.rmtree(course / "notebooks", ignore_errors=True)
     shutil.copytree(ROOT / "notebooks", course / "notebooks", ignore=shutil.ignore_patterns(".*"))
     app.connect("source-read", generated.fill)
+    app.connect("env-get-outdated", generated.outdated)
     app.connect("autodoc-process-docstring", docstrings.as_restructured_text)
     mathml.setup(app)

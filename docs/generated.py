@@ -26,6 +26,11 @@ def fill(app: Any, name: str, source: list[str]) -> None:
     source[0] = filled(source[0])
 
 
+def outdated(app: Any, env: Any, added: set[str], changed: set[str], removed: set[str]) -> list[str]:
+    """The pages that the code may have changed: those with such parts (an event of Sphinx)."""
+    return [name for name in env.found_docs if name.startswith("reference/")]
+
+
 def filled(text: str) -> str:
     """A page with its parts written out; KeyError for a part that there is not."""
     return _PLACE.sub(lambda match: PARTS[match[1]](), text)
