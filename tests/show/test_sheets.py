@@ -172,3 +172,24 @@ def test_a_report_of_a_routine_says_how_each_check_came_out() -> None:
     assert f"two: {HOSTILE}" in read.said and "$x" not in read.typeset
     assert repr(report) == f"<Report of {HOSTILE}: 1 checks passed, 1 failed, 1 left out; 7 increments, 1 flagged>"
     assert report.to_text() == str(report) and json.loads(json.dumps(report.to_dict()))["left_out"] == {"two": HOSTILE}
+
+
+def test_many_histories_show_where_each_point_ended() -> None:
+    steps = np.linspace(0.0, 1.0, 5)[None, :, None] * np.array([[1.0, 0.0], [0.6, 0.8], [0.0, -2.0]])[:, None, :]
+    found = duhem.simulate("coulomb", duhem.Paths.linear(steps, pressure=-np.ones((3, 5))), stiffness=1.0, parameters={"mu": 0.5})
+    assert repr(found).startswith("<Histories of coulomb: 3 points, ") and "array" not in repr(found)
+    rows, table = sheet(found).rows, found.to_dict()
+    assert [row[:2] for row in rows] == [("0", "slip"), ("1", "slip"), ("2", "slip")]
+    for i, row in enumerate(rows):
+        last = {name: column[table["point"] == i][-1] for name, column in table.items()}
+        assert row[2:] == tuple(f"{last[name]:.6g}" for name in list(table)[1:])
+    assert all(cell in Read(found._repr_html_()).said for row in rows for cell in row)
+
+
+def test_an_identification_is_a_table_of_its_parameters() -> None:
+    angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    done = duhem.identify(np.column_stack([0.5 * np.cos(angle), 0.5 * np.sin(angle), -np.ones(12)]), "coulomb")
+    assert repr(done) == "<Identification of coulomb from 12 points: mu = 0.5>"
+    (row,) = sheet(done).rows
+    assert row[:2] == ("mu", "0.5") and row[1] in done.to_text()
+    assert all(cell in Read(done._repr_html_()).said for cell in row) and "| mu | 0.5 |" in done._repr_markdown_()

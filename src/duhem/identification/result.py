@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from duhem.identification.points import Points
 from duhem.law.formula_law import Criterion
 from duhem.show.place import write
-from duhem.show.printing import draw, text
+from duhem.show.printing import draw
+from duhem.show.shown import Shown
 from duhem.version import __version__
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ class Outlier:
 
 
 @dataclass(frozen=True, eq=False)
-class Identification:
+class Identification(Shown):
     """The admissible law of a family that fits measured limit points best.
 
     ``law`` has the fitted parameters fixed to the exact decimals of ``estimates`` (to a few digits of them if one is an
@@ -94,6 +95,12 @@ class Identification:
     robust: bool
     minimised: str
     verification: Verification
+
+    printed_by: ClassVar[str] = "duhem.identification.text"
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} = {value:.6g}" for name, value in self.coefficients.items())
+        return f"<Identification of {self.family.name} from {len(self.points)} points: {found or 'nothing identifiable'}>"
 
     @property
     def coefficients(self) -> Mapping[str, float]:
@@ -159,10 +166,6 @@ class Identification:
             "generalized_standard": self.verification.generalized_standard,
             "dissipative": self.verification.dissipative,
         }
-
-    def to_text(self) -> str:
-        """The result for people."""
-        return text(self)
 
     def to_toml(self, file: str | PathLike[str]) -> None:
         """Write the law as a criterion file that ``duhem verify`` takes.  InputError if it cannot be written."""

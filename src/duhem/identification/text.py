@@ -1,4 +1,4 @@
-"""An identification as text for people."""
+"""An identification as text for people, and as the sheet that a notebook shows."""
 
 from __future__ import annotations
 
@@ -6,17 +6,39 @@ from collections.abc import Iterator, Mapping
 
 from duhem.identification.result import Estimate, Identification
 from duhem.show.page import PAGE, Page
-from duhem.show.printing import text
+from duhem.show.printing import sheet, text
+from duhem.show.sheet import Sheet
 
-__all__ = ["as_text"]
+__all__ = ["as_sheet", "as_text"]
 
 _FIELD = len("admissible")
+_HEAD = ("parameter", "value", "std. error", "least", "greatest", "")
 
 
 @text.register(Identification)
 def as_text(done: Identification, page: Page = PAGE) -> str:
     """Coefficients with their uncertainty, what was minimised, outliers, and what is proved of the fitted law."""
-    law = done.family
+    law, proved = done.family, _proved(done)
+    return page.report(
+        [
+            [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name), *_fields(_fitted(done), page)],
+            page.table([_HEAD, *map(_row, done.estimates)], "lr"),
+            [*(line for name in done.open for line in page.item(f"{name} is {done[name].remark}")), *_outliers(done, page)],
+            _fields(proved, page),
+        ]
+    )
+
+
+@sheet.register(Identification)
+def as_sheet(done: Identification) -> Sheet:
+    """The same as a sheet: coefficients in a table, what is open and what lies apart as notes."""
+    apart = tuple(f"row {o.row}: standardised {o.standardised:+.4g}, distance {o.distance:+.4g}" for o in done.outliers)
+    notes = (("Not identifiable", tuple(f"{name} is {done[name].remark}" for name in done.open)), ("Outliers", apart))
+    fields = {**_fitted(done), **_proved(done)}
+    return Sheet(f"Identification of {done.family.name}", tuple(fields.items()), _HEAD, tuple(map(_row, done.estimates)), notes)
+
+
+def _fitted(done: Identification) -> dict[str, str]:
     fields = {
         "points": f"{len(done.points)} from {done.points.where}, {done.degrees_of_freedom} more than fitted parameters",
         "minimised": done.minimised,
@@ -27,19 +49,15 @@ def as_text(done: Identification, page: Page = PAGE) -> str:
         fields["chi^2"] = f"{done.chi_squared:.4g} on {done.degrees_of_freedom} degrees of freedom{chance}"
     how = f"bootstrap, {len(done.draws)} draws, seed {done.seed}" if len(done.draws) else "from the covariance"
     fields["intervals"] = f"95 %, {how}"
+    return fields
+
+
+def _proved(done: Identification) -> dict[str, str]:
     standard = {True: "yes", False: "no", None: "undecided"}[done.verification.generalized_standard]
-    proved = {
+    return {
         "proved": ", ".join(f"{r.claim} {r.verdict.value}" for r in done.verification.results),
         "admissible": f"{standard} (the fitted law, exact parameters)",
     }
-    return page.report(
-        [
-            [*page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name), *_fields(fields, page)],
-            page.table([("parameter", "value", "std. error", "least", "greatest", ""), *map(_row, done.estimates)], "lr"),
-            [*(line for name in done.open for line in page.item(f"{name} is {done[name].remark}")), *_outliers(done, page)],
-            _fields(proved, page),
-        ]
-    )
 
 
 def _fields(values: Mapping[str, str], page: Page) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from duhem.path.history import STATES, History, Recorded
 from duhem.projection.result import Array, Status
 from duhem.show.place import AnyPath, written
+from duhem.show.shown import Shown
 
 __all__ = ["Histories"]
 
@@ -19,7 +21,7 @@ _ROWS = 65_536  # of a table, written together
 
 
 @dataclass(frozen=True, eq=False)
-class Histories(Recorded):
+class Histories(Recorded, Shown):
     """The states of a law at N points and the r kept knots of their paths, the first and the last among them.
 
     ``points`` (N,) and ``knots`` (r,) are the numbers of points and knots, ``time`` (r,).  ``displacement``, ``slip``, ``stress``
@@ -34,6 +36,12 @@ class Histories(Recorded):
     knots: NDArray[np.intp]
     status: NDArray[np.int8]
     reached: NDArray[np.intp]
+
+    printed_by: ClassVar[str] = "duhem.path.history_sheet"
+
+    def __repr__(self) -> str:
+        early = f", {self.ended_early()} ended early" if self.ended_early() else ""
+        return f"<Histories of {self.law}: {len(self)} points, {len(self.knots)} knots each{early}; {self.method}>"
 
     def __len__(self) -> int:
         return len(self.points)
@@ -57,6 +65,11 @@ class Histories(Recorded):
         n, r = self.multiplier[points].shape
         labels = [np.repeat(self.points[points], r).astype(np.float64), np.tile(self.time, n)]
         return np.column_stack([*labels, *(states[points].reshape(n * r, -1) for states in self.tabled())])
+
+    def to_dict(self) -> dict[str, Array]:
+        """Columns by name, as ``pandas.DataFrame`` takes them: a row for each point and knot that was reached."""
+        table = self.to_array()
+        return dict(zip(self.columns(), table[~np.isnan(table[:, -1])].T, strict=True))
 
     def rows(self) -> Iterator[str]:
         """The lines of the table below its header, some at a time; knots that were not reached have none."""
