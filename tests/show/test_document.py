@@ -80,6 +80,8 @@ def test_a_formula_breaks_before_its_relations_and_sums_and_nowhere_else() -> No
     pieces = mathematics.mathematics(r"D = - a \left(b - c\right) + \frac{d + e}{f} - g,\; h \geq 0")
     assert [said(piece) for piece in pieces] == ["D", "=−a(b−c)", "+d+ef", "−g,", "h", "≥0"]
     assert all(piece.tag == "math" for piece in pieces)
+    pieces = mathematics.mathematics(r"x = \max\bigl(a + b, c\bigr) + \bigl\|a + b\bigr\|_2 - \left\|a + b\right\|_2 + (d + e)")
+    assert [said(piece) for piece in pieces] == ["x", "=max(a+b,c)", "+‖a+b‖2", "−‖a+b‖2", "+(d+e)"]
 
 
 def test_what_a_page_has_no_use_for_is_not_on_it() -> None:
@@ -95,7 +97,7 @@ def test_a_formula_that_is_wider_says_so() -> None:
         (piece,) = mathematics.mathematics(latex)
         return mathematics.ems(piece)
 
-    assert wide(r"\frac{a}{b}") < wide("abcd") < wide(r"\left(\begin{matrix}abcd & abcd\\a & b\end{matrix}\right)") < 12
+    assert wide(r"\frac{a}{b}") < wide("abcd") < wide(r"\left(\begin{matrix}abcd & abcd\\a & b\end{matrix}\right)") < 13
 
 
 def test_a_formula_wider_than_any_page_is_text() -> None:

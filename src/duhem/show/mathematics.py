@@ -13,8 +13,11 @@ __all__ = ["check", "ems", "mathematics"]
 
 _RELATIONS = {"=", "≤", "≥", "<", ">", "∈", "⇒", "≠"}
 _SUMS = {"+", "−", "-"}
-_OPEN = _RELATIONS | _SUMS | {"(", "[", "{", ",", ";", "⋅", "⟨", "|", "‖"}
+_NORM = "‖"
+_BRACKETS = {"(": ")", "[": "]", "{": "}", "⟨": "⟩"}
+_OPEN = _RELATIONS | _SUMS | {"(", "[", "{", ",", ";", "⋅", "⟨", "|", _NORM}
 _ROOM = re.compile(r"(?<=\\\\)\[\w+\]")  # between rows: a page has its own
+_SURE = 1.15  # fonts differ
 _SCRIPT = 0.72  # of the size of letters
 _GAP = 0.9  # between the columns of a table
 
@@ -48,6 +51,8 @@ def _plain(element: Element) -> Element:
     """The element without namespaces, which a page has no need of, and with brackets close to what they hold."""
     for each in element.iter():
         each.tag = each.tag.rpartition("}")[2]
+        if each.text == r"\|":  # the converter leaves it so behind a size
+            each.text = _NORM
         if each.get("fence"):
             each.attrib |= {"lspace": "0", "rspace": "0"}
     return element
@@ -55,20 +60,27 @@ def _plain(element: Element) -> Element:
 
 def _pieces(row: list[Element]) -> Iterator[list[Element]]:
     piece: list[Element] = []
-    depth = 0
+    depth, within = 0, False
     for element in row:
-        text = element.text or "" if element.tag == "mo" else ""
-        depth += (element.get("form") == "prefix") - (element.get("form") == "postfix")
-        free = depth <= 0 and element.get("form") is None
-        if piece and free and (text in _RELATIONS or (text in _SUMS and not _opens(piece))):
+        said = _sign(element)
+        depth += (said in _BRACKETS) - (said in _BRACKETS.values())
+        within ^= said == _NORM
+        free = depth <= 0 and not within
+        if piece and free and (said in _RELATIONS or (said in _SUMS and not _opens(piece))):
             yield piece
             piece = []
         piece.append(element)
-        if free and text in (",", ";"):
+        if free and said in (",", ";"):
             yield piece
             piece = []
     if piece:
         yield piece
+
+
+def _sign(element: Element) -> str:
+    """The sign that an element is, with an index or without."""
+    base = element[0] if element.tag in ("msub", "msup", "msubsup") else element
+    return base.text or "" if base.tag == "mo" else ""
 
 
 def _opens(piece: list[Element]) -> bool:
@@ -81,7 +93,7 @@ def _piece(elements: list[Element]) -> Element:
         elements[0].set("form", "infix")
     math = Element("math", displaystyle="true")
     ElementTree.SubElement(math, "mrow").extend(elements)
-    math.set("style", f"--ems:{max(_width(math), 1.0):.1f}")
+    math.set("style", f"--ems:{max(_SURE * _width(math), 1.0):.1f}")
     return math
 
 
