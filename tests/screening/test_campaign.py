@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import signal
+import sys
 from dataclasses import replace
 
 import pytest
@@ -208,3 +209,12 @@ def test_what_cannot_be_asked_is_said_before_the_work(folder, monkeypatch):
     (folder / "campaign.toml").write_text(CAMPAIGN.replace('out = "table.csv"\n', ""))
     done = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml")], standalone_mode=False)
     assert "no place for the table" in str(done.exception)
+
+
+def test_what_no_process_can_take_is_said(monkeypatch):
+    campaign = Campaign((mu([1]),), Poison())
+    for command, said in (("print('no')", "ended with exit code 0 before it could"), ("import os; os.abort()", "ended by SIGABRT before")):
+        monkeypatch.setattr(pool, "_STARTS", 2)
+        monkeypatch.setattr(pool, "_COMMAND", (sys.executable, "-S", "-c", command))
+        with pool.Pool(campaign, 1) as processes, pytest.raises(InputError, match=said):
+            list(processes.texts([range(1, 2)]))

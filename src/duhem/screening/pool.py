@@ -28,8 +28,10 @@ __all__ = ["Pool", "cores"]
 
 _CHUNK = 0.5  # s: rows are handed out for about so long
 _MOST = 256  # of them at once
+_COMMAND = (sys.executable, "-P", worker.__file__)
 _ROWS = 500  # that a process does at least
 _RESIDENT = 256_000_000  # bytes: of a process that has done so many, and is replaced
+_STARTS = 5  # processes in turn that end before they could begin: somebody may end one, not all
 _PATIENCE = 10.0  # s: a process that speaks no more is waited for
 _NO_MEMORY = f"with exit code {worker.NO_MEMORY}"
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -46,7 +48,7 @@ class _Worker:
     def __init__(self, campaign: bytes) -> None:
         self.left, self.done, self.ready, self.since = range(0), 0, False, 0.0
         self.link, far = Pipe()
-        command = [sys.executable, "-P", worker.__file__, str(far.fileno())]
+        command = [*_COMMAND, str(far.fileno())]
         environment = {**os.environ, **dict.fromkeys(_ONE_THREAD, "1")}
         self.child = subprocess.Popen(
             command,
@@ -105,6 +107,7 @@ class Pool:
         self._alone: deque[int] = deque()  # rows that ended a process and are asked again
         self._ended_one = set[int]()
         self._seconds, self._rows = 0.0, 0
+        self._stillborn = 0
 
     def __enter__(self) -> Pool:
         return self
@@ -132,7 +135,7 @@ class Pool:
                     process.left, process.done = process.left[1:], process.done + 1
                     yield said.decode()
                 elif said == worker.READY:
-                    process.ready = True
+                    process.ready, self._stillborn = True, 0
                 else:
                     remedy = "define what is asked in a module that another process can import"
                     raise InputError(f"no process can take the campaign: {said.decode()}", remedy=remedy)
@@ -173,6 +176,9 @@ class Pool:
         self._processes.remove(process)
         how = process.ended()
         if not process.ready:
+            self._stillborn += 1
+            if self._stillborn < _STARTS:
+                return
             raise InputError(f"a process ended {how} before it could take the campaign", remedy="is there memory for it?")
         if not process.left:
             return
