@@ -241,6 +241,7 @@ def test_the_package_and_its_command_do_not_import_hypothesis() -> None:
         ({"accuracy": math.nan}, "accuracy: nan is no relative error; "),
         ({"max_examples": 0}, "max_examples: 0 is too small; give 1 or more"),
         ({"max_examples": 2.0}, "max_examples: 2.0 is not a whole number; "),
+        ({"every": 0}, "every: 0 is too small; give 1 or more"),
         ({"rows": 0}, "rows: 0 is too small; give 1 or more"),
         ({"rows": True}, "rows: True is not a whole number; "),
         ({"tries": -1}, "tries: -1 is too small; give 0 or more"),

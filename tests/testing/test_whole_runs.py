@@ -12,11 +12,13 @@ from hypothesis import strategies as st
 import duhem
 from duhem.errors import InputError
 from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise
-from duhem.testing.checks.query import Query
+from duhem.testing.checks.judged import judged
+from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import registered
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.causes import CAUSES, by_cause
+from duhem.testing.routines.unfinished import Unfinished
 from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
 # -- visited -----------------------------------------------------------------------------------------------------------
@@ -241,3 +243,37 @@ def test_two_bugs_are_two_causes() -> None:
     report = conformance("orthotropic", update, ELLIPSE, checks=["complementarity", "slip"], max_examples=5, tries=20)
     assert [f.check.name for f in report.failures] == ["complementarity", "slip"]
     assert "0.9 times" in report.failures[0].diagnosis
+
+
+def test_what_is_asked_again_of_some_increments_is_told_of_the_right_one() -> None:
+    """Of 14 rows the fourth and the eleventh; what goes wrong does so in the eleventh, asked with another stiffness."""
+    trial, none, ones = np.arange(1.0, 15.0)[:, None] * [1.0, 0.5], np.zeros((14, 2)), np.ones(14)
+    case = Case(BOX, np.eye(2), -ones, trial, trial, trial, none, none, ones, 2.0, np.zeros((14, 4, 2)), -np.ones((14, 4)))
+    asked: list[int] = []
+
+    def query(fault: Callable[[Array], object], turn: int = 0) -> Query:
+        def update(trial: Array, pressure: Array, stiffness: Array, **_: float) -> Step:
+            asked.append(len(trial))
+            found = np.array(box(trial, pressure, stiffness).stress)
+            if stiffness[0, 0] == 2.0 and (at := trial[:, 0] == 11.0).any():
+                fault(trial)
+                found[at] *= 1.5
+            return Step(found)
+
+        return Query(Region(duhem.load("box"), BOX), case, update, (), 1e-9, every=7, turn=turn)
+
+    wrong = query(lambda trial: trial.fill(0.0))
+    assert wrong.some.rows.tolist() == [3, 10]
+    found = judged(check("stiffness-scale"), wrong)
+    assert found is not None and found[0] == 10
+    assert np.flatnonzero(wrong.overwritten != "").tolist() == [3, 10]
+    assert asked == [14 + 4 * 2, 2] and sum(part.points for part in wrong.parts) == sum(asked)
+    with pytest.raises(NothingToCheck):
+        judged(check("stiffness-scale"), query(lambda _: None, turn=1))
+
+    def endless(_: Array) -> None:
+        raise Unfinished("endless")
+
+    with pytest.raises(Unfinished) as fault:
+        judged(check("stiffness-scale"), query(endless))
+    assert fault.value.row == 10

@@ -100,7 +100,8 @@ class HistoryQuery(Query):
         """:meth:`step` of all the rows; rows that the routine flags are not judged.  Raises NoReply."""
         try:
             after = self.step(before, trial, pressure, duration)
-        except Unfinished:
+        except Unfinished as fault:
+            fault.row = None if fault.row is None else int(self.rows[fault.row])
             raise
         except Exception as fault:
             raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
