@@ -12,7 +12,7 @@ import sympy as sp
 
 import duhem
 from duhem.derivation import Derivation, derive
-from duhem.derivation.numerical_check import sample_values
+from duhem.derivation.numerical_check import sample_values, varies
 from duhem.errors import InputError
 from duhem.expression import mpmath_
 from duhem.expression.parse import parse_expression
@@ -437,3 +437,17 @@ def test_any_number_of_forces_and_clashing_names() -> None:
 def test_public_names() -> None:
     assert duhem.derive("coulomb")["criterion"].rhs == load("coulomb").g
     assert set(LAWS) <= set(names())
+
+
+def test_a_degree_with_a_symbol_in_it_gives_the_dissipation_without_stress() -> None:
+    law = Criterion(
+        "powers", "(sigma_a**2 + sigma_b**2)**m + sigma_a**2*(sigma_b**2)**(m - 1) - s**m", {"m": POSITIVE, "s": POSITIVE}, pressure=None
+    )
+    known = law.symbols()
+    assert derive(law)["dissipation"].rhs.coeff(sp.Symbol("lambda_dot", nonnegative=True)) == 2 * known["m"] * known["s"] ** known["m"]
+
+
+def test_numbers_tell_that_a_quotient_depends_on_the_stress() -> None:
+    law = Criterion("mixed", "sigma_a**2 + mu*sigma_b - 1", {"mu": POSITIVE}, pressure=None)
+    a, b = law.force_symbols()
+    assert varies(law, (2 * a**2 + b) / (a**2 + b)) and not varies(law, (2 * a**2 + 2 * b) / (a**2 + b))
