@@ -12,6 +12,7 @@ import sympy as sp
 
 import duhem
 from duhem.derivation import Derivation, derive
+from duhem.derivation.evolution import _degree
 from duhem.derivation.numerical_check import sample_values, varies
 from duhem.errors import InputError
 from duhem.expression import mpmath_
@@ -441,10 +442,19 @@ def test_public_names() -> None:
 
 def test_a_degree_with_a_symbol_in_it_gives_the_dissipation_without_stress() -> None:
     law = Criterion(
-        "powers", "(sigma_a**2 + sigma_b**2)**m + sigma_a**2*(sigma_b**2)**(m - 1) - s**m", {"m": POSITIVE, "s": POSITIVE}, pressure=None
+        "powers",
+        "(norm(sigma_a, sigma_b) + mu*sigma_a)**m + (norm(sigma_a, 2*sigma_b) - sigma_b/3)**m - s**m",
+        {"m": POSITIVE, "s": POSITIVE, "mu": POSITIVE},
+        pressure=None,
     )
     known = law.symbols()
-    assert derive(law)["dissipation"].rhs.coeff(sp.Symbol("lambda_dot", nonnegative=True)) == 2 * known["m"] * known["s"] ** known["m"]
+    assert derive(law)["dissipation"].rhs.coeff(sp.Symbol("lambda_dot", nonnegative=True)) == known["m"] * known["s"] ** known["m"]
+
+
+def test_the_degree_is_seen_in_the_form() -> None:
+    a, b, m = (sp.Symbol(name, real=True) for name in "abm")
+    assert _degree((sp.Abs(a) + 2 * b) ** m + 3 * a**2 * (a * b) ** (m / 2 - 1), (a, b)) == m
+    assert _degree(a**m + a**2, (a, b)) is None and _degree(sp.cos(a) * b, (a, b)) is None and _degree(m**2, (a, b)) == 0
 
 
 def test_numbers_tell_that_a_quotient_depends_on_the_stress() -> None:
