@@ -1,6 +1,7 @@
 """An inquiry that some rows do not survive, in a module that another process can import."""
 
 import os
+import subprocess
 from dataclasses import dataclass
 
 from duhem.screening.inquiries import Answered
@@ -16,6 +17,7 @@ class Poison:
     hang: int = 0
     memory: int = 0
     fault: int = 0
+    sleep: int = 0
     names: tuple[str, ...] = NAMES
 
     def told(self):
@@ -28,6 +30,8 @@ class Poison:
             case self.hang:
                 while True:
                     pass
+            case self.sleep:
+                subprocess.run(["sleep", "600"])
             case self.memory:
                 bytearray(40 * 10**9)
             case self.fault:

@@ -162,6 +162,15 @@ def test_a_row_that_takes_too_much_is_ended(how, said):
     assert [json.loads(text)[0][4] for text in found] == ["proved", None, "proved", "proved"] and said in found[1]
 
 
+def test_a_row_that_waits_for_ever_is_ended_with_what_it_started(monkeypatch):
+    monkeypatch.setattr(pool, "_WAITED", 1.0)
+    campaign = Campaign((mu(range(1, 4)),), Poison(sleep=2), seconds=0.5)
+    with pool.Pool(campaign, 1) as processes:
+        found = sorted(processes.texts([range(1, 4)]))
+    assert [json.loads(text)[0][4] for text in found] == ["proved", None, "proved"]
+    assert json.loads(found[1])[0][-1] == "it waits: more than 1.5 s have passed, and it has not taken 0.5 s of the processor"
+
+
 @pytest.mark.long
 def test_a_process_that_somebody_ends_costs_no_row(folder):
     campaign = replace(file.read(folder / "campaign.toml"), out=None)

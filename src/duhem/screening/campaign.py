@@ -21,7 +21,7 @@ class Campaign:
     """Rows in ``blocks``, numbered from 1 on, and the ``inquiry`` put to each.
 
     What a verdict may cost is counted in steps, by the inquiry; beyond ``seconds`` of the processor or ``memory`` gigabytes more than
-    its process has at the start, a row is ended with its process.
+    its process has at the start, a row is ended with its process; and so is one that waits, by the clock, ten times ``seconds`` and more.
     """
 
     blocks: tuple[RowBlock, ...]

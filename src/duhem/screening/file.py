@@ -4,7 +4,7 @@
 claims = ["origin", "convexity"]              # left out: all of them
 effort = "normal"                             # quick, normal or thorough: the steps that a claim may cost
 out = "table.csv"                             # or .parquet; the command line's --out comes first
-seconds = 600                                 # of the processor; a row that takes more is ended with its process
+seconds = 600                                 # of the processor; a row that takes more, or waits ten times as long, is ended
 memory = 4                                    # GB that a row may ask for
 
 [[rows]]

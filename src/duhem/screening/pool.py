@@ -2,6 +2,9 @@
 
 Whatever ends a process may have come from outside, or from rows before: the row it worked on is asked again in a fresh process, and
 only what that says stands.  So lines do not depend on which rows shared a process.
+
+A row that waits for ever (a lock, a pipe, a sleep) takes none of the processor's seconds that end a row.  Under it is a net of the
+clock's: ten times those seconds, twice in turn, which no row meets that has work to do.
 """
 
 from __future__ import annotations
@@ -34,6 +37,9 @@ _RESIDENT = 256_000_000  # bytes: of a process that has done so many, and is rep
 _STARTS = 5  # processes in turn that end before they could begin: somebody may end one, not all
 _PATIENCE = 10.0  # s: a process that speaks no more is waited for
 _NO_MEMORY = f"with exit code {worker.NO_MEMORY}"
+_WAITED = 10.0  # by the clock, of the processor's seconds that a row may take
+_START = 300.0  # s by the clock, of a process that is to begin
+_WAITS = "as it only waits"
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -46,7 +52,7 @@ class _Worker:
     """One worker: the rows that it is to do yet, and how many it has done."""
 
     def __init__(self, campaign: bytes) -> None:
-        self.left, self.done, self.ready, self.since = range(0), 0, False, 0.0
+        self.left, self.done, self.ready, self.since, self.waits = range(0), 0, False, time.monotonic(), False
         self.link, far = Pipe()
         command = [*_COMMAND, str(far.fileno())]
         environment = {**os.environ, **dict.fromkeys(_ONE_THREAD, "1")}
@@ -70,9 +76,10 @@ class _Worker:
             self.link.send((rows.start, rows.stop))
 
     def close(self) -> None:
-        """End it, whatever it does."""
+        """End it, whatever it does, and what it has started."""
         self.link.close()
-        self.child.kill()
+        with suppress(OSError):
+            os.killpg(self.child.pid, signal.SIGKILL)
         self.child.wait()
 
     def swollen(self) -> bool:
@@ -87,6 +94,9 @@ class _Worker:
 
     def ended(self) -> str:
         """How it ended, which speaks no more."""
+        if self.waits:
+            self.close()
+            return _WAITS
         self.link.close()
         try:
             code = self.child.wait(_PATIENCE)
@@ -108,6 +118,7 @@ class Pool:
         self._ended_one = set[int]()
         self._seconds, self._rows = 0.0, 0
         self._stillborn = 0
+        self._patience = _WAITED * (campaign.seconds + 1.0)  # the kernel counts whole seconds
 
     def __enter__(self) -> Pool:
         return self
@@ -123,7 +134,10 @@ class Pool:
         while self._waiting or self._alone or any(p.left for p in self._processes):
             self._hand_out()
             busy = [p for p in self._processes if p.left or not p.ready]
-            speaking = wait([p.link for p in busy])
+            speaking = wait([p.link for p in busy], max(0.0, min(map(self._until, busy)) - time.monotonic()))
+            for process in [p for p in busy if p.link not in speaking and time.monotonic() > self._until(p)]:
+                process.waits = True
+                yield from self._given_up(process)
             for process in (p for p in busy if p.link in speaking):
                 try:
                     said = process.link.recv_bytes()
@@ -166,6 +180,10 @@ class Pool:
             self._waiting.appendleft(first[count:])
         return first[:count]
 
+    def _until(self, process: _Worker) -> float:
+        """When by the clock the row of a process, or its start, counts as one that waits for ever."""
+        return process.since + (self._patience if process.ready else max(self._patience, _START))
+
     def _cost(self, process: _Worker) -> None:
         """What a row took, as the chunks that follow are cut by it."""
         now = time.monotonic()
@@ -196,4 +214,8 @@ class Pool:
             return f"it asks for more than {self.campaign.memory:g} GB of memory"
         if how == "by SIGXCPU":
             return f"it takes more than {self.campaign.seconds:g} s of the processor"
+        if how == _WAITS:
+            return (
+                f"it waits: more than {self._patience:g} s have passed, and it has not taken {self.campaign.seconds:g} s of the processor"
+            )
         return f"its process ended {how}"
