@@ -65,7 +65,7 @@ STICK, SLIP, LEFT = 0, 1, 2
 ANGLE, LOOSE, DEPTH, TIP, ORIGIN = 1e-12, 1e-10, 1e-14, 1e-14, 1e-12  # as in the search
 STEPS, HALVINGS, ROUNDS = 40, 7, 8
 PROGRESS, CLOSE = 0.9, 1e-10  # so close a step that leaves more of the error is the last
-SETTLED = 2e-16  # a rounding of 1: at 1e-15 one point in ten keeps an error that another step takes away
+SETTLED, ROUNDED = 1e-15, 2e-16  # what is between them a step takes away that is not looked at again
 
 
 def solve(
@@ -267,10 +267,15 @@ def newton(v: Any, m: Any, a: Any, q: Any, held: Any, count: int, natural: bool,
         error = state_of(v, m, a, q, held, count, natural, root, inverse)
         if error < before:
             slow = not error < PROGRESS * before and error < CLOSE
-            if error <= SETTLED or slow or steps == STEPS or not directed(v, m, a, count, root):
+            if error <= ROUNDED or slow or steps == STEPS or not directed(v, m, a, count, root):
                 return error
             for i in range(D):
                 v[BEST, i] = v[X, i]
+            if error <= SETTLED:
+                if length(v, STEP) <= DEPTH * (1.0 + length(v, U)):
+                    for i in range(D):
+                        v[X, i] += v[STEP, i]
+                return error
             before, part, tries, steps = error, 1.0, 0, steps + 1
         elif part == 0.0 or before == np.inf:  # the best there is
             return error
