@@ -15,6 +15,7 @@ from itertools import combinations, pairwise
 
 import sympy as sp
 
+from duhem.expression.extremes import greatest
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
 __all__ = ["Gauge", "Holder", "Polytope", "Quadratic", "Separable", "Side", "sign_of"]
@@ -120,7 +121,8 @@ class Holder:
         sizes = [part.polar(z) for part, z in zip(self.parts, blocks, strict=True)]
         if q is sp.oo:
             marks = [[sp.S.One if i == j else sp.S.Zero for j in range(len(sizes))] for i in range(len(sizes))]
-            chosen = [_at_greatest(sizes, mark) for mark in marks]
+            most = greatest(*sizes)
+            chosen = [_at_greatest(most, sizes, mark) for mark in marks]
             return tuple(w * y for w, part, z in zip(chosen, self.parts, blocks, strict=True) for y in part.maximiser(z))
         total = self.polar(c) if q == 2 else sp.Add(*[s**q for s in sizes]) ** sp.cancel((q - 1) / q)
         found: list[sp.Expr] = []
@@ -258,7 +260,9 @@ class Polytope(Gauge):
         return [sp.Add(*[v * c for v, c in zip(vertex, d, strict=True)]) for vertex in self.vertices]
 
     def maximiser(self, d: Sequence[sp.Expr]) -> Exprs:
-        return tuple(_at_greatest(self._products(d), column) for column in zip(*self.vertices, strict=True))
+        products = self._products(d)
+        most = greatest(*products)
+        return tuple(_at_greatest(most, products, column) for column in zip(*self.vertices, strict=True))
 
     def domain(self, d: Sequence[sp.Expr]) -> Exprs:
         return _null_forms(self.rows, d)
@@ -294,15 +298,15 @@ def _power_norm(p: sp.Expr, sizes: list[sp.Expr]) -> sp.Expr:
     if p == 1:
         return sp.Add(*sizes)
     if p is sp.oo:
-        return sp.Max(*sizes)
+        return greatest(*sizes)
     return Norm(*sizes) if p == 2 else sp.Add(*[s**p for s in sizes]) ** sp.cancel(1 / p)
 
 
-def _at_greatest(sizes: Sequence[sp.Expr], values: Sequence[sp.Expr]) -> sp.Expr:
-    """The value that belongs to the first greatest of ``sizes``."""
-    greatest, chosen = sp.Max(*sizes), values[-1]
+def _at_greatest(most: sp.Expr, sizes: Sequence[sp.Expr], values: Sequence[sp.Expr]) -> sp.Expr:
+    """The value that belongs to the first of ``sizes`` that is the greatest, ``most``."""
+    chosen = values[-1]
     for size, value in zip(reversed(sizes[:-1]), reversed(values[:-1]), strict=True):
-        chosen = Where(size >= greatest, value, chosen)
+        chosen = Where(size >= most, value, chosen)
     return chosen
 
 
@@ -316,7 +320,7 @@ def _greatest(forms: Sequence[sp.Expr]) -> sp.Expr:
             left.remove(opposite)
             form = sp.Abs(form)
         terms.append(form)
-    return sp.Max(*terms)
+    return greatest(*terms)
 
 
 def _root_form(matrix: sp.Matrix, x: Sequence[sp.Expr]) -> sp.Expr:

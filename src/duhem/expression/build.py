@@ -13,6 +13,7 @@ import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
+from duhem.expression.extremes import greatest, least
 from duhem.expression.floats import approximate
 from duhem.expression.inert_number import InertNumber, inert_exponent
 from duhem.expression.vocabulary import NODES, WORDS, Atan2
@@ -23,6 +24,7 @@ MOST_BITS = 8192
 MOST_EXPONENT = 1000
 MOST_NUMERIC_EXPONENT = 64
 MOST_ARGUMENTS = 32
+_BUILT = {"max": greatest, "min": least}
 _INFINITE = tuple(map(type, (sp.nan, sp.zoo, sp.oo, -sp.oo)))
 _REWRITE = "write it with real numbers, declared names, + - * / ** and the words of the language"
 
@@ -58,7 +60,7 @@ def power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
 
 def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     """A word of the vocabulary applied to its arguments."""
-    # SymPy flattens nested Min and Max and compares every pair, so it is the flattened count that is bounded.
+    # Nested Min and Max are flattened and every pair compared, so it is the flattened count that is bounded.
     count = sum(len(a.args) if isinstance(a, (sp.Min, sp.Max)) else 1 for a in args)
     if count > MOST_ARGUMENTS:
         raise InputError(f"{word} has {count} arguments", remedy=f"at most {MOST_ARGUMENTS} are read")
@@ -71,7 +73,7 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
     if word == "exp" and args[0].is_number and approximate(args[0]) > 700:
         raise InputError("the value is too large", remedy="exp takes arguments up to 700")
     # SymPy turns tan(x + pi/2) into -cot(x), which is no word of ours.
-    return _checked(WORDS[word].build(*args).replace(sp.cot, lambda x: 1 / sp.tan(x)))
+    return _checked(_BUILT.get(word, WORDS[word].build)(*args).replace(sp.cot, lambda x: 1 / sp.tan(x)))
 
 
 def relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:

@@ -1,8 +1,10 @@
-"""Constants in double precision, with Python's own arithmetic: quick, and enough to tell what is too large or not real."""
+"""Values in double precision, with Python's own arithmetic: quick, and enough to tell what is too large or not real."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import sympy as sp
 
@@ -11,18 +13,27 @@ from duhem.expression.fold import Table, fold
 from duhem.expression.matrices import deviator
 from duhem.expression.vocabulary import Atan2, EigMax, Neg, Norm, Pos, Where
 
-__all__ = ["TABLE", "approximate"]
+__all__ = ["TABLE", "approximate", "value_at"]
 
 
 def approximate(expr: sp.Expr) -> float:
     """The value of a constant in double precision; InputError if it is not real and finite."""
     try:
-        value = fold(expr, TABLE, float)
+        value = value_at(expr, {})
     except (OverflowError, ValueError, ZeroDivisionError, TypeError):
         value = math.nan
     if isinstance(value, complex) or not math.isfinite(value):
         raise InputError("the value is not real and finite, or too large", remedy="keep every part of the formula real and finite")
     return float(value)
+
+
+def value_at(expr: sp.Expr, point: Mapping[sp.Symbol, float]) -> float:
+    """The value where the symbols have those of ``point``; what Python raises where there is none."""
+
+    def leaf(node: Any) -> float:
+        return point[node] if node in point else float(node)
+
+    return fold(expr, TABLE, leaf)
 
 
 def _power(_: sp.Basic, base: float, exponent: float) -> float:

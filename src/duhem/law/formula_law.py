@@ -18,6 +18,7 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import NONE, Abbreviations
+from duhem.expression.extremes import greatest
 from duhem.expression.given import given_relation
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
@@ -123,11 +124,11 @@ class Criterion(Verbatim, ShownLaw):
         whole = YieldSurface(self.g, self.flow, self.potential, self.written, self.written_flow)
         whole = whole.read(known, self.force_symbols(), short, self.name)
         if surfaces:
-            greatest, texts = sp.Max(*(s.g for s in surfaces)), [s.written for s in surfaces]
-            if whole.g not in (sp.nan, greatest) or whole.flow is not None:
+            most, texts = greatest(*(s.g for s in surfaces)), [s.written for s in surfaces]
+            if whole.g not in (sp.nan, most) or whole.flow is not None:
                 what = "a law of several surfaces has its g and its flow from them"
                 raise InputError(what, where=self.name, remedy="leave g, flow and potential out")
-            whole = YieldSurface(greatest, written=f"max({', '.join(texts)})" if all(texts) else "")
+            whole = YieldSurface(most, written=f"max({', '.join(texts)})" if all(texts) else "")
         put = object.__setattr__
         put(self, "surfaces", tuple(surfaces))
         for name in ("g", "flow", "potential", "written", "written_flow"):
