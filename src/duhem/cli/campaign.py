@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from time import monotonic
+from typing import TYPE_CHECKING
 
 import click
 
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
 from duhem.cli.output import Progress, page, say
+
+if TYPE_CHECKING:
+    from duhem.screening.campaign import Campaign
 
 __all__ = ["campaign"]
 
@@ -18,7 +23,8 @@ __all__ = ["campaign"]
 @click.option("--scheduler", metavar="ADDRESS", help="The scheduler of a Dask cluster, by address or by the file that it wrote.")
 @click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped.")
 @click.option("--out", metavar="FILE", help="Write the table as .csv or .parquet; left out, the one that the campaign names.")
-def campaign(campaign_file: str, workers: int | None, scheduler: str | None, resume: bool, out: str | None) -> int:
+@click.option("--row", metavar="N", type=click.IntRange(min=1), help="Ask this row alone, and print its lines as JSON.")
+def campaign(campaign_file: str, workers: int | None, scheduler: str | None, resume: bool, out: str | None, row: int | None) -> int:
     """Ask every row of CAMPAIGN, a TOML file: laws times parameter sets, one line of the table a row and claim.
 
     A row whose law cannot be read, or that crashes, hangs or asks for too much memory, is a row with its reason and harms no other.
@@ -26,13 +32,18 @@ def campaign(campaign_file: str, workers: int | None, scheduler: str | None, res
     example through dask-jobqueue, whose workers see the files that the campaign names.  A campaign that is interrupted (Ctrl-C, SIGTERM) or
     killed keeps what is done beside the table, and --resume goes on from there.
 
-    Exit codes: 1 where a line is refuted, 4 where a row has an error instead of verdicts, which comes first.
+    Exit codes: 1 where a claim is refuted or an increment flagged, 4 where a row has an error instead, which comes first.
     """
     from duhem.errors import InputError
     from duhem.screening import entry, file
     from duhem.show.printing import text
+    from duhem.vouched.increments import project
 
-    asked = file.read(campaign_file)
+    asked = file.read(campaign_file, project=project)
+    if row is not None:
+        if scheduler is not None or resume or out is not None:
+            raise InputError("one row is asked here, and its lines are printed", where="--row", remedy="leave the other options out")
+        return _alone(asked, row)
     table = asked.out if out is None else out  # an empty name is refused, not taken for none
     if table is None:
         raise InputError("there is no place for the table", where=campaign_file, remedy='write out = "table.csv" in [campaign], or --out')
@@ -62,6 +73,20 @@ def campaign(campaign_file: str, workers: int | None, scheduler: str | None, res
             return INTERRUPTED
     say(text(summary, page()))
     return FAILED if summary.errors else REFUTED if summary.refuted else HELD
+
+
+def _alone(asked: Campaign, row: int) -> int:
+    from duhem.errors import InputError
+    from duhem.screening.lines import lines_of
+    from duhem.screening.pool import Pool
+    from duhem.screening.summary import AGAINST
+
+    if row > len(asked):
+        raise InputError(f"there are {len(asked)} rows", where=f"--row {row}", remedy="give the number of one of them")
+    with Pool(asked, 1) as pool:
+        lines = [line for text in pool.texts([range(row, row + 1)]) for line in lines_of(text)]
+    say(json.dumps([line._asdict() for line in lines], indent=2, ensure_ascii=False))
+    return FAILED if lines[0].error else REFUTED if any(line.verdict in AGAINST for line in lines) else HELD
 
 
 def _duration(seconds: float) -> str:

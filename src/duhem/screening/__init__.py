@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from duhem.screening.entry import campaign
+from duhem.screening.increments import Increments, Trials
 from duhem.screening.summary import Summary
 
-__all__ = ["Summary", "campaign"]
+__all__ = ["Increments", "Summary", "Trials", "campaign"]

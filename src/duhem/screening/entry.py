@@ -12,7 +12,8 @@ from duhem.law.curve_law import Law
 from duhem.screening import file
 from duhem.screening.campaign import Campaign
 from duhem.screening.cluster import Cluster
-from duhem.screening.inquiries import Claimed
+from duhem.screening.increments import Project
+from duhem.screening.inquiries import Claimed, Inquiry
 from duhem.screening.lines import VerdictLine, lines_of, number_of
 from duhem.screening.pool import Pool, cores
 from duhem.screening.rows import given
@@ -37,12 +38,16 @@ def campaign(
     workers: int | None = None,
     scheduler: str | os.PathLike[str] | None = None,
     resume: bool = False,
+    ask: Inquiry | None = None,
+    project: Project | None = None,
     on_row: OnRow | None = None,
     on_start: Callable[[str], None] | None = None,
 ) -> Summary:
     """Ask many laws at once, each row in a process that may fail without harm to the others.
 
-    ``rows`` is a campaign file, or laws and pairs of a law and its parameters.  ``out`` is the table, .csv or .parquet, one line a row
+    ``rows`` is a campaign file, or laws and pairs of a law and its parameters.  Asked are ``claims``, all of them or what the file says if
+    left out, or ``ask``, such as :class:`duhem.screening.Increments`; where a file asks increments, ``project`` is
+    :func:`duhem.project`, which solves them.  ``out`` is the table, .csv or .parquet, one line a row
     and claim; without one the lines are in the summary.  ``workers`` processes (the cores, if left out) give the same table, and so does
     a Dask cluster, whose ``scheduler`` is given by its address or file (extra ``cluster``).  While it runs, what is done is kept beside
     ``out``, and ``resume`` goes on from there; ``on_row`` is called with the rows done and all, ``on_start`` with a cluster's
@@ -51,7 +56,7 @@ def campaign(
     Raises InputError for a campaign that cannot be asked, StoppedCampaign, a KeyboardInterrupt, when interrupted.  What is wrong with a row
     is in its lines: a law that cannot be read, a value outside its domain, a process that crashed or took too much.
     """
-    asked = _read(rows, claims)
+    asked = _read(rows, claims, ask, project)
     table = asked.out if out is None else os.fspath(out)
     if workers is not None and (not isinstance(workers, int) or isinstance(workers, bool) or workers < 1):
         raise InputError(f"{workers!r} workers", where="workers", remedy="give a whole number from 1 on")
@@ -67,23 +72,27 @@ def campaign(
         return _gathered(asked, pool, on_row) if table is None else _written(asked, pool, table, resume, on_row)
 
 
-def _read(rows: str | os.PathLike[str] | Pairs | Campaign, claims: Iterable[str] | None) -> Campaign:
+def _read(
+    rows: str | os.PathLike[str] | Pairs | Campaign, claims: Iterable[str] | None, ask: Inquiry | None, project: Project | None
+) -> Campaign:
     from duhem.proof.verification import wanted_claims
 
+    if claims is not None and ask is not None:
+        raise InputError("claims and something else are asked", where="ask", remedy="leave one of them out")
     if isinstance(rows, Campaign):
         return rows
     if isinstance(rows, str | os.PathLike):
-        read = file.read(rows)
-        if claims is None:
-            return read
-        effort = read.inquiry.effort if isinstance(read.inquiry, Claimed) else "normal"
-        return replace(read, inquiry=Claimed(wanted_claims(claims), effort))
+        read = file.read(rows, project=project)
+        if claims is not None:
+            effort = read.inquiry.effort if isinstance(read.inquiry, Claimed) else "normal"
+            ask = Claimed(wanted_claims(claims), effort)
+        return read if ask is None else replace(read, inquiry=ask)
     if not isinstance(rows, Iterable):
         raise InputError(f"{type(rows).__name__} is no campaign", where="rows", remedy="give a campaign file, or laws")
     pairs = tuple(each if isinstance(each, tuple) else (each, None) for each in rows)
     if not pairs:
         raise InputError("there are no rows", where="rows", remedy="give at least one law")
-    return Campaign((given(pairs),), Claimed(wanted_claims(claims)))
+    return Campaign((given(pairs),), Claimed(wanted_claims(claims)) if ask is None else ask)
 
 
 def _gathered(asked: Campaign, pool: Pool | Cluster, on_row: OnRow | None) -> Summary:

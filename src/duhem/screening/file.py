@@ -1,6 +1,7 @@
 """Campaigns from TOML: what is asked, and of which rows; a mistake is told with file, line and column.
 
 [campaign]
+ask = "claims"                                # left out: claims; or increments, told below in a table of that name
 claims = ["origin", "convexity"]              # left out: all of them
 effort = "normal"                             # quick, normal or thorough: the steps that a claim may cost
 out = "table.csv"                             # or .parquet; the command line's --out comes first
@@ -20,6 +21,14 @@ draw = { n = 1000, seed = 1, e = [0, 1] }     # drawn in the domains of the para
 law = "quartic.toml"
 table = "coefficients.csv"                    # or .parquet; columns are named as parameters
 columns = ["c40", "c22"]                      # only these; left out, all of them
+
+[increments]                                  # asked of each row with ask = "increments"
+n = 1000                                      # trial stresses drawn about K; or table = "trials.csv", columns named as forces and pressure
+seed = 1
+pressure = -1                                 # of the drawn ones, in Pa
+stiffness = 1                                 # in Pa/m: one number, one a force, or the matrix row by row
+method = "auto"                               # closed-form, newton, cvxpy
+convex = "ask"                                # what is known of K: ask, require, assume
 """
 
 from __future__ import annotations
@@ -36,9 +45,9 @@ from duhem.expression.number import exact_number, fraction, ratio
 from duhem.expression.spelling import spelled
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import Key, meant, parsed, text_of
-from duhem.law.section_reader import SectionReader
 from duhem.screening.campaign import Campaign
-from duhem.screening.inquiries import Claimed
+from duhem.screening.increments import Project
+from duhem.screening.inquiry_file import SECTIONS, InquiryReader
 from duhem.screening.rows import AsStated, Draw, Grid, LawName, RowBlock, Span, TableRows
 from duhem.screening.value_table import cells_in_lines
 
@@ -46,35 +55,39 @@ __all__ = ["read", "reads"]
 
 MOST_BYTES = 1_000_000
 MOST_ROWS = 10_000_000
-_CAMPAIGN = ("claims", "effort", "out", "seconds", "memory")
+_CAMPAIGN = ("ask", "claims", "effort", "out", "seconds", "memory")
 _ROWS = ("laws", "law", "set", "grid", "draw", "table", "columns")
 _KINDS = ("grid", "draw", "table")
 
 
-def read(file: str | os.PathLike[str]) -> Campaign:
-    """The campaign of a TOML file; InputError names file, line and column of what is wrong in it."""
+def read(file: str | os.PathLike[str], *, project: Project | None = None) -> Campaign:
+    """The campaign of a TOML file; InputError names file, line and column of what is wrong in it.
+
+    ``project`` is :func:`duhem.project`, which solves increments where they are asked.
+    """
     text = text_of(file, "campaign", MOST_BYTES, large="put the values into a table")
-    return reads(text, where=f"{file}", folder=Path(file).parent)
+    return reads(text, where=f"{file}", folder=Path(file).parent, project=project)
 
 
-def reads(text: str, where: str = "campaign", folder: str | os.PathLike[str] = ".") -> Campaign:
+def reads(text: str, where: str = "campaign", folder: str | os.PathLike[str] = ".", *, project: Project | None = None) -> Campaign:
     """The campaign written in ``text``; files it names are looked for in ``folder``."""
-    return _CampaignReader(parsed(text, where, number=Decimal)).campaign(Path(folder))
+    return _CampaignReader(parsed(text, where, number=Decimal)).campaign(Path(folder), project)
 
 
-class _CampaignReader(SectionReader):
+class _CampaignReader(InquiryReader):
     """From the document of a campaign to its value; stops at the first fault."""
 
-    def campaign(self, folder: Path) -> Campaign:
-        self.keys("", self.document, ("campaign", "rows"))
+    def campaign(self, folder: Path, project: Project | None) -> Campaign:
+        self.keys("", self.document, ("campaign", "rows", *SECTIONS))
         head = self.document.get("campaign", {})
         if not isinstance(head, dict):
             raise self.error("campaign is not a table", "campaign", remedy="write [campaign] on a line of its own")
         self.keys("campaign", head, _CAMPAIGN)
+        inquiry, tables = self.inquiry(head, folder, project)
         given = self.document.get("rows")
         if not isinstance(given, list) or not given or not all(isinstance(each, dict) for each in given):
             raise self.error("there are no [[rows]]", "rows", remedy='write for example [[rows]] and below it laws = ["coulomb"]')
-        blocks, inputs = list[RowBlock](), [self.where]
+        blocks, inputs = list[RowBlock](), [self.where, *tables]
         for i in range(len(given)):
             block, files = self.block(i, folder)
             blocks.append(block)
@@ -84,33 +97,12 @@ class _CampaignReader(SectionReader):
         out = self.string("campaign", "out", required=False) if "out" in head else ""
         return Campaign(
             tuple(blocks),
-            Claimed(self.claims(head), self.effort(head)),
+            inquiry,
             seconds=self.limit(head, "seconds", 600.0),
             memory=self.limit(head, "memory", 4.0),
             out=str(folder / out) if out else None,
             inputs=tuple(inputs),
         )
-
-    # -- what is asked -----------------------------------------------------------------------------------------
-
-    def claims(self, head: Mapping[str, Any]) -> tuple[str, ...]:
-        from duhem.proof.claims import CLAIMS
-
-        asked = head.get("claims", list(CLAIMS))
-        if not isinstance(asked, list) or not asked:
-            raise self.error("claims is not a list of claims", "campaign", "claims", remedy=f"the claims are: {', '.join(CLAIMS)}")
-        for i, name in enumerate(asked):
-            if not isinstance(name, str) or name not in CLAIMS:
-                raise self.error(f"unknown claim {str(name)[:40]!r}", "campaign", "claims", i, remedy=meant(f"{name}", CLAIMS))
-        return tuple(dict.fromkeys(asked))
-
-    def effort(self, head: Mapping[str, Any]) -> str:
-        from duhem.proof.decide import EFFORTS
-
-        effort = head.get("effort", "normal")
-        if effort not in EFFORTS:
-            raise self.error(f"unknown effort {str(effort)[:40]!r}", "campaign", "effort", remedy=f"one of: {', '.join(EFFORTS)}")
-        return str(effort)
 
     def limit(self, head: Mapping[str, Any], key: str, usual: float) -> float:
         given = head.get(key, usual)

@@ -12,11 +12,13 @@ from os import path
 from typing import ClassVar
 
 from duhem.screening.campaign import Campaign
+from duhem.screening.inquiries import Claimed
 from duhem.screening.lines import VerdictLine
 from duhem.show.shown import Shown
 
 __all__ = ["Counts", "Summary", "alone"]
 
+AGAINST = ("refuted", "flagged")
 _NAMED = 3  # rows of a kind
 _REASONS = 50  # that are counted each by itself
 _WORDS = 160  # characters of one
@@ -52,8 +54,8 @@ class Summary(Shown):
 
     @property
     def refuted(self) -> int:
-        """How many lines are refuted."""
-        return sum(count for (_, verdict), count in self.verdicts.items() if verdict == "refuted")
+        """How many lines speak against their law, or what was tested: refuted claims, flagged increments."""
+        return sum(count for (_, verdict), count in self.verdicts.items() if verdict in AGAINST)
 
 
 class Counts:
@@ -84,7 +86,7 @@ class Counts:
             if line.row != self._last:
                 self._errors[self._reason(line.error)] += 1
             self._failed += [line] if len(self._failed) < _NAMED and line.row != self._last else []
-        elif line.verdict in ("undecided", "tested"):
+        elif line.verdict in ("undecided", "tested", "flagged"):
             self._open += [line] if len(self._open) < _NAMED else []
         heapq.heappush(self._slowest, (line.seconds, -line.row, line))
         if len(self._slowest) > _NAMED:
@@ -116,6 +118,8 @@ class Counts:
 
 def alone(campaign: Campaign, number: int) -> str:
     """The command that asks one row alone; for a law that is a value in a program, the call."""
+    if not isinstance(campaign.inquiry, Claimed):
+        return shlex.join(["duhem", "campaign", campaign.inputs[0], f"--row={number}"]) if campaign.inputs else f"row {number} alone"
     row = campaign.row(number)
     claims = campaign.inquiry.names
     if row.name.value is not None and row.name.path is None:

@@ -11,7 +11,7 @@ from duhem.show.printing import text
 
 __all__ = ["as_text"]
 
-_ORDER = ("proved", "refuted", "tested", "undecided", "not_applicable", "none")
+_ORDER = ("proved", "refuted", "tested", "undecided", "not_applicable", "ok", "flagged", "none")
 _MOST = 12  # methods and reasons that are listed
 
 
@@ -20,7 +20,7 @@ def as_text(summary: Summary, page: Page = PAGE) -> str:
     """The summary; a row is named by its number, which the table has too."""
     return page.report(
         [
-            [f"{summary.rows} rows, {summary.seconds:.1f} s of claims" + (f"; {summary.table}" if summary.table else "")],
+            [f"{summary.rows} rows, {summary.seconds:.1f} s in all" + (f"; {summary.table}" if summary.table else "")],
             page.table([*_verdicts(summary)], "lr"),
             page.table([*_methods(summary)], "llr"),
             page.items("Without verdict", _reasons(summary)),
