@@ -24,29 +24,59 @@ __all__ = ["campaign"]
 @click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped.")
 @click.option("--out", metavar="FILE", help="Write the table as .csv or .parquet; left out, the one that the campaign names.")
 @click.option("--row", metavar="N", type=click.IntRange(min=1), help="Ask this row alone, and print its lines as JSON.")
-def campaign(campaign_file: str, workers: int | None, scheduler: str | None, resume: bool, out: str | None, row: int | None) -> int:
+@click.option("--plot", "picture", metavar="FILE", help="Also draw verdicts over the parameters that vary: .png, .svg, .pdf, ...")
+@click.option("--axes", metavar="A,B", help="One or two parameters to draw over, where more of them vary.")
+def campaign(
+    campaign_file: str,
+    workers: int | None,
+    scheduler: str | None,
+    resume: bool,
+    out: str | None,
+    row: int | None,
+    picture: str | None,
+    axes: str | None,
+) -> int:
     """Ask every row of CAMPAIGN, a TOML file: laws times parameter sets, one line of the table a row and claim.
 
     A row whose law cannot be read, or that crashes, hangs or asks for too much memory, is a row with its reason and harms no other.
     The table is the same from any number of workers, but for the seconds; --scheduler asks a Dask cluster (extra cluster), of SLURM for
     example through dask-jobqueue, whose workers see the files that the campaign names.  A campaign that is interrupted (Ctrl-C, SIGTERM) or
-    killed keeps what is done beside the table, and --resume goes on from there.
+    killed keeps what is done beside the table, and --resume goes on from there.  With --plot CAMPAIGN may be a finished table, which is
+    drawn and not asked again.
 
     Exit codes: 1 where a claim is refuted or an increment flagged, 4 where a row has an error instead, which comes first.
     """
     from duhem.errors import InputError
-    from duhem.screening import entry, file
+    from duhem.expression.spelling import spelled
+    from duhem.screening import entry, file, plane_plot
+    from duhem.show import figure
+    from duhem.show.place import check_place, check_places
     from duhem.show.printing import text
     from duhem.vouched.increments import project
 
+    if axes is not None and picture is None:
+        raise InputError("there is no picture for these axes", where=f"--axes {axes}", remedy="name it: --plot plane.png")
+    over = None if axes is None else [spelled(name.strip()) for name in axes.split(",")]
+    if picture is not None:
+        figure.check(picture)
+    if campaign_file.endswith((".csv", ".parquet")):
+        if picture is None or workers is not None or scheduler is not None or resume or out is not None or row is not None:
+            raise InputError("a finished table is drawn, not asked", where=campaign_file, remedy="give --plot FILE, and at most --axes")
+        check_place(picture, [campaign_file])
+        plane_plot.plot_table(campaign_file, picture, over)
+        say(picture)
+        return HELD
     asked = file.read(campaign_file, project=project)
     if row is not None:
-        if scheduler is not None or resume or out is not None:
+        if scheduler is not None or resume or out is not None or picture is not None:
             raise InputError("one row is asked here, and its lines are printed", where="--row", remedy="leave the other options out")
         return _alone(asked, row)
     table = asked.out if out is None else out  # an empty name is refused, not taken for none
     if table is None:
         raise InputError("there is no place for the table", where=campaign_file, remedy='write out = "table.csv" in [campaign], or --out')
+    if picture is not None:
+        check_places([table, picture], asked.inputs)
+        plane_plot.check(asked, over)
     with Progress("starting") as progress:
         began, last, first = monotonic(), 0.0, -1
 
@@ -72,6 +102,8 @@ def campaign(campaign_file: str, workers: int | None, scheduler: str | None, res
             click.echo(f"duhem: {stop}", err=True)
             return INTERRUPTED
     say(text(summary, page()))
+    if picture is not None:
+        summary.plot(picture, axes=over)
     return FAILED if summary.errors else REFUTED if summary.refuted else HELD
 
 

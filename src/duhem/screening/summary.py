@@ -6,10 +6,10 @@ import heapq
 import json
 import shlex
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from duhem.screening.campaign import Campaign
 from duhem.screening.inquiries import Claimed
@@ -51,6 +51,16 @@ class Summary(Shown):
         for (_, verdict), count in self.verdicts.items():
             said[verdict] += count
         return f"<Summary of {self.rows} rows: {', '.join(f'{count} {verdict}' for verdict, count in said.items()) or 'none'}>"
+
+    def plot(self, file: Any = None, *, axes: Sequence[str] | None = None) -> Any:
+        """Draw verdicts over one or two parameters, a panel a claim, into ``file``, a name or stream; matplotlib's axes (extra ``plot``).
+
+        ``axes`` names the parameters; left out, those that vary.  Raises InputError where these are none or more than two, or no row has
+        such a number, MissingExtraError without matplotlib.
+        """
+        from duhem.show.printing import draw
+
+        return draw(self, file, axes=axes)
 
     @property
     def refuted(self) -> int:

@@ -19,10 +19,11 @@ from duhem.show.growing_file import DAMAGED, GrowingFile, check_growing
 from duhem.show.place import AnyPath, check_place, written
 from duhem.version import __version__
 
-__all__ = ["GrowingLines", "check_table", "write_table"]
+__all__ = ["GrowingLines", "check_table", "read_lines", "write_table"]
 
 _PAUSE = 1.0  # s: what is done is noted so often
 _LINES = 8_192  # of a table, turned into Parquet together
+_MAY_LACK = ("verdict", "method", "trust", "witness", "error")
 
 
 def check_table(file: AnyPath, inputs: Iterable[str] = ()) -> None:
@@ -122,3 +123,30 @@ def _to_parquet(place: str, lines: Iterator[VerdictLine], campaign: Campaign) ->
         while part := list(islice(lines, _LINES)):
             columns = [list(column) for column in zip(*part, strict=True)]
             writer.write_table(pyarrow.table(dict(zip(VerdictLine._fields, columns, strict=True)), schema=schema))
+
+
+def read_lines(file: AnyPath) -> Iterator[VerdictLine]:
+    """The lines of a finished table, CSV or Parquet.  InputError where it is none."""
+    name = os.fspath(file)
+    try:
+        for line in _from_parquet(name) if name.endswith(".parquet") else _from_csv(name):
+            yield VerdictLine(**line | {"row": int(line["row"]), "steps": int(line["steps"]), "seconds": float(line["seconds"])})
+    except (OSError, ValueError, TypeError, KeyError, csv.Error) as fault:
+        reason = getattr(fault, "strerror", None) or "it has no lines of row, law, parameters, claim and verdict"
+        raise InputError(f"this is no table of a campaign: {reason}", where=name, remedy="name what duhem campaign has written") from None
+
+
+def _from_csv(name: str) -> Iterator[dict[str, Any]]:
+    with open(name, encoding="utf-8", newline="") as stream:
+        for line in csv.DictReader(stream, strict=True):
+            yield {key: value or None if key in _MAY_LACK else value for key, value in line.items()}
+
+
+def _from_parquet(name: str) -> Iterator[dict[str, Any]]:
+    try:
+        from pyarrow import parquet
+    except ImportError:
+        raise MissingExtraError("pyarrow", "parquet") from None
+    with open(name, "rb") as stream:
+        for batch in parquet.ParquetFile(stream).iter_batches(_LINES):
+            yield from batch.to_pylist()

@@ -1,0 +1,138 @@
+"""A parameter plane with its verdicts as a picture (extra ``plot``): a mark and a hue for each verdict, so that either tells it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
+from statistics import median
+from typing import TYPE_CHECKING, NamedTuple
+
+from duhem.screening.campaign import Campaign
+from duhem.screening.lines import VerdictLine
+from duhem.screening.plane import NO_VERDICT, VerdictPanel, VerdictPlane, chosen, plane, varying
+from duhem.screening.summary import Summary
+from duhem.screening.table import read_lines
+from duhem.show import figure
+from duhem.show.notation import latex_name
+from duhem.show.printing import draw
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
+__all__ = ["check", "plot", "plot_table"]
+
+_LOOKED_AT = 64  # rows, before a long run
+_CROWD = 400  # points of one verdict in a panel; the marks of more are smaller, so that the few stand out
+
+
+class _Look(NamedTuple):
+    mark: str
+    colour: str
+    size: float  # of what may hide others less than of what is below it
+
+
+# Drawn in this order: where several rows lie at one point each shows its rim around the next.
+_LOOKS: Mapping[str, _Look] = {
+    "not_applicable": _Look("s", "0.75", 11.0),
+    "proved": _Look("o", figure.palette(0), 8.0),
+    "ok": _Look("o", figure.palette(0), 8.0),
+    "tested": _Look("v", figure.palette(2), 6.5),
+    "refuted": _Look("X", figure.palette(1), 6.5),
+    "flagged": _Look("X", figure.palette(1), 6.5),
+    "undecided": _Look("D", figure.palette(4), 5.0),
+    NO_VERDICT: _Look("*", "black", 5.5),
+}
+_OTHER = _Look("P", figure.palette(3), 6.0)
+
+
+def check(campaign: Campaign, axes: Sequence[str] | None) -> None:
+    """Before a long run, InputError where a look at some of its rows shows that it has no such plane."""
+    rows = len(campaign)
+    some = sorted({round(1 + i * (rows - 1) / (_LOOKED_AT - 1)) for i in range(_LOOKED_AT)} | set(_firsts(campaign)))
+    found = varying((row.name.shown, row.values) for row in map(campaign.row, some))
+    if axes is not None or any(found.values()) or len(some) == rows:
+        chosen(axes, found)
+
+
+def _firsts(campaign: Campaign) -> Iterator[int]:
+    """The first row of each block, which has values that no other may have."""
+    first = 1
+    for block in campaign.blocks:
+        if len(block):
+            yield first
+        first += len(block)
+
+
+def plot_table(table: str, file: figure.Target | None = None, axes: Sequence[str] | None = None) -> tuple[Axes, ...]:
+    """The picture of a finished table, .csv or .parquet.  Raises what :meth:`Summary.plot` raises, and InputError for no such table."""
+    return _plot(lambda: read_lines(table), file, axes)
+
+
+@draw.register(Summary)
+def plot(summary: Summary, file: figure.Target | None = None, *, axes: Sequence[str] | None = None) -> tuple[Axes, ...]:
+    """The picture of a campaign's lines."""
+    if summary.table is not None:
+        return plot_table(summary.table, file, axes)
+    return _plot(lambda: summary.lines, file, axes)
+
+
+def _plot(lines: Callable[[], Iterable[VerdictLine]], file: figure.Target | None, axes: Sequence[str] | None) -> tuple[Axes, ...]:
+    found = varying((line.law, json.loads(line.parameters)) for line in lines())
+    seen = plane(lines(), chosen((axes,) if isinstance(axes, str) else axes, found), found)
+
+    def paint(*places: Axes) -> None:
+        for place, panel in zip(places, seen.panels, strict=True):
+            _paint(place, panel, seen)
+        figure.legend_below(places)
+
+    size = (4.2, 3.6) if len(seen.axes) == 2 else (6.4, 1.5 + 0.4 * len(seen.claims))
+    columns = 3 if len(seen.axes) == 2 else 1
+    return figure.drawn(paint, file, panels=len(seen.panels), columns=columns, size=size, title=_title(seen))
+
+
+def _title(seen: VerdictPlane) -> str:
+    said = f"{seen.rows} {'row' if seen.rows == 1 else 'rows'}"
+    if seen.unplaced:
+        said += f", {seen.unplaced} of them without a number for {' and '.join(seen.axes)}"
+    if seen.beside:
+        names = f"{', '.join(seen.beside[:6])}{' ...' if len(seen.beside) > 6 else ''}"
+        said += f"; {names} {'varies' if len(seen.beside) == 1 else 'vary'} too"
+    return said
+
+
+def _paint(axes: Axes, panel: VerdictPanel, seen: VerdictPlane) -> None:
+    axes.set_title(figure.shortened(panel.title).replace("$", r"\$"))
+    order = {verdict: i for i, verdict in enumerate(_LOOKS)}
+    scale = [figure.outsize(_size(panel, i)) for i in range(len(seen.axes))]
+    for verdict in sorted(panel.points, key=lambda one: order.get(one, len(order))):
+        look, (x, y) = _LOOKS.get(verdict, _OTHER), panel.points[verdict]
+        axes.plot(
+            [value / scale[0] for value in x],
+            [value / scale[-1] for value in y] if len(seen.axes) == 2 else y,
+            look.mark,
+            color=look.colour,
+            markersize=max(2.0, look.size * min(1.0, (_CROWD / len(x)) ** 0.5)),
+            markeredgewidth=0.0,
+            label=verdict.replace("_", " "),
+            linestyle="none",
+        )
+    for i, (name, axis) in enumerate(zip(seen.axes, (axes.xaxis, axes.yaxis), strict=False)):
+        _axis(axis, name, panel, i)
+    if len(seen.axes) == 1:
+        axes.set_yticks(range(len(seen.claims)), seen.claims)
+        axes.set_ylim(len(seen.claims) - 0.5, -0.5)
+
+
+def _axis(axis: Axis, name: str, panel: VerdictPanel, i: int) -> None:
+    """Powers of ten where the values lie as these do; a criterion file does not say in which unit a parameter is."""
+    values = sorted({*chain.from_iterable(points[i] for points in panel.points.values())})
+    if len(values) > 2 and values[0] > 0.0 and median(values) - values[0] < 0.1 * (values[-1] - values[0]):
+        getattr(axis.axes, f"set_{'xy'[i]}scale")("log")
+    size = _size(panel, i)
+    figure.measure(axis, f"${latex_name(name)}$", "unit of the law", size if figure.outsize(size) != 1.0 else 0.0)
+
+
+def _size(panel: VerdictPanel, i: int) -> float:
+    return max(abs(x) for points in panel.points.values() for x in points[i])
