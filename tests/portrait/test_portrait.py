@@ -252,6 +252,28 @@ def test_an_increment_is_drawn_where_it_goes() -> None:
     assert faults(axes.figure) == []
 
 
+def test_a_slip_does_not_hide_the_way_from_the_trial() -> None:
+    box = given("box", mu_a=0.3, mu_b=0.5)
+    (plane,) = named(box.law, "sigma_a,sigma_b", -1.0)
+    lengths = [np.hypot(*step(box, [trial, 0.1], 1.0, plane, 0.2).slip) for trial in (0.301, 0.5, 9.0)]
+    assert lengths == pytest.approx([0.35 * 0.2, 0.6 * 0.2, 0.2])  # never so short that it has no direction
+
+
+def test_axes_that_are_given_take_the_first_sections() -> None:
+    from matplotlib.figure import Figure
+
+    numbers = {"mu_a": 0.3, "mu_b": 0.5}
+    usual_titles = [axes.get_title() for axes in plot("box", parameters=numbers)]
+    assert len(usual_titles) == 3
+    for count in (1, 3):
+        places = Figure().subplots(1, count, squeeze=False)[0]
+        assert [axes.get_title() for axes in plot("box", parameters=numbers, axes=places)] == usual_titles[:count]
+    alone = Figure().subplots()
+    assert plot("box", parameters=numbers, axes=alone) == (alone,)
+    with pytest.raises(InputError, match="3 axes, 4 are given"):
+        plot("box", parameters=numbers, axes=Figure().subplots(1, 4))
+
+
 def test_points_of_a_witness_that_are_close_together_are_told_apart() -> None:
     found = duhem.verify("tresca", claims="smoothness")
     shown = violation(found.criterion, found["smoothness"])

@@ -421,3 +421,29 @@ def test_a_law_given_by_its_name_is_drawn() -> None:
     axes = scene().plot(law="antoni2007", mu_a_plus=0.4, mu_a_minus=0.4, mu_b_plus=0.4, mu_b_minus=0.4)[0]
     edge = next(line for line in axes.lines if line.get_label().startswith("boundary"))
     assert np.hypot(*edge.get_data()) == pytest.approx(0.4e6, rel=1e-3)
+
+
+def test_a_title_breaks_between_values_and_not_within_one() -> None:
+    said = figure.wrapped("law: mu_a_plus = 0.2, mu_a_minus = 0.08, mu_b_plus = 0.12", 2.4)
+    assert said.replace("\n", " ") == "law: mu_a_plus = 0.2, mu_a_minus = 0.08, mu_b_plus = 0.12"
+    assert len(said.splitlines()) > 1 and all(line.count("=") == line.count(" = ") for line in said.splitlines())
+
+
+def test_lines_of_many_knots_are_told_apart_without_colour() -> None:
+    run = scene(method="implicit", substeps=100)
+    assert len(run) > 200
+    path, _, energy = draw(run)
+    marks = {line.get_marker() for line in energy.lines if len(line.get_xdata()) > 1 and line.get_marker() != "None"}
+    assert len(marks) == 4 and faults(energy.figure) == []
+    assert all(len(line.get_xdata()) < 20 for line in energy.lines if line.get_marker() in marks)
+    assert not [line for line in path.lines if line.get_marker() != "None" and len(line.get_xdata()) > 1]
+
+
+def test_where_the_pressure_varies_both_boundaries_are_seen_over_the_path() -> None:
+    path = Path.linear([[0, 0], [3, 0], [3, 3]], pressure=[-1.0, -3.0, -2.0])
+    run = simulate("coulomb", path, stiffness=1.0, parameters={"mu": 0.5}, substeps=4)
+    axes = draw(run)[0]
+    edges = [line for line in axes.lines if line.get_color() == "black" and len(line.get_xdata()) > 100]
+    assert sorted(round(float(np.abs(line.get_xdata()).max()), 2) for line in edges) == [0.5, 1.5]
+    assert all(line.get_zorder() > other.get_zorder() for line in edges for other in axes.lines if other.get_color() == figure.palette(0))
+    assert faults(axes.figure) == []

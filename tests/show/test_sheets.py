@@ -135,6 +135,7 @@ def test_an_increment_has_a_row_a_point_and_plain_numbers() -> None:
     rows = sheet(done).rows
     assert rows[0] == ("0", "stick", "0.1", "0", "0", "0", "0", "0", "0.0e+00")
     assert rows[1][:8] == ("1", "slip", "0.3", "0.4", "1.35", "1.8", "2.25", "1.125")  # mu |sigma_n| (3, 4)/5; (trial - stress)/2
+    assert sheet(done).head[2:6] == ("sigma_a", "sigma_b", "slip along sigma_a", "slip along sigma_b")
     for page in (done.to_html(), done._repr_html_()):
         assert all(cell in Read(page).said for row in rows for cell in row)
     assert done._repr_markdown_().count("\n| ") == 4

@@ -28,8 +28,11 @@ if TYPE_CHECKING:
 __all__ = ["energies", "hysteresis", "picture", "stress_path"]
 
 _MARKED = 200  # knots, beyond which marks would hide the lines
+_TELLING = 9  # marks of a line among others that has more knots, so that they are told apart without colour
 _HEADS, _SHORT = 7, 0.005  # arrow heads on a line; their length before it, as a share of the whole
 _NAMED = 4  # forces, beyond which an axis does not name each
+_FIXED: dict[str, Any] = {"color": figure.GREY, "linewidth": 1.0}
+_VARIED: dict[str, Any] = {"color": "black", "linewidth": 1.2, "linestyle": (0, (5, 2)), "zorder": 2.5}  # over the path, which may hide one
 _START: dict[str, Any] = {"marker": "o", "linestyle": "none", "color": "white", "markeredgecolor": "black", "markersize": 8.0}
 _SUMS = {"work": "work", "psi": r"free energy $\psi$", "dissipation": "dissipation", "numerical": "lost by implicit steps"}
 
@@ -102,8 +105,9 @@ def stress_path(axes: Axes, seen: Trajectory, law: Criterion | None = None, para
         size = max([size, *(float(np.abs(line).max()) for line in edges)])
     stress, unit = states.stress / figure.outsize(size), figure.outsize(size)
     x, y = (states.time, stress[:, 0]) if len(forces) == 1 else (stress[:, 0], stress[:, 1])
+    look, named = (_VARIED, "$K$ at extreme pressures") if _varied(states) else (_FIXED, "boundary of $K$")
     for i, line in enumerate(edges):
-        axes.plot(*(line / unit).T, color=figure.GREY, linewidth=1.0, label="_" if i else "boundary of $K$")
+        axes.plot(*(line / unit).T, **look, label="_" if i else named)
     _line(axes, seen, x, y, 0, heads=len(forces) > 1)
     axes.plot(x[0], y[0], **_START)
     if len(forces) == 1:
@@ -154,7 +158,9 @@ def _line(axes: Axes, seen: Trajectory, x: Array, y: Array, hue: int, label: str
     colour, mark = figure.palette(hue), figure.pen(hue)["marker"]
     for slips in (False, True):
         axes.plot(*_stretches(x, y, seen.slips[1:] == slips), color=colour, **_look(seen, slips))
-    knots = seen.knots if len(seen.knots) <= _MARKED else seen.knots[:0]
+    knots = seen.knots
+    if len(knots) > _MARKED:  # of a line alone none
+        knots = knots[np.linspace(0, len(knots) - 1, _TELLING if label else 0).astype(int)]
     axes.plot(x[knots], y[knots], mark, color=colour)
     if heads:
         _heads(axes, x, y, colour)
@@ -202,6 +208,10 @@ def _key(axes: Axes, seen: Trajectory) -> None:
     axes.plot([], [], label="start", **_START)
     if len(seen.knots) <= _MARKED:
         axes.plot([], [], "o", color=figure.palette(0), label="knot")
+
+
+def _varied(states: History) -> bool:
+    return float(states.pressure.min()) < float(states.pressure.max())
 
 
 def _boundaries(states: History, law: Criterion, parameters: Mapping[str, float]) -> list[Array]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["UNIT", "fill", "paint_section", "paint_step", "paint_violation"]
 
 Array = NDArray[np.float64]
-UNIT = "unit of the law"
+UNIT = "unit of stress"  # no law states one: all its stresses share it
 _DARK = "0.25"  # of normals: pink beside it is grey to one reader in twenty
 _ARROW = 0.085  # of the window's size
 _BLUE, _RED, _GREEN, _ORANGE = (figure.palette(i) for i in (0, 1, 2, 4))
@@ -160,7 +160,7 @@ def paint_step(axes: Axes, step: TrialStep) -> None:
     axes.plot(*step.stress, "o", color="black", markersize=5, label=f"increment's end: {step.status}", zorder=6)
     if step.slip is not None:
         _way(axes, step.stress, step.stress + step.slip, color=_RED, linewidth=1.8, zorder=6.5)
-        axes.plot([], [], color=_RED, linewidth=1.8, marker=">", markersize=4, label=r"slip $\Delta u^\mathrm{in}$")
+        axes.plot([], [], color=_RED, linewidth=1.8, marker=">", markersize=4, label=r"direction of the slip $\Delta u^\mathrm{in}$")
 
 
 def _way(axes: Axes, start: Array, end: Array, **look: Any) -> None:
@@ -171,7 +171,7 @@ def _way(axes: Axes, start: Array, end: Array, **look: Any) -> None:
 
 
 def paint_violation(axes: Axes, seen: Violation, unit: str, title: str) -> None:
-    """The section with the points of a witness and the way between two of them, solid in K and dashed outside."""
+    """The section with the points of a witness and the way between two of them."""
     paint_section(axes, seen.section, unit, title, fans=False)
     if seen.way is not None:
         axes.plot(*seen.way.T, color=_RED, linewidth=2.0, linestyle=(0, (5, 1.5)), zorder=5, label="chord of the witness", gid=figure.OPEN)

@@ -50,9 +50,10 @@ def plot(
     ``parameters`` fixes some; what is left open gets a plain number of its domain, which the title states.  ``pressure`` sigma_n <= 0
     of the sections, -1 if nobody says; of a law without one that declares a stress tensor the mean stress of the deviatoric plane.
     ``planes``: two forces, or the pressure and a force, as ``a,b``; ``deviatoric`` and ``meridian`` (p, q) of a stress tensor; ``all``;
-    none for a choice of them.  ``trial`` (d,) and ``stiffness`` as for :func:`duhem.project` draw one increment.  With ``witness``
-    the law is verified and each witness of a refuted claim is drawn, at its own numbers.  ``unit`` of stresses, "Pa" for prefixes.
-    ``on_remark`` is called with what a section does not show of K, a line each, which stands above it too.
+    none for a choice of them, the first of it that fit where ``axes`` are given.  ``trial`` (d,) and ``stiffness`` as for
+    :func:`duhem.project` draw one increment.  With ``witness`` the law is verified and each witness of a refuted claim is drawn, at
+    its own numbers.  ``unit`` of stresses, "Pa" for prefixes.  ``on_remark`` is called with what a section does not show of K, a line
+    each, which stands above it too.
 
     Raises InputError for what does not fit the law or cannot be written, MissingExtraError without matplotlib.
     """
@@ -66,7 +67,10 @@ def plot(
     given = refuted[0].numbered if refuted and not parameters else numbered(chosen, parameters)
     asked = [planes] if isinstance(planes, str) else list(planes)
     _check_pressure(chosen, pressure)
+    given_axes = None if axes is None else figure.listed(axes)
     shown = [p for text in asked for p in named(chosen, text, pressure)] or list(usual(chosen, pressure))
+    if given_axes is not None and not asked:
+        shown = shown[: max(1, len(given_axes) - len(refuted))]
     painters: list[Painter] = []
     for i, plane in enumerate(shown):
         seen = cut(given, plane, moves=pressure is None)
@@ -86,13 +90,13 @@ def plot(
     def paint(*places: Axes) -> None:
         for place, painter in zip(places, painters, strict=True):
             painter(place)
-        if axes is None:
+        if given_axes is None:
             figure.snug(places)
         figure.legend_below(places)
 
     many = len(painters)
     columns = many if many < 4 else 2 if many == 4 else 3
-    return figure.drawn(paint, file, axes, panels=many, columns=columns, size=(4.9, 4.7), title=stated(given))
+    return figure.drawn(paint, file, given_axes, panels=many, columns=columns, size=(4.9, 4.7), title=stated(given))
 
 
 def cut(given: Numbered, plane: Plane, *, moves: bool = True) -> View:

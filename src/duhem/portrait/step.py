@@ -23,6 +23,9 @@ __all__ = ["TrialStep", "step"]
 
 Array = NDArray[np.float64]
 
+_PART = 0.6  # of the way from trial to end that a slip may lie on
+_LEAST = 0.35  # of its length that it keeps
+
 
 @dataclass(frozen=True)
 class TrialStep:
@@ -35,8 +38,9 @@ class TrialStep:
 
 
 def step(given: Numbered, trial: ArrayLike, stiffness: ArrayLike, plane: Plane, length: float, pressure: float = -1.0) -> TrialStep:
-    """An increment from one trial stress (d,) as a plane of forces shows it: what lies across is left out; the slip gets ``length``.
+    """An increment from one trial stress (d,) as a plane of forces shows it: what lies across is left out.
 
+    The slip gets ``length``, or less where it would hide the way from trial to end.
     A law of one force has no plane of forces: there it is drawn along the pressure, at ``pressure``.  Its status is that of
     :func:`duhem.project`.  InputError for another plane along the pressure and for input that it refuses.
     """
@@ -60,8 +64,10 @@ def step(given: Numbered, trial: ArrayLike, stiffness: ArrayLike, plane: Plane, 
 
     slip = np.concatenate([done.slip[0], np.zeros(n - len(done.slip[0]))])
     size = float(np.linalg.norm(slip))
+    ends = plane.within(full(question.trial[0])), plane.within(full(done.stress[0]))
+    length = max(_LEAST * length, min(length, _PART * float(np.linalg.norm(ends[1] - ends[0]))))
     way = length * plane.shares(slip) / size if size > 0.0 and np.isfinite(size) else None
-    return TrialStep(plane.within(full(question.trial[0])), plane.within(full(done.stress[0])), way, status.name.lower())
+    return TrialStep(*ends, way, status.name.lower())
 
 
 def _shown_convex(law: Criterion) -> bool:

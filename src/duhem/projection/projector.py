@@ -87,6 +87,7 @@ class Projector:
             method=method.name,
             why=self.why,
             residuals=found,
+            forces=question.law.forces,
             tangent=slopes[0],
             tangent_pressure=slopes[1],
         )

@@ -18,9 +18,8 @@ _MOST = 12  # points of which a sheet has a row
 
 @sheet.register(Projection)
 def as_sheet(done: Projection) -> Sheet:
-    """A row a point: status, stress, slip, multiplier, dissipation and the largest residual; of many points the first."""
-    size = done.stress.shape[1]
-    vectors = [f"{name} {i + 1}" for name in ("stress", "slip") for i in range(size)]
+    """A row a point: status, each force, the slip along it, multiplier, dissipation and the largest residual; of many points the first."""
+    vectors = [*done.forces, *(f"slip along {force}" for force in done.forces)]
     worst = done.residuals.worst()
     shown = range(min(len(done.stress), _MOST))
     rows = []
@@ -44,6 +43,7 @@ def as_dict(done: Projection) -> dict[str, Any]:
     arrays = ("stress", "slip", "multiplier", "dissipation")
     slopes = {name: _listed(found) for name in ("tangent", "tangent_pressure") if (found := getattr(done, name)) is not None}
     return {
+        "forces": list(done.forces),
         "method": done.method,
         "why": done.why,
         "status": [_word(status) for status in done.status],

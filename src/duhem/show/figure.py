@@ -30,6 +30,7 @@ __all__ = [
     "drawn",
     "legend",
     "legend_below",
+    "listed",
     "measure",
     "note",
     "outsize",
@@ -76,6 +77,7 @@ _SIDES: tuple[dict[str, Any], ...] = tuple(
     {"xytext": (5 * x, 5 * y), "ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1))
 )
+_HELD = "\u00a0=\u00a0"
 _CHARACTER = 0.0075  # inches, of a letter of one point
 
 
@@ -143,13 +145,18 @@ def drawn(
     return places
 
 
+def listed(axes: Iterable[Axes] | Axes) -> tuple[Axes, ...]:
+    """The axes that are given, one alone too."""
+    try:
+        return tuple(axes)  # type: ignore[arg-type]
+    except TypeError:
+        return (axes,)  # type: ignore[return-value]
+
+
 def _given(axes: Iterable[Axes], panels: int) -> tuple[Axes, ...]:
     from matplotlib.axes import Axes as Kind
 
-    try:
-        places = tuple(axes)
-    except TypeError:
-        places = (axes,)  # type: ignore[assignment]
+    places = listed(axes)
     if len(places) != panels:
         raise InputError(f"this picture has {panels} axes, {len(places)} are given", where="axes", remedy=f"give {panels}")
     for place in places:
@@ -184,8 +191,9 @@ def _sheet_of(places: tuple[Axes, ...]) -> Figure:
 
 
 def wrapped(text: str, width: float, points: float = 10.0) -> str:
-    """``text`` in lines that fit into ``width`` inches, in letters of so many points; words too long are broken."""
-    return "\n".join(fill(line, max(8, int(width / (_CHARACTER * points)))) for line in text.splitlines())
+    """``text`` in lines that fit into ``width`` inches, in letters of so many points; words too long are broken, `a = b` is one word."""
+    kept = text.replace(" = ", _HELD)
+    return "\n".join(fill(line, max(8, int(width / (_CHARACTER * points)))) for line in kept.splitlines()).replace(_HELD, " = ")
 
 
 def shortened(text: str, most: int = 36) -> str:
