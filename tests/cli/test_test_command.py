@@ -82,6 +82,8 @@ def test_a_right_routine_passes_and_what_was_visited_is_said(run: Command) -> No
     code, out, err = run(*of("right"), *FEW, "feasibility,vacuity,repeatability")
     assert (code, err) == (0, "")
     assert "3 checks passed, 0 failed" in out and "2 examples in" in out and "a second" in out
+    assert "what asks the routine again was asked of one increment in 7; conformance(..., every=1)" in out
+    assert "one increment in" not in run(*of("right"), *FEW, "feasibility")[1]
     assert "visited: stick 0." in out and "decades: stress 1e" in out
     (line,) = [line for line in out.splitlines() if line.startswith("again: ")]
     words = shlex.split(line.removeprefix("again: duhem "))

@@ -353,14 +353,18 @@ def test_a_snapshot_is_kept_beside_the_test_and_compared(pytester: pytest.Pytest
     pytester.makepyfile(test_it='def test_law(duhem_snapshot):\n    duhem_snapshot("coulomb", {"mu": 0.5}, claims=["origin"])\n')
     done = tried(pytester)
     done.assert_outcomes(failed=1)
-    done.stdout.fnmatch_lines(["coulomb, mu = 0.5: snapshots/test_it/test_law.json: there is no such file; * keep it with --duhem-update"])
+    done.stdout.fnmatch_lines(
+        ["coulomb, mu = 0.5, claims origin: snapshots/test_it/test_law.json: there is no such file; * keep it with --duhem-update"]
+    )
     tried(pytester, "--duhem-update").assert_outcomes(passed=1)
     tried(pytester).assert_outcomes(passed=1)
     file = pytester.path / "snapshots" / "test_it" / "test_law.json"
     file.write_text(file.read_text("utf-8").replace('"proved"', '"refuted"'), "utf-8")
     done = tried(pytester)
     done.assert_outcomes(failed=1)
-    done.stdout.fnmatch_lines(["coulomb, mu = 0.5 is not as snapshots/test_it/test_law.json has it; *", "  origin: refuted → proved"])
+    done.stdout.fnmatch_lines(
+        ["coulomb, mu = 0.5, claims origin is not as snapshots/test_it/test_law.json has it; *", "  origin: refuted → proved"]
+    )
 
 
 SHARED = """
@@ -372,6 +376,7 @@ class TestX:
 class TestY:
     def test_law(self, duhem_snapshot):
         duhem_snapshot("coulomb", {"mu": 0.75}, claims=["origin"])
+        duhem_snapshot("coulomb", {"mu": 0.75}, claims=(each for each in ("state_laws", "origin")))
 
 def test_law(duhem_snapshot):
     duhem_snapshot("coulomb", {"mu": 1}, claims=["origin"])
@@ -385,7 +390,8 @@ def test_snapshots_of_one_name_and_of_one_law_stay_apart(pytester: pytest.Pytest
     folder = pytester.path / "snapshots" / "test_it"
     kept = {file.stem: {*json.loads(file.read_text("utf-8"))["laws"]} for file in folder.iterdir()}
     values = {"TestX.test_law": (0.5, 0.25), "TestY.test_law": (0.75,), "test_law": (1.0,)}
-    assert kept == {name: {f"coulomb, mu = {mu}" for mu in each} for name, each in values.items()}
+    apart = {name: {f"coulomb, mu = {mu}, claims origin" for mu in each} for name, each in values.items()}
+    assert kept == apart | {"TestY.test_law": {*apart["TestY.test_law"], "coulomb, mu = 0.75, claims origin state_laws"}}
 
 
 def test_the_tolerance_of_a_snapshot_is_its_owners(pytester: pytest.Pytester) -> None:

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 
 import duhem
+from duhem.projection.validation import setting
 from duhem.testing import (
+    conformance,
     decades,
     loadings,
     parameters,
@@ -16,6 +18,7 @@ from duhem.testing import (
     trials,
 )
 from duhem.testing.drawn.region import Region
+from tests.long import mostly_long
 from tests.oracles.routines import (
     DISK,
 )
@@ -97,3 +100,21 @@ def test_a_ray_along_which_powers_overflow_does_not_end_there() -> None:
     assert reach[0] == pytest.approx(1e9) and np.isinf(reach[1]) and reach[2] == pytest.approx(0.5)
     cone = duhem.Criterion(name="y", g="sqrt(a**2 + b**2) + a", forces=("a", "b"), pressure=None)
     assert np.isinf(Region(cone, {}).reach(np.array([[-1.0, 0.0]]), np.zeros(1)))[0]
+
+
+GIVEN = [(4.0, "stiffness 4"), ([4.0, 4.0, 4.0], "stiffness diag [4, 4, 4]")]
+
+
+@pytest.mark.parametrize(("given_stiffness", "said"), mostly_long(GIVEN, GIVEN[0]), ids=str)
+def test_one_number_is_a_stiffness_of_the_tensors_as_increments_take_it(given_stiffness: object, said: str) -> None:
+    law, seen = duhem.load("tresca-plane").fix({"s0": 1}), []
+
+    def elastic(trial: np.ndarray, pressure: None, stiffness: np.ndarray) -> np.ndarray:
+        seen.append(stiffness)
+        return trial
+
+    report = conformance(law, elastic, stiffness=given_stiffness, checks=["feasibility"], max_examples=1, rows=2, tries=0, seed=0)
+    taken = setting(law, given_stiffness, None).stiffness
+    assert all(np.array_equal(k, taken) for k in seen)
+    assert np.array_equal(np.diag(taken), 4.0 / np.array([1.0, 1.0, 2.0 if given_stiffness == 4.0 else 1.0]))
+    assert said in report.failures[0].increment

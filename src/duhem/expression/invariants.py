@@ -49,6 +49,11 @@ class Stress:
         """Which of the components are shear stresses, whose conjugate is an engineering strain."""
         return tuple(len(set(end)) == 2 for end in KINDS[self.kind])
 
+    @property
+    def unit_stiffness(self) -> tuple[float, ...]:
+        """Stress a conjugate, where one number, 1, is the stiffness of the tensors: 1/2 for a shear, whose conjugate is 2 epsilon."""
+        return tuple(0.5 if shear else 1.0 for shear in self.shears)
+
     def written_out(self, word: str, index: int | None = None) -> str:
         """An invariant as a formula in the components; ``index`` from 1 is that of ``principal``, the greatest first."""
         return _principal(self, index) if index is not None else INVARIANTS[word].text(self)

@@ -192,16 +192,15 @@ def _stiffness(given: ArrayLike, law: Criterion) -> tuple[Array, bool]:
     k = _array(unlabelled(given, "stiffness", f"{remedy}, in the order of {', '.join(law.forces)}"), "stiffness")
     if k.shape not in ((), (d,), (d, d)):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=remedy)
-    shears = () if law.stress is None else tuple(law.stress.shears)
-    return _matrix(k.tobytes(), k.shape, d, shears)
+    unit = (1.0,) * d if law.stress is None else law.stress.unit_stiffness
+    return _matrix(k.tobytes(), k.shape, unit)
 
 
 @lru_cache(maxsize=256)
-def _matrix(given: bytes, shape: tuple[int, ...], d: int, shears: tuple[bool, ...]) -> tuple[Array, bool]:
+def _matrix(given: bytes, shape: tuple[int, ...], one: tuple[float, ...]) -> tuple[Array, bool]:
     """Once for increments that follow one another."""
     k = np.frombuffer(given).reshape(shape)
-    alike = np.where(shears, 0.5, 1.0) if shears else np.ones(d)  # one number is meant of the tensors
-    matrix = k if k.ndim == 2 else np.diag(k if k.ndim else k * alike)
+    matrix = k if k.ndim == 2 else np.diag(k if k.ndim else k * np.array(one))
     if (bad := _first(np.diagonal(matrix) <= 0.0)) is not None:
         i = bad[0]
         index = () if k.ndim == 0 else (i,) * k.ndim

@@ -182,13 +182,14 @@ def cases(
 ) -> Strategy:
     """A :class:`Case` of ``rows`` increments of ``law``; ``values``, ``stiffness`` and ``pressure`` are drawn where left out.
 
+    One number is a stiffness as :func:`duhem.project` takes it: of the tensors, where the law declares a stress.
     A case of one increment shrinks; the rows of a larger one are picked from the same tables by a seed.
     """
     known = load_formula(law)
     fixed = known.fix(values)
     d = len(known.forces)
     numbers = {name: float(domain.value) for name, domain in fixed.parameters.items() if domain.value is not None}
-    k = _given(stiffness, stiffnesses(d)).map(lambda x: _matrix(x, d))
+    k = _given(stiffness, stiffnesses(d)).map(lambda x: _matrix(x, known))
     given = None if pressure is None or not known.pressure else _given(pressure, st.nothing())
     tables = [*[_COMPONENTS] * (3 * d), *_TABLES, *[_admitted(known)] * 2]
     return _cases(known, numbers, _drawn(fixed), k, given, tables, rows)
@@ -230,10 +231,13 @@ def _given(given: Any, otherwise: Strategy) -> Strategy:
     return otherwise if given is None else given if isinstance(given, st.SearchStrategy) else st.just(given)
 
 
-def _matrix(given: ArrayLike, d: int) -> Array:
+def _matrix(given: ArrayLike, law: Criterion) -> Array:
+    d = len(law.forces)
     k = np.asarray(given, dtype=np.float64)
     if k.shape not in ((), (d,), (d, d)):
         raise InputError(f"stiffness has the shape {k.shape}", where="stiffness", remedy=f"give one number, ({d},) or ({d}, {d})")
+    if k.ndim == 0 and law.stress is not None:
+        k = k * law.stress.unit_stiffness
     return k if k.ndim == 2 else np.diag(np.broadcast_to(k, (d,)))
 
 

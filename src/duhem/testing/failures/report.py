@@ -101,32 +101,36 @@ class Failure:
             yield "law", ", ".join(([] if self.law is None else [self.law.name]) + values)
         case, found = self.case, self.departure
         pressure = None if case.pressure is None else float(case.pressure[0])
-        yield "increment", _increment(case.trial[0].tolist(), pressure, case.stiffness.tolist())
+        of_tensors = None if self.law is None or self.law.stress is None else self.law.stress.unit_stiffness
+        yield "increment", _increment(case.trial[0].tolist(), pressure, case.stiffness.tolist(), of_tensors)
         if found is None or self.check.law_only:
             return
         if (found.trial, found.pressure, found.stiffness) != (tuple(case.trial[0]), pressure, tuple(map(tuple, case.stiffness.tolist()))):
-            yield "at", f"{_increment(found.trial, found.pressure, found.stiffness)}, which the check asks too"
+            yield "at", f"{_increment(found.trial, found.pressure, found.stiffness, of_tensors)}, which the check asks too"
         yield "returned", _vector(found.returned)
         if found.closest is not None and found.difference is not None:
             yield "closest", _vector(found.closest)
             yield "difference", _vector(found.difference) + ("" if found.apart else ", within what is allowed")
 
 
-def _increment(trial: Sequence[float], pressure: float | None, stiffness: Sequence[Sequence[float]]) -> str:
+def _increment(
+    trial: Sequence[float], pressure: float | None, stiffness: Sequence[Sequence[float]], of_tensors: Sequence[float] | None
+) -> str:
     load = "" if pressure is None else f", pressure {pressure:.6g}"
-    return f"trial {_vector(trial)}{load}, stiffness {_matrix(stiffness)}"
+    return f"trial {_vector(trial)}{load}, stiffness {_matrix(stiffness, of_tensors or (1.0,) * len(trial))}"
 
 
 def _vector(values: Sequence[float]) -> str:
     return f"[{', '.join(f'{x:.6g}' for x in values)}]"
 
 
-def _matrix(rows: Sequence[Sequence[float]]) -> str:
-    """A multiple of the identity as one number, a diagonal as such."""
+def _matrix(rows: Sequence[Sequence[float]], one: Sequence[float]) -> str:
+    """A multiple of ``one``, which is what a single number says, as that number, a diagonal as such."""
     diagonal = [row[i] for i, row in enumerate(rows)]
     if any(x for i, row in enumerate(rows) for j, x in enumerate(row) if i != j):
         return f"[{', '.join(map(_vector, rows))}]"
-    return f"{diagonal[0]:.6g}" if len(set(diagonal)) == 1 else f"diag {_vector(diagonal)}"
+    shares = {x / unit for x, unit in zip(diagonal, one, strict=True)}
+    return f"{shares.pop():.6g}" if len(shares) == 1 else f"diag {_vector(diagonal)}"
 
 
 def write_replays(failures: Iterable[Failure], folder: str | Path) -> tuple[Path, ...]:

@@ -28,7 +28,7 @@ def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., 
     """A function that compares a law, or keeps it where ``--duhem-update`` is given, and returns what was found.
 
     The file is of the test with its classes, ``snapshots/test_m/TestX.test_a.json``, and an entry of the law with the values it
-    is given.  The tolerance that the file states stays when it is written again.
+    is given and the claims that are named.  The tolerance that the file states stays when it is written again.
     """
     test = request.node
     folder = test.path.parent / "snapshots" / test.path.stem
@@ -39,10 +39,11 @@ def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., 
 
     def compare(law: Law | str | Path, parameters: Mapping[str, Any] | None = None, claims: Iterable[str] | None = None) -> Entry:
         __tracebackhide__ = True
-        key = _key(load(law).name, parameters)
+        named = (claims,) if isinstance(claims, str) else None if claims is None else tuple(claims)
+        key = _key(load(law).name, parameters, named)
         shown = os.path.relpath(file, test.config.rootpath)
         if update:
-            asked[key] = snapshot(law, project, parameters, claims=claims)
+            asked[key] = snapshot(law, project, parameters, claims=named)
             file.parent.mkdir(parents=True, exist_ok=True)
             SnapshotFile(asked, _tolerance(file)).write(file)
             return asked[key]
@@ -51,7 +52,7 @@ def compared(request: pytest.FixtureRequest, project: Project) -> Callable[..., 
             entry, tolerance = kept.entry(key, file), kept.tolerance
         except DuhemError as fault:
             pytest.fail(f"{key}: {shown}: {fault.what}; look at what is found and keep it with --duhem-update", pytrace=False)
-        now = snapshot(law, project, parameters, claims=claims, increments=entry["increments"])
+        now = snapshot(law, project, parameters, claims=named, increments=entry["increments"])
         if lines := differences(entry, now, tolerance):
             head = f"{key} is not as {shown} has it; if it is meant, keep it with --duhem-update"
             pytest.fail("\n  ".join([head, *lines]), pytrace=False)
@@ -71,10 +72,11 @@ def _short(name: str) -> str:
     return plain if len(plain) <= _LONGEST else f"{plain[: _LONGEST - 9]}-{sha256(name.encode()).hexdigest()[:8]}"
 
 
-def _key(name: str, parameters: Mapping[str, Any] | None) -> str:
-    """A law with the values that it is given, whatever their order: ``orthotropic, mu_a = 0.2, mu_b = 0.1``."""
+def _key(name: str, parameters: Mapping[str, Any] | None, claims: Iterable[str] | None) -> str:
+    """A law with what it is given and asked, whatever the order: ``orthotropic, mu_a = 0.2, mu_b = 0.1, claims convexity origin``."""
     values = ((each, float(value) if isinstance(value, Real) else value) for each, value in (parameters or {}).items())
-    return ", ".join([name, *sorted(f"{each} = {value}" for each, value in values)])
+    asked = [] if claims is None else [" ".join(["claims", *sorted({*map(str, claims)})])]
+    return ", ".join([name, *sorted(f"{each} = {value}" for each, value in values), *asked])
 
 
 def _tolerance(file: Path) -> float:
