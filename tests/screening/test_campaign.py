@@ -3,8 +3,10 @@
 import csv
 import json
 import os
+import resource
 import signal
 import sys
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
@@ -18,6 +20,7 @@ from duhem.screening.campaign import Campaign
 from duhem.screening.lines import as_text, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.show.growing_file import beside, rows_beside
+from duhem.show.printing import text
 from tests.long import mostly_long
 from tests.screening.poison import NAMES, Poison
 
@@ -128,6 +131,57 @@ def test_a_part_that_was_changed_is_refused(folder, monkeypatch):
     rows_beside(out).write_bytes(rows_beside(out).read_bytes().replace(b"proved", b"Proved", 1))
     with pytest.raises(InputError, match="damaged"):
         duhem.campaign(folder / "campaign.toml", out=out, resume=True)
+
+
+def test_two_runs_do_not_write_one_table(folder, monkeypatch):
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    out, refused = folder / "t.csv", []
+
+    def another_begins(done, rows):
+        for resume in (False, True):
+            with pytest.raises(InputError, match="another run is writing"):
+                duhem.campaign(folder / "campaign.toml", out=out, resume=resume)
+            refused.append(done)
+
+    duhem.campaign(folder / "campaign.toml", out=out, on_row=another_begins)
+    duhem.campaign(folder / "campaign.toml", out=folder / "alone.csv")
+    assert refused == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5] and table(out) == table(folder / "alone.csv")
+
+
+def test_where_there_is_no_room_one_line_says_so_and_what_is_noted_stays(folder, monkeypatch):
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    monkeypatch.setattr("duhem.screening.table._PAUSE", 0.0)
+    out, whole = folder / "t.csv", folder / "whole.csv"
+    duhem.campaign(folder / "campaign.toml", out=whole)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    monkeypatch.setattr(signal, "SIGXFSZ", signal.signal(signal.SIGXFSZ, signal.SIG_IGN))
+
+    def full(done, rows):  # in the midst of the next row
+        resource.setrlimit(resource.RLIMIT_FSIZE, (rows_beside(out).stat().st_size + 20, before[1]))
+
+    try:
+        with pytest.raises(InputError, match=r"the rows cannot be kept: .*; make room"):
+            duhem.campaign(folder / "campaign.toml", out=out, on_row=full)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    with open(beside(out), "ab") as stream:
+        stream.write(b"3 12")  # half a note
+    pools = []
+    for most in (1, 9):
+        monkeypatch.setattr(entry, "Pool", lambda campaign, workers, n=most: pools.append(InProcess(campaign, workers, n)) or pools[-1])
+        with suppress(entry.StoppedCampaign):
+            duhem.campaign(folder / "campaign.toml", out=out, resume=True)
+    assert [each.asked for each in pools] == [[4], [1, 3, 5]] and table(out) == table(whole)
+
+
+def test_what_repeats_a_row_asks_what_the_row_asked(folder, monkeypatch):
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    head = '[campaign]\nclaims = ["origin"]\neffort = "quick"\n'
+    (folder / "v.csv").write_text("mu,e\n0.3,0.1\n0.3\n")
+    (folder / "c.toml").write_text(f'{head}[[rows]]\nlaw = "limacon"\ntable = "v.csv"\n')
+    summary = duhem.campaign(folder / "c.toml")
+    assert summary.commands == {1: "duhem verify limacon --set=mu=3/10 --set=e=1/10 --claims origin --effort=quick"}
+    assert "failed: row 2, origin, 0.000 s, which has no values" in " ".join(text(summary).split())
 
 
 def test_parquet_has_types_and_says_where_it_is_from(folder, monkeypatch):

@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import pytest
 
+import duhem
 from duhem import InputError
 from duhem.screening import file
 from duhem.screening.lines import asked
@@ -94,6 +95,9 @@ WRONG = {
     "drawn and set": (f"{LIMACON}set = {{ mu = 1 }}\ndraw = {{ n = 1, seed = 1, mu = [0, 1] }}\n", "mu is given twice"),
     "unknown claim": ("claims_ = 1\n", "unknown key 'claims_'"),
     "negative": (f"seconds = -1\n{LIMACON}", "seconds = -1"),
+    "not a number": (f"seconds = nan\n{LIMACON}", "seconds = NaN; give a number"),
+    "a list for one effort": (f'effort = ["quick"]\n{LIMACON}', "unknown effort"),
+    "more rows than a length": (f"{LIMACON}draw = {{ n = 1{'0' * 30}, seed = 1, mu = [0, 1] }}\n", "there are more than"),
 }
 
 
@@ -108,3 +112,9 @@ def test_a_mistake_in_the_file_is_told_with_its_place(tmp_path, case):
 def test_a_program_gives_laws_and_values():
     block = given((("coulomb", None), ("limacon", {"mu": 0.1})))
     assert [dict(block.row(i, i + 1).values) for i in range(len(block))] == [{}, {"mu": "1/10"}]
+
+
+@pytest.mark.parametrize("rows", [{"limacon": {"mu": 0.1}}, [("limacon",)], [("limacon", [0.1])], [("limacon", {}, 1)]])
+def test_what_is_no_pair_is_refused_and_no_values_are_passed_over(rows):
+    with pytest.raises(InputError, match=r"is no pair of|is no campaign"):
+        duhem.campaign(rows, ["origin"])

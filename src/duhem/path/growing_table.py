@@ -48,7 +48,7 @@ class GrowingTable:
 
     def finish(self) -> None:
         """The table in its place, as Parquet where its name says so; nothing is left beside it."""
-        self._growing.close()
+        self._growing.end()
         check_place(self.file)
         if self.file.endswith(".parquet"):
             _to_parquet(self._growing.rows, self.file)

@@ -79,16 +79,15 @@ def _read(
 
     if claims is not None and ask is not None:
         raise InputError("claims and something else are asked", where="ask", remedy="leave one of them out")
-    if isinstance(rows, Campaign):
-        return rows
-    if isinstance(rows, str | os.PathLike):
-        read = file.read(rows, project=project)
+    if isinstance(rows, Campaign | str | os.PathLike):
+        read = rows if isinstance(rows, Campaign) else file.read(rows, project=project)
         if claims is not None:
             effort = read.inquiry.effort if isinstance(read.inquiry, Claimed) else "normal"
             ask = Claimed(wanted_claims(claims), effort)
         return read if ask is None else replace(read, inquiry=ask)
-    if not isinstance(rows, Iterable):
-        raise InputError(f"{type(rows).__name__} is no campaign", where="rows", remedy="give a campaign file, or laws")
+    if not isinstance(rows, Iterable) or isinstance(rows, Mapping | bytes):  # of a mapping, the values would be passed over
+        remedy = "give a campaign file, or a list of laws or of pairs of a law and its values"
+        raise InputError(f"{type(rows).__name__} is no campaign", where="rows", remedy=remedy)
     pairs = tuple(each if isinstance(each, tuple) else (each, None) for each in rows)
     if not pairs:
         raise InputError("there are no rows", where="rows", remedy="give at least one law")

@@ -35,8 +35,10 @@ from __future__ import annotations
 
 import glob
 import os
+import sys
 from collections.abc import Iterable, Mapping
 from decimal import Decimal
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -92,8 +94,13 @@ class _CampaignReader(InquiryReader):
             block, files = self.block(i, folder)
             blocks.append(block)
             inputs += files
-        if (count := sum(map(len, blocks))) > MOST_ROWS:
-            raise self.error(f"there are {count} rows", "rows", remedy=f"at most {MOST_ROWS} are asked at once")
+        try:
+            count = sum(map(len, blocks))
+        except OverflowError:  # more than a length can be
+            count = sys.maxsize
+        if count > MOST_ROWS:
+            many = f"{count}" if count < sys.maxsize else f"more than {count}"
+            raise self.error(f"there are {many} rows", "rows", remedy=f"at most {MOST_ROWS} are asked at once")
         out = self.string("campaign", "out", required=False) if "out" in head else ""
         return Campaign(
             tuple(blocks),
@@ -106,7 +113,8 @@ class _CampaignReader(InquiryReader):
 
     def limit(self, head: Mapping[str, Any], key: str, usual: float) -> float:
         given = head.get(key, usual)
-        if isinstance(given, bool) or not isinstance(given, int | float | Decimal) or not 0 < given < 1e9:
+        known = isinstance(given, int | float | Decimal) and not isinstance(given, bool) and isfinite(given)
+        if not known or not 0 < given < 1e9:
             raise self.error(f"{key} = {str(given)[:40]}", "campaign", key, remedy="give a number above 0")
         return float(given)
 

@@ -56,9 +56,9 @@ class InquiryReader(SectionReader):
         from duhem.proof.decide import EFFORTS
 
         effort = head.get("effort", "normal")
-        if effort not in EFFORTS:
+        if not isinstance(effort, str) or effort not in EFFORTS:
             raise self.error(f"unknown effort {str(effort)[:40]!r}", "campaign", "effort", remedy=f"one of: {', '.join(EFFORTS)}")
-        return str(effort)
+        return effort
 
     # -- increments --------------------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from math import prod
-from typing import Protocol
+from typing import Any, Protocol
 
 import sympy as sp
 
@@ -236,10 +236,14 @@ def _exact(cell: str) -> str:
         return cell
 
 
-def given(laws: tuple[tuple[str | Law, Mapping[str, object] | None], ...]) -> Given:
-    """Rows from pairs of a law, by name or as a value, and its values; InputError for a value that is no number."""
+def given(laws: tuple[tuple[Any, ...], ...]) -> Given:
+    """Rows from pairs of a law, by name or as a value, and its values; InputError for what is none, or a value that is no number."""
     pairs = []
-    for law, values in laws:
+    for i, pair in enumerate(laws, 1):
+        if len(pair) != 2 or not isinstance(pair[1], Mapping | None):
+            remedy = 'write ("limacon", {"mu": 0.3})'
+            raise InputError(f"{repr(pair)[:60]} is no pair of a law and its values", where=f"row {i}", remedy=remedy)
+        law, values = pair
         found: Law = load(law)
         shown = law if isinstance(law, str) else found.name
         pairs.append((LawName(shown, value=found), tuple((str(p), ratio(exact_number(x))) for p, x in (values or {}).items())))

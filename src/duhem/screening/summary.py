@@ -29,7 +29,8 @@ class Summary(Shown):
     """Of ``rows`` rows: how many lines have which (claim, verdict), and (claim, method) with the number of lines, seconds and the most.
 
     ``errors`` counts rows by reason; ``slowest``, ``open`` and ``failed`` are a few lines of such rows, ``commands`` what repeats each of
-    them alone, by its number.  ``table`` is where the lines are, or None; ``lines`` holds them where there is no table.
+    them alone, by its number, but for rows without values to be asked with.  ``table`` is where the lines are, or None; ``lines`` holds
+    them where there is no table.
     """
 
     printed_by: ClassVar[str] = "duhem.screening.summary_text"
@@ -120,7 +121,7 @@ class Counts:
             slowest=slowest,
             open=tuple(self._open),
             failed=tuple(self._failed),
-            commands={number: alone(self.campaign, number) for number in sorted(named)},
+            commands={number: alone(self.campaign, number) for number in sorted(named) if not self.campaign.row(number).fault},
             table=table,
             lines=lines,
         )
@@ -128,13 +129,13 @@ class Counts:
 
 def alone(campaign: Campaign, number: int) -> str:
     """The command that asks one row alone; for a law that is a value in a program, the call."""
-    if not isinstance(campaign.inquiry, Claimed):
+    inquiry = campaign.inquiry
+    if not isinstance(inquiry, Claimed):
         return shlex.join(["duhem", "campaign", campaign.inputs[0], f"--row={number}"]) if campaign.inputs else f"row {number} alone"
-    row = campaign.row(number)
-    claims = campaign.inquiry.names
+    row, claims = campaign.row(number), inquiry.names
     if row.name.value is not None and row.name.path is None:
         return f"duhem.verify({row.name.shown!r}, {json.dumps(dict(row.values))}, claims={list(claims)!r})"
     law = row.name.shown if row.name.path is None else path.relpath(row.name.path)
-    return shlex.join(
-        ["duhem", "verify", law, *(f"--set={name}={value}" for name, value in row.values.items()), "--claims", ",".join(claims)]
-    )
+    fixed = [f"--set={name}={value}" for name, value in row.values.items()]
+    effort = [f"--effort={inquiry.effort}"] if inquiry.effort != "normal" else []
+    return shlex.join(["duhem", "verify", law, *fixed, "--claims", ",".join(claims), *effort])

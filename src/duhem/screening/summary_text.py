@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from duhem.screening.lines import VerdictLine
 from duhem.screening.summary import Summary
 from duhem.show.page import PAGE, Page, tied
 from duhem.show.printing import text
@@ -53,8 +52,5 @@ def _reasons(summary: Summary) -> Iterator[str]:
 def _named(summary: Summary) -> Iterator[str]:
     for why, lines in (("slowest", summary.slowest), ("open", summary.open), ("failed", summary.failed)):
         for line in lines:
-            yield f"{why}: row {line.row}, {line.claim}, {line.seconds:.3f} s: {_once(summary, line)}"
-
-
-def _once(summary: Summary, line: VerdictLine) -> str:
-    return tied(summary.commands[line.row])
+            once = f": {tied(summary.commands[line.row])}" if line.row in summary.commands else ", which has no values to be asked with"
+            yield f"{why}: row {line.row}, {line.claim}, {line.seconds:.3f} s{once}"

@@ -86,7 +86,7 @@ class GrowingLines:
 
     def drop(self) -> None:
         """Leave nothing beside the table."""
-        self._growing.close()
+        self._growing.end()
         self._growing.drop()
 
     def _found(self, number: int, at: int) -> None:

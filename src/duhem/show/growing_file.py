@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import BinaryIO, Self
@@ -77,46 +78,75 @@ class GrowingFile:
         self.counts, self.size, self.asked = counts, 0, asked
         self.notes, self.rows = beside(file), rows_beside(file)
         self._sum = hashlib.sha256()
-        if not (resume and self._recalled(fingerprint)):
-            self.notes.write_text(f"{MARK}{fingerprint}\n", encoding="utf-8")
-            self.rows.write_bytes(b"")
-        self._stream: BinaryIO = open(self.rows, "r+b")  # noqa: SIM115 (closed by __exit__)
-        self._stream.truncate(self.size)
-        self._stream.seek(self.size)
+        self._alone = _locked(self.notes)
+        try:
+            if not (resume and self._recalled(fingerprint)):
+                self.notes.write_text(f"{MARK}{fingerprint}\n", encoding="utf-8")
+                self.rows.write_bytes(b"")
+            self._stream: BinaryIO = open(self.rows, "r+b")  # noqa: SIM115 (closed by __exit__)
+            self._stream.truncate(self.size)
+            self._stream.seek(self.size)
+        except OSError as fault:
+            self._alone.close()
+            raise self._no_room(fault) from None
+        except InputError:
+            self._alone.close()
+            raise
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None) -> None:
-        self._stream.close()
+        self.close()
 
     def write(self, text: str) -> None:
-        """Further rows, which count once they are noted."""
+        """Further rows, which count once they are noted; InputError where there is no room for them."""
         data = text.encode()
-        self._stream.write(data)
+        try:
+            self._stream.write(data)
+        except OSError as fault:
+            raise self._no_room(fault) from None
         self._sum.update(data)
         self.size += len(data)
 
     def note(self, *counts: int) -> None:
-        """What is written so far stands, with these counts."""
-        self._stream.flush()
+        """What is written so far stands, with these counts; InputError where there is no room for it."""
+        try:
+            self._stream.flush()
+            with open(self.notes, "a", encoding="utf-8") as notes:
+                notes.write(f"{' '.join(map(str, (*counts, self.size)))} {self._sum.hexdigest()}\n")
+        except OSError as fault:
+            raise self._no_room(fault) from None
         self.counts = counts
-        with open(self.notes, "a", encoding="utf-8") as notes:
-            notes.write(f"{' '.join(map(str, (*counts, self.size)))} {self._sum.hexdigest()}\n")
+
+    def end(self) -> None:
+        """No more rows, and those of no other run until :meth:`close` either."""
+        try:
+            self._stream.close()
+        except OSError as fault:
+            raise self._no_room(fault) from None
 
     def close(self) -> None:
-        """No more rows."""
-        self._stream.close()
+        """Leave what is noted to the next run."""
+        with suppress(OSError):  # what had no room was told where it was noted
+            self._stream.close()
+        self._alone.close()
 
     def drop(self) -> None:
         """Leave nothing beside the table."""
         self.rows.unlink(missing_ok=True)
         self.notes.unlink()
+        self._alone.close()
+
+    def _no_room(self, fault: OSError) -> InputError:
+        remedy = "make room, and go on from what is noted there by asking to resume"
+        return InputError(f"the rows cannot be kept: {fault.strerror}", where=f"{self.rows}", remedy=remedy)
 
     def _recalled(self, fingerprint: str) -> bool:
         """Whether there is something to go on with, which is looked at byte by byte."""
         try:
-            mark, *lines = self.notes.read_text(encoding="utf-8").split("\n")[:-1]  # what no end of line follows was cut off
+            noted_so_far = self.notes.read_bytes()
+            mark, *lines = noted_so_far.decode().split("\n")[:-1]  # what no end of line follows was cut off
             rows = open(self.rows, "rb")  # noqa: SIM115 (closed below)
         except (FileNotFoundError, ValueError):
             return False  # nothing there, or not even the mark was whole
@@ -141,4 +171,21 @@ class GrowingFile:
                 left -= len(piece)
             if left or self._sum.hexdigest() != noted:
                 raise InputError("the part of a run is damaged", where=f"{self.rows}", remedy=DAMAGED)
+        os.truncate(self.notes, noted_so_far.rindex(b"\n") + 1)
         return True
+
+
+def _locked(notes: Path) -> BinaryIO:
+    """The file open as long as a run grows there; InputError while another run does, whose rows would be written over."""
+    stream = open(notes, "ab")  # noqa: SIM115 (closed by GrowingFile.close)
+    try:
+        import fcntl
+
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        stream.close()
+        remedy = "wait until it has ended, or give this one a table of another name"
+        raise InputError("another run is writing this table", where=f"{notes}", remedy=remedy) from None
+    except (ImportError, OSError):  # a platform or a file system without locks
+        stream.close()
+    return stream
