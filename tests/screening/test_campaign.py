@@ -1,6 +1,7 @@
 """A campaign's table: the same from any number of processes and after any interruption, whatever single rows do."""
 
 import csv
+import errno
 import json
 import os
 import resource
@@ -17,6 +18,7 @@ from duhem import InputError
 from duhem.cli import cli
 from duhem.screening import entry, file, pool
 from duhem.screening.campaign import Campaign
+from duhem.screening.inquiries import Claimed
 from duhem.screening.lines import as_text, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.show.growing_file import beside, rows_beside
@@ -182,6 +184,21 @@ def test_what_repeats_a_row_asks_what_the_row_asked(folder, monkeypatch):
     summary = duhem.campaign(folder / "c.toml")
     assert summary.commands == {1: "duhem verify limacon --set=mu=3/10 --set=e=1/10 --claims origin --effort=quick"}
     assert "failed: row 2, origin, 0.000 s, which has no values" in " ".join(text(summary).split())
+
+
+def test_a_campaign_without_any_verdict_has_a_summary(folder, monkeypatch):
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    summary = duhem.campaign([("limacon", {"e": "3"}), ("limacon", {"e": "4"})], ["origin"])
+    assert "2 rows" in text(summary) and "origin" in text(summary) and "Without verdict" in text(summary)
+
+
+def test_a_call_that_gets_no_memory_is_lack_of_memory(folder, monkeypatch):
+    def full(self, law):
+        raise OSError(errno.ENOMEM, "Cannot allocate memory")
+
+    monkeypatch.setattr(Claimed, "answers", full)
+    with pytest.raises(MemoryError):
+        asked(file.read(folder / "campaign.toml"), 1)
 
 
 def test_parquet_has_types_and_says_where_it_is_from(folder, monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import traceback
@@ -47,6 +48,8 @@ def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
     except MemoryError:
         raise
     except Exception as fault:
+        if isinstance(fault, OSError) and fault.errno == errno.ENOMEM:
+            raise MemoryError from None
         place = traceback.extract_tb(fault.__traceback__)[-1]
         where = f"{os.path.basename(place.filename)}:{place.lineno}"
         return ended(campaign, row, f"{type(fault).__name__}: {' '.join(str(fault).split())} (at {where})")

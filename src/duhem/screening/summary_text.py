@@ -21,7 +21,7 @@ def as_text(summary: Summary, page: Page = PAGE) -> str:
         [
             [f"{summary.rows} rows, {summary.seconds:.1f} s in all" + (f"; {summary.table}" if summary.table else "")],
             page.table([*_verdicts(summary)], "lr"),
-            page.table([*_methods(summary)], "llr"),
+            page.table([*_methods(summary)], "llr") if summary.methods else [],
             page.items("Without verdict", _reasons(summary)),
             page.items("Rows to look at", _named(summary)),
         ]
@@ -36,8 +36,6 @@ def _verdicts(summary: Summary) -> Iterator[Sequence[str]]:
 
 
 def _methods(summary: Summary) -> Iterator[Sequence[str]]:
-    if not summary.methods:
-        return
     yield ["claim", "method", "lines", "seconds", "mean", "most"]
     ordered = sorted(summary.methods.items(), key=lambda item: (-item[1][1], item[0]))
     for (claim, method), (count, total, most) in ordered[:_MOST]:
