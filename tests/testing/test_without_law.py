@@ -6,7 +6,21 @@ import numpy as np
 import pytest
 
 from duhem.errors import InputError
-from duhem.testing import Material, MaterialState, Report, Step, assert_conforms, checks_for, conformance, decades, projection, violation
+from duhem.testing import (
+    Case,
+    Material,
+    MaterialState,
+    Report,
+    Step,
+    assert_conforms,
+    checks_for,
+    conformance,
+    decades,
+    projection,
+    violation,
+)
+from duhem.testing.routines.unfinished import Unfinished
+from duhem.testing.without_law.history import HistoryQuery
 from tests.long import mostly_long
 from tests.oracles.routines import Array
 from tests.testing.examples import BUGS, EXAMPLES, friction, interface
@@ -140,3 +154,21 @@ def test_parameters_without_a_law_are_numbers_or_strategies_and_checks_have_name
     assert report.ok and not any(sign == "seam" for sign in report.visited), str(report)
     with pytest.raises(InputError, match="without a law: unknown check 'feasibility'; choose one of answers"):
         conformance(None, update, {"limit": 1.0}, stiffness=[1.0], checks="feasibility")
+
+
+def test_what_does_not_come_back_on_a_history_asked_again_is_told_with_its_increment() -> None:
+    """Of 14 histories the fourth and the eleventh are asked again; the eleventh does not come back."""
+
+    def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
+        after = before.stress + increment
+        if (after[:, 0] == 11.0).any():
+            raise Unfinished("endless")
+        return MaterialState(before.strain + increment, after, before.variables)
+
+    trial, none = np.arange(1.0, 15.0)[:, None] * [1.0, 0.5], np.zeros((14, 2))
+    case = Case({}, np.eye(2), None, trial, trial, trial, none, none, np.ones(14), 2.0, np.zeros((14, 2, 2)), None)
+    some = HistoryQuery(Material(advance, np.eye(2)), case, 1e-9, every=7).some
+    assert some.rows.tolist() == [3, 10] and isinstance(some, HistoryQuery)
+    with pytest.raises(Unfinished) as fault:
+        some.counted(some.start, some.case.trial, None)
+    assert fault.value.row == 10
