@@ -188,6 +188,7 @@ class _About:
     reports: dict[str, Report] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
     every: dict[str, int] = field(default_factory=dict)
+    rows: dict[str, int] = field(default_factory=dict)
     without: dict[str, str] = field(default_factory=dict)
     unfinished: Unfinished | None = None
 
@@ -292,6 +293,7 @@ class _About:
 
     def _keep(self, name: str, run: ConformanceRun, begun: float) -> None:
         self.seconds[name] = monotonic() - begun
+        self.rows[name] = run.rows
         self.every[name] = run.every if any(each.again for each in run.asked) else 1
         self.reports[name] = run.report()
 
@@ -334,6 +336,11 @@ class _About:
             lines.append("decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in report.decades.items()))
         seconds = self.seconds[name]
         lines.append(f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second")
+        if "convexity" in report.passed:
+            pairs = report.examples * self.rows[name]
+            lines.append(
+                f"convexity of K was tested on {pairs} pairs of stresses alone, beside which a dent may lie; duhem verify seeks a proof"
+            )
         if self.every[name] > 1:
             more = "conformance(..., every=1) in Python asks it of all"
             lines.append(f"what asks the routine again was asked of one increment in {self.every[name]}; {more}")
