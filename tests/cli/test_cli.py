@@ -25,6 +25,7 @@ from duhem.proof import report_json as json_report
 from duhem.proof import report_text as text_report
 from duhem.proof import verification
 from duhem.proof.claims import CLAIMS
+from duhem.proof.remarks import not_needed
 from duhem.proof.verdict import Verdict, Witness
 from duhem.proof.verification import ClaimResult, Verification
 from tests.long import mostly_long
@@ -108,6 +109,22 @@ def test_json_report(run: Run) -> None:
 def test_exit_code(run: Run, monkeypatch: pytest.MonkeyPatch, verdicts: tuple[Verdict, ...], strict: bool, code: int) -> None:
     monkeypatch.setattr(verification, "verify", made_up(*verdicts))
     assert run("verify", "coulomb", *(["--strict"] if strict else []))[0] == code
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "settled"),
+    [
+        ((Verdict.PROVED, Verdict.NOT_APPLICABLE), True),
+        ((Verdict.UNDECIDED,), False),
+        ((Verdict.PROVED, Verdict.UNDECIDED), False),
+        ((Verdict.PROVED, Verdict.TESTED), False),
+        ((Verdict.PROVED, Verdict.REFUTED), False),
+        ((Verdict.NOT_APPLICABLE,), False),
+    ],
+)
+def test_all_is_said_to_be_settled_by_proof_only_where_it_is(verdicts: tuple[Verdict, ...], settled: bool) -> None:
+    said = [part.reason for part in not_needed(duhem.load("coulomb"), verdicts)]
+    assert ("every examined claim was settled by proof" in said) is settled
 
 
 def test_text_report_shows_witness_conclusion_left_out_and_remarks() -> None:

@@ -38,7 +38,9 @@ def campaign(
 ) -> int:
     """Ask every row of CAMPAIGN, a TOML file: laws times parameter sets, one line of the table a row and claim.
 
-    A row whose law cannot be read, or that crashes, hangs or asks for too much memory, is a row with its reason and harms no other.
+    A name that is no law, a file that is not there and a fault in the file of a law with grid, draw or table are told before anything is
+    asked.  Any other row whose law cannot be read, or that crashes, hangs or asks for too much memory, is a row with its reason and harms
+    no other.
     The table is the same from any number of workers, but for the seconds; --scheduler asks a Dask cluster (extra cluster), of SLURM for
     example through dask-jobqueue, whose workers see the files that the campaign names.  A campaign that is interrupted (Ctrl-C, SIGTERM) or
     killed keeps what is done beside the table, and --resume goes on from there.  With --plot CAMPAIGN may be a finished table, which is
