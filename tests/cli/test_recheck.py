@@ -38,7 +38,29 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_proof_of_the_law_is_confirmed(folder: Path) -> None:
     done = run("recheck", folder / "disc.json", "--law", folder / "disc.toml")
     assert done.return_value == 0
-    assert [line.split()[1:] for line in done.stdout.splitlines()[2:]] == [["proved", "confirmed"]] * 7
+    *rows, empty, last = done.stdout.splitlines()[2:]
+    assert [line.split()[1:] for line in rows] == [["proved", "confirmed"]] * 7
+    assert (empty, last) == ("", "confirmed: 7 of 7 proofs")
+
+
+def test_the_last_line_counts_what_is_confirmed_what_has_no_rule_and_what_fails(folder: Path, tmp_path: Path) -> None:
+    from duhem.proof.kernel.certificate import digest
+
+    made = json.loads((folder / "disc.json").read_text("utf-8"))
+
+    def told(law: dict[str, Any], **changes: dict[str, Any]) -> tuple[int, str]:
+        claims = [row | changes.get(row["claim"], {}) for row in made["claims"]]
+        document = made | {"law": made["law"] | law, "claims": claims}
+        (tmp_path / "other.json").write_text(json.dumps(document | {"sha256": digest(document)}), "utf-8")
+        done = run("recheck", tmp_path / "other.json")
+        return done.return_value, done.stdout.splitlines()[-1]
+
+    unruled = {"trust": "prover", "rule": None, "evidence": {}}
+    assert told({}, smoothness=unruled, state_laws=unruled) == (0, "confirmed: 5 of 7 proofs; without a rule here: 2")
+    code, last = told({"g": "mu*abs(sigma_n) - norm(sigma_a, sigma_b)"}, smoothness=unruled)
+    assert code == 1 and "without a rule here: 1; failed: " in last
+    none = {"verdict": "undecided", "trust": None, "rule": None, "evidence": {}}
+    assert told({}, **dict.fromkeys((row["claim"] for row in made["claims"]), none)) == (0, "there is no proof in it")
 
 
 def test_the_formula_in_it_is_the_one_that_was_written(folder: Path) -> None:

@@ -28,7 +28,8 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     """Check the proofs in CERTIFICATE (duhem verify LAW --certificate FILE) against the text of the law in it.
 
     The checker shares nothing with what made the proofs: no SymPy, no solver.  --law and --set say which law it should be
-    about.  Ends with 1 if a proof that the certificate calls checked is not confirmed, or if the law is another.
+    about.  The last line counts what is confirmed and what the kernel has no rule for.  Ends with 1 if a proof that the
+    certificate calls checked is not confirmed, or if the law is another.
     """
     document = _read(certificate)
     try:
@@ -43,7 +44,20 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
             return REFUTED
     said = [(r.claim, r.verdict.replace("_", " "), "confirmed" if r.confirmed else "-", r.reason) for r in rows]
     say("\n".join(page().table([("claim", "verdict", "kernel", "why not"), *said], "llll", "", rule=True)))
+    say(f"\n{_counted(rows)}")
     return HELD if all(r.confirmed or r.trust != "checked" for r in rows) else REFUTED
+
+
+def _counted(rows: Sequence[kernel.Rechecked]) -> str:
+    """How many proofs are confirmed, how many the kernel has no rule for, and how many it objects to."""
+    proofs = [r for r in rows if r.verdict == "proved"]
+    if not proofs:
+        return "there is no proof in it"
+    unruled = sum(r.reason == kernel.NO_RULE for r in proofs)
+    confirmed = sum(r.confirmed for r in proofs)
+    failed = len(proofs) - confirmed - unruled
+    rest = [f"; {what}: {count}" for what, count in (("without a rule here", unruled), ("failed", failed)) if count]
+    return f"confirmed: {confirmed} of {len(proofs)} proofs{''.join(rest)}"
 
 
 def _read(file: str) -> dict[str, object]:

@@ -12,9 +12,10 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import StatedLaw, exact, inhabited, without_more
 from duhem.proof.kernel.term import NotWritten
 
-__all__ = ["CLAIMS", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
+__all__ = ["CLAIMS", "NO_RULE", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
 
 SCHEMA = "duhem certificate 1"
+NO_RULE = "no rule for this argument"
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
 
 
@@ -65,7 +66,7 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     for claim, verdict, trust, rule, evidence in sorted(said, key=lambda c: CLAIMS.index(c[0])):
         reason = "only proofs are checked"
         if verdict == "proved":
-            reason = "no rule for this argument" if rule is None else objection(claim, rule, frozenset(settled), law, evidence)
+            reason = NO_RULE if rule is None else objection(claim, rule, frozenset(settled), law, evidence)
         if not reason:
             settled.add(claim)
         rows.append(Rechecked(claim, verdict, trust, not reason, reason))
