@@ -143,6 +143,25 @@ def test_a_refuted_claim_shows_its_witness_and_without_matplotlib_what_to_instal
     assert "matplotlib is not installed; install it with: pip install" in bare and "<figure" not in bare
 
 
+def test_without_the_extras_the_page_stands_and_one_line_says_what_to_install(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in [*sys.modules, "matplotlib", "contourpy", "latex2mathml"]:
+        if name.partition(".")[0] in ("matplotlib", "contourpy", "latex2mathml"):
+            monkeypatch.setitem(sys.modules, name, None)
+    page = tmp_path / "z.html"
+    code, out, err = run("verify", "coulomb", "--claims", "origin", "--report", str(page))
+    assert code == 0 and "origin" in out
+    assert err == (
+        f"duhem: {page} is without pictures and typeset formulas: matplotlib is not installed, latex2mathml is not installed; "
+        'install it with: pip install "duhem[report]"\n'
+    )
+    seen = read(page)
+    assert any("matplotlib is not installed; install it" in said for said in seen.said)
+    assert any("latex2mathml is not installed; install it" in said for said in seen.said)
+    assert not {"svg", "math"} & set(seen.tags) and "Derivation" in seen.said
+
+
 @pytest.mark.slow
 def test_the_law_on_the_page_is_the_law_that_was_verified(tmp_path: Path) -> None:
     for law in ("antoni2007", "limacon"):

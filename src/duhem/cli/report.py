@@ -5,10 +5,11 @@ from __future__ import annotations
 import platform
 import shlex
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from duhem.cli import installation
-from duhem.errors import DuhemError, InputError
+from duhem.errors import DuhemError, InputError, MissingExtraError
 from duhem.left_out import LeftOut
 from duhem.version import __version__
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from duhem.proof.verification import Verification
     from duhem.show.document import Article, Chapter
 
-__all__ = ["again", "article", "law_lines"]
+__all__ = ["again", "article", "law_lines", "without"]
 
 _SHOWN_WITH = ("matplotlib", "latex2mathml")
 
@@ -56,6 +57,22 @@ def law_lines(law: str) -> str:
     if (file := catalogue.file_read(law)) is not None:
         return file.read_text("utf-8-sig")
     return criterion_text(read_law(law))
+
+
+def without() -> str:
+    """What the page lacks for want of a package, and the remedy; empty where it lacks nothing."""
+    from duhem.show import figure, mathematics
+
+    faults: dict[str, MissingExtraError] = {}
+    for part, check in (("pictures", partial(figure.check, None)), ("typeset formulas", mathematics.check)):
+        try:
+            check()
+        except MissingExtraError as fault:
+            faults[part] = fault
+    if not faults:
+        return ""
+    [*_, last] = faults.values()
+    return f"without {' and '.join(faults)}: {', '.join(fault.what for fault in faults.values())}; {last.remedy}"
 
 
 def _pictures(found: Verification) -> Chapter:

@@ -65,7 +65,7 @@ def verify(
     check_places([report, certificate], laws)
     if certificate is not None and len(laws) > 1:
         raise InputError("a certificate is of one law", where=f"--certificate {certificate}", remedy="verify the laws one by one")
-    from duhem.cli.report import again, article, law_lines
+    from duhem.cli.report import again, article, law_lines, without
 
     texts = [law_lines(law) for law in laws] if report is not None else []
 
@@ -95,6 +95,8 @@ def verify(
 
         commands = (again(law, settings, claims, effort) for law in laws)
         write(report, as_page([article(*each) for each in zip(told.done, commands, texts, strict=True)]))
+        if lacking := without():
+            click.echo(f"duhem: {report} is {lacking}", err=True)
     return told.code()
 
 

@@ -38,8 +38,7 @@ def atlas_sheet(
 
     ``on_law`` is called with the name of each law before it is drawn.  Raises what :func:`duhem.portrait.plot` raises.
     """
-    if file is not None:
-        figure.check(file)
+    figure.check(file)
     views = []
     for law in laws:
         on_law(law.name)

@@ -26,6 +26,7 @@ def panels(found: Verification) -> tuple[Drawing, ...]:
 
     Raises MissingExtraError without matplotlib, InputError where no numbers are found for what is left open.
     """
+    figure.check(None)
     return tuple(_drawn(found))
 
 

@@ -57,8 +57,7 @@ def plot(
 
     Raises InputError for what does not fit the law or cannot be written, MissingExtraError without matplotlib.
     """
-    if file is not None:
-        figure.check(file)
+    figure.check(file)
     chosen = load(law)
     refuted: tuple[Violation, ...] = ()
     if witness:

@@ -60,8 +60,9 @@ def _coordinates(point: Mapping[str, str]) -> str:
 def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], claims: Sequence[str]) -> str:
     verdicts = {claim: result.verdict for claim, result in found.items()}
     if answer:
-        unchecked = [c for c in claims if found[c].trust is not Trust.CHECKED]
-        reason = f"{_and(claims)} proved" + (f", {_and(unchecked)} not checked" if unchecked else "")
+        resting = {trust: [c for c in claims if found[c].trust is trust] for trust in Trust if trust is not Trust.CHECKED}
+        trusts = [f"{trust} for {_and(those)}" for trust, those in resting.items() if those]
+        reason = f"{_and(claims)} proved" + (f"; trust: {', '.join(trusts)}" if trusts else "")
     elif answer is False:
         reason = f"{_and([c for c in claims if verdicts.get(c) is Verdict.REFUTED])} refuted"
     else:

@@ -339,17 +339,21 @@ def _touching(axis: Axis) -> bool:
     return any(here[1] + gap > there[0] for here, there in pairwise(spans))
 
 
-def check(file: Target) -> None:
-    """Whether a picture can be written there, asked before the work rather than after it; a stream is taken as it is.
+def check(file: Target | None) -> None:
+    """Whether a picture can be drawn and written there, asked before the work rather than after it; a stream is taken as it is.
 
-    Raises MissingExtraError without matplotlib, InputError for an ending it cannot write, a folder that is not there, and
-    a place that cannot be written to.
+    Raises MissingExtraError without matplotlib or contourpy, which it brings, InputError for an ending it cannot write, a folder
+    that is not there, and a place that cannot be written to.
     """
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
     except ImportError:
         raise MissingExtraError("matplotlib", "plot") from None
-    if _is_stream(file):
+    try:
+        import contourpy  # noqa: F401
+    except ImportError:
+        raise MissingExtraError("contourpy", "plot") from None
+    if file is None or _is_stream(file):
         return
     if not isinstance(file, str | bytes | os.PathLike):
         raise InputError(f"{type(file).__name__} is no file", where="file", remedy="give a name or an open binary file")
