@@ -26,7 +26,7 @@ from duhem.proof import report_text as text_report
 from duhem.proof import verification
 from duhem.proof.claims import CLAIMS
 from duhem.proof.remarks import not_needed
-from duhem.proof.verdict import Verdict, Witness
+from duhem.proof.verdict import Trust, Verdict, Witness
 from duhem.proof.verification import ClaimResult, Verification
 from tests.long import mostly_long
 from tests.oracles.junit_schema import read as junit_document
@@ -125,6 +125,15 @@ def test_exit_code(run: Run, monkeypatch: pytest.MonkeyPatch, verdicts: tuple[Ve
 def test_all_is_said_to_be_settled_by_proof_only_where_it_is(verdicts: tuple[Verdict, ...], settled: bool) -> None:
     said = [part.reason for part in not_needed(duhem.load("coulomb"), verdicts)]
     assert ("every examined claim was settled by proof" in said) is settled
+
+
+def test_the_conclusion_names_the_trust_of_what_the_kernel_has_not_checked() -> None:
+    trusts = {"origin": Trust.CHECKED, "convexity": Trust.SOLVER, "normality": Trust.SOLVER, "dissipation": Trust.PROVER}
+    proved = {claim: ClaimResult(claim, Verdict.PROVED, "by hand", "everywhere", 0.0, "", trust=trust) for claim, trust in trusts.items()}
+    report = text_report.complete(Verification(duhem.load("coulomb"), tuple(proved.values()), (), ()))
+    said = " ".join(report.split())
+    assert "generalized standard: yes (origin, convexity and normality proved; trust: solver for convexity and normality)" in said
+    assert "dissipative: yes (dissipation proved; trust: prover for dissipation)" in said
 
 
 def test_text_report_shows_witness_conclusion_left_out_and_remarks() -> None:

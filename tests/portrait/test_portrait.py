@@ -356,6 +356,14 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch) -> None:
         plot("coulomb", "p.png")
 
 
+def test_without_contours_the_extra_is_named_where_no_file_is_asked_for_either(monkeypatch) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "contourpy", None)
+    with pytest.raises(MissingExtraError, match=r"contourpy is not installed.*duhem\[plot\]"):
+        plot("coulomb")
+
+
 def test_the_command_writes_where_it_says_and_never_over_what_it_reads(run, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.toml").write_text('[criterion]\nname = "a/../b law"\ng = "norm(sigma_a, sigma_b) - abs(sigma_n)"\n')
