@@ -156,6 +156,20 @@ def test_plots(tmp_path):
     assert (tmp_path / "h.png").read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.parametrize(("time", "said"), [(None, "step of the path"), ([0.0, 2.0, 3.0], "time $t$ [s]")])
+def test_a_picture_counts_seconds_only_where_the_path_states_times(time, said):
+    pytest.importorskip("matplotlib")
+    from matplotlib.figure import Figure
+
+    path = Path.linear([[0.0, 0.0], [0.4, 0.1], [0.1, 0.3]], pressure=-1.0, time=time)
+    one = simulate("antoni2007", path, stiffness=K, parameters=MU, substeps=2)
+    many = simulate("antoni2007", duhem.Paths.scaled(path, [1.0, 2.0]), stiffness=K, parameters=MU, substeps=2)
+    for history in (one, many.history(1)):
+        axes = Figure().subplots(1, 3)
+        history.plot(axes=axes)
+        assert axes[2].get_xlabel() == said
+
+
 def test_refining_keeps_the_knots():
     for path in (Path.random(seed=1, points=5, pressure=-1.0), Path.circle(0.3, points=7, pressure=-1.0)):
         fine = path.refined(3)

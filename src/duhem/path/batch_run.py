@@ -174,6 +174,7 @@ def _room(batch: Batch, first: int, last: int, method: str) -> Histories:
         points=np.arange(first, last),
         knots=batch.knots,
         time=between(batch.paths.time, batch.substeps)[batch.knots],
+        timed=batch.paths.timed,
         **{name: np.empty((n, r, d) if name in ("displacement", "slip", "stress") else (n, r)) for name in STATES},
         status=np.empty(n, dtype=np.int8),
         reached=np.empty(n, dtype=np.intp),

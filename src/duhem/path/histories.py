@@ -54,7 +54,8 @@ class Histories(Recorded, Shown):
         """One point by itself, by its place among ``points``: the kept knots that it reached."""
         done = self.knots <= self.reached[point]
         states = {name: getattr(self, name)[point][done] for name in STATES}
-        return History(self.law, self.forces, self.pressure_name, self.time[done], **states, method=self.method, why=self.why)
+        named = {name: getattr(self, name) for name in ("law", "forces", "pressure_name", "method", "why", "timed")}
+        return History(**named, time=self.time[done], **states)
 
     def columns(self) -> tuple[str, ...]:
         """The names of the table's columns, in order."""

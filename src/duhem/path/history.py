@@ -25,8 +25,8 @@ STATES = ("displacement", "slip", "stress", "pressure", *SUMS)  # in the order o
 class Recorded:
     """What is written down of a law at the knots of one path or of many: ``displacement``, ``slip`` and ``stress`` (..., d), others (...).
 
-    ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated.  The states and their
-    units are those of :class:`History`.
+    ``forces`` and ``pressure_name`` are the law's names; ``method`` and ``why`` say how it was integrated; ``time`` is in s, or
+    counts the steps of a path that is not ``timed``.  The states and their units are those of :class:`History`.
     """
 
     law: str
@@ -45,6 +45,7 @@ class Recorded:
     balance: Array
     method: str
     why: str
+    timed: bool = field(default=True, kw_only=True)
 
     def columns(self) -> tuple[str, ...]:
         """The names of the table's columns, in order."""

@@ -60,6 +60,7 @@ def _history(plan: Plan, column: dict[str, np.ndarray]) -> History:
         forces=law.forces,
         pressure_name=law.pressure,
         time=column["time"],
+        timed=plan.path.timed,
         displacement=np.stack([column[f"u_{t}"] for t in tails], axis=1),
         slip=np.stack([column[f"u_in_{t}"] for t in tails], axis=1),
         stress=np.stack([column[f] for f in law.forces], axis=1),

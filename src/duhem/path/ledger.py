@@ -81,6 +81,7 @@ class Ledger:
             forces=law.forces,
             pressure_name=law.pressure,
             time=path.time[:n],
+            timed=path.timed,
             displacement=path.values[:n] if path.control == "displacement" else slip + times(stress, plan.compliance),
             slip=slip,
             stress=stress,

@@ -41,7 +41,8 @@ class Path:
 
     ``values`` (m, d): displacements in m, or stresses in Pa for ``control="stress"``; ``pressure`` (m,) the normal stress
     sigma_n <= 0 in compression in Pa, None for a law without; ``time`` (m,) in s, increasing: the laws are rate
-    independent, so it only labels the knots.  Raises InputError for arrays that do not fit each other.
+    independent, so it only labels the knots, and counts the steps where the path is not ``timed``.  Raises InputError for
+    arrays that do not fit each other.
     """
 
     values: Array
@@ -49,6 +50,7 @@ class Path:
     time: Array
     control: Control = "displacement"
     arc: Arc | None = None
+    timed: bool = True
 
     def __post_init__(self) -> None:
         given = (self.values, self.time, *([] if self.pressure is None else [self.pressure]))
@@ -75,7 +77,7 @@ class Path:
         if (back := np.flatnonzero(np.diff(times) <= 0.0)).size:
             i = int(back[0]) + 1
             raise InputError(f"time[{i}] = {times[i]} does not come after {times[i - 1]}", where="path", remedy="give increasing times")
-        return cls(values, _pressure(pressure, m), times, control)
+        return cls(values, _pressure(pressure, m), times, control, timed=time is not None)
 
     @classmethod
     def cycle(

@@ -23,7 +23,8 @@ class Paths:
     """The displacements of N points at the same m >= 2 knots, u_n(t_i) = factor_n values_n(t_i), and straight in between.
 
     ``values`` (N, m, d) or (1, m, d) in m, ``factor`` (N, d) or (1, d); ``pressure`` (N, m), (N, 1), (1, m) or (1, 1), the
-    normal stress sigma_n <= 0 in compression in Pa, None for a law without; ``time`` (m,) in s, increasing.  Contact is
+    normal stress sigma_n <= 0 in compression in Pa, None for a law without; ``time`` (m,) in s, increasing, or
+    the number of steps where the paths are not ``timed``.  Contact is
     open where sigma_n = 0.
     """
 
@@ -31,6 +32,7 @@ class Paths:
     factor: Array
     pressure: Array | None
     time: Array
+    timed: bool = True
 
     def __post_init__(self) -> None:
         given = (self.values, self.factor, self.time, *([] if self.pressure is None else [self.pressure]))
@@ -54,7 +56,7 @@ class Paths:
             raise InputError(what, where="paths", remedy="give (N, m, d) with at least two knots, or (N, m) for one force")
         n, m, d = values.shape
         line = Path.linear(np.zeros((m, 1)), time=time)
-        return cls(values, np.ones((1, d)), _pressures(pressure, n, m), line.time)
+        return cls(values, np.ones((1, d)), _pressures(pressure, n, m), line.time, line.timed)
 
     @classmethod
     def scaled(cls, path: Path, by: ArrayLike, *, pressure: ArrayLike | None = None) -> Paths:
@@ -74,7 +76,7 @@ class Paths:
             raise InputError(f"by has the shape {np.shape(by)}", where="paths", remedy=f"give (N,) or (N, {d})")
         load = path.pressure if pressure is None else pressure
         spread = np.array(np.broadcast_to(factor, (len(factor), d)))
-        return cls(path.values[None], spread, _pressures(load, len(factor), m), path.time)
+        return cls(path.values[None], spread, _pressures(load, len(factor), m), path.time, path.timed)
 
     def __len__(self) -> int:
         return max(len(self.values), len(self.factor), 1 if self.pressure is None else len(self.pressure))
@@ -90,11 +92,11 @@ class Paths:
         def own(array: Array) -> Array:
             return np.ascontiguousarray(array if len(array) == 1 else array[first:last])
 
-        return Paths(own(self.values), own(self.factor), None if self.pressure is None else own(self.pressure), self.time)
+        return Paths(own(self.values), own(self.factor), None if self.pressure is None else own(self.pressure), self.time, self.timed)
 
     def begun(self) -> Paths:
         """The first knots alone."""
-        return Paths(self.values[:, :1], self.factor, None if self.pressure is None else self.pressure[:, :1], self.time[:1])
+        return Paths(self.values[:, :1], self.factor, None if self.pressure is None else self.pressure[:, :1], self.time[:1], self.timed)
 
     def refined(self, substeps: int) -> Paths:
         """The same paths with every step cut into ``substeps`` equal ones."""
@@ -104,7 +106,7 @@ class Paths:
         if pressure is not None and pressure.shape[1] > 1:
             pressure = np.ascontiguousarray(between(pressure.T, substeps).T)
         values = np.swapaxes(between(np.swapaxes(self.values, 0, 1), substeps), 0, 1)
-        return Paths(np.ascontiguousarray(values), self.factor, pressure, between(self.time, substeps))
+        return Paths(np.ascontiguousarray(values), self.factor, pressure, between(self.time, substeps), self.timed)
 
     def at(self, knot: int) -> Array:
         """The displacements of all points at a knot, (N, d)."""
@@ -116,7 +118,7 @@ class Paths:
         pressure = None
         if self.pressure is not None:
             pressure = np.array(np.broadcast_to(self.pressure[point if len(self.pressure) > 1 else 0], self.time.shape))
-        return Path(values, pressure, self.time)
+        return Path(values, pressure, self.time, timed=self.timed)
 
 
 def _doubles(given: Any, what: str) -> Array:

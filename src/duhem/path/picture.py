@@ -96,7 +96,7 @@ def _over(history: History, law: Criterion | str | os.PathLike[str] | None, para
 def stress_path(axes: Axes, seen: Trajectory, law: Criterion | None = None, parameters: Mapping[str, float] | None = None) -> None:
     """The first two forces, over the boundary of K at the extreme pressures where ``law`` is given and has two forces.
 
-    One force alone is drawn over the time.  Stresses in Pa.
+    One force alone is drawn over time or, where the path states none, its steps.  Stresses in Pa.
     """
     states, forces = seen.states, [f"${latex_name(name)}$" for name in seen.states.forces]
     size, edges = float(np.abs(states.stress[:, :2]).max()), []
@@ -111,7 +111,7 @@ def stress_path(axes: Axes, seen: Trajectory, law: Criterion | None = None, para
     _line(axes, seen, x, y, 0, heads=len(forces) > 1)
     axes.plot(x[0], y[0], **_START)
     if len(forces) == 1:
-        figure.measure(axes.xaxis, "time $t$", "s")
+        _time(axes, states)
     else:
         axes.set_aspect("equal", adjustable="datalim")
         figure.measure(axes.xaxis, forces[0], "Pa", size)
@@ -140,9 +140,17 @@ def energies(axes: Axes, seen: Trajectory) -> None:
     size = max(float(np.abs(getattr(states, name)).max()) for name in shown)
     for i, name in enumerate(shown):
         _line(axes, seen, states.time, getattr(states, name) / figure.outsize(size), i, _SUMS[name], heads=False)
-    figure.measure(axes.xaxis, "time $t$", "s")
+    _time(axes, states)
     figure.measure(axes.yaxis, "energy over area", "J/m²", size)
     figure.legend(axes)
+
+
+def _time(axes: Axes, states: History) -> None:
+    """The axis of time in s, or of steps where the path states no times."""
+    if states.timed:
+        figure.measure(axes.xaxis, "time $t$", "s")
+    else:
+        axes.set_xlabel("step of the path")
 
 
 def _symbols(word: str, names: Iterable[str]) -> str:
