@@ -64,6 +64,17 @@ def test_each_point_has_a_path_of_its_own_in_a_table(folder):
     assert np.array_equal(scene.path.at(1), [[0.5, 0.1], [-0.4, 0.8]]) and scene.parameters["mu_a_plus"].tolist() == [0.2, 0.3]
 
 
+@pytest.mark.parametrize("timed", [True, False])
+def test_points_have_times_where_their_table_states_them(folder, timed):
+    if not timed:
+        (folder / "own.csv").write_text("".join(",".join(np.delete(row.split(","), 1)) + "\n" for row in OWN.splitlines()))
+    (folder / "more.csv").write_text("mu_a_plus,scale\n0.2,1\n0.3,2\n")
+    head = SCENE.partition("[points]")[0]
+    own = '[path]\nkind = "table"\nfile = "own.csv"\npoint = "point"\n'
+    for text in (head.replace("[parameters]", "[parameters]\nmu_a_plus = 0.2") + own, f'{head}[points]\ntable = "more.csv"\n{own}'):
+        assert scene_file.reads(text, folder=folder).path.timed is timed
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

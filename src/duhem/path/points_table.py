@@ -42,7 +42,7 @@ def spread(file: str | PathLike[str], law: Criterion, path: Path | Paths) -> tup
             raise InputError(f"{n} points here and {len(path)} paths", remedy="give a row for each point of the path's table")
         else:
             given = Paths.linear(path.values, pressure=path.pressure if load is None else load, time=path.time)
-            paths = replace(given, factor=path.factor * by)
+            paths = replace(given, factor=path.factor * by, timed=path.timed)
     except InputError as fault:
         raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None
     return paths, {name: column[name] for name in law.parameters if name in column}
@@ -84,6 +84,6 @@ def paths_from_csv(
     if isinstance(pressure, str) and spelled(pressure) in header:
         load = rows[:, header.index(spelled(pressure))].reshape(len(starts), m)
     try:
-        return Paths.linear(values, pressure=load, time=first.time)
+        return Paths.linear(values, pressure=load, time=first.time if first.timed else None)
     except InputError as fault:
         raise InputError(fault.what, where=f"{file}", remedy=fault.remedy) from None
