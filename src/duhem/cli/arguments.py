@@ -37,6 +37,7 @@ __all__ = [
     "read_numbers",
     "read_routine",
     "read_settings",
+    "report_format_option",
     "settings_option",
 ]
 
@@ -56,6 +57,14 @@ law_argument = click.argument("law", shell_complete=_complete_law)
 laws_argument = click.argument("laws", nargs=-1, required=True, metavar="LAW...", shell_complete=_complete_law)
 settings_option = click.option(
     "--set", "settings", metavar="NAME=VALUE", multiple=True, help="Fix a parameter, exactly: mu_a=0.15 or mu_a=3/20. Repeatable."
+)
+report_format_option = click.option(
+    "--format",
+    "form",
+    type=click.Choice(["text", "json", "junit"]),
+    default="text",
+    show_default=True,
+    help="For people, for programs, or for what reads JUnit's XML.",
 )
 
 

@@ -22,6 +22,7 @@ from duhem.cli.arguments import (
     read_numbers,
     read_routine,
     read_settings,
+    report_format_option,
     settings_option,
 )
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
@@ -77,14 +78,7 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
     help="Tries to make each failing case smaller, at most.",
 )
 @click.option("--replay", metavar="FOLDER", help="Also write each failure to FOLDER as a test file.")
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(["text", "json", "junit"]),
-    default="text",
-    show_default=True,
-    help="For people, for programs, or for what reads JUnit's XML.",
-)
+@report_format_option
 def test(
     subject: str,
     law: str | None,

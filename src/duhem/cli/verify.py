@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from duhem.cli.arguments import laws_argument, read_claims, read_fixed_law, settings_option
+from duhem.cli.arguments import laws_argument, read_claims, read_fixed_law, report_format_option, settings_option
 from duhem.cli.exit_code import HELD, INTERRUPTED, REFUTED, UNDECIDED
 from duhem.cli.output import Progress, page, say
 from duhem.errors import InputError
@@ -25,14 +25,7 @@ __all__ = ["verify"]
 @laws_argument
 @settings_option
 @click.option("--claims", metavar="A,B", help="Only these claims (duhem explain lists them).")
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(["text", "json", "junit"]),
-    default="text",
-    show_default=True,
-    help="For people, for programs, or for what reads JUnit's XML.",
-)
+@report_format_option
 @click.option("--report", metavar="FILE", help="Also write a page for people, HTML in one file: pictures, derivation, how to reproduce it.")
 @click.option("--certificate", metavar="FILE", help="Also write the proofs for duhem recheck, as JSON.")
 @click.option(
