@@ -156,7 +156,7 @@ def test_plots(tmp_path):
     assert (tmp_path / "h.png").read_bytes()[:4] == b"\x89PNG"
 
 
-@pytest.mark.parametrize(("time", "said"), [(None, "step of the path"), ([0.0, 2.0, 3.0], "time $t$ [s]")])
+@pytest.mark.parametrize(("time", "said"), [(None, "step of the path [–]"), ([0.0, 2.0, 3.0], "time $t$ [s]")])
 def test_a_picture_counts_seconds_only_where_the_path_states_times(time, said):
     pytest.importorskip("matplotlib")
     from matplotlib.figure import Figure

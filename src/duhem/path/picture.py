@@ -150,7 +150,7 @@ def _time(axes: Axes, states: History) -> None:
     if states.timed:
         figure.measure(axes.xaxis, "time $t$", "s")
     else:
-        axes.set_xlabel("step of the path")
+        figure.measure(axes.xaxis, "step of the path")
 
 
 def _symbols(word: str, names: Iterable[str]) -> str:
