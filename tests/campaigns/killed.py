@@ -85,7 +85,7 @@ def lost(folder: Path, many: bool) -> tuple[float, float]:
     missing = [i for i, (n, _) in enumerate(done) if n > kept]
     pause = max((after - before for (_, before), (_, after) in pairwise(done)), default=0.0)
     may = 0.0 if many else max(CHECKPOINT, 9.0 * pause) + pause
-    if not missing:
+    if not missing or (folder / "h.csv").exists():  # it was killed as it left, after the table stood
         return 0.0, may
     return float("inf") if many else done[-1][1] - done[max(missing[0] - 1, 0)][1], may
 
