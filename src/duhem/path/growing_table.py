@@ -8,8 +8,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from duhem.errors import MissingExtraError
 from duhem.path.histories import Histories
+from duhem.show import parquet_package
 from duhem.show.growing_file import GrowingFile
 from duhem.show.place import AnyPath, check_place, written
 
@@ -59,11 +59,7 @@ class GrowingTable:
 
 def _to_parquet(rows: Path, file: str) -> None:
     """The same table as Parquet, some rows at a time."""
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError:
-        raise MissingExtraError("pyarrow", "parquet") from None
+    pyarrow, parquet = parquet_package.packages()
     with written(file) as place, open(rows, encoding="utf-8") as stream:
         names = stream.readline().rstrip("\n").split(",")
         schema: Any = pyarrow.schema([(name, pyarrow.int64() if name == "point" else pyarrow.float64()) for name in names])

@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from duhem.errors import MissingExtraError
 from duhem.path.plan import Plan
 from duhem.projection.result import Array
+from duhem.show import parquet_package
 from duhem.show.place import write, written
 from duhem.show.printing import draw
 from duhem.show.shown import Shown
@@ -97,11 +97,7 @@ class History(Recorded, Shown):
 
     def to_parquet(self, file: str | os.PathLike[str]) -> None:
         """Write the table as Parquet; MissingExtraError without pyarrow (extra ``parquet``), InputError as :meth:`to_csv`."""
-        try:
-            import pyarrow
-            from pyarrow import parquet
-        except ImportError:
-            raise MissingExtraError("pyarrow", "parquet") from None
+        pyarrow, parquet = parquet_package.packages()
         with written(file) as beside:
             parquet.write_table(pyarrow.table(self.to_dict()), beside)
 

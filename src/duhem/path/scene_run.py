@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from importlib.util import find_spec
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.errors import InputError
 from duhem.path import kept_part
 from duhem.path.batch_run import parts
 from duhem.path.growing_table import GrowingTable
@@ -14,7 +13,7 @@ from duhem.path.history import History, columns
 from duhem.path.loading import Path
 from duhem.path.scene import Scene
 from duhem.path.simulate import Interrupted, LeftDomain, LeftPrecision
-from duhem.show import figure
+from duhem.show import figure, parquet_package
 from duhem.show.growing_file import beside, check_growing, check_kept
 from duhem.show.place import check_places
 
@@ -37,8 +36,8 @@ def check_outputs(table: str | None, plot: str | None, resume: bool, inputs: Seq
         raise InputError("the table is neither .csv nor .parquet", where=table, remedy="end its name in .csv or .parquet")
     if table is None and resume:
         raise InputError("there is no table to go on with", where="--resume", remedy="name it with --out or in [output]")
-    if table is not None and table.endswith(".parquet") and find_spec("pyarrow") is None:
-        raise MissingExtraError("pyarrow", "parquet")
+    if table is not None and table.endswith(".parquet"):
+        parquet_package.check()
     check_places([table, plot], inputs)
     if table is not None:
         (check_growing if many else check_kept)(table, inputs)

@@ -6,15 +6,15 @@ import csv
 import os
 from array import array
 from collections.abc import Iterable, Iterator
-from importlib.util import find_spec
 from itertools import islice
 from time import monotonic
 from types import TracebackType
 from typing import Any, Self
 
-from duhem.errors import InputError, MissingExtraError
+from duhem.errors import InputError
 from duhem.screening.campaign import Campaign
 from duhem.screening.lines import VerdictLine, lines_of, number_of
+from duhem.show import parquet_package
 from duhem.show.growing_file import DAMAGED, GrowingFile, check_growing
 from duhem.show.place import AnyPath, check_place, written
 from duhem.version import __version__
@@ -31,8 +31,8 @@ def check_table(file: AnyPath, inputs: Iterable[str] = ()) -> None:
     name, inputs = os.fspath(file), tuple(inputs)
     if not name.endswith((".csv", ".parquet")):
         raise InputError("the table is neither .csv nor .parquet", where=name, remedy="end its name in .csv or .parquet")
-    if name.endswith(".parquet") and find_spec("pyarrow") is None:
-        raise MissingExtraError("pyarrow", "parquet")
+    if name.endswith(".parquet"):
+        parquet_package.check()
     check_place(name, inputs)
     check_growing(name, inputs)
 
@@ -110,11 +110,7 @@ def write_table(file: AnyPath, lines: Iterator[VerdictLine], campaign: Campaign)
 
 
 def _to_parquet(place: str, lines: Iterator[VerdictLine], campaign: Campaign) -> None:
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError:
-        raise MissingExtraError("pyarrow", "parquet") from None
+    pyarrow, parquet = parquet_package.packages()
     kinds = {"row": pyarrow.int64(), "steps": pyarrow.int64(), "seconds": pyarrow.float64()}
     told = {"duhem": __version__, "asked": campaign.inquiry.told(), "rows": f"{len(campaign)}", "campaign": campaign.fingerprint}
     fields: Any = [(name, kinds.get(name, pyarrow.string())) for name in VerdictLine._fields]
@@ -143,10 +139,7 @@ def _from_csv(name: str) -> Iterator[dict[str, Any]]:
 
 
 def _from_parquet(name: str) -> Iterator[dict[str, Any]]:
-    try:
-        from pyarrow import parquet
-    except ImportError:
-        raise MissingExtraError("pyarrow", "parquet") from None
+    _, parquet = parquet_package.packages()
     with open(name, "rb") as stream:
         for batch in parquet.ParquetFile(stream).iter_batches(_LINES):
             yield from batch.to_pylist()

@@ -12,6 +12,7 @@ from typing import Any
 from duhem.errors import InputError, MissingExtraError
 from duhem.expression.spelling import spelled
 from duhem.path.table_file import cells_of, header_of
+from duhem.show import parquet_package
 
 __all__ = ["cells_in_lines"]
 
@@ -63,10 +64,7 @@ def _csv(file: str) -> tuple[tuple[str, ...], bytes]:
 
 
 def _parquet(file: str) -> tuple[tuple[str, ...], bytes]:
-    try:
-        from pyarrow import parquet
-    except ImportError:
-        raise MissingExtraError("pyarrow", "parquet") from None
+    _, parquet = parquet_package.packages()
     with open(os.fspath(file), "rb") as stream:
         table = parquet.ParquetFile(stream)
         names = tuple(spelled(name) for name in table.schema_arrow.names)
