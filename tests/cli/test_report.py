@@ -16,7 +16,7 @@ from duhem.cli import report
 from duhem.cli.report import again, article, law_lines
 from duhem.portrait import panels
 from duhem.proof import report_html
-from duhem.show.document import Article, as_page
+from duhem.show.document import Article, Chapter, Display, as_page
 from duhem.version import __version__
 from tests.oracles.browser import CHROMIUM, Browser, browser
 from tests.oracles.strict_html import Strict
@@ -106,6 +106,26 @@ def test_a_browser_shows_it_and_asks_for_nothing(hostile: Path, tab: Browser, da
     ticks = "[...document.querySelectorAll('figure svg use')].find(e => e.getAttribute('style')?.includes('stroke: color-mix'))"
     stroke = [float(part) for part in re.findall(r"[\d.]+", tab.of(f"getComputedStyle({ticks}).stroke"))[:3]]
     assert min(stroke) > 0.85 if dark else max(stroke) < 0.15  # of color(srgb r g b)
+
+
+@pytest.mark.slow
+def test_on_a_phone_no_formula_is_wider_than_its_line(tab: Browser, tmp_path: Path) -> None:
+    side = r"\frac{\left\langle{\sigma_{a}}\right\rangle_{+}}{\mu_{a}^{+}}"
+    norm = rf"\left\|{side} + {side}, {side} + {side}\right\|_{{2}}"
+    rows = (
+        rf"g = {norm} - \left|{{\sigma_{{n}}}}\right|",
+        rf"K = \left\{{\left( \sigma_{{a}}, \  \sigma_{{b}}\right) : {norm} - \left|{{\sigma_{{n}}}}\right| \leq 0 \right\}}",
+        r"\dot\lambda \left(" + norm + r"\right) = 0",
+    )
+    file = tmp_path / "page.html"
+    file.write_text(
+        as_page([Article("a", "", (Chapter("c", tuple(Display(f"D{i}", "", "", (row,)) for i, row in enumerate(rows))),))]), "utf-8"
+    )
+    tab.emulate(390)
+    tab.open(file)
+    lines = "[...document.querySelectorAll('.mathematics')]"
+    assert tab.of(f"{lines}.length") == len(rows)
+    assert tab.of(f"{lines}.filter(e => e.scrollWidth > e.clientWidth).map(e => e.textContent)") == []
 
 
 def test_a_file_that_is_read_is_not_written_over(run: Run, tmp_path: Path) -> None:

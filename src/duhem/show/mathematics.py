@@ -20,6 +20,7 @@ _ROOM = re.compile(r"(?<=\\\\)\[\w+\]")  # between rows: a page has its own
 _SURE = 1.15  # fonts differ
 _SCRIPT = 0.72  # of the size of letters
 _GAP = 0.9  # between the columns of a table
+_BARS = {"|": 0.3, _NORM: 0.45}
 
 
 def check() -> None:
@@ -102,13 +103,22 @@ def ems(piece: Element) -> float:
     return float((piece.get("style") or "").removeprefix("--ems:"))
 
 
+def _wide(sign: str, fence: bool) -> float:
+    """About how many ems a sign is wide, with the room that a browser leaves beside it; brackets grow with what they hold."""
+    if fence:
+        return _BARS.get(sign, 0.9)
+    if sign in _RELATIONS:
+        return 1.35
+    return 1.2 if sign in _SUMS else 0.45 if sign in ",;" else 0.95
+
+
 def _width(element: Element, displayed: bool = True) -> float:
     """About how many ems it is wide; where it is not ``displayed``, quotients are written smaller."""
     match element.tag:
         case "mi" | "mn" | "mtext":
             return 0.56 * len(element.text or "")
         case "mo":
-            return 0.45 if element.get("fence") or (element.text or "") in ",;" else 0.95
+            return _wide(element.text or "", bool(element.get("fence")))
         case "mspace":
             return float((element.get("width") or "0em").removesuffix("em") or 0)
         case "mfrac":
