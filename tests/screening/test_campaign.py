@@ -16,6 +16,8 @@ from click.testing import CliRunner
 import duhem
 from duhem import InputError
 from duhem.cli import cli
+from duhem.law.catalogue import load
+from duhem.proof.verification import claim_results
 from duhem.screening import entry, file, pool
 from duhem.screening.campaign import Campaign
 from duhem.screening.inquiries import Claimed
@@ -301,3 +303,12 @@ def test_what_no_process_can_take_is_said(monkeypatch):
         monkeypatch.setattr(pool, "_COMMAND", (sys.executable, "-S", "-c", command))
         with pool.Pool(campaign, 1) as processes, pytest.raises(InputError, match=said):
             list(processes.texts([range(1, 2)]))
+
+
+def test_a_row_has_what_verify_says():
+    law = load("limacon").fix({"mu": "0.3", "e": "0.6"})
+    claims = ("dissipation", "convexity")  # the first rests on others, which are not asked
+    found, whole = claim_results(law, claims), duhem.verify(law, claims=claims)
+    assert [replace(r, seconds=0.0) for r in found] == [replace(r, seconds=0.0) for r in whole.results] and whole.rests_on
+    lines = list(Claimed(claims).answers(law))
+    assert {(r.claim, r.verdict, r.steps) for r in lines} == {(r.claim, r.verdict.value, r.steps) for r in whole.results}

@@ -10,7 +10,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 from functools import partial
 from threading import RLock
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from duhem.errors import InputError
 from duhem.expression.balls import precision
@@ -30,7 +30,7 @@ from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
 from duhem.show.shown import Shown
 from duhem.version import __version__
 
-__all__ = ["ClaimResult", "Verification", "verify", "wanted_claims"]
+__all__ = ["ClaimResult", "Verification", "claim_results", "verify", "wanted_claims"]
 
 _TURN = RLock()
 _BITS = 53  # what Arb starts with
@@ -147,13 +147,39 @@ def verify(
     Raises InputError for an unknown law, parameter, claim or effort, and for values outside the domain.
     """
     criterion: Law = load(law).fix(parameters)
+    examined = _examined(criterion, claims, effort, on_claim)
+    parts = (
+        *not_needed(criterion, [evidence.verdict for evidence in examined.settled.values()]),
+        *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in examined.wanted),
+    )
+    with _alone():
+        said, empty = remarks(examined.subject, examined.settled)
+    return Verification(criterion, examined.results, parts, said, examined.rests_on, effort, empty)
+
+
+def claim_results(law: Law, claims: Iterable[str] | None = None, effort: str = "normal") -> tuple[ClaimResult, ...]:
+    """The results of :func:`verify` alone, where nobody reads what is said beside them."""
+    return _examined(law, claims, effort, None).results
+
+
+class _Examined(NamedTuple):
+    """A law with its claims settled; ``results`` are of those ``wanted``."""
+
+    subject: Subject
+    settled: Mapping[str, Evidence]
+    wanted: tuple[str, ...]
+    results: tuple[ClaimResult, ...]
+    rests_on: tuple[ClaimResult, ...]
+
+
+def _examined(criterion: Law, claims: Iterable[str] | None, effort: str, on_claim: Callable[[ClaimResult], None] | None) -> _Examined:
     check_domain(criterion)
     wanted = wanted_claims(claims)
     if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     needed = _with_needs(wanted)
     with _alone():
-        subject = _examined(criterion, EFFORTS[effort])
+        subject = _subject(criterion, EFFORTS[effort])
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)
     results: dict[bool, list[ClaimResult]] = {True: [], False: []}
@@ -183,13 +209,7 @@ def verify(
         results[name in wanted].append(found)
         if name in wanted and on_claim is not None:
             on_claim(found)
-    parts = (
-        *not_needed(criterion, [evidence.verdict for evidence in settled.values()]),
-        *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in wanted),
-    )
-    with _alone():
-        said, empty = remarks(subject, settled)
-    return Verification(criterion, tuple(results[True]), parts, said, tuple(results[False]), effort, empty)
+    return _Examined(subject, settled, wanted, tuple(results[True]), tuple(results[False]))
 
 
 @contextmanager
@@ -199,7 +219,7 @@ def _alone() -> Iterator[None]:
         yield
 
 
-def _examined(law: Law, effort: Fraction) -> Subject:
+def _subject(law: Law, effort: Fraction) -> Subject:
     """The law as the methods take it; a formula that is undefined somewhere in its domain is an InputError."""
     if not isinstance(law, Criterion):
         return CurveSubject(law, effort)

@@ -54,9 +54,9 @@ class Claimed:
         return f"claims {','.join(self.claims)} {self.effort}"
 
     def answers(self, law: Law) -> Iterator[Answered]:
-        from duhem.proof.verification import verify
+        from duhem.proof.verification import claim_results
 
-        for r in verify(law, claims=self.claims, effort=self.effort).results:
+        for r in claim_results(law, self.claims, self.effort):
             witness = None if r.witness is None else json.dumps(r.witness.to_dict())
             trust = None if r.trust is None else r.trust.value
             yield Answered(r.claim, r.verdict.value, r.method, trust, witness, r.steps, round(r.seconds, 6))

@@ -43,13 +43,19 @@ class Face(NamedTuple):
 
     def put(self, values: Mapping[sp.Symbol, Any]) -> Face:
         """The same with symbols replaced."""
-        flow = None if self.flow is None else tuple(c.subs(values) for c in self.flow)
-        return Face(self.g.subs(values), flow, tuple(g.subs(values) for g in self.others))
+        flow = None if self.flow is None else tuple(_put(c, values) for c in self.flow)
+        return Face(_put(self.g, values), flow, tuple(_put(g, values) for g in self.others))
 
     def with_algebraic_angles(self) -> Face:
         """The same with waves of a polar angle as algebra."""
         flow = None if self.flow is None else tuple(map(algebraic_angles, self.flow))
         return Face(algebraic_angles(self.g), flow, tuple(map(algebraic_angles, self.others)))
+
+
+def _put(expr: sp.Expr, values: Mapping[sp.Symbol, Any]) -> sp.Expr:
+    """In one walk where only whole powers stand: SymPy's own takes one for each symbol, on whose order the form of a root may depend."""
+    whole = all(power.exp.is_Integer for power in expr.atoms(sp.Pow))
+    return expr.xreplace(values) if whole else expr.subs(values)
 
 
 @dataclass(frozen=True)
@@ -151,7 +157,7 @@ def state(law: Criterion) -> Problem:
         law=law,
         stated=_trees(law, law, values)[0],
         stated_flows=((),) if law.associated else tuple(tuple(_trees(law, s, values)[1:]) for s in law.surfaces or (law,)),
-        g=parts[0].g if len(parts) == 1 else algebraic_angles(law.g.subs(swap)),
+        g=parts[0].g if len(parts) == 1 else algebraic_angles(_put(law.g, swap)),
         forces=law.force_symbols(),
         magnitude=magnitude,
         given=tuple(r for r in given if r not in (sp.true, True)),
