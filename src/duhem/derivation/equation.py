@@ -14,7 +14,8 @@ from duhem.expression.parse import exact_number
 from duhem.expression.verbatim import Verbatim
 from duhem.left_out import LeftOut
 from duhem.show.page import Page
-from duhem.show.printing import latex, markdown, text
+from duhem.show.printing import latex, markdown, sheet, text
+from duhem.show.shown import Shown
 
 __all__ = ["Belongs", "Derivation", "Equation"]
 
@@ -25,8 +26,8 @@ class Belongs(sp.Function):
     nargs = 2
 
 
-@dataclass(frozen=True)
-class Equation(Verbatim):
+@dataclass(frozen=True, repr=False)
+class Equation(Verbatim, Shown):
     """One line: its number in Antoni et al. (2007) or D1, D2, ... where the paper has none; ``note`` is one sentence."""
 
     number: str
@@ -34,6 +35,12 @@ class Equation(Verbatim):
     relation: sp.Basic
     note: str
     section: str
+
+    def __repr__(self) -> str:
+        return f"<Equation ({self.number}) {self.name}: {self.note}>"
+
+    def _repr_latex_(self) -> str:
+        return latex(self)
 
     @property
     def lhs(self) -> sp.Basic:
@@ -64,8 +71,8 @@ def _number(name: str, value: Any) -> sp.Rational:
         raise InputError(fault.what, where=name, remedy=fault.remedy) from None
 
 
-@dataclass(frozen=True)
-class Derivation:
+@dataclass(frozen=True, repr=False)
+class Derivation(Shown):
     """What follows from one law's formula.  ``derivation["state_law"]`` is the equation of that name.
 
     ``left_out`` lists part and reason of what the law does not need or has no closed form for.
@@ -94,8 +101,8 @@ class Derivation:
     def __repr__(self) -> str:
         return f"<Derivation of {self.law}: {len(self)} equations>"
 
-    def _repr_markdown_(self) -> str:
-        return self.markdown()
+    def _repr_latex_(self) -> str:
+        return "\n".join(rf"$$ {formula.latex} $$" for _, formula in sheet(self).fields if not isinstance(formula, str))
 
     @property
     def titles(self) -> tuple[str, ...]:

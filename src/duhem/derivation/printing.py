@@ -19,8 +19,9 @@ from duhem.expression.vocabulary import Where
 from duhem.show.notation import latex_name
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import latex, markdown, text
+from duhem.show.sheet import marked
 
-__all__ = ["as_latex", "as_markdown", "as_text", "formulas", "in_words"]
+__all__ = ["as_latex", "as_markdown", "as_text", "displayed", "formulas", "in_one", "in_words"]
 
 
 def _shown(expr: sp.Basic, names: Names) -> sp.Basic:
@@ -121,9 +122,15 @@ def formulas(derivation: Derivation) -> Iterator[tuple[Equation, Rows]]:
         yield equation, typesetter.rows(_shown(equation.relation, names), equation.number)
 
 
-def in_words(equation: Equation, names: Names) -> str:
-    """The relation in the words of a criterion file."""
-    return str(_Text().doprint(_shown(equation.relation, names)))
+def in_words(equation: Equation, names: Names | None = None) -> str:
+    """The relation in the words of a criterion file; with ``names`` in |pressure|, as in the derivation."""
+    return str(_Text().doprint(equation.relation if names is None else _shown(equation.relation, names)))
+
+
+def in_one(rows: Rows) -> str:
+    """All rows as one formula."""
+    every = [*rows.formula, *([r"\text{where}", *rows.named] if rows.named else [])]
+    return every[0] if len(every) == 1 else rf"\begin{{aligned}}{_joined(every)}\end{{aligned}}"
 
 
 @text.register(Derivation)
@@ -144,14 +151,12 @@ def as_text(derivation: Derivation, page: Page = PAGE) -> str:
 @markdown.register(Derivation)
 def as_markdown(derivation: Derivation) -> str:
     """Markdown; formulas in LaTeX."""
-    lines = [f"# Derivation of {derivation.law}", ""]
+    lines = [f"# Derivation of {marked(derivation.law)}", ""]
     for section, group in groupby(formulas(derivation), key=lambda pair: pair[0].section):
         lines += [f"## {section}", ""]
         for equation, rows in group:
-            every = [*rows.formula, *([r"\text{where}", *rows.named] if rows.named else [])]
-            formula = every[0] if len(every) == 1 else rf"\begin{{aligned}}{_joined(every)}\end{{aligned}}"
-            lines += [f"**({equation.number})** `{equation.name}`: {equation.note}", "", f"$$\n{formula}\n$$", ""]
-    lines += ["## Left out", "", *(f"- {part}" for part in derivation.left_out)]
+            lines += [f"**({equation.number})** `{equation.name}`: {marked(equation.note)}", "", f"$$\n{in_one(rows)}\n$$", ""]
+    lines += ["## Left out", "", *(f"- {marked(str(part))}" for part in derivation.left_out)]
     return "\n".join(lines) + "\n"
 
 
@@ -182,15 +187,16 @@ def as_latex(derivation: Derivation) -> str:
     for section, group in groupby(formulas(derivation), key=lambda pair: pair[0].section):
         lines.append(rf"\subsection*{{{_prose(section)}}}")
         for equation, rows in group:
-            lines += [rf"\noindent {_prose(equation.note)}:", _displayed(rows.formula, equation.number)]
+            lines += [rf"\noindent {_prose(equation.note)}:", displayed(rows.formula, equation.number)]
             if rows.named:
-                lines += [r"\noindent where", _displayed(rows.named)]
+                lines += [r"\noindent where", displayed(rows.named)]
     lines += [r"\subsection*{Left out}", r"\begin{itemize}"]
     lines += [rf"\item {_prose(part)}: {_prose(reason)}." for part, reason in derivation.left_out]
     return "\n".join([*lines, r"\end{itemize}", r"\end{document}", ""])
 
 
-def _displayed(rows: Sequence[str], number: str = "") -> str:
+def displayed(rows: Sequence[str], number: str = "") -> str:
+    """A formula of amsmath that stands by itself, with its number if there is one."""
     tag = rf"\tag{{{number}}}" if number else ""
     if len(rows) == 1:
         return rf"\begin{{equation*}}{rows[0]}{tag}\end{{equation*}}"

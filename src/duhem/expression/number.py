@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 
-__all__ = ["DECIMAL", "exact_number", "fraction", "ratio", "rational"]
+__all__ = ["DECIMAL", "exact_number", "fraction", "nearest_double", "ratio", "rational"]
 
 # A decimal without sign.  At most MOST_DIGITS digits and a scale of at most 10^+-MOST_DIGITS: beyond doubles, yet cheap.
 DECIMAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -58,6 +58,14 @@ def rational(x: numbers.Rational) -> sp.Rational:
 def fraction(x: Any) -> Fraction:
     """An exact number as a fraction: a rational of SymPy or FLINT, which have ``p`` and ``q``, or what Python reads as one."""
     return Fraction(int(x.p), int(x.q)) if hasattr(x, "p") else Fraction(x)
+
+
+def nearest_double(x: Any) -> float | None:
+    """The double nearest to an exact number, as :func:`fraction` takes it; None beyond doubles."""
+    try:
+        return float(fraction(x))
+    except OverflowError:
+        return None
 
 
 def ratio(x: sp.Rational) -> str:

@@ -12,6 +12,7 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import symbol
+from duhem.expression.number import nearest_double
 from duhem.expression.parse import exact_number
 from duhem.expression.spelling import respelled
 from duhem.law.frozen_mapping import FrozenMapping
@@ -97,6 +98,11 @@ class Domain:
     def plain(self) -> str:
         """As :meth:`describe`, one value by itself: ``3/20``."""
         return self.describe() if self.value is None else str(self.value)
+
+    def numbers(self) -> dict[str, float | bool | None]:
+        """``min``, ``max`` and the fixed ``value`` as the nearest doubles, None where there is none; whether it is ``positive``."""
+        low, high, value = (None if x is None else nearest_double(x) for x in (self.low, self.high, self.value))
+        return {"min": low, "max": high, "value": value, "positive": self.positive}
 
     def stated(self, name: str) -> str:
         """The domain of ``name`` in words: ``mu positive``, ``mu in [0, 1/2]``, ``mu = 3/20``."""

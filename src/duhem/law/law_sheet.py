@@ -42,7 +42,7 @@ def as_latex(law: Law) -> str:
 @plain.register(Criterion)
 @plain.register(ParametricCriterion)
 def as_dict(law: Law) -> dict[str, Any]:
-    """What the law states, formulas as text in the words of a criterion file."""
+    """What the law states, formulas as text in the words of a criterion file; ``domains`` of the parameters in numbers, too."""
     return {
         "name": law.name,
         "summary": law.summary,
@@ -51,6 +51,7 @@ def as_dict(law: Law) -> dict[str, Any]:
         "pressure": law.pressure,
         **_bounds(law),
         "parameters": {name: domain.plain() for name, domain in law.parameters.items()},
+        "domains": {name: domain.numbers() for name, domain in law.parameters.items()},
         "constraints": [formula(c) for c in law.constraints],
         "flow": None if law.flow is None else [formula(x) for x in law.flow],
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,6 +113,18 @@ class Projection(Shown):
 
     def __repr__(self) -> str:
         return f"<{self.counted()}; {self.method}>"
+
+    def to_columns(self) -> dict[str, Any]:
+        """One entry a point, by name, as ``pandas.DataFrame`` takes them: status, forces, slips, multiplier, dissipation, residual."""
+        slips = {f"slip_{force.removeprefix('sigma_')}": self.slip[:, i] for i, force in enumerate(self.forces)}
+        return {
+            "status": [Status(int(status)).name.lower() for status in self.status],
+            **{force: self.stress[:, i] for i, force in enumerate(self.forces)},
+            **slips,
+            "multiplier": self.multiplier,
+            "dissipation": self.dissipation,
+            "residual": self.residuals.worst(),
+        }
 
     def counted(self) -> str:
         """How many points came out with which status, in words."""

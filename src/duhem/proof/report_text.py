@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from duhem.law.stated import stated
 from duhem.proof.in_words import HEAD, conclusion, row, sentences
-from duhem.proof.verification import ClaimResult, Verification
+from duhem.proof.verdict import ClaimResult, Witness
+from duhem.proof.verification import Verification
 from duhem.show.page import PAGE, Page
 from duhem.show.printing import sheet, text
 from duhem.show.sheet import Sheet
@@ -15,7 +16,7 @@ from duhem.show.sheet import Sheet
 if TYPE_CHECKING:
     from duhem.law.curve_law import Law
 
-__all__ = ["as_sheet", "complete", "interrupted"]
+__all__ = ["as_sheet", "as_sheet_of_claim", "as_sheet_of_witness", "complete", "interrupted"]
 
 _FIELD = len("parameters")
 
@@ -54,6 +55,21 @@ def as_sheet(verification: Verification) -> Sheet:
             ("Remarks", verification.remarks),
         ),
     )
+
+
+@sheet.register(ClaimResult)
+def as_sheet_of_claim(result: ClaimResult) -> Sheet:
+    """One row of the table by itself, with its argument and what refutes it."""
+    head, cells = _rows([result])
+    fields = tuple((title.strip(), cell.strip()) for title, cell in zip(head[2:], cells[2:], strict=True) if cell)
+    against = () if result.witness is None else sheet(result.witness).notes
+    return Sheet(f"{cells[0]}: {cells[1]}", fields, notes=(("Argument", (result.detail,)), *against))
+
+
+@sheet.register(Witness)
+def as_sheet_of_witness(witness: Witness) -> Sheet:
+    """What violates the claim, in sentences with every number exact."""
+    return Sheet("Counterexample", notes=(("Counterexample", tuple(sentences(witness))),))
 
 
 def interrupted(law: Law, results: Sequence[ClaimResult], page: Page = PAGE, effort: str = "normal") -> str:

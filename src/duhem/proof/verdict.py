@@ -10,13 +10,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import Any, ClassVar
 
+from duhem.expression.number import nearest_double
 from duhem.law.frozen_mapping import FrozenMapping
+from duhem.show.shown import Shown
 
-__all__ = ["CONTRADICTION", "Evidence", "Proof", "Trust", "Verdict", "Witness"]
+__all__ = ["CONTRADICTION", "ClaimResult", "Evidence", "Proof", "Trust", "Verdict", "Witness"]
 
 
+_MOST = 60  # characters of parameters in one line
 CONTRADICTION = "contradiction"  # the method of a claim that one method proved and another refutes
 
 
@@ -58,8 +61,8 @@ class Proof:
         object.__setattr__(self, "evidence", FrozenMapping(self.evidence))
 
 
-@dataclass(frozen=True)
-class Witness:
+@dataclass(frozen=True, repr=False)
+class Witness(Shown):
     """An exact violation, re-checkable by hand.
 
     ``parameters`` and ``points`` hold exact rationals as strings (``points`` by role, each a mapping from force
@@ -67,6 +70,8 @@ class Witness:
     quantities whose signs make the violation; ``statement`` says how to read them.
     ``measures`` are extra figures such as ``deviation_degrees``.
     """
+
+    printed_by: ClassVar[str] = "duhem.proof.report_text"
 
     parameters: Mapping[str, str]
     points: Mapping[str, Mapping[str, str]]
@@ -79,6 +84,15 @@ class Witness:
         put(self, "points", FrozenMapping({role: FrozenMapping(point) for role, point in self.points.items()}))
         for name in ("parameters", "values", "measures"):
             put(self, name, FrozenMapping(getattr(self, name)))
+
+    def __repr__(self) -> str:
+        at = ", ".join(f"{name} = {value}" for name, value in self.parameters.items())
+        return f"<Witness{' at ' * bool(at)}{at if len(at) <= _MOST else 'parameters of its own'}: {', '.join(self.points)}>"
+
+    def numbers(self) -> dict[str, Any]:
+        """``parameters`` and ``points`` as the nearest doubles, None beyond them: for tables and pictures, not for a second check."""
+        points = {role: {name: nearest_double(x) for name, x in point.items()} for role, point in self.points.items()}
+        return {"parameters": {name: nearest_double(x) for name, x in self.parameters.items()}, "points": points}
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dictionaries and lists, ready for JSON; the measures stand at the top level."""
@@ -107,3 +121,42 @@ class Evidence:
     def __post_init__(self) -> None:
         if (self.verdict is Verdict.REFUTED) != (self.witness is not None):
             raise ValueError("a refuted claim carries a witness, and only a refuted one")
+
+
+@dataclass(frozen=True, repr=False)
+class ClaimResult(Shown):
+    """One row of the verdict table; ``seconds`` of wall clock, ``scope`` what the verdict ranges over.
+
+    ``trust`` says what a proof rests on; ``proof`` is how the kernel confirmed it; ``steps`` is what it cost, counted.
+    """
+
+    printed_by: ClassVar[str] = "duhem.proof.report_text"
+
+    claim: str
+    verdict: Verdict
+    method: str
+    scope: str
+    seconds: float
+    detail: str
+    witness: Witness | None = None
+    trust: Trust | None = None
+    proof: Proof | None = None
+    steps: int = 0
+
+    def __repr__(self) -> str:
+        trust = "" if self.trust is None else f", {self.trust}"
+        return f"<{self.claim} {self.verdict} by {self.method}{trust}>"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The row as the JSON report has it."""
+        return {
+            "claim": self.claim,
+            "verdict": self.verdict.value,
+            "trust": None if self.trust is None else self.trust.value,
+            "method": self.method,
+            "scope": self.scope,
+            "seconds": round(self.seconds, 4),
+            "detail": self.detail,
+            "witness": None if self.witness is None else self.witness.to_dict(),
+            "witness_numbers": None if self.witness is None else self.witness.numbers(),
+        }

@@ -26,7 +26,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
 from duhem.proof.trust import Confirmations
-from duhem.proof.verdict import Evidence, Proof, Trust, Verdict, Witness
+from duhem.proof.verdict import ClaimResult, Evidence, Trust, Verdict
 from duhem.show.shown import Shown
 from duhem.version import __version__
 
@@ -34,38 +34,6 @@ __all__ = ["ClaimResult", "Verification", "claim_results", "verify", "wanted_cla
 
 _TURN = RLock()
 _BITS = 53  # what Arb starts with
-
-
-@dataclass(frozen=True)
-class ClaimResult:
-    """One row of the verdict table; ``seconds`` of wall clock, ``scope`` what the verdict ranges over.
-
-    ``trust`` says what a proof rests on; ``proof`` is how the kernel confirmed it; ``steps`` is what it cost, counted.
-    """
-
-    claim: str
-    verdict: Verdict
-    method: str
-    scope: str
-    seconds: float
-    detail: str
-    witness: Witness | None = None
-    trust: Trust | None = None
-    proof: Proof | None = None
-    steps: int = 0
-
-    def to_dict(self) -> dict[str, Any]:
-        """The row as the JSON report has it."""
-        return {
-            "claim": self.claim,
-            "verdict": self.verdict.value,
-            "trust": None if self.trust is None else self.trust.value,
-            "method": self.method,
-            "scope": self.scope,
-            "seconds": round(self.seconds, 4),
-            "detail": self.detail,
-            "witness": None if self.witness is None else self.witness.to_dict(),
-        }
 
 
 @dataclass(frozen=True, repr=False)
@@ -123,6 +91,7 @@ class Verification(Shown):
             "duhem": __version__,
             "criterion": self.criterion.name,
             "parameters": {name: domain.plain() for name, domain in self.criterion.parameters.items()},
+            "domains": {name: domain.numbers() for name, domain in self.criterion.parameters.items()},
             **({} if self.effort == "normal" else {"effort": self.effort}),
             "claims": [r.to_dict() for r in self.results],
             "generalized_standard": self.generalized_standard,

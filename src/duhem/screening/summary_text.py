@@ -1,14 +1,18 @@
-"""A campaign's summary for people: verdicts, methods, time, and the rows that deserve a look with what repeats them."""
+"""A campaign's summary for people and as plain values: verdicts, methods, time, the rows that deserve a look and what repeats them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
+from duhem.screening.lines import VerdictLine
 from duhem.screening.summary import Summary
 from duhem.show.page import PAGE, Page, tied
-from duhem.show.printing import text
+from duhem.show.printing import plain, sheet, text
+from duhem.show.sheet import Sheet
 
-__all__ = ["as_text"]
+__all__ = ["as_dict", "as_sheet", "as_text"]
 
 _ORDER = ("proved", "refuted", "tested", "undecided", "not_applicable", "ok", "flagged", "none")
 _MOST = 12  # methods and reasons that are listed
@@ -19,13 +23,53 @@ def as_text(summary: Summary, page: Page = PAGE) -> str:
     """The summary; a row is named by its number, which the table has too."""
     return page.report(
         [
-            [f"{summary.rows} rows, {summary.seconds:.1f} s in all" + (f"; {summary.table}" if summary.table else "")],
+            [_title(summary)],
             page.table([*_verdicts(summary)], "lr"),
             page.table([*_methods(summary)], "llr") if summary.methods else [],
             page.items("Without verdict", _reasons(summary)),
-            page.items("Rows to look at", _named(summary)),
+            page.items("Rows to look at", _named(summary, tied)),
         ]
     )
+
+
+@sheet.register(Summary)
+def as_sheet(summary: Summary) -> Sheet:
+    """The verdicts as a table, a row a claim; methods, reasons and rows to look at as notes."""
+    head, *rows = _verdicts(summary)
+    methods = tuple(f"{claim}, {method}: {seconds} s, lines: {lines}" for claim, method, lines, seconds, *_ in [*_methods(summary)][1:])
+    notes = (("Methods", methods), ("Without verdict", tuple(_reasons(summary))), ("Rows to look at", tuple(_named(summary, str))))
+    return Sheet(_title(summary), head=tuple(head), rows=tuple(map(tuple, rows)), notes=notes)
+
+
+@plain.register(Summary)
+def as_dict(summary: Summary) -> dict[str, Any]:
+    """Counts and lines; of a line the parameters and the witness as values, where the table has them as JSON text."""
+    methods = [
+        {"claim": claim, "method": method, "lines": lines, "seconds": seconds, "most": most}
+        for (claim, method), (lines, seconds, most) in summary.methods.items()
+    ]
+    verdicts: dict[str, dict[str, int]] = {}
+    for (claim, verdict), count in summary.verdicts.items():
+        verdicts.setdefault(claim, {})[verdict] = count
+    return {
+        "rows": summary.rows,
+        "seconds": summary.seconds,
+        "table": summary.table,
+        "verdicts": verdicts,
+        "methods": methods,
+        "errors": dict(summary.errors),
+        **{name: list(map(_line, getattr(summary, name))) for name in ("slowest", "open", "failed", "lines")},
+        "commands": {str(row): command for row, command in summary.commands.items()},
+    }
+
+
+def _line(line: VerdictLine) -> dict[str, Any]:
+    witness = None if line.witness is None else json.loads(line.witness)
+    return line._asdict() | {"parameters": json.loads(line.parameters), "witness": witness}
+
+
+def _title(summary: Summary) -> str:
+    return f"{summary.rows} rows, {summary.seconds:.1f} s in all" + (f"; {summary.table}" if summary.table else "")
 
 
 def _verdicts(summary: Summary) -> Iterator[Sequence[str]]:
@@ -47,8 +91,9 @@ def _reasons(summary: Summary) -> Iterator[str]:
         yield f"{count} {'row' if count == 1 else 'rows'}: {reason}"
 
 
-def _named(summary: Summary) -> Iterator[str]:
+def _named(summary: Summary, written: Callable[[str], str]) -> Iterator[str]:
+    """Some rows with the command that repeats each, as ``written`` writes it."""
     for why, lines in (("slowest", summary.slowest), ("open", summary.open), ("failed", summary.failed)):
         for line in lines:
-            once = f": {tied(summary.commands[line.row])}" if line.row in summary.commands else ", which has no values to be asked with"
+            once = f": {written(summary.commands[line.row])}" if line.row in summary.commands else ", which has no values to be asked with"
             yield f"{why}: row {line.row}, {line.claim}, {line.seconds:.3f} s{once}"

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from duhem.show.page import Page
 
-__all__ = ["Sheet", "Typeset", "as_html", "as_markdown", "as_text"]
+__all__ = ["Sheet", "Typeset", "as_html", "as_markdown", "as_text", "marked"]
 
 _TYPESET = "$\\"  # what begins a formula for MathJax; in an element of its own it does not
 _MARKS = r"\`*_[]|$~#"  # of Markdown; those of HTML are written as entities
@@ -89,22 +89,23 @@ def _prose(text: str) -> str:
 
 def as_markdown(sheet: Sheet) -> str:
     """Markdown with a table of GitHub's kind; formulas in LaTeX."""
-    lines = [f"**{_marked(sheet.title)}**", ""]
-    lines += [f"- {_marked(title)}: {_formula(content)}" for title, content in sheet.fields]
+    lines = [f"**{marked(sheet.title)}**", ""]
+    lines += [f"- {marked(title)}: {_formula(content)}" for title, content in sheet.fields]
     if sheet.rows:
-        table = [sheet.head, tuple("---" for _ in sheet.head), *(tuple(map(_marked, row)) for row in sheet.rows)]
+        table = [sheet.head, tuple("---" for _ in sheet.head), *(tuple(map(marked, row)) for row in sheet.rows)]
         lines += ["", *(f"| {' | '.join(row)} |" for row in table)]
     for title, sentences in sheet.notes:
         if sentences:
-            lines += ["", f"{_marked(title)}:", "", *(f"- {_marked(sentence)}" for sentence in sentences)]
+            lines += ["", f"{marked(title)}:", "", *(f"- {marked(sentence)}" for sentence in sentences)]
     return "\n".join(lines) + "\n"
 
 
 def _formula(content: str | Typeset) -> str:
-    return _marked(content) if isinstance(content, str) else f"${content.latex}$"
+    return marked(content) if isinstance(content, str) else f"${content.latex}$"
 
 
-def _marked(text: str) -> str:
+def marked(text: str) -> str:
+    """Text that is text in Markdown."""
     from html import escape
 
     return "".join(f"\\{c}" if c in _MARKS else c for c in escape(" ".join(text.split()), quote=False))

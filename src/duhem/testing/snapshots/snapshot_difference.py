@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import hypot
-from typing import Any
+from typing import Any, ClassVar
 
-__all__ = ["TOLERANCE", "differences"]
+from duhem.show.printing import plain, sheet
+from duhem.show.sheet import Sheet
+from duhem.show.shown import Shown
+
+__all__ = ["TOLERANCE", "Differences", "differences"]
 
 TOLERANCE = 1e-9  # by how much of their size stresses and slips may move
 
@@ -14,13 +18,33 @@ _NO_ANSWER = ("inaccurate", "failed")  # their stresses and slips are not compar
 _CLAIM = ("verdict", "method", "trust", "scope")
 
 
-def differences(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float = TOLERANCE) -> tuple[str, ...]:
+class Differences(Shown, tuple[str, ...]):
+    """What has changed, a sentence each; empty, and false, where nothing has."""
+
+    printed_by: ClassVar[str] = __name__
+
+    def __repr__(self) -> str:
+        return f"<Differences: {len(self) or 'none'}>"
+
+
+@sheet.register(Differences)
+def _sheet(found: Differences) -> Sheet:
+    return Sheet(f"{len(found)} differences" if found else "as kept", notes=(("What has changed", tuple(found)),))
+
+
+@plain.register(Differences)
+def _plain(found: Differences) -> dict[str, Any]:
+    return {"differences": list(found)}
+
+
+def differences(kept: Mapping[str, Any], now: Mapping[str, Any], tolerance: float = TOLERANCE) -> Differences:
     """The differences between two values of :func:`duhem.testing.snapshots.snapshot.snapshot`; none if only roundings moved.
 
     The stress or slip of an increment, and figures that measure a witness, may move by ``tolerance`` of their size; those of
     an increment that was not solved when it was kept may be any.
     """
-    return (*_law(kept["law"], now["law"]), *_claims(kept["claims"], now["claims"], tolerance), *_increments(kept, now, tolerance))
+    changed = (*_law(kept["law"], now["law"]), *_claims(kept["claims"], now["claims"], tolerance), *_increments(kept, now, tolerance))
+    return Differences(changed)
 
 
 def _law(kept: Mapping[str, Any], now: Mapping[str, Any], name: str = "") -> Iterator[str]:
