@@ -82,10 +82,13 @@ def test_a_right_routine_passes_and_what_was_visited_is_said(run: Command) -> No
     code, out, err = run(*of("right"), *FEW, "feasibility,vacuity,repeatability")
     assert (code, err) == (0, "")
     assert "3 checks passed, 0 failed" in out and "2 examples in" in out and "a second" in out
-    assert "what asks the routine again was asked of one increment in 7; conformance(..., every=1)" in out
+    assert "what asks the routine again was asked of one increment in 7; --every 1 asks it of all" in out
     assert "pairs of stresses" not in out
     of_the_law = run(*of("right"), *FEW, "feasibility,convexity")[1]
-    assert "one increment in" not in of_the_law and "tested on 60 pairs of stresses alone" in of_the_law
+    assert (
+        "one increment in" not in of_the_law
+        and "convexity was tested on 60 pairs of stresses and 7936 pairs of boundary points alone; " in of_the_law
+    )
     assert "visited: stick 0." in out and "decades: stress 1e" in out
     (line,) = [line for line in out.splitlines() if line.startswith("again: ")]
     words = shlex.split(line.removeprefix("again: duhem "))
@@ -116,6 +119,15 @@ def test_how_much_may_be_flagged_is_asked_for(run: Command) -> None:
         assert f"--most-flagged {share}" in out
     assert run(*of("flags_some"), *FEW, "answers", "--most-flagged", "2")[2].startswith("duhem: --most-flagged: 2.0 is no share; ")
     assert "it is for a routine of your own" in run("test", "coulomb", "--most-flagged", "0.1")[2]
+
+
+def test_all_is_asked_of_every_increment_where_that_is_said(run: Command) -> None:
+    asked = [run(*of("right"), *FEW, "ray", *more)[1] for more in ([], ["--every", "3"], ["--every", "1"])]
+    counts = [int(next(line for line in out.splitlines() if "increments" in line).split("; ")[1].split()[0]) for out in asked]
+    assert counts[0] < counts[1] < counts[2] and "one increment in 3" in asked[1] and "one increment in" not in asked[2]
+    assert all(f"--every {n} --seed 7" in out for n, out in ((3, asked[1]), (1, asked[2]))) and "--every 0" not in asked[0]
+    code, _, err = run(*of("right"), "--every", "0")
+    assert code == 2 and "'--every': 0 is not in the range x>=1" in err
 
 
 def test_a_failure_is_told_once_and_written_as_a_test(run: Command, tmp_path: Path) -> None:

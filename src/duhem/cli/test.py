@@ -77,6 +77,12 @@ _EXAMPLES = {"dev": 30, "ci": 100, "deep": 2000}
     show_default=True,
     help="Tries to make each failing case smaller, at most.",
 )
+@click.option(
+    "--every",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Of one increment in N more is asked than its answer; 1 asks all of all, left out is 7, without a law 2.",
+)
 @click.option("--replay", metavar="FOLDER", help="Also write each failure to FOLDER as a test file.")
 @report_format_option
 def test(
@@ -93,6 +99,7 @@ def test(
     most_flagged: str | None,
     expect: Sequence[str],
     shrink: int,
+    every: int | None,
     replay: str | None,
     form: str,
 ) -> int:
@@ -117,6 +124,7 @@ def test(
         "checks": checks,
         "most-flagged": most_flagged,
         "expect": expect,
+        "every": every,
     }
     drawn = seed if seed is not None else 0 if profile == "ci" else Random().getrandbits(32)
     about = _About(subject, asked, examples or _EXAMPLES[profile], drawn)
@@ -131,7 +139,15 @@ def test(
     }
     checks_of = about.checks(free, named, expected)
     routines = about.without_law(settings, held_to) if free else about.routines(law, settings, held_to)
-    options = {"max_examples": about.examples, "rows": 30, "tries": shrink, "seed": about.seed, "expected": expected, **fixed}
+    options = {
+        "max_examples": about.examples,
+        "rows": 30,
+        "every": every,
+        "tries": shrink,
+        "seed": about.seed,
+        "expected": expected,
+        **fixed,
+    }
     interrupted = about.carry_out(routines, checks_of, options)
     say(about.told(form, most))
     if replay is not None:
@@ -182,7 +198,6 @@ class _About:
     reports: dict[str, Report] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
     every: dict[str, int] = field(default_factory=dict)
-    rows: dict[str, int] = field(default_factory=dict)
     without: dict[str, str] = field(default_factory=dict)
     unfinished: Unfinished | None = None
 
@@ -287,7 +302,6 @@ class _About:
 
     def _keep(self, name: str, run: ConformanceRun, begun: float) -> None:
         self.seconds[name] = monotonic() - begun
-        self.rows[name] = run.rows
         self.every[name] = run.every if any(each.again for each in run.asked) else 1
         self.reports[name] = run.report()
 
@@ -330,14 +344,8 @@ class _About:
             lines.append("decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in report.decades.items()))
         seconds = self.seconds[name]
         lines.append(f"{report.examples} examples in {seconds:.1f} s, {report.examples / max(seconds, 1e-9):.0f} a second")
-        if "convexity" in report.passed:
-            pairs = report.examples * self.rows[name]
-            lines.append(
-                f"convexity of K was tested on {pairs} pairs of stresses alone, beside which a dent may lie; duhem verify seeks a proof"
-            )
         if self.every[name] > 1:
-            more = "conformance(..., every=1) in Python asks it of all"
-            lines.append(f"what asks the routine again was asked of one increment in {self.every[name]}; {more}")
+            lines.append(f"what asks the routine again was asked of one increment in {self.every[name]}; --every 1 asks it of all")
         lines.append(f"again: {self.again()}")
         return "\n".join(lines)
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from random import Random
-from time import monotonic
 from typing import Any
 
-from hypothesis import Phase, Verbosity, find, settings
-from hypothesis.errors import Flaky, NoSuchExample
+from hypothesis import Phase, Verbosity, settings
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
@@ -30,6 +27,7 @@ from duhem.testing.drawn.usable_options import check_options
 from duhem.testing.failures.causes import by_cause, likeliest_first
 from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses
+from duhem.testing.failures.least_case import LeastCase
 from duhem.testing.failures.report import Failure, Report
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.origin import Origin, named, origin
@@ -44,53 +42,6 @@ _MEMORY = "repeatability"
 _EVERY = 7  # so many increments, of which one is asked what the checks ask again: an odd number, as seams have two sides by turns
 TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
-
-
-class _Enough(BaseException):
-    """Shrinking has had its tries, or the routine does not come back.  No Exception, which Hypothesis would take for one more failure."""
-
-
-class _Search:
-    """One search for a case on which one of ``checks`` fails; so many tries are ``left`` to make it smaller."""
-
-    def __init__(self, run: ConformanceRun, checks: Sequence[Check], drawn: Callable[[Query], None] | None = None) -> None:
-        self.run, self.checks, self.drawn, self.left = run, checks, drawn, run.tries
-        self.least: Case | None = None
-        self.until = float("inf")
-        self.unfinished: Unfinished | None = None
-
-    def fails(self, case: Case) -> bool:
-        """Whether a check that is looked for fails on the case; from the first that does on, only that one counts."""
-        try:
-            return self._fails(case)
-        except Unfinished as fault:
-            self.unfinished = fault
-            raise _Enough from None
-
-    def _fails(self, case: Case) -> bool:
-        if self.least is not None:
-            if self.left == 0 or monotonic() > self.until:
-                raise _Enough
-            self.left -= 1
-        query = self.run.query(case)
-        found = next(self.run.failures(query, self.checks), None)
-        if self.drawn is not None:
-            self.drawn(query)
-        if found is None:
-            return False
-        if self.least is None:
-            self.checks = (found.check,)
-            self.until = float("inf") if self.run.seconds is None else monotonic() + self.run.seconds
-        self.least = found.case
-        return True
-
-    def among(self, drawn: Strategy, profile: settings) -> Case | None:
-        """The least failing case of one increment that was met."""
-        with suppress(NoSuchExample, Flaky, _Enough):  # flaky: the routine has a memory, and the case that failed first is told
-            find(drawn, self.fails, settings=profile, random=Random(self.run.seed))
-        if self.unfinished is not None:
-            raise self.unfinished
-        return self.least
 
 
 class ConformanceRun:
@@ -143,6 +94,7 @@ class ConformanceRun:
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
         self.points = self.flagged = self.undefined = self.examples = 0
+        self.tried: Counter[tuple[str, str]] = Counter()
         self.last: Case | None = None
         self.shortened: dict[str, Failure] = {}
         self.visited = self._nothing_visited()
@@ -176,8 +128,8 @@ class ConformanceRun:
         drawn = self._cases(self.parameters, self.stiffness, self.rows)
         while self.pending:
             self.visited, self.examples = self._nothing_visited(), 0
-            search = _Search(self, self.pending, self._drawn)
-            first = search.among(drawn, settings(self.profile, phases=(Phase.generate,)))
+            search = self._search(self.pending, self._drawn)
+            first = search.among(drawn, settings(self.profile, phases=(Phase.generate,)), self.seed)
             if first is None:
                 self._look_at_the_whole()
                 break
@@ -186,6 +138,15 @@ class ConformanceRun:
 
     def _cases(self, parameters: Mapping[str, Any] | None, stiffness: ArrayLike | Strategy | None, rows: int = 1) -> Strategy:
         return cases(self.known, parameters, stiffness=stiffness, pressure=self.pressure, rows=rows)
+
+    def _search(self, checks: Sequence[Check], drawn: Callable[[Query], None] = lambda _: None) -> LeastCase:
+        def failing(case: Case, asked: Sequence[Check]) -> Failure | None:
+            query = self.query(case)
+            found = next(self.failures(query, asked), None)
+            drawn(query)
+            return found
+
+        return LeastCase(failing, checks, self.tries, self.seconds)
 
     def _drawn(self, query: Query) -> None:
         self.examples += 1
@@ -202,7 +163,7 @@ class ConformanceRun:
         least = first
         shrinking = settings(self.profile, max_examples=_SINGLE, phases=(Phase.generate, Phase.shrink))
         for fixed, k in ((self.parameters, self.stiffness), (first.parameters, first.stiffness)):  # the second is closer to what failed
-            if (met := _Search(self, checks).among(self._cases(fixed, k), shrinking)) is not None:
+            if (met := self._search(checks).among(self._cases(fixed, k), shrinking, self.seed)) is not None:
                 least = met
                 break
         again = list(self.failures(self.query(least), self.pending))
@@ -255,15 +216,16 @@ class ConformanceRun:
                     if self.silence_told and asked.name != "answers":
                         self.left_out[asked.name] = f"not run: {fault}"
                         continue
-                    found = self._silent(asked, query.case), str(fault), float("nan"), 0.0
+                    found = query.case.row(self._silent(asked, query.case)), str(fault), float("nan"), 0.0
                 self.judged.add(asked.name)
                 if found is not None:
-                    row, message, measured, allowed = found
-                    yield self._failure(asked, message, query.case.row(row), measured, allowed)
+                    case, message, measured, allowed = found
+                    yield self._failure(asked, message, case, measured, allowed)
         finally:
             for part in query.parts:
                 self.points, self.flagged = self.points + part.points, self.flagged + part.flagged
                 self.undefined += int(part.unsaid.sum())
+                self.tried.update(part.tried)
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """The same with the increment, and what shows it again."""
@@ -310,6 +272,7 @@ class ConformanceRun:
             decades=self.visited.decades,
             examples=self.examples,
             seed=self.seed,
+            tried={name: {what: n for (by, what), n in self.tried.items() if by == name} for name, _ in self.tried},
         )
 
     def _short(self, failure: Failure) -> Failure:

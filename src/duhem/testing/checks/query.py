@@ -13,6 +13,7 @@ tolerance of each check follows from u by the triangle inequality, and is writte
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -68,7 +69,8 @@ class Reply:
 class Query:
     """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies;
     ``overwritten`` (N,): the names of what the routine was only given and has changed, "" where nothing; ``unsaid`` (N,): the
-    rows of which a check could not judge, since g has no value there.
+    rows of which a check could not judge, since g has no value there; ``tried`` counts what checks looked at more than the
+    increments, by their name and that of the thing.
 
     Of one row in ``every`` more is asked than the trial, and those are a query of their own, :attr:`some`; ``whole`` is the one that
     has them among its own, and ``rows`` (N,) which they are there.  ``turn`` counts the cases of a run: what takes calls of its own
@@ -88,6 +90,7 @@ class Query:
     overwritten: Overwritten = field(init=False)
     unsaid: NDArray[np.bool_] = field(init=False)
     rows: NDArray[np.intp] = field(init=False)
+    tried: Counter[tuple[str, str]] = field(init=False, default_factory=Counter)
     _raised: dict[tuple[bytes, bytes, bytes], str] = field(init=False, default_factory=dict)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
 
@@ -170,10 +173,15 @@ class Query:
         """|K| (N,)."""
         if self.whole is not None:
             return self.whole._extent[self.rows]
+        ways = np.vstack([np.eye(d := self.case.trial.shape[1]), -np.eye(d)])
+        return np.asarray((np.where(np.isfinite(self.reaches), self.reaches, 0.0) * self.length(ways)).max(axis=1))
+
+    @cached_property
+    def reaches(self) -> Array:
+        """How far K goes from the origin along each axis and then against each (N, 2 d), to a part in a thousand; inf without end."""
         n, d = self.case.trial.shape
         ways = np.vstack([np.eye(d), -np.eye(d)])
-        reach = self.region.reach(np.tile(ways, (n, 1)), np.repeat(self.pressure, 2 * d), _SIZE).reshape(n, 2 * d)
-        return np.asarray((np.where(np.isfinite(reach), reach, 0.0) * self.length(ways)).max(axis=1))
+        return self.region.reach(np.tile(ways, (n, 1)), np.repeat(self.pressure, 2 * d), _SIZE).reshape(n, 2 * d)
 
     # -- the law -------------------------------------------------------------------------------------------------------
 

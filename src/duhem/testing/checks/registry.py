@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from duhem.projection.result import Array
 from duhem.testing.checks.query import Query
 from duhem.testing.checks.visited import Visited
+from duhem.testing.drawn.case import Case
 
 __all__ = ["Check", "Finding", "register", "registered"]
 
@@ -20,12 +21,16 @@ class Finding:
     """What a check measured at each row (N,) and what it allows; more, or nan, is a violation; ``said`` (N,) instead of the numbers.
 
     ``unknown`` (N,): the rows of which the law does not say, as its g has no value there; they are not judged.
+    ``tried``: of what it looked at more than the increments, how many, by name.  ``case``: the increments as they show what was
+    found, where that was not drawn with them.
     """
 
     measured: Array
     allowed: Array
     said: NDArray[np.object_] | None = None
     unknown: NDArray[np.bool_] | None = None
+    tried: Mapping[str, int] = field(default_factory=dict)
+    case: Case | None = None
 
     @property
     def violated(self) -> NDArray[np.bool_]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from duhem.projection.scaled_formula import scaled
 __all__ = ["Region"]
 
 _DIGITS = 60
+_MOVED = 1e-12  # of the way to a stress inside, beyond which a dent is one
 _FAR = 2.0**64  # a ray that ends farther out, where g has no value in doubles, ends in overflow
 _NEAREST, _FARTHEST = 2.0**-128, 2.0**512  # powers of smaller stresses vanish in double precision, and K is the origin alone
 
@@ -54,6 +55,19 @@ class Region:
     def outside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
         """Whether g > 0 (N,), in 60 digits: the stresses count as exact."""
         return np.array([self._exactly(s, p) for s, p in zip(stress.tolist(), pressure.tolist(), strict=True)], dtype=np.bool_)
+
+    def dented(self, first: Array, last: Array, inner: Array, pressure: float) -> bool:
+        """Whether ``first`` and ``last`` (d,) lie in K and their middle, moved by 1e-12 of its way to ``inner``, has g > 0; in 60 digits.
+
+        ``inner`` is a stress that surely lies inside: if K is convex, the point moved lies inside K, and farther than 60 digits round.
+        """
+        if any(self._exactly(end.tolist(), pressure) for end in (first, last)):
+            return False
+        number = partial(mpmath_.number, mpmath_.kept_digits(_DIGITS))
+        p, q, z = (list(map(number, point.tolist())) for point in (first, last, inner))
+        middle = [z_ + ((p_ + q_) / 2 - z_) * (1 - number(_MOVED)) for p_, q_, z_ in zip(p, q, z, strict=True)]
+        (level,) = _in_digits(self.law)(*middle, *self._others(pressure))
+        return bool(isfinite(level) and level > 0)
 
     def unknown(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
         """Where the law does not say whether a stress is in K (N,): g has no value there, nor at the origin, in 60 digits or as a limit.

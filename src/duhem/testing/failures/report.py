@@ -155,7 +155,8 @@ class Report(Shown):
     ``failures`` are likely causes, the likeliest first; ``explained`` are those of the checks that a cause explains.
     ``expected``: the checks that failed as was expected, with the reason given; ``unexpected``: those that passed though they
     were expected to fail.  ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.visited.Visited`), and
-    ``decades`` the first and last power of ten of what was drawn, in ``examples`` cases by ``seed``.
+    ``decades`` the first and last power of ten of what was drawn, in ``examples`` cases by ``seed``.  ``tried``: by the name of a
+    check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity.
     """
 
     printed_by: ClassVar[str] = "duhem.testing.failures.report_formats"
@@ -174,6 +175,7 @@ class Report(Shown):
     examples: int = 0
     seed: int | None = None
     undefined: int = 0
+    tried: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
 
     @property
     def ok(self) -> bool:
@@ -203,6 +205,11 @@ class Report(Shown):
         unsaid = f", {self.undefined} not judged where g has no value" if self.undefined else ""
         return f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged{unsaid}"
 
+    def tested(self) -> tuple[str, ...]:
+        """Of each check that passed on what it tried, how many these were: no more was tested."""
+        each = {name: " and ".join(f"{n} {what}" for what, n in self.tried.get(name, {}).items() if n) for name in self.passed}
+        return tuple(f"{name} was tested on {told} alone; duhem verify seeks a proof" for name, told in each.items() if told)
+
     def __repr__(self) -> str:
         return f"<Report of {self.counted()}>"
 
@@ -214,5 +221,6 @@ class Report(Shown):
                 *(f"{name} passed, and was expected to fail: {why}" for name, why in self.unexpected.items()),
                 *(f"{name} failed, as expected: {why}" for name, why in self.expected.items()),
                 *(f"left out {name}: {why}" for name, why in self.left_out.items()),
+                *self.tested(),
             ]
         )

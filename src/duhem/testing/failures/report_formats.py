@@ -29,6 +29,7 @@ def as_dict(report: Report) -> dict[str, Any]:
         "increments": report.points,
         "flagged": report.flagged,
         "undefined": report.undefined,
+        "tried": {name: dict(counts) for name, counts in report.tried.items()},
         "examples": report.examples,
         "seed": report.seed,
         "visited": dict(report.visited),
@@ -56,6 +57,7 @@ def as_sheet(report: Report) -> Sheet:
         notes=(
             ("Failures", tuple(f"{f.check.name}: {f.diagnosis or f.message}" for f in report.failures)),
             ("Reasons", tuple(f"{name}: {why}" for name, why in reasons.items())),
+            ("Tested", report.tested()),
         ),
     )
 
