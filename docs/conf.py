@@ -18,7 +18,8 @@ version = release = __version__
 extensions = ["myst_nb", "sphinx.ext.autodoc"]
 exclude_patterns = ["_build", "paper"]
 nb_execution_mode = "off"  # notebooks are kept with their outputs, which tests make again
-nb_mime_priority_overrides = [("html", "text/markdown", None)]
+nb_mime_priority_overrides = [("html", "text/markdown", 5)]  # before HTML, whose formulas wait for a script
+nb_render_markdown_format = "myst"  # with formulas and tables
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 smartquotes = False  # --out is an option

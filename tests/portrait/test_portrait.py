@@ -86,6 +86,30 @@ def test_nothing_round_has_a_corner_and_no_corner_is_missed(law: str, count: int
     assert max(turns) < 135.0  # no line runs back and forth
 
 
+@pytest.mark.parametrize("power", [1.5, 2.0, 4.0])
+def test_a_corner_that_leans_has_the_normals_of_its_sides(power: float) -> None:
+    """|sigma_b| <= sigma_a^p up to sigma_a = 1: sharp at (1, ±1), and at 0 a cusp that no picture follows to its end."""
+    law = duhem.Criterion(name="thorn", g=f"max(abs(sigma_b) - pos(sigma_a)**{power}, sigma_a - 1)", pressure=None)
+    sharp = sorted((c for c in seen(law, "sigma_a,sigma_b").corners if c.point[0] > 0.5), key=lambda c: c.point[1])
+    for corner, side in zip(sharp, (-1, 1), strict=True):
+        assert corner.point == pytest.approx([1.0, side], abs=1e-6)
+        leaning = np.array([-power, side]) / np.hypot(power, 1.0)
+        assert [corner.before, corner.after][::-side] == [pytest.approx(leaning, abs=1e-3), pytest.approx([1.0, 0.0], abs=1e-9)]
+
+
+def test_where_normals_still_turn_however_close_one_looks_there_is_no_corner() -> None:
+    """q = M p log(p/pc) leaves p = 0 upright, and p = pc in a corner."""
+    (corner,) = seen("original-cam-clay", "meridian").corners
+    assert corner.point == pytest.approx([-1.0, 0.0], abs=1e-9)
+
+
+def test_a_wedge_too_thin_to_be_followed_has_no_corner_beside_its_tip() -> None:
+    thin = duhem.Criterion(name="thin", g="max(abs(sigma_b) - 0.02*sigma_a, sigma_a - 1)", pressure=None)
+    found = seen(thin, "sigma_a,sigma_b")
+    assert [c.point[0] for c in found.corners] == pytest.approx([1.0, 1.0], abs=1e-9) and "may be missing" in found.remark
+    assert len(found.points) > 0 and np.abs(found.points).max() < 0.2  # where the lines show K, no points are needed
+
+
 def test_a_dent_has_no_normal_cone() -> None:
     """Two disks that meet at (0, ±0.6), where K is re-entrant."""
     law = duhem.Criterion(name="two", g="min(norm(sigma_a - 0.8, sigma_b), norm(sigma_a + 0.8, sigma_b)) - 1", pressure=None)
@@ -305,11 +329,34 @@ def test_a_section_lost_in_rounding_is_a_point_and_another_is_shown_if_none_was_
     assert cut(given(law), usual(law, None)[0]).lines
 
 
+def test_an_arrow_is_drawn_whole_or_not_at_all() -> None:
+    (axes,) = plot(duhem.Criterion(name="strip", g="abs(sigma_a - sigma_b) - 1", pressure=None), unit="Pa")
+    (a, b), (c, d) = axes.get_xlim(), axes.get_ylim()
+    (arrows,) = (each for each in axes.collections if hasattr(each, "U"))
+    x, y = arrows.X + arrows.U, arrows.Y + arrows.V
+    assert len(x) > 8 and ((a <= x) & (x <= b) & (c <= y) & (y <= d)).all()
+
+
 def test_a_note_keeps_clear_of_the_way_between_points() -> None:
     (axes,) = figure.drawn(_noted)
     line, words = axes.lines[0], axes.texts[0]
     way = line.get_transform().transform_path(line.get_path())
     assert words.get_visible() and not way.intersects_bbox(words.get_window_extent(), filled=False)
+
+
+def test_a_note_keeps_off_the_marks_of_other_points_and_off_the_boundary_where_it_can() -> None:
+    points = {"inside": (0.0, 0.0), "first": (-0.6, -0.5), "second": (-0.5, -0.44)}
+
+    def paint(axes: Any) -> None:
+        axes.set(xlim=(-1, 1), ylim=(-1, 1))
+        axes.plot([-1.0, 1.0], [0.07, 0.07], gid=figure.EDGE)
+        for words, point in points.items():
+            figure.note(axes, words, point)
+
+    (axes,) = figure.drawn(paint)
+    inside, first, _ = (text.get_window_extent() for text in axes.texts)
+    assert not inside.y0 < axes.transData.transform((0.0, 0.07))[1] < inside.y1
+    assert not first.contains(*axes.transData.transform(points["second"])) and all(text.get_visible() for text in axes.texts)
 
 
 def _noted(axes: Any) -> None:

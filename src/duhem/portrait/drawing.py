@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 UNIT = "unit of stress"  # no law states one: all its stresses share it
 _DARK = "0.25"  # of normals: pink beside it is grey to one reader in twenty
 _ARROW = 0.085  # of the window's size
+_SHAFT = 0.0135  # inches
 _BLUE, _RED, _GREEN, _ORANGE = (figure.palette(i) for i in (0, 1, 2, 4))
 _REMARK = 3.2  # inches: no wider than a panel among others
 _SPREAD = 3  # normals of a fan beside its two sides
@@ -36,7 +37,7 @@ def paint_section(axes: Axes, found: View, unit: str = "", title: str = "", *, f
     for i, seam in enumerate(found.seams):
         axes.plot(*seam.T, color=figure.GREY, linestyle=(0, (1, 2)), linewidth=1.2, label="_" if i else "seam of $g$", zorder=2)
     for i, line in enumerate(found.lines):
-        axes.plot(*line.points.T, color=_BLUE, linewidth=1.8, label="_" if i else "boundary of $K$", zorder=3)
+        axes.plot(*line.points.T, color=_BLUE, linewidth=1.8, label="_" if i else "boundary of $K$", zorder=3, gid=figure.EDGE)
     a, b, c, d = found.window
     x, y = found.points.T
     shown = found.points[(x >= a) & (x <= b) & (y >= c) & (y <= d)]
@@ -48,9 +49,9 @@ def paint_section(axes: Axes, found: View, unit: str = "", title: str = "", *, f
     if found.plane.slips and found.plane.y_symbol:
         if fans:
             _fans(axes, [corner for corner in found.corners if corner.convex], size)
-        _arrows(axes, found.normals, size, _DARK, "normal", found.slips == ())
+        _arrows(axes, _whole(found, found.normals, size), size, _DARK, "normal", found.slips == ())
     if found.slips:
-        _arrows(axes, found.slips, 1.25 * size, _RED, "slip by its own rule", True)
+        _arrows(axes, _whole(found, found.slips, 1.25 * size), 1.25 * size, _RED, "slip by its own rule", True)
 
 
 def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
@@ -138,19 +139,26 @@ def _fans(axes: Axes, corners: Iterable[Vertex], size: float) -> None:
         _arrows(axes, [Arrow(corner.point, np.array([np.cos(w), np.sin(w)])) for w in ways], size, _DARK, "", True)
 
 
+def _whole(found: View, arrows: Sequence[Arrow], size: float) -> Sequence[Arrow]:
+    """The arrows that the window holds whole; all of them where it holds none so."""
+    a, b, c, d = found.window
+    tips = ((arrow, arrow.at + size * arrow.along) for arrow in arrows)
+    return [arrow for arrow, (x, y) in tips if a <= x <= b and c <= y <= d] or arrows
+
+
 def _arrows(axes: Axes, arrows: Iterable[Arrow], size: float, colour: str, label: str, first: bool) -> None:
     """Arrows of one length; a legend shows a line with a head."""
-    every, width = list(arrows), 0.0042 if colour == _DARK else 0.006
+    every, wide = list(arrows), 1.0 if colour == _DARK else 1.5
     if not every:
         return
     x, y = np.array([a.at for a in every]).T.tolist()
     u, v = (size * np.array([a.along for a in every])).T.tolist()
     axes.quiver(
-        x, y, u, v, angles="xy", scale_units="xy", scale=1.0, width=width, headwidth=4.2, headlength=5.0, headaxislength=4.6,
-        color=colour, zorder=4 if first else 3.5, clip_on=True,
+        x, y, u, v, angles="xy", scale_units="xy", scale=1.0, units="inches", width=wide * _SHAFT, headwidth=4.2, headlength=5.0,
+        headaxislength=4.6, color=colour, zorder=4 if first else 3.5, clip_on=True,
     )  # fmt: skip
     if label:
-        axes.plot([], [], color=colour, linewidth=1.0, marker=">" if colour == _DARK else "D", markersize=4, label=label)
+        axes.plot([], [], color=colour, linewidth=wide, marker=">", markersize=2.5 + 1.5 * wide, label=label)
 
 
 def paint_step(axes: Axes, step: TrialStep) -> None:

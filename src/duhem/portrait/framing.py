@@ -75,19 +75,21 @@ def framed(level: Level, plane: Plane, scale: float) -> Framed:
     return Framed(box, False, known)
 
 
-def missed(level: Level, window: Window, grid: tuple[Array, Array, Array], points: Array) -> bool:
-    """Whether a point of K, of those given or in the middle of a cell of the grid, lies where no corner of cells around is in K."""
+def missed(level: Level, window: Window, grid: tuple[Array, Array, Array], points: Array) -> tuple[bool, Array]:
+    """Whether a point of K, of those given or in the middle of a cell of the grid, lies where no corner of cells around is in K.
+
+    And those given (m, 2) that do.
+    """
     x, y, value = grid
     held = np.pad(value <= 0.0, 1)
     seen = np.asarray(np.lib.stride_tricks.sliding_window_view(held, (4, 4)).any(axis=(2, 3)))
-    middles = np.stack(np.meshgrid((x[1:] + x[:-1]) / 2.0, (y[1:] + y[:-1]) / 2.0), axis=-1)
-    if ((level(middles) <= 0.0) & ~seen).any():
-        return True
     a, b, c, d = window
     near = points[(points[:, 0] >= a) & (points[:, 0] <= b) & (points[:, 1] >= c) & (points[:, 1] <= d)]
     i = np.clip(np.searchsorted(x, near[:, 0]) - 1, 0, len(x) - 2)
     j = np.clip(np.searchsorted(y, near[:, 1]) - 1, 0, len(y) - 2)
-    return not bool(np.all(seen[j, i]))
+    lost = near[~seen[j, i]]
+    middles = np.stack(np.meshgrid((x[1:] + x[:-1]) / 2.0, (y[1:] + y[:-1]) / 2.0), axis=-1)
+    return len(lost) > 0 or bool(((level(middles) <= 0.0) & ~seen).any()), lost
 
 
 def _pressed(plane: Plane, box: Window) -> Window:

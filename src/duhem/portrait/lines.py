@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ _ZOOMS = 5
 _LONG = 12.0  # times as long as wide, from where a window is taken for a square
 _BENDS = np.radians(4.0)  # between two chords, beyond which they are looked at more closely
 _CORNER = np.radians(3.0)  # that is left where a stretch is 8^5 times as short
+_TALL = 0.25  # of its chord: the height of a stretch from where it is a tip
+_FADES = 0.99  # of a turn that is left where a stretch is 8 times as short, time and again: that of x log x, not of a corner
 
 
 @dataclass(frozen=True)
@@ -152,6 +155,12 @@ def _turns(points: Array) -> Array:
     return np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], (a * b).sum(axis=-1))
 
 
+def _turned(points: Array) -> Array:
+    """The angle (...) in rad from the first to the last chord of lines (..., m, 2)."""
+    one, two = points[..., 1, :] - points[..., 0, :], points[..., -1, :] - points[..., -2, :]
+    return np.asarray(np.arctan2(one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0], (one * two).sum(axis=-1)))
+
+
 def _sharpened(level: Level, points: Array) -> Line:
     """The line with more points where it bends and a point in each corner."""
     ring = closed(points)
@@ -193,14 +202,17 @@ def _zoomed(level: Level, before: Array, here: Array, after: Array) -> list[tupl
     bulge = here
     good = np.ones(len(a), dtype=bool)
     fine = np.stack([before, here, after], axis=1)
+    turned = []
     for zoom in range(_ZOOMS):
         fine, sound = _between(level, a, b, bulge)
         good &= sound
+        turned.append(np.abs(_turned(fine)))
         if zoom == 0:
             first = list(fine[:, 1:-1])
         most = np.abs(_turns(fine)).argmax(axis=1)
         row = np.arange(len(a))
         a, bulge, b = fine[row, most], fine[row, most + 1], fine[row, most + 2]
+    fades = np.all([later < _FADES * sooner for sooner, later in pairwise(turned[1:])], axis=0)
     result: list[tuple[Array, Vertex | None]] = []
     for i, stretch in enumerate(first):
         if not good[i]:
@@ -208,18 +220,30 @@ def _zoomed(level: Level, before: Array, here: Array, after: Array) -> list[tupl
             continue
         one, two = fine[i, 1] - fine[i, 0], fine[i, -1] - fine[i, -2]
         cross = one[0] * two[1] - one[1] * two[0]
-        turn = np.arctan2(cross, one @ two)
-        if abs(turn) < _CORNER:
+        turn = _turned(fine[i])
+        if abs(turn) < _CORNER or fades[i]:
             result.append((stretch, None))
             continue
         gap = fine[i, -1] - fine[i, 0]
         share = (gap[0] * two[1] - gap[1] * two[0]) / cross
         tip = fine[i, 0] + share * one if abs(np.sin(turn)) > 0.02 else fine[i, np.abs(_turns(fine[i])).argmax() + 1]
+        if not _meets(level, tip, fine[i, 0], fine[i, -1], np.pi - float(abs(turn))):
+            result.append((stretch, None))
+            continue
         chord = after[i] - before[i]
         beside = int(((stretch - before[i]) @ chord < (tip - before[i]) @ chord).sum())
         line = np.vstack([stretch[:beside], tip[None], stretch[beside:]])
         result.append((line, Vertex(tip, _right(one), _right(two))))
     return result
+
+
+def _meets(level: Level, tip: Array, before: Array, after: Array, opening: float) -> bool:
+    """Whether the boundary passes through the middles of both sides of a tip, as it does not where a tip is too thin to be followed."""
+    share = min(0.05, 0.25 * opening)
+    sides = np.array([tip - before, after - tip])
+    middles = np.array([before + tip, tip + after]) / 2.0
+    aside = share * np.column_stack([sides[:, 1], -sides[:, 0]])
+    return bool(_inside(level, middles - aside).all() and not _inside(level, middles + aside).any())
 
 
 def _between(level: Level, a: Array, b: Array, bulge: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -228,12 +252,16 @@ def _between(level: Level, a: Array, b: Array, bulge: Array) -> tuple[Array, NDA
     size = np.hypot(*chord.T)[:, None]
     aside = np.column_stack([chord[:, 1], -chord[:, 0]])  # to the right: out of the set
     height = ((bulge - a) * aside).sum(axis=1, keepdims=True) / np.where(size > 0.0, size, 1.0) ** 2
-    reach = 0.3 + 2.0 * np.abs(height)
     share = (np.arange(1, _BETWEEN) / _BETWEEN)[None, :, None]
-    foot = a[:, None] + share * chord[:, None]
+    along, middle = a[:, None] + share * chord[:, None], (a + b)[:, None] / 2.0
+    sides = np.where(share < 0.5, a[:, None], b[:, None])  # to the bulge and from it
+    over = bulge[:, None] + np.abs(1.0 - 2.0 * share) * (sides - bulge[:, None])
+    tall = (np.abs(height) > _TALL)[:, None]  # seen from the middle of the chord: a tip may lean over its ends
+    foot = np.where(tall, middle, along)
+    way = np.where(tall, np.sign(height)[:, None] * 2.0 * (over - middle), ((0.3 + 2.0 * np.abs(height)) * aside)[:, None])
     within = _inside(level, foot)[..., None]  # at a dent the chord lies outside
-    inner = np.where(within, foot, foot - (reach * aside)[:, None])
-    outer = np.where(within, foot + (reach * aside)[:, None], foot)
+    inner = np.where(within, foot, foot - way)
+    outer = np.where(within, foot + way, foot)
     for _ in range(4):  # a tip may be higher than it looks from its chord
         out, held = ~_inside(level, outer)[..., None], _inside(level, inner)[..., None]
         if out.all() and held.all():

@@ -149,10 +149,11 @@ def _unseen(level: Callable[[Array], Array], found: View, points: Array) -> dict
     held = inside.any()
     if inside.all():
         return {"remark": "all of the window is $K$"}
-    if missed(level, found.window, found.grid, points):
+    missing, lost = missed(level, found.window, found.grid, points)
+    if missing:
         if not held:
             return {"remark": "$K$ is thinner than the picture resolves: points of it", "points": points}
-        return {"remark": f"pieces of $K$ thinner than 1/{len(found.grid[0]) - 1} of the window may be missing", "points": points}
+        return {"remark": f"pieces of $K$ thinner than 1/{len(found.grid[0]) - 1} of the window may be missing", "points": lost}
     return {} if held else {"remark": "no point of $K$ is found here"}
 
 

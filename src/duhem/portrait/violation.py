@@ -27,6 +27,7 @@ _WAYS = (("p", "q"), ("sigma", "tau"), ("inside", "tau"), ("corner", "inside"), 
 """Roles of which a witness has two: what is drawn as a way from one to the other, first found first."""
 _ASIDE = ("opposite", "corner")
 """Roles of a point that the plane through such a way should hold too."""
+_FREE = 0.05  # of the window's size that is left free around a point
 _SMALL = 0.08  # share of the window below which a way is drawn larger, in a window of its own
 
 
@@ -81,7 +82,8 @@ def _around(section_of_all: View, points: Iterable[Array], way: Array | None) ->
     if 0.0 < long < _SMALL * size:
         middle = (told.min(axis=0) + told.max(axis=0)) / 2.0
         return (middle[0] - 1.1 * long, middle[0] + 1.1 * long, middle[1] - 1.1 * long, middle[1] + 1.1 * long)
-    free = 0.05 * (np.array([wide, tall]) if section_of_all.slender else np.array([size, size]))  # not to scale: each axis has its own
+    sides = np.maximum(high, whole[1::2]) - np.minimum(low, whole[::2])
+    free = _FREE * (sides if section_of_all.slender else np.full(2, sides.max()))  # not to scale: each axis has its own
     (a, c), (b, d) = (low - free).tolist(), (high + free).tolist()
     box = (min(whole[0], a), max(whole[1], b), min(whole[2], c), max(whole[3], d))
     return None if box == whole else box

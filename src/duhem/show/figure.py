@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.transforms import Bbox
 
 __all__ = [
+    "EDGE",
     "GREY",
     "OPEN",
     "Picture",
@@ -71,8 +72,9 @@ _STYLE = {
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _LEAST, _MOST = 1e-200, 1e200
-_NOTE = "note"
+_NOTE, _MARK = "note", 7.0  # points
 OPEN = "open"  # gid of a line that notes keep clear of
+EDGE = "edge"  # gid of a line that they keep clear of where there is room for that too
 _SIDES: tuple[dict[str, Any], ...] = tuple(
     {"xytext": (5 * x, 5 * y), "ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1))
@@ -287,12 +289,11 @@ def _settle(places: tuple[Axes, ...]) -> None:
 
     _uncrowd(places)
     for axes in places:
-        taken: list[Bbox] = []
-        lines = [line.get_transform().transform_path(line.get_path()) for line in axes.lines if line.get_gid() == OPEN]
-        for text in axes.texts:
-            if not isinstance(text, Annotation) or text.get_gid() != _NOTE:
-                continue
-            for side, across in _sides(lines):
+        notes = [text for text in axes.texts if isinstance(text, Annotation) and text.get_gid() == _NOTE]
+        taken = [_mark(axes, note.xy) for note in notes]
+        lines = [_paths(axes, OPEN), _paths(axes, EDGE)]
+        for text in notes:
+            for side, across in _sides(*lines):
                 text.set(position=side["xytext"], ha=side["ha"], va=side["va"])
                 box = text.get_window_extent()
                 room = axes.bbox.containsx(box.x1) and axes.bbox.containsy(box.y1) and not box.count_overlaps(taken)
@@ -303,9 +304,22 @@ def _settle(places: tuple[Axes, ...]) -> None:
                 text.set_visible(False)
 
 
-def _sides(lines: list[Path]) -> Iterator[tuple[dict[str, Any], list[Path]]]:
-    """Where a note may stand and the lines it must not touch there: none of all, or else any."""
-    for free in (lines, []) if lines else ([],):
+def _mark(axes: Axes, point: tuple[float, float]) -> Bbox:
+    """What the mark of a point covers."""
+    from matplotlib.transforms import Bbox
+
+    x, y = axes.transData.transform(point)
+    half = _MARK / 2.0 * _sheet_of((axes,)).dpi / 72.0
+    return Bbox.from_extents(x - half, y - half, x + half, y + half)
+
+
+def _paths(axes: Axes, kind: str) -> list[Path]:
+    return [line.get_transform().transform_path(line.get_path()) for line in axes.lines if line.get_gid() == kind]
+
+
+def _sides(lines: list[Path], edges: list[Path]) -> Iterator[tuple[dict[str, Any], list[Path]]]:
+    """Where a note may stand and the lines it must not touch there: none of all, none of the first kind, or else any."""
+    for free in ([*lines, *edges], lines, []):
         yield from ((side, free) for side in _SIDES)
 
 
