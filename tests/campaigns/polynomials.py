@@ -12,7 +12,8 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
-from itertools import product
+from itertools import chain, product
+from itertools import count as counted
 from statistics import median
 
 import sympy as sp
@@ -29,30 +30,30 @@ NEAR = tuple(1 + s * F(1, 10**k) for k in (3, 5, 7, 9) for s in (-1, 1))
 
 def plane_sets(count: int, seed: int) -> Iterator[Trial]:
     """Quartics of plane stress on rays that leave the convex ones, at shares of the way out."""
-    made, ray = 0, 0
-    while made < count:
-        rng = random.Random(f"{seed}/plane/{ray}")
-        ray += 1
-        start, way = _sum_of_powers(rng), [F(rng.randint(-40, 40), 10) for _ in PLANE]
-        low, high = F(0), F(1)
-        while plane_quartics.convex(_moved(start, way, high)):
-            low, high = high, 2 * high
-            if high > 2**12:
-                break
-        if high > 2**12 or not plane_quartics.convex(start):
-            continue
-        while high - low > high / 2**36:
-            middle = (low + high) / 2
-            low, high = (middle, high) if plane_quartics.convex(_moved(start, way, middle)) else (low, middle)
-        for share in (*AWAY, *NEAR):
-            coefficients = _moved(start, way, share * low)
-            truth = plane_quartics.convex(coefficients)
-            if truth is None or made == count:
-                continue
-            made += 1
-            terms = " + ".join(f"({c})*sx**{i}*sy**{j}*t**{k}" for c, (i, j, k) in zip(coefficients, PLANE, strict=True) if c)
-            law = Criterion(name=f"plane-{made}", g=f"{terms} - 1", forces=("sx", "sy", "t"), pressure=None)
-            yield Trial("quartic of plane stress", law, {"convexity": truth}, _margin(share))
+    sets = chain.from_iterable(plane_ray(seed, ray) for ray in counted())
+    for made, (coefficients, truth, margin) in zip(range(1, count + 1), sets, strict=False):
+        terms = " + ".join(f"({c})*sx**{i}*sy**{j}*t**{k}" for c, (i, j, k) in zip(coefficients, PLANE, strict=True) if c)
+        law = Criterion(name=f"plane-{made}", g=f"{terms} - 1", forces=("sx", "sy", "t"), pressure=None)
+        yield Trial("quartic of plane stress", law, {"convexity": truth}, margin)
+
+
+def plane_ray(seed: int, ray: int) -> list[tuple[list[F], bool, str]]:
+    """Coefficients of one ray, whether each set is convex, and how far it is from the threshold; none where the ray does not leave."""
+    rng = random.Random(f"{seed}/plane/{ray}")
+    start, way = _sum_of_powers(rng), [F(rng.randint(-40, 40), 10) for _ in PLANE]
+    low, high = F(0), F(1)
+    while plane_quartics.convex(_moved(start, way, high)):
+        low, high = high, 2 * high
+        if high > 2**12:
+            break
+    if high > 2**12 or not plane_quartics.convex(start):
+        return []
+    while high - low > high / 2**36:
+        middle = (low + high) / 2
+        low, high = (middle, high) if plane_quartics.convex(_moved(start, way, middle)) else (low, middle)
+    sets = [(_moved(start, way, share * low), _margin(share)) for share in (*AWAY, *NEAR)]
+    known = [(coefficients, plane_quartics.convex(coefficients), margin) for coefficients, margin in sets]
+    return [(coefficients, truth, margin) for coefficients, truth, margin in known if truth is not None]
 
 
 def _moved(start: list[F], way: list[F], by: F) -> list[F]:

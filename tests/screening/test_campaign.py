@@ -127,6 +127,29 @@ def test_a_campaign_goes_on_from_what_is_done(folder, monkeypatch, fault):
     assert table(out) == table(whole) and not beside(out).exists() and not rows_beside(out).exists()
 
 
+@pytest.mark.parametrize("name", ["t.csv", "t.parquet"])
+def test_a_finished_campaign_has_nothing_left_to_do(folder, monkeypatch, name):
+    if name.endswith("parquet"):
+        pytest.importorskip("pyarrow")
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    out = folder / name
+    first = duhem.campaign(folder / "campaign.toml", out=out)
+    stands = out.read_bytes(), out.stat().st_mtime_ns
+    monkeypatch.setattr(entry, "Pool", None)
+    again = duhem.campaign(folder / "campaign.toml", out=out, resume=True)
+    assert (out.read_bytes(), out.stat().st_mtime_ns) == stands and replace(again, stood=False) == first
+    done = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml"), "--out", str(out), "--resume"], standalone_mode=False)
+    assert done.return_value == 4 and "nothing left to do" in " ".join(done.stdout.split()) and "nothing left" not in text(first)
+    for change in ({"mu = [0.3]": "mu = [0.4]"}, {'"coulomb", ': ""}, {'"origin", ': ""}, {"0.5, 0.6": "0.5, 0.6, 0.7"}):
+        ((old, new),) = change.items()
+        (folder / "other.toml").write_text(CAMPAIGN.replace(old, new))
+        with pytest.raises(InputError, match="another campaign"):
+            duhem.campaign(folder / "other.toml", out=out, resume=True)
+    out.write_bytes(stands[0][: len(stands[0]) // 2])
+    with pytest.raises(InputError, match=r"another campaign|no table"):
+        duhem.campaign(folder / "campaign.toml", out=out, resume=True)
+
+
 def test_a_part_that_was_changed_is_refused(folder, monkeypatch):
     monkeypatch.setattr(entry, "Pool", lambda campaign, workers: InProcess(campaign, workers, 3))
     out = folder / "t.csv"
@@ -192,6 +215,11 @@ def test_a_campaign_without_any_verdict_has_a_summary(folder, monkeypatch):
     monkeypatch.setattr(entry, "Pool", InProcess)
     summary = duhem.campaign([("limacon", {"e": "3"}), ("limacon", {"e": "4"})], ["origin"])
     assert "2 rows" in text(summary) and "origin" in text(summary) and "Without verdict" in text(summary)
+
+
+def test_a_row_that_asks_the_program_to_end_is_a_row(folder, monkeypatch):
+    monkeypatch.setattr(Claimed, "answers", lambda self, law: sys.exit(3))
+    assert {line.error for line in asked(file.read(folder / "campaign.toml"), 1)} == {"it asks the program to end, with 3"}
 
 
 def test_a_call_that_gets_no_memory_is_lack_of_memory(folder, monkeypatch):

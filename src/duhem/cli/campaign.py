@@ -21,7 +21,7 @@ __all__ = ["campaign"]
 @click.argument("campaign_file", metavar="CAMPAIGN", type=click.Path(dir_okay=False))
 @click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that ask rows; left out, one a core.")
 @click.option("--scheduler", metavar="ADDRESS", help="The scheduler of a Dask cluster, by address or by the file that it wrote.")
-@click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped.")
+@click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped; a finished table is left as it is.")
 @click.option("--out", metavar="FILE", help="Write the table as .csv or .parquet; left out, the one that the campaign names.")
 @click.option("--row", metavar="N", type=click.IntRange(min=1), help="Ask this row alone, and print its lines as JSON.")
 @click.option("--plot", "picture", metavar="FILE", help="Also draw verdicts over the parameters that vary: .png, .svg, .pdf, ...")

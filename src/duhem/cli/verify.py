@@ -11,6 +11,7 @@ import click
 
 from duhem.cli.arguments import laws_argument, read_claims, read_fixed_law, report_format_option, settings_option
 from duhem.cli.exit_code import HELD, INTERRUPTED, REFUTED, UNDECIDED
+from duhem.cli.many_laws import found_files, verify_each
 from duhem.cli.output import Progress, page, say
 from duhem.errors import InputError
 
@@ -36,6 +37,7 @@ __all__ = ["verify"]
     help="How many steps each claim may cost: an eighth, all, eight times as many.",
 )
 @click.option("--strict", is_flag=True, help="Exit with 3 if a claim is neither proved nor refuted.")
+@click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that verify several laws; left out, one a core.")
 def verify(
     laws: Sequence[str],
     settings: Sequence[str],
@@ -45,15 +47,24 @@ def verify(
     certificate: str | None,
     effort: str,
     strict: bool,
+    workers: int | None,
 ) -> int:
-    """Prove or refute what is claimed of LAW, or of several laws one after the other.
+    """Prove or refute what is claimed of LAW, or of several laws, also by a pattern such as 'laws/*.toml'.
 
     Each claim is decided over the whole parameter domain and for every pressure, unless --set fixes a parameter.  Results
-    go to standard output, progress to standard error.
+    go to standard output, progress to standard error.  Of several laws each has one line, which says what is wrong where a law
+    cannot be read, crashes, or takes more than 600 s of the processor or 4 GB; the exit code is then 4.  With --report, --format json or
+    junit they are verified in full, one after the other.
     """
     from duhem.show.place import check_places, write
 
+    laws = found_files(laws)
     asked = None if claims is None else read_claims(claims)
+    if len(laws) > 1 and form == "text" and report is None and certificate is None:
+        return verify_each(laws, settings, asked, effort, strict, workers)
+    if workers is not None:
+        remedy = "name several laws, and leave --format, --report and --certificate out"
+        raise InputError("these are the processes that say of several laws a line each", where=f"--workers {workers}", remedy=remedy)
     fixed = [_fixed(law, settings, several=len(laws) > 1) for law in laws]
     check_places([report, certificate], laws)
     if certificate is not None and len(laws) > 1:

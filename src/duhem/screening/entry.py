@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -18,7 +19,7 @@ from duhem.screening.lines import VerdictLine, lines_of, number_of
 from duhem.screening.pool import Pool, cores
 from duhem.screening.rows import given
 from duhem.screening.summary import Counts, Summary
-from duhem.screening.table import GrowingLines, check_table, write_table
+from duhem.screening.table import GrowingLines, check_table, read_lines, stands, write_table
 
 __all__ = ["StoppedCampaign", "campaign"]
 
@@ -45,13 +46,12 @@ def campaign(
 ) -> Summary:
     """Ask many laws at once, each row in a process that may fail without harm to the others.
 
-    ``rows`` is a campaign file, or laws and pairs of a law and its parameters.  Asked are ``claims``, all of them or what the file says if
-    left out, or ``ask``, such as :class:`duhem.screening.Increments`; where a file asks increments, ``project`` is
-    :func:`duhem.project`, which solves them.  ``out`` is the table, .csv or .parquet, one line a row
-    and claim; without one the lines are in the summary.  ``workers`` processes (the cores, if left out) give the same table, and so does
-    a Dask cluster, whose ``scheduler`` is given by its address or file (extra ``cluster``).  While it runs, what is done is kept beside
-    ``out``, and ``resume`` goes on from there; ``on_row`` is called with the rows done and all, ``on_start`` with a cluster's
-    dashboard.
+    ``rows`` is a campaign file, or laws and pairs of a law and its parameters. Asked are ``claims``, all of them or what the file says if
+    left out, or ``ask``, such as :class:`duhem.screening.Increments`; where a file asks increments, ``project`` is :func:`duhem.project`,
+    which solves them. ``out`` is the table, .csv or .parquet, one line a row and claim; without one the lines are in the summary.
+    ``workers`` processes (the cores, if left out) give the same table, and so does a Dask cluster, whose ``scheduler`` is given by its
+    address or file (extra ``cluster``). While it runs, what is done is kept beside ``out``, and ``resume`` goes on from there, or leaves
+    a finished table as it is; ``on_row`` is called with the rows done and all, ``on_start`` with a cluster's dashboard.
 
     Raises InputError for a campaign that cannot be asked, StoppedCampaign, a KeyboardInterrupt, when interrupted.  What is wrong with a row
     is in its lines: a law that cannot be read, a value outside its domain, a process that crashed or took too much.
@@ -66,6 +66,10 @@ def campaign(
         check_table(table, asked.inputs)
     if scheduler is not None and workers is not None:
         raise InputError("workers and a scheduler are both given", where="workers", remedy="the scheduler has its own")
+    if resume and table is not None and stands(table, asked):
+        counts = Counts(asked)
+        deque(counts.passing(read_lines(table)), maxlen=0)
+        return counts.summary(table, stood=True)
     with Pool(asked, workers or cores()) if scheduler is None else Cluster(asked, scheduler) as pool:
         if isinstance(pool, Cluster) and on_start is not None:
             on_start(pool.dashboard)

@@ -14,7 +14,7 @@ from duhem.screening.campaign import Campaign
 from duhem.screening.inquiries import Answered
 from duhem.screening.rows import Row
 
-__all__ = ["VerdictLine", "as_text", "asked", "ended", "lines_of", "number_of"]
+__all__ = ["VerdictLine", "as_text", "asked", "ended", "lines_of", "number_of", "stated"]
 
 _MOST = 1_000  # characters of an error
 
@@ -47,6 +47,8 @@ def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
         return ended(campaign, row, str(fault))
     except MemoryError:
         raise
+    except SystemExit as fault:
+        return ended(campaign, row, f"it asks the program to end, with {fault.code!r}")
     except Exception as fault:
         if isinstance(fault, OSError) and fault.errno == errno.ENOMEM:
             raise MemoryError from None
@@ -62,12 +64,20 @@ def ended(campaign: Campaign, row: Row, error: str) -> tuple[VerdictLine, ...]:
 
 
 def _lines(row: Row, answers: Sequence[Answered], error: str | None) -> tuple[VerdictLine, ...]:
-    law, why = (None if text is None else text.encode("utf-8", "backslashreplace").decode() for text in (row.name.shown, error))
-    parameters = json.dumps(dict(row.values))
+    why = None if error is None else _writable(error)
     return tuple(
-        VerdictLine(row.number, law or "", parameters, r.claim, r.verdict, r.method, r.trust, r.witness, r.steps, r.seconds, why)
+        VerdictLine(*stated(row), r.claim, r.verdict, r.method, r.trust, r.witness, r.steps, r.seconds, why)
         for r in sorted(answers, key=lambda reply: reply.claim)
     )
+
+
+def stated(row: Row) -> tuple[int, str, str]:
+    """What a line says of its row before anything is asked: number, law and parameters."""
+    return row.number, _writable(row.name.shown), json.dumps(dict(row.values))
+
+
+def _writable(text: str) -> str:
+    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def as_text(lines: Sequence[VerdictLine]) -> str:

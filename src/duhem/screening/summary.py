@@ -30,7 +30,7 @@ class Summary(Shown):
 
     ``errors`` counts rows by reason; ``slowest``, ``open`` and ``failed`` are a few lines of such rows, ``commands`` what repeats each of
     them alone, by its number, but for rows without values to be asked with.  ``table`` is where the lines are, or None; ``lines`` holds
-    them where there is no table.
+    them where there is no table.  ``stood`` says that the table was there, whole, and nothing was asked.
     """
 
     printed_by: ClassVar[str] = "duhem.screening.summary_text"
@@ -46,6 +46,7 @@ class Summary(Shown):
     commands: Mapping[int, str]
     table: str | None = None
     lines: tuple[VerdictLine, ...] = ()
+    stood: bool = False
 
     def __repr__(self) -> str:
         said = Counter[str]()
@@ -109,7 +110,7 @@ class Counts:
         reason = error if len(error) <= _WORDS else f"{error[:_WORDS]} ..."
         return reason if reason in self._errors or len(self._errors) < _REASONS else "other reasons"
 
-    def summary(self, table: str | None = None, lines: tuple[VerdictLine, ...] = ()) -> Summary:
+    def summary(self, table: str | None = None, lines: tuple[VerdictLine, ...] = (), stood: bool = False) -> Summary:
         slowest = tuple(line for _, _, line in sorted(self._slowest, key=lambda one: (-one[0], -one[1])))
         named = {line.row for line in (*slowest, *self._open, *self._failed)}
         return Summary(
@@ -124,6 +125,7 @@ class Counts:
             commands={number: alone(self.campaign, number) for number in sorted(named) if not self.campaign.row(number).fault},
             table=table,
             lines=lines,
+            stood=stood,
         )
 
 

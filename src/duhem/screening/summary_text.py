@@ -69,7 +69,8 @@ def _line(line: VerdictLine) -> dict[str, Any]:
 
 
 def _title(summary: Summary) -> str:
-    return f"{summary.rows} rows, {summary.seconds:.1f} s in all" + (f"; {summary.table}" if summary.table else "")
+    finished = ", which is finished: nothing left to do" if summary.stood else ""
+    return f"{summary.rows} rows, {summary.seconds:.1f} s in all" + (f"; {summary.table}{finished}" if summary.table else "")
 
 
 def _verdicts(summary: Summary) -> Iterator[Sequence[str]]:

@@ -6,20 +6,20 @@ import csv
 import os
 from array import array
 from collections.abc import Iterable, Iterator
-from itertools import islice
+from itertools import islice, zip_longest
 from time import monotonic
 from types import TracebackType
 from typing import Any, Self
 
 from duhem.errors import InputError
 from duhem.screening.campaign import Campaign
-from duhem.screening.lines import VerdictLine, lines_of, number_of
+from duhem.screening.lines import VerdictLine, lines_of, number_of, stated
 from duhem.show import parquet_package
-from duhem.show.growing_file import DAMAGED, GrowingFile, check_growing
+from duhem.show.growing_file import DAMAGED, GrowingFile, beside, check_growing
 from duhem.show.place import AnyPath, check_place, written
 from duhem.version import __version__
 
-__all__ = ["GrowingLines", "check_table", "read_lines", "write_table"]
+__all__ = ["GrowingLines", "check_table", "read_lines", "stands", "write_table"]
 
 _PAUSE = 1.0  # s: what is done is noted so often
 _LINES = 8_192  # of a table, turned into Parquet together
@@ -119,6 +119,35 @@ def _to_parquet(place: str, lines: Iterator[VerdictLine], campaign: Campaign) ->
         while part := list(islice(lines, _LINES)):
             columns = [list(column) for column in zip(*part, strict=True)]
             writer.write_table(pyarrow.table(dict(zip(VerdictLine._fields, columns, strict=True)), schema=schema))
+
+
+def stands(file: AnyPath, campaign: Campaign) -> bool:
+    """Whether the table of this campaign is there, whole, and no part of a run beside it.  InputError where another's is.
+
+    A Parquet table says of which campaign it is; of CSV the rows, their laws and values, and the claims are compared.
+    """
+    name = os.fspath(file)
+    if not os.path.exists(name) or beside(name).exists():
+        return False
+    if name.endswith(".parquet"):
+        same = _told(name).get(b"campaign", b"").decode() == campaign.fingerprint
+    else:
+        claims = sorted(campaign.inquiry.names)
+        wanted = ((*stated(campaign.row(n)), claim) for n in range(1, len(campaign) + 1) for claim in claims)
+        same = all(line is not None and line[:4] == one for line, one in zip_longest(read_lines(name), wanted))
+    if not same:
+        remedy = "give this one a table of another name, or leave --resume out and it is written over"
+        raise InputError("this is the table of another campaign", where=name, remedy=remedy)
+    return True
+
+
+def _told(name: str) -> dict[bytes, bytes]:
+    """What the metadata of a Parquet table say."""
+    _, parquet = parquet_package.packages()
+    try:
+        return parquet.read_schema(name).metadata or {}
+    except (OSError, ValueError):
+        return {}
 
 
 def read_lines(file: AnyPath) -> Iterator[VerdictLine]:

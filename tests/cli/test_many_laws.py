@@ -1,0 +1,65 @@
+"""Several laws at once, a line each, and the exit code of all of them."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from duhem.screening.inquiries import Answered
+from duhem.screening.lines import VerdictLine, as_text, stated
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def test_several_laws_have_a_line_each(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """In their order, from whichever process each comes; what is wrong with one is said in its line."""
+    monkeypatch.chdir(tmp_path)
+    for name, law in (("ball", "norm(sigma_a, sigma_b) - 1"), ("dent", "sigma_a**3 - 3*sigma_a*sigma_b**2 - 1")):
+        (tmp_path / f"{name}.toml").write_text(f'[criterion]\nname = "{name}"\npressure = false\ng = "{law}"\n')
+    (tmp_path / "broken.toml").write_text("[criterion]\nname =")
+    code, out, err = run("verify", "limacon", "*.toml", "coulomb", "--claims", "convexity,origin", "--workers", "2")
+    assert out.splitlines() == [
+        "limacon: refuted convexity; proved origin",
+        "ball.toml: proved origin, convexity",
+        "broken.toml: no verdict: broken.toml:2: invalid value; correct the TOML syntax",
+        "dent.toml: refuted convexity; proved origin",
+        "coulomb: proved origin, convexity",
+    ]
+    assert (code, err) == (4, "")
+    for arguments, said in (
+        (["coulomb", "no*.toml"], "no file is named"),
+        (["coulomb", "none.toml"], "there is no file"),
+        (["coulomb", "colomb"], "unknown law"),
+        (["ball.toml", "--workers", "2"], "name several laws"),
+    ):
+        code, out, err = run("verify", *arguments)
+        assert (code, out) == (2, "") and said in err
+
+
+def test_the_exit_code_of_several_laws(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Pool:
+        def __init__(self, campaign: Any, workers: int) -> None:
+            self.campaign = campaign
+
+        def __enter__(self) -> Any:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def texts(self, rows: Any) -> Iterator[str]:
+            for number in reversed(rows[0]):
+                answers = [Answered("origin", verdicts[number - 1], "by hand", None, None, 0, 0.0)]
+                yield as_text([VerdictLine(*stated(self.campaign.row(number)), *answer, None) for answer in answers])
+
+    monkeypatch.setattr("duhem.screening.pool.Pool", Pool)
+    for verdicts, strict, code in (
+        (["proved", "undecided"], [], 0),
+        (["proved", "undecided"], ["--strict"], 3),
+        (["undecided", "refuted"], ["--strict"], 1),
+        (["proved", "not_applicable"], ["--strict"], 0),
+    ):
+        found, out, _ = run("verify", "coulomb", "box", "--claims", "origin", *strict)
+        said = [verdict.replace("_", " ") for verdict in verdicts]
+        assert found == code and out.splitlines() == [f"{law}: {word} origin" for law, word in zip(("coulomb", "box"), said, strict=True)]
