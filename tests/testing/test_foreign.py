@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -222,6 +223,21 @@ def test_a_crash_is_a_failed_check(many: Path, symbol: str, how: str) -> None:
     report = conformance(None, update, stiffness=[1.0], max_examples=2, rows=10, tries=20)
     assert report.failed == {"answers"} and how in report.failures[0].message, str(report)
     assert violation("answers", None, update, report.failures[0].case) == report.failures[0].message
+
+
+def test_a_replay_moves_with_its_library(many: Path, tmp_path: Path) -> None:
+    """The folder of both is renamed; the library is found there, and the failure shows again."""
+    first, moved = tmp_path / "first", tmp_path / "moved"
+    (first / "build").mkdir(parents=True)
+    copied = Path(shutil.copy(many, first / "build" / "lib.so"))
+    update = shared_library(copied, CLOBBERS)
+    options = {"stiffness": [2.0, 3.0], "pressure": -1.0, "checks": ["inputs"], "max_examples": 1, "rows": 3, "tries": 5}
+    (file,) = conformance(None, update, {"mu": 1.0}, **options).write_replays(first / "replays")
+    first.rename(moved)
+    replay = moved / "replays" / file.name
+    assert str(tmp_path) not in replay.read_text("utf-8")
+    with pytest.raises(AssertionError, match="overwritten: trial"):
+        runpy.run_path(str(replay))["test_inputs"]()
 
 
 def test_what_the_routine_leaves_out_is_not_a_number(many: Path) -> None:

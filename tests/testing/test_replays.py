@@ -134,4 +134,5 @@ def test_a_law_of_a_file_is_read_from_it(tmp_path: Path) -> None:
     )
     (failure,) = conformance(file, nothing, DISK, checks=["feasibility"], max_examples=5, tries=20).failures
     assert f"LAW = {str(file)!r}" in failure.replay()
+    assert "LAW = str((Path(__file__).parent / '../mine.toml').resolve())" in failure.replay(tmp_path / "replays")
     assert "from tests.oracles.routines import nothing as update" in failure.replay()

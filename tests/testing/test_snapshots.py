@@ -109,6 +109,16 @@ def test_each_change_is_told(kept: Entry, change: str) -> None:
     assert len(found) == 1 and said in found[0]
 
 
+def test_what_is_kept_of_fewer_claims_says_so(kept: Entry, tmp_path: Path) -> None:
+    few = deepcopy(kept)
+    few["claims"] = {"origin": kept["claims"]["origin"]}
+    others = [name for name in kept["claims"] if name != "origin"]
+    assert differences(few, kept) == tuple(f"{name}: not kept, now {kept['claims'][name]['verdict']}" for name in others)
+    named = SnapshotFile({"coulomb, claims origin": few, "box": kept})
+    with pytest.raises(InputError, match=r"nothing is kept of coulomb, only of coulomb, claims origin; write it"):
+        named.entry("coulomb", tmp_path / "kept.json")
+
+
 def test_a_law_that_is_no_more_convex_and_a_witness_that_moves(tmp_path: Path) -> None:
     entries = []
     for greatest in ("0.6", "0.8"):

@@ -19,7 +19,9 @@ from duhem.testing import (
     projection,
     violation,
 )
+from duhem.testing.checks.judged import judged
 from duhem.testing.routines.unfinished import Unfinished
+from duhem.testing.without_law import free_check
 from duhem.testing.without_law.history import HistoryQuery
 from tests.long import mostly_long
 from tests.oracles.routines import Array
@@ -172,3 +174,27 @@ def test_what_does_not_come_back_on_a_history_asked_again_is_told_with_its_incre
     with pytest.raises(Unfinished) as fault:
         some.counted(some.start, some.case.trial, None)
     assert fault.value.row == 10
+
+
+def test_what_a_reversed_question_brings_is_counted_at_its_own_increment() -> None:
+    """Of five increments asked again the last first, the second is flagged, overwrites what it is given, or does not come back."""
+    trial, none, asked = np.arange(1.0, 6.0)[:, None] * [1.0, 0.5], np.zeros((5, 2)), []
+    case = Case({}, np.eye(2), None, trial, trial, trial, none, none, np.ones(5), 2.0, np.zeros((5, 2, 2)), None)
+
+    def advance(before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
+        asked.append(increment[0, 0])
+        bad = (increment[:, 0] == 2.0) & (len(asked) > 2)  # the first two are the path and the trial stresses
+        if endless and bad.any():
+            raise Unfinished("endless")
+        spoilt = np.where(bad, "increment", "").astype(object)
+        return MaterialState(before.strain + increment, before.stress + increment, before.variables, solved=~bad, overwritten=spoilt)
+
+    endless = False
+    query = HistoryQuery(Material(advance, np.eye(2)), case, 1e-9)
+    assert judged(free_check("repeatability"), query) is None and asked[-1] == 5.0
+    assert query.sound.tolist() == [True, False, True, True, True] and query.overwritten.tolist() == ["", "increment", "", "", ""]
+    endless = True
+    asked.clear()
+    with pytest.raises(Unfinished) as fault:
+        judged(free_check("repeatability"), HistoryQuery(Material(advance, np.eye(2)), case, 1e-9))
+    assert fault.value.row == 1

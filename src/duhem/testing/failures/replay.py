@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 from pathlib import Path
@@ -33,10 +34,12 @@ def test_file(
 ) -> str:
     """The text of a file that fails with the bug and passes without; a stub where routine or law have to be filled in.
 
-    The folder of the routine is said from the folder ``place`` of the file, where they have one above them in common, so that both may
-    move together.  Without a ``case`` no single increment shows the failure, and the file draws them again.
+    The folder of the routine, and files that it or the law is made of, such as a shared library, are said from the folder ``place`` of
+    the file, where they have one above them in common, so that all may move together.  Without a ``case`` no single increment shows
+    the failure, and the file draws them again.
     """
-    law = found.law or "None  # the law has no name that a file can import: put it here"
+    making, law = (_moving(place, text) for text in (found.making, found.law))
+    law = law or "None  # the law has no name that a file can import: put it here"
     names = [name for name in ("Criterion", "Domain", "load") if f"{name}(" in law or f"{name}." in law]
     what = "Case, violation" if case is not None else "conformance"
     beside = _from(place, found.folder)
@@ -44,12 +47,14 @@ def test_file(
     lines = [
         f'"""{title} (of {routine})."""',
         "",
-        *(["import sys", *(["from pathlib import Path"] if beside else []), ""] if found.making and found.folder else []),
+        *(["import sys"] if making and found.folder else []),
+        *(["from pathlib import Path"] if "Path(__file__)" in f"{making}{law}" or (beside and making) else []),
+        *([""] if (making and found.folder) or "Path(__file__)" in f"{making}{law}" else []),
         *([f"from duhem import {', '.join(names)}"] if names else []),
         f"from duhem.testing import {what}",
         "",
-        *(paths if found.making and found.folder else []),
-        *(found.making or _stub(routine)).splitlines(),
+        *(paths if making and found.folder else []),
+        *(making or _stub(routine)).splitlines(),
         "",
         f"LAW = {law}",
     ]
@@ -69,7 +74,7 @@ def test_file(
 
 
 def _from(place: Path | None, folder: str) -> str:
-    """Python for a folder as seen from the one of the file; '' where they have nothing in common."""
+    """Python for a folder or file as seen from the one of the file; '' where they have nothing in common."""
     if place is None or not folder:
         return ""
     try:
@@ -79,6 +84,18 @@ def _from(place: Path | None, folder: str) -> str:
     except ValueError:  # another drive
         return ""
     return f"str((Path(__file__).parent / {way!r}).resolve())"
+
+
+def _moving(place: Path | None, text: str) -> str:
+    """Python with the files that it names by their whole path named from the folder of the file."""
+    lines = text.encode().splitlines(keepends=True)  # ast counts bytes
+    named = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    for node in sorted(named, key=lambda node: (node.lineno, node.col_offset), reverse=True):
+        path = str(node.value)
+        if os.path.isabs(path) and Path(path).is_file() and node.lineno == node.end_lineno and (beside := _from(place, path)):
+            line = lines[node.lineno - 1]
+            lines[node.lineno - 1] = line[: node.col_offset] + beside.encode() + line[node.end_col_offset :]
+    return b"".join(lines).decode()
 
 
 def _stub(routine: str) -> str:

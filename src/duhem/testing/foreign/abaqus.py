@@ -133,6 +133,7 @@ def umat(
     given = {"variables": tuple(variables), "axes": None if axes is None else np.asarray(axes).tolist(), "isolated": isolated}
     given |= {"direct": direct, "energies": energies, "tangent": tangent, "name": name, "symbol": symbol}
     given |= {} if seconds == SECONDS else {"seconds": seconds}
-    said = ", ".join([repr(str(path)), repr(list(properties)), repr(k.tolist()), *(f"{key}={value!r}" for key, value in given.items())])
+    where = str(Path(path).resolve())
+    said = ", ".join([repr(where), repr(list(properties)), repr(k.tolist()), *(f"{key}={value!r}" for key, value in given.items())])
     line = f"from duhem.testing.foreign import umat\nupdate = umat({said})"
     return Material(advance, k, tuple(variables), energies, symbol.rstrip("_"), line)

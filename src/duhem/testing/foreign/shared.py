@@ -88,9 +88,13 @@ class _Call:
         return back, np.isin(status, self.solved), spoilt
 
 
-def _line(function: str, *arguments: Any, **options: Any) -> str:
+def _line(function: str, path: str | Path, *arguments: Any, **options: Any) -> str:
     """The Python that makes a routine again, options at their defaults left out."""
-    said = [*map(repr, arguments), *(f"{name}={value!r}" for name, value in options.items() if value not in ({}, (0,), (), False, SECONDS))]
+    said = [
+        repr(str(Path(path).resolve())),
+        *map(repr, arguments),
+        *(f"{name}={value!r}" for name, value in options.items() if value not in ({}, (0,), (), False, SECONDS)),
+    ]
     return f"from duhem.testing.foreign import {function}\nupdate = {function}({', '.join(said)})"
 
 
@@ -154,7 +158,7 @@ def shared_library(
     """
     read, fixed = Prototype.read(signature, "trial"), dict(parameters or {})
     line = _line(
-        "shared_library", str(path), signature, parameters=fixed, solved=tuple(solved), column_major=column_major, isolated=isolated,
+        "shared_library", path, signature, parameters=fixed, solved=tuple(solved), column_major=column_major, isolated=isolated,
         seconds=seconds,
     )  # fmt: skip
     return SharedLibrary(_Call(path, read, solved, isolated, seconds), fixed, column_major, line)
@@ -205,7 +209,7 @@ def shared_material(
         return MaterialState(*after, back.get("slip"), tangent, good, spoilt)
 
     line = _line(
-        "shared_material", str(path), signature, k.tolist(), variables=tuple(variables), parameters=fixed, solved=tuple(solved),
+        "shared_material", path, signature, k.tolist(), variables=tuple(variables), parameters=fixed, solved=tuple(solved),
         column_major=column_major, isolated=isolated, seconds=seconds,
     )  # fmt: skip
     return Material(advance, k, tuple(variables), energies, name=read.symbol, line=line)

@@ -53,7 +53,9 @@ class SnapshotFile:
     def entry(self, name: str, file: str | os.PathLike[str]) -> Entry:
         """What is kept of a law; InputError where nothing is."""
         if name not in self.laws:
-            raise InputError(f"nothing is kept of {name}", where=f"{file}", remedy=_REMEDY)
+            alike = sorted(each for each in self.laws if each.partition(",")[0] == name.partition(",")[0])
+            besides = f", only of {'; of '.join(alike)}" if alike else ""  # other values or claims
+            raise InputError(f"nothing is kept of {name}{besides}", where=f"{file}", remedy=_REMEDY)
         return self.laws[name]
 
     def with_entries(self, entries: Mapping[str, Entry]) -> SnapshotFile:

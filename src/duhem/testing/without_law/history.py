@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.projection.result import Array
@@ -96,20 +97,23 @@ class HistoryQuery(Query):
         increment: Array = np.asarray(np.linalg.solve(self.case.stiffness, (trial - before.stress).T).T)
         return advanced(self.material, before, increment, pressure, duration)
 
-    def counted(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0) -> MaterialState:
-        """:meth:`step` of all the rows; rows that the routine flags are not judged.  Raises NoReply."""
+    def counted(
+        self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0, rows: NDArray[np.intp] | None = None
+    ) -> MaterialState:
+        """:meth:`step` of all the rows, in the order of ``rows``; those that the routine flags are not judged.  Raises NoReply."""
+        rows = np.arange(len(self.case)) if rows is None else rows
         try:
             after = self.step(before, trial, pressure, duration)
         except Unfinished as fault:
-            fault.row = None if fault.row is None else int(self.rows[fault.row])
+            fault.row = None if fault.row is None else int(self.rows[rows[fault.row]])
             raise
         except Exception as fault:
             raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
         self.points += len(after)
-        self.note_overwritten(after.overwritten, np.arange(len(self.case)))
+        self.note_overwritten(after.overwritten, rows)
         if after.solved is not None:
             self.flagged += int((~after.solved).sum())
-            self.sound = self.sound & after.solved
+            self.sound = self.sound & after.solved[np.argsort(rows)]
         return after
 
     def _from_start(self, trial: Array, pressure: Array | None, stiffness: Array) -> Step:

@@ -45,7 +45,8 @@ def repeatability(h: HistoryQuery) -> Finding:
     case = h.case
     here = h.counted(h.start, case.trial, case.pressure)
     back = np.arange(len(case))[::-1]
-    again = h.counted(h.start.rows(back), case.trial[back], None if case.pressure is None else case.pressure[back]).rows(back)
+    load = None if case.pressure is None else case.pressure[back]
+    again = h.counted(h.start.rows(back), case.trial[back], load, rows=back).rows(back)
     apart = again.stress - here.stress
     apart = np.where(np.isfinite(again.stress) | np.isfinite(here.stress), apart, 0.0)  # a nan twice is the same answer
     return Finding(h.length(apart), 2.0 * h.error(h.start.stress, case.trial, here.stress))
