@@ -26,6 +26,7 @@ __all__ = [
     "Path",
     "Paths",
     "Projection",
+    "Recheck",
     "Status",
     "Verdict",
     "Verification",
@@ -39,6 +40,7 @@ __all__ = [
     "load",
     "plot",
     "project",
+    "recheck",
     "simulate",
     "verify",
 ]
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
     from duhem.path import Histories, History, Path, Paths
     from duhem.portrait import plot
     from duhem.projection.result import Projection, Status
+    from duhem.proof.recheck import Recheck, recheck
     from duhem.proof.verdict import Verdict, Witness
     from duhem.proof.verification import Verification, verify
     from duhem.screening import campaign
@@ -73,6 +76,7 @@ _HOMES = {
     "path": ("Histories", "History", "Path", "Paths"),
     "portrait": ("plot",),
     "projection.result": ("Projection", "Status"),
+    "proof.recheck": ("Recheck", "recheck"),
     "proof.verdict": ("Verdict", "Witness"),
     "proof.verification": ("Verification", "verify"),
     "screening": ("campaign",),

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
 
+import duhem
 from duhem import InputError
 from duhem.cli import cli
 from tests.cli.test_imports import imported
@@ -142,3 +145,50 @@ def test_a_boundary_curve_has_a_certificate_too(tmp_path: Path) -> None:
 
 def test_the_checker_imports_nothing_heavy(folder: Path) -> None:
     assert imported("recheck", str(folder / "disc.json")) == set()
+
+
+def test_python_says_what_the_command_prints(folder: Path) -> None:
+    file = folder / "disc.json"
+    text = file.read_text("utf-8")
+    for given in (file, str(file), text, json.loads(text)):
+        done = duhem.recheck(given)
+        assert done.ok and done["convexity"].confirmed and done.law["g"] == "norm(sigma_a, sigma_b) - mu*abs(sigma_n)"
+        assert run("recheck", file).stdout == done.to_text() + "\n"
+    assert repr(done) == "<Recheck: confirmed: 7 of 7 proofs>"
+    assert json.loads(json.dumps(done.to_dict())) == done.to_dict() and done.to_dict()["claims"][0]["confirmed"]
+    made = duhem.verify(folder / "disc.toml").certificate(folder / "again.json")
+    assert (folder / "again.json").read_bytes() == file.read_bytes() and json.loads(json.dumps(made)) == json.loads(text)
+
+
+def test_python_sees_what_does_not_hold(folder: Path) -> None:
+    from duhem.proof.kernel.certificate import digest
+
+    made = json.loads((folder / "disc.json").read_text("utf-8"))
+    forged = made | {"law": made["law"] | {"g": "mu*abs(sigma_n) - norm(sigma_a, sigma_b)"}}
+    done = duhem.recheck(forged | {"sha256": digest(forged)})
+    assert not done.ok and not done["convexity"].confirmed and done["convexity"].reason
+    assert done["state_laws"].confirmed
+
+
+@pytest.mark.parametrize(
+    ("given", "what"),
+    [
+        ("{", "certificate: this is no JSON; make one with"),
+        ({}, "certificate: the certificate cannot be checked"),
+        ({"law": {1, 2}}, "certificate: this is no certificate"),
+        (7, "certificate: int is no certificate; give a file"),
+        ("absent.json", "absent.json: the file cannot be read"),
+        ('{"a": 1, "a": 2}', "certificate: the key 'a' is there twice"),
+    ],
+)
+def test_what_is_no_certificate_is_one_error(given: Any, what: str) -> None:
+    with pytest.raises(InputError) as fault:
+        duhem.recheck(given)
+    assert str(fault.value).startswith(what)
+
+
+def test_python_rechecks_with_the_kernel_alone(folder: Path) -> None:
+    heavy = "{'sympy', 'numpy', 'mpmath', 'flint', 'z3', 'scipy', 'duhem.law', 'duhem.expression'}"
+    asked = f"import sys, duhem; assert duhem.recheck({str(folder / 'disc.json')!r}).ok; print({heavy} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, timeout=60)
+    assert (done.stdout, done.stderr) == ("set()\n", "")

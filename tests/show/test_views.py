@@ -47,6 +47,7 @@ RESULTS: dict[str, Callable[[], Any]] = {
     "Verification": verified,
     "ClaimResult": lambda: verified()["convexity"],
     "Witness": lambda: verified()["convexity"].witness,
+    "Recheck": lambda: duhem.recheck(verified().certificate()),
     "Derivation": lambda: duhem.derive(LAW),
     "Equation": lambda: duhem.derive(LAW)["state_law"],
     "Projection": lambda: duhem.project("coulomb", [[0.1, 0.0], [3.0, 4.0]], -1.0, 2.0, {"mu": 0.5}),

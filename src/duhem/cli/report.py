@@ -98,10 +98,8 @@ def _derivation(found: Verification) -> tuple[tuple[Chapter, ...], tuple[LeftOut
 
 
 def _certificate(found: Verification) -> dict[str, Any] | InputError:
-    from duhem.proof.certificate import certificate
-
     try:
-        return certificate(found)
+        return found.certificate()
     except InputError as fault:
         return fault
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -91,9 +90,7 @@ def verify(
             return INTERRUPTED
     told.end()
     if certificate is not None:
-        from duhem.proof.certificate import certificate as certified
-
-        write(certificate, json.dumps(certified(told.done[0]), indent=1, ensure_ascii=False) + "\n")
+        told.done[0].certificate(certificate)
     if report is not None:
         from duhem.show.document import as_page
 

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 from duhem.errors import InputError
+from duhem.law.curve_law import Law
 from duhem.proof.kernel.certificate import SCHEMA, digest
 from duhem.proof.law_text import admitted_values, law_as_text
-from duhem.proof.verification import ClaimResult, Verification
+from duhem.proof.verdict import ClaimResult
 
 __all__ = ["certificate"]
 
 
-def certificate(verification: Verification) -> dict[str, Any]:
+class Verified(Protocol):
+    """What is written down of a :class:`duhem.Verification`."""
+
+    @property
+    def criterion(self) -> Law: ...
+    @property
+    def results(self) -> tuple[ClaimResult, ...]: ...
+    @property
+    def rests_on(self) -> tuple[ClaimResult, ...]: ...
+
+
+def certificate(verification: Verified) -> dict[str, Any]:
     """The certificate as a JSON object: deterministic, without times, with a hash of its content.
 
     Each claim has its :class:`~duhem.proof.verdict.Trust` and, where the kernel confirmed it, the rule and its evidence; the

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -27,6 +28,7 @@ from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
 from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import ClaimResult, Evidence, Trust, Verdict
+from duhem.show.place import AnyPath, check_place, write
 from duhem.show.shown import Shown
 from duhem.version import __version__
 
@@ -84,6 +86,21 @@ class Verification(Shown):
         if Verdict.REFUTED in found:
             return False
         return True if all(v is Verdict.PROVED for v in found) else None
+
+    def certificate(self, file: AnyPath | None = None) -> dict[str, Any]:
+        """The proofs for :func:`duhem.recheck`, as an object for JSON; written into ``file`` too, if one is given.
+
+        It has the law's text, each claim's verdict and trust and, where the kernel confirmed it, rule and evidence; the same at every run.
+        Raises InputError where no exact values of the parameters are found in their domain, or where the file cannot be written.
+        """
+        from duhem.proof.certificate import certificate
+
+        if file is not None:
+            check_place(file)
+        document = certificate(self)
+        if file is not None:
+            write(file, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
+        return document
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON report of the interface."""
