@@ -19,6 +19,7 @@ class Poison:
     fault: int = 0
     sleep: int = 0
     names: tuple[str, ...] = NAMES
+    options: tuple[str, ...] = ()
 
     def told(self):
         return repr(self)

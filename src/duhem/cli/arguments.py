@@ -28,6 +28,7 @@ __all__ = [
     "convex_option",
     "law_argument",
     "laws_argument",
+    "modules_beside_the_user",
     "read_attribute",
     "read_claims",
     "read_fixed_formula",
@@ -76,7 +77,7 @@ def convex_option(says: str) -> Callable[[_Command], _Command]:
 def read_law(text: str) -> Law:
     from duhem.law import catalogue
 
-    with _modules_beside_the_user(text):
+    with modules_beside_the_user(text):
         return cast("Law", catalogue.load(text))
 
 
@@ -84,7 +85,7 @@ def read_attribute(text: str) -> object:
     """What ``module:attribute`` names, whatever it is."""
     from duhem.law import catalogue
 
-    with _modules_beside_the_user(text):
+    with modules_beside_the_user(text):
         return catalogue.attribute(text, text)
 
 
@@ -101,7 +102,7 @@ def read_routine(text: str) -> Any:
 
 
 @contextmanager
-def _modules_beside_the_user(text: str) -> Iterator[None]:
+def modules_beside_the_user(text: str) -> Iterator[None]:
     """The working folder on the path for ``module:attribute``, after all that is installed: no file stands in for a part of Python."""
     if ":" not in text or "" in sys.path:
         yield

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from duhem.cli.arguments import modules_beside_the_user
 from duhem.cli.exit_code import FAILED, HELD, INTERRUPTED, REFUTED
 from duhem.cli.output import Progress, page, say
 
 if TYPE_CHECKING:
+    from duhem.benchmark.extreme_cases import StressCases
     from duhem.screening.campaign import Campaign
+    from duhem.testing import RoutineChecks
 
 __all__ = ["campaign"]
 
@@ -23,6 +26,7 @@ __all__ = ["campaign"]
 @click.option("--scheduler", metavar="ADDRESS", help="The scheduler of a Dask cluster, by address or by the file that it wrote.")
 @click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped; a finished table is left as it is.")
 @click.option("--out", metavar="FILE", help="Write the table as .csv or .parquet; left out, the one that the campaign names.")
+@click.option("--routine", metavar="MODULE:CALLABLE", help="The routine whose checks CAMPAIGN asks, as of duhem test; no file names it.")
 @click.option("--row", metavar="N", type=click.IntRange(min=1), help="Ask this row alone, and print its lines as JSON.")
 @click.option("--plot", "picture", metavar="FILE", help="Also draw verdicts over the parameters that vary: .png, .svg, .pdf, ...")
 @click.option("--axes", metavar="A,B", help="One or two parameters to draw over, where more of them vary.")
@@ -32,6 +36,7 @@ def campaign(
     scheduler: str | None,
     resume: bool,
     out: str | None,
+    routine: str | None,
     row: int | None,
     picture: str | None,
     axes: str | None,
@@ -46,7 +51,8 @@ def campaign(
     killed keeps what is done beside the table, and --resume goes on from there.  With --plot CAMPAIGN may be a finished table, which is
     drawn and not asked again.
 
-    Exit codes: 1 where a claim is refuted or an increment flagged, 4 where a row has an error instead, which comes first.
+    Exit codes: 1 where a claim is refuted, a check failed or an increment flagged or wrong, 4 where a row has an error instead, which
+    comes first.
     """
     from duhem.errors import InputError
     from duhem.expression.spelling import spelled
@@ -62,13 +68,15 @@ def campaign(
     if picture is not None:
         figure.check(picture)
     if campaign_file.endswith((".csv", ".parquet")):
-        if picture is None or workers is not None or scheduler is not None or resume or out is not None or row is not None:
+        if picture is None or workers is not None or scheduler is not None or resume or out is not None or row is not None or routine:
             raise InputError("a finished table is drawn, not asked", where=campaign_file, remedy="give --plot FILE, and at most --axes")
         check_place(picture, [campaign_file])
         plane_plot.plot_table(campaign_file, picture, over)
         say(picture)
         return HELD
-    asked = file.read(campaign_file, project=project)
+    if routine is not None:
+        click.get_current_context().with_resource(modules_beside_the_user(routine))
+    asked = file.read(campaign_file, project=project, routine=routine, checks=_checks, stress=_stress)
     if row is not None:
         if scheduler is not None or resume or out is not None or picture is not None:
             raise InputError("one row is asked here, and its lines are printed", where="--row", remedy="leave the other options out")
@@ -107,6 +115,18 @@ def campaign(
     if picture is not None:
         summary.plot(picture, axes=over)
     return FAILED if summary.errors else REFUTED if summary.refuted else HELD
+
+
+def _checks(routine: str, **options: Any) -> RoutineChecks:
+    from duhem.testing import RoutineChecks
+
+    return RoutineChecks(routine, **options)
+
+
+def _stress(**options: Any) -> StressCases:
+    from duhem.benchmark.extreme_cases import StressCases
+
+    return StressCases(**options)
 
 
 def _alone(asked: Campaign, row: int) -> int:

@@ -15,6 +15,7 @@ from duhem.screening.campaign import Campaign
 from duhem.screening.cluster import Cluster
 from duhem.screening.increments import Project
 from duhem.screening.inquiries import Claimed, Inquiry
+from duhem.screening.inquiry_file import Means
 from duhem.screening.lines import VerdictLine, lines_of, number_of
 from duhem.screening.pool import Pool, cores
 from duhem.screening.rows import given
@@ -41,14 +42,19 @@ def campaign(
     resume: bool = False,
     ask: Inquiry | None = None,
     project: Project | None = None,
+    routine: Callable[..., Any] | str | None = None,
+    checks: Callable[..., Inquiry] | None = None,
+    stress: Callable[..., Inquiry] | None = None,
     on_row: OnRow | None = None,
     on_start: Callable[[str], None] | None = None,
 ) -> Summary:
     """Ask many laws at once, each row in a process that may fail without harm to the others.
 
     ``rows`` is a campaign file, or laws and pairs of a law and its parameters. Asked are ``claims``, all of them or what the file says if
-    left out, or ``ask``, such as :class:`duhem.screening.Increments`; where a file asks increments, ``project`` is :func:`duhem.project`,
-    which solves them. ``out`` is the table, .csv or .parquet, one line a row and claim; without one the lines are in the summary.
+    left out, or ``ask``, such as :class:`duhem.screening.Increments` or :class:`duhem.testing.RoutineChecks`. Where a file asks
+    increments, ``project`` is :func:`duhem.project`, which solves them; checks, ``routine`` is the one that is tested, a callable or its
+    name ``module:callable``, and ``checks`` is RoutineChecks; stress, ``stress`` is :class:`duhem.benchmark.extreme_cases.StressCases`.
+    ``out`` is the table, .csv or .parquet, one line a row and claim; without one the lines are in the summary.
     ``workers`` processes (the cores, if left out) give the same table, and so does a Dask cluster, whose ``scheduler`` is given by its
     address or file (extra ``cluster``). While it runs, what is done is kept beside ``out``, and ``resume`` goes on from there, or leaves
     a finished table as it is; ``on_row`` is called with the rows done and all, ``on_start`` with a cluster's dashboard.
@@ -56,7 +62,7 @@ def campaign(
     Raises InputError for a campaign that cannot be asked, StoppedCampaign, a KeyboardInterrupt, when interrupted.  What is wrong with a row
     is in its lines: a law that cannot be read, a value outside its domain, a process that crashed or took too much.
     """
-    asked = _read(rows, claims, ask, project)
+    asked = _read(rows, claims, ask, {"project": project, "routine": routine, "checks": checks, "stress": stress})
     table = asked.out if out is None else os.fspath(out)
     if workers is not None and (not isinstance(workers, int) or isinstance(workers, bool) or workers < 1):
         raise InputError(f"{workers!r} workers", where="workers", remedy="give a whole number from 1 on")
@@ -76,15 +82,16 @@ def campaign(
         return _gathered(asked, pool, on_row) if table is None else _written(asked, pool, table, resume, on_row)
 
 
-def _read(
-    rows: str | os.PathLike[str] | Pairs | Campaign, claims: Iterable[str] | None, ask: Inquiry | None, project: Project | None
-) -> Campaign:
+def _read(rows: str | os.PathLike[str] | Pairs | Campaign, claims: Iterable[str] | None, ask: Inquiry | None, means: Means) -> Campaign:
     from duhem.proof.verification import wanted_claims
 
     if claims is not None and ask is not None:
         raise InputError("claims and something else are asked", where="ask", remedy="leave one of them out")
+    if means.get("routine") is not None and not isinstance(rows, str | os.PathLike):
+        remedy = "give ask=duhem.testing.RoutineChecks(routine)"
+        raise InputError("a routine is given, and the rows are of no campaign file that asks it", where="routine", remedy=remedy)
     if isinstance(rows, Campaign | str | os.PathLike):
-        read = rows if isinstance(rows, Campaign) else file.read(rows, project=project)
+        read = rows if isinstance(rows, Campaign) else file.read(rows, **means)
         if claims is not None:
             effort = read.inquiry.effort if isinstance(read.inquiry, Claimed) else "normal"
             ask = Claimed(wanted_claims(claims), effort)

@@ -1,7 +1,7 @@
 """Campaigns from TOML: what is asked, and of which rows; a mistake is told with file, line and column.
 
 [campaign]
-ask = "claims"                                # left out: claims; or increments, told below in a table of that name
+ask = "claims"                                # left out: claims; or increments, checks, stress, told below in a table of that name
 claims = ["origin", "convexity"]              # left out: all of them
 effort = "normal"                             # quick, normal or thorough: the steps that a claim may cost
 out = "table.csv"                             # or .parquet; the command line's --out comes first
@@ -29,6 +29,19 @@ pressure = -1                                 # of the drawn ones, in Pa
 stiffness = 1                                 # in Pa/m: one number, one a force, or the matrix row by row
 method = "auto"                               # closed-form, newton, cvxpy
 convex = "ask"                                # what is known of K: ask, require, assume
+
+[checks]                                      # asked of a routine with ask = "checks" and --routine module:callable; no key is needed
+checks = ["feasibility", "dissipation"]       # left out, all that every law demands
+examples = 30                                 # cases that are drawn
+seed = 0                                      # the same cases in every run
+accuracy = 1e-9                               # relative error in stress that the routine promises
+most_flagged = 0                              # share of the increments that it may flag as not solved
+shrink = 200                                  # tries to make a failing case smaller
+expect = { slope = "no tangent yet" }         # checks known to fail, and why
+
+[stress]                                      # extreme cases asked of each row with ask = "stress"; no key is needed
+axes = ["load", "trial size"]                 # left out, all of them
+methods = ["newton", "cvxpy"]                 # left out, "auto": the cheapest that applies
 """
 
 from __future__ import annotations
@@ -40,7 +53,7 @@ from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from duhem.errors import InputError
 from duhem.expression.number import exact_number, fraction, ratio
@@ -48,8 +61,7 @@ from duhem.expression.spelling import spelled
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import Key, meant, parsed, text_of
 from duhem.screening.campaign import Campaign
-from duhem.screening.increments import Project
-from duhem.screening.inquiry_file import SECTIONS, InquiryReader
+from duhem.screening.inquiry_file import SECTIONS, InquiryReader, Means
 from duhem.screening.rows import AsStated, Draw, Grid, LawName, RowBlock, Span, TableRows
 from duhem.screening.value_table import cells_in_lines
 
@@ -62,30 +74,30 @@ _ROWS = ("laws", "law", "set", "grid", "draw", "table", "columns")
 _KINDS = ("grid", "draw", "table")
 
 
-def read(file: str | os.PathLike[str], *, project: Project | None = None) -> Campaign:
+def read(file: str | os.PathLike[str], **means: Unpack[Means]) -> Campaign:
     """The campaign of a TOML file; InputError names file, line and column of what is wrong in it.
 
-    ``project`` is :func:`duhem.project`, which solves increments where they are asked.
+    ``means`` are what solves increments or asks a routine, where these are asked.
     """
     text = text_of(file, "campaign", MOST_BYTES, large="put the values into a table")
-    return reads(text, where=f"{file}", folder=Path(file).parent, project=project)
+    return reads(text, where=f"{file}", folder=Path(file).parent, **means)
 
 
-def reads(text: str, where: str = "campaign", folder: str | os.PathLike[str] = ".", *, project: Project | None = None) -> Campaign:
+def reads(text: str, where: str = "campaign", folder: str | os.PathLike[str] = ".", **means: Unpack[Means]) -> Campaign:
     """The campaign written in ``text``; files it names are looked for in ``folder``."""
-    return _CampaignReader(parsed(text, where, number=Decimal)).campaign(Path(folder), project)
+    return _CampaignReader(parsed(text, where, number=Decimal)).campaign(Path(folder), means)
 
 
 class _CampaignReader(InquiryReader):
     """From the document of a campaign to its value; stops at the first fault."""
 
-    def campaign(self, folder: Path, project: Project | None) -> Campaign:
+    def campaign(self, folder: Path, means: Means) -> Campaign:
         self.keys("", self.document, ("campaign", "rows", *SECTIONS))
         head = self.document.get("campaign", {})
         if not isinstance(head, dict):
             raise self.error("campaign is not a table", "campaign", remedy="write [campaign] on a line of its own")
         self.keys("campaign", head, _CAMPAIGN)
-        inquiry, tables = self.inquiry(head, folder, project)
+        inquiry, tables = self.inquiry(head, folder, means)
         given = self.document.get("rows")
         if not isinstance(given, list) or not given or not all(isinstance(each, dict) for each in given):
             raise self.error("there are no [[rows]]", "rows", remedy='write for example [[rows]] and below it laws = ["coulomb"]')

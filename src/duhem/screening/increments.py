@@ -81,6 +81,10 @@ class Increments:
     def names(self) -> tuple[str, ...]:
         return ("increments",)
 
+    @property
+    def options(self) -> tuple[str, ...]:
+        return ()
+
     def told(self) -> str:
         drawn = f"{self.count} of seed {self.seed} at {self.pressure!r}" if self.trials is None else self.trials.told()
         return f"increments {drawn}, stiffness {self.stiffness!r}, {self.method}, convex {self.convex}"

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeAlias
 
 from duhem.law.curve_law import Law
 
-__all__ = ["Answered", "Claimed", "Inquiry"]
+__all__ = ["Answer", "Answered", "Claimed", "Inquiry"]
 
 
 class Answered(NamedTuple):
@@ -24,17 +24,24 @@ class Answered(NamedTuple):
     seconds: float
 
 
+Answer: TypeAlias = tuple[str, str | None, str | None, str | None, str | None, int, float]
+"""The fields of :class:`Answered` in turn, as rooms give them that do not know this one."""
+
+
 class Inquiry(Protocol):
-    """``names`` are the lines that each row has, whatever comes of it."""
+    """``names`` are the lines that each row has, whatever comes of it; ``options`` what the command line names beside the campaign."""
 
     @property
     def names(self) -> tuple[str, ...]: ...
+
+    @property
+    def options(self) -> tuple[str, ...]: ...
 
     def told(self) -> str:
         """The inquiry in words that tell it from every other."""
         ...
 
-    def answers(self, law: Law) -> Iterator[Answered]:
+    def answers(self, law: Law) -> Iterator[Answer]:
         """A line for each name; InputError where the law cannot be asked."""
         ...
 
@@ -49,6 +56,10 @@ class Claimed:
     @property
     def names(self) -> tuple[str, ...]:
         return self.claims
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        return ()
 
     def told(self) -> str:
         return f"claims {','.join(self.claims)} {self.effort}"

@@ -1,10 +1,11 @@
-"""What a campaign file asks of each row: claims, or increments; the tables that say how are named as what is asked."""
+"""What a campaign file asks of each row: claims, increments, checks or stress; the tables that say how are named as what is asked."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
 
 from duhem.errors import InputError
 from duhem.expression.number import exact_number
@@ -15,18 +16,32 @@ from duhem.path.table_file import read_table
 from duhem.screening.increments import Increments, Project, Trials
 from duhem.screening.inquiries import Claimed, Inquiry
 
-__all__ = ["SECTIONS", "InquiryReader"]
+__all__ = ["SECTIONS", "InquiryReader", "Means"]
 
-SECTIONS = ("increments",)
+SECTIONS = ("increments", "checks", "stress")
 _ASKED = ("claims", *SECTIONS)
+_OPTIONS = {
+    "checks": ("checks", "examples", "seed", "accuracy", "most_flagged", "shrink", "expect"),
+    "stress": ("axes", "methods"),
+}
 _INCREMENTS = ("n", "seed", "table", "pressure", "stiffness", "method", "convex")
 _MOST_TRIALS = 1_000_000
+
+
+class Means(TypedDict, total=False):
+    """What this room does not know and a file may ask: ``project`` solves increments, ``checks`` makes the inquiry about a ``routine``,
+    and ``stress`` that about extreme cases; InputError, by the name of the option, of what cannot be used."""
+
+    project: Project | None
+    routine: Any
+    checks: Callable[..., Inquiry] | None
+    stress: Callable[..., Inquiry] | None
 
 
 class InquiryReader(SectionReader):
     """Reads what is asked, and stops at the first fault."""
 
-    def inquiry(self, head: Mapping[str, Any], folder: Path, project: Project | None) -> tuple[Inquiry, list[str]]:
+    def inquiry(self, head: Mapping[str, Any], folder: Path, means: Means) -> tuple[Inquiry, list[str]]:
         """What is asked, and the files that it is read from."""
         ask = head.get("ask", "claims")
         if ask not in _ASKED:
@@ -34,12 +49,35 @@ class InquiryReader(SectionReader):
         for section in SECTIONS:
             if section in self.document and section != ask:
                 raise self.error(f"[{section}] is not asked for", section, remedy=f'write ask = "{section}" in [campaign]')
+        routine = means.get("routine")
+        if routine is not None and ask != "checks":
+            raise self.error(f"a routine is given, and {ask} are asked", "campaign", "ask", remedy='write ask = "checks"')
         if ask == "claims":
             return Claimed(self.claims(head), self.effort(head)), []
         for key in ("claims", "effort"):
             if key in head:
                 raise self.error(f"{key} is for claims, and {ask} are asked", "campaign", key, remedy="leave it out")
-        return self.increments(folder, project)
+        if ask == "increments":
+            return self.increments(folder, means.get("project"))
+        if ask == "stress":
+            return self.made("stress", means.get("stress"), "give stress=duhem.benchmark.extreme_cases.StressCases"), []
+        if routine is None:
+            remedy = "name it: --routine module:callable, or routine=... in Python; a file is data and runs nothing"
+            raise self.error("checks are of a routine, and none is given", "campaign", "ask", remedy=remedy)
+        return self.made("checks", means.get("checks"), "give checks=duhem.testing.RoutineChecks", routine), []
+
+    def made(self, section: str, make: Callable[..., Inquiry] | None, remedy: str, *given: Any) -> Inquiry:
+        """What another room makes of the options in a section; what it refuses is told with its place."""
+        if make is None:
+            raise self.error(f"{section} is asked, and nothing is given that asks it", "campaign", "ask", remedy=remedy)
+        options = self.section(section)
+        self.keys(section, options, _OPTIONS[section])
+        try:
+            return make(*given, **{key: _plain(value) for key, value in options.items()})
+        except InputError as fault:
+            if fault.where not in _OPTIONS[section]:
+                raise
+            raise self.error(fault.what, section, fault.where, remedy=fault.remedy) from None
 
     def claims(self, head: Mapping[str, Any]) -> tuple[str, ...]:
         from duhem.proof.claims import CLAIMS
@@ -126,3 +164,12 @@ class InquiryReader(SectionReader):
                 raise self.error("stiffness is no square matrix", *path, remedy="give as many rows as columns")
             return tuple(tuple(self.real(x, *path, i, j) for j, x in enumerate(row)) for i, row in enumerate(value))
         return tuple(self.real(x, *path, i) for i, x in enumerate(value))
+
+
+def _plain(value: Any) -> Any:
+    """A value of TOML as a program gives it."""
+    if isinstance(value, list):
+        return tuple(map(_plain, value))
+    if isinstance(value, dict):
+        return tuple((key, _plain(each)) for key, each in value.items())
+    return float(value) if isinstance(value, Decimal) else value

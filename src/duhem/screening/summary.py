@@ -18,7 +18,8 @@ from duhem.show.shown import Shown
 
 __all__ = ["Counts", "Summary", "alone"]
 
-AGAINST = ("refuted", "flagged")
+AGAINST = ("refuted", "flagged", "failed", "xpassed", "wrong")
+_OPEN = ("undecided", "tested", *AGAINST[1:])
 _NAMED = 3  # rows of a kind
 _REASONS = 50  # that are counted each by itself
 _WORDS = 160  # characters of one
@@ -66,7 +67,7 @@ class Summary(Shown):
 
     @property
     def refuted(self) -> int:
-        """How many lines speak against their law, or what was tested: refuted claims, flagged increments."""
+        """How many lines speak against their law or what was tested: refuted claims, failed checks, flagged or wrong increments."""
         return sum(count for (_, verdict), count in self.verdicts.items() if verdict in AGAINST)
 
 
@@ -98,7 +99,7 @@ class Counts:
             if line.row != self._last:
                 self._errors[self._reason(line.error)] += 1
             self._failed += [line] if len(self._failed) < _NAMED and line.row != self._last else []
-        elif line.verdict in ("undecided", "tested", "flagged"):
+        elif line.verdict in _OPEN:
             self._open += [line] if len(self._open) < _NAMED else []
         heapq.heappush(self._slowest, (line.seconds, -line.row, line))
         if len(self._slowest) > _NAMED:
@@ -133,7 +134,8 @@ def alone(campaign: Campaign, number: int) -> str:
     """The command that asks one row alone; for a law that is a value in a program, the call."""
     inquiry = campaign.inquiry
     if not isinstance(inquiry, Claimed):
-        return shlex.join(["duhem", "campaign", campaign.inputs[0], f"--row={number}"]) if campaign.inputs else f"row {number} alone"
+        command = ["duhem", "campaign", *campaign.inputs[:1], f"--row={number}", *inquiry.options]
+        return shlex.join(command) if campaign.inputs else f"row {number} alone"
     row, claims = campaign.row(number), inquiry.names
     if row.name.value is not None and row.name.path is None:
         return f"duhem.verify({row.name.shown!r}, {json.dumps(dict(row.values))}, claims={list(claims)!r})"

@@ -14,8 +14,24 @@ from duhem.show.sheet import Sheet
 
 __all__ = ["as_dict", "as_sheet", "as_text"]
 
-_ORDER = ("proved", "refuted", "tested", "undecided", "not_applicable", "ok", "flagged", "none")
+_QUIET = ("proved", "not_applicable", "ok", "passed", "xfailed", "none")
+_ORDER = (
+    "proved",
+    "refuted",
+    "tested",
+    "undecided",
+    "ok",
+    "flagged",
+    "wrong",
+    "passed",
+    "failed",
+    "xfailed",
+    "xpassed",
+    "not_applicable",
+    "none",
+)
 _MOST = 12  # methods and reasons that are listed
+_CLAIMS = 20  # that are listed each by itself, whatever was found
 
 
 @text.register(Summary)
@@ -76,8 +92,13 @@ def _title(summary: Summary) -> str:
 def _verdicts(summary: Summary) -> Iterator[Sequence[str]]:
     met = [v for v in _ORDER if any(verdict == v for _, verdict in summary.verdicts)]
     yield ["claim", *(v.replace("_", " ") if v != "none" else "no verdict" for v in met)]
-    for claim in dict.fromkeys(claim for claim, _ in summary.verdicts):
+    claims = tuple(dict.fromkeys(claim for claim, _ in summary.verdicts))
+    told = {claim for claim, verdict in summary.verdicts if verdict not in _QUIET} if len(claims) > _CLAIMS else set(claims)
+    for claim in (claim for claim in claims if claim in told):
         yield [claim, *(f"{summary.verdicts.get((claim, v), 0)}" for v in met)]
+    if others := [claim for claim in claims if claim not in told]:
+        counts = (sum(summary.verdicts.get((claim, v), 0) for claim in others) for v in met)
+        yield [f"{len(others)} others" if told else f"{len(others)} names", *(f"{count}" for count in counts)]
 
 
 def _methods(summary: Summary) -> Iterator[Sequence[str]]:

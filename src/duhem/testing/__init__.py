@@ -16,6 +16,7 @@ from duhem.testing.conformance import ACCURACY, assert_conforms, check, checks_f
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.strategies import cases, decades, loadings, parameters, pressures, stiffnesses, trials, ways
 from duhem.testing.failures.report import Failure, Report
+from duhem.testing.inquiry import RoutineChecks
 from duhem.testing.routines.material import Material, MaterialState, from_material
 from duhem.testing.routines.routine import Step, Update, from_displacements, pointwise, projection
 
@@ -27,6 +28,7 @@ __all__ = [
     "Material",
     "MaterialState",
     "Report",
+    "RoutineChecks",
     "Step",
     "Update",
     "assert_conforms",

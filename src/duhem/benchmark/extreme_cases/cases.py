@@ -14,7 +14,7 @@ from duhem.expression.number import fraction
 from duhem.law.domain import Domain
 from duhem.projection.result import Array
 
-__all__ = ["AXES", "ExtremeCase", "aspect", "cases"]
+__all__ = ["AXES", "ExtremeCase", "aspect", "cases", "labels"]
 
 AXES = {
     "load": "|sigma_n| (or the trial stress, for a law without pressure), by powers of ten",
@@ -26,6 +26,12 @@ AXES = {
     "special values": "zeros, denormals, vanishing pressure",
 }
 LOADS = (-290, -250, -200, -150, -100, -60, -30, -15, -8, -4, 0, 4, 8, 15, 30, 60, 100, 150, 200, 250, 290)
+_RATIOS = range(0, 13, 2)
+_ASPECTS = range(0, 9)
+_SIZES = range(0, 17, 2)
+_OFF = {**{f"1e{-j}": (-j, 10.0**-j) for j in range(0, 21, 2)}, "1e-300": (-300, 1e-300), "0": (-330, 0.0)}
+_OUTSIDE = range(0, 16)
+_ULP, _NONE = "1 ulp", "0 by doubles"
 _TINY = 5e-324
 
 
@@ -54,6 +60,16 @@ def cases(specimen: Specimen, axes: tuple[str, ...] = tuple(AXES)) -> Iterator[E
     }
     for axis in axes:
         yield from makers[axis](specimen, axis)
+
+
+def labels(axis: str) -> tuple[str, ...]:
+    """The labels of every case of an axis, in their order; a law may not have all of them."""
+    powers = {"load": LOADS, "stiffness ratio": _RATIOS, "aspect of K": _ASPECTS, "trial size": _SIZES}
+    if axis in powers:
+        return tuple(f"1e{e}" for e in powers[axis])
+    if axis == "boundary distance":
+        return (*(f"1e{-j}" for j in _OUTSIDE), _ULP, _NONE)
+    return tuple(_OFF) if axis == "seam distance" else tuple(label for label, _, _ in _special(2, -1.0))
 
 
 def _ways(d: int) -> Array:
@@ -87,7 +103,7 @@ def _stiffnesses(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
     if d < 2:
         return
     edge = _reached(specimen, _ways(d), specimen.pressure)
-    for e in range(0, 13, 2):
+    for e in _RATIOS:
         k = np.diag(10.0 ** (e * np.arange(d) / (d - 1)))
         yield ExtremeCase(axis, f"1e{e}", e, replace(specimen, stiffness=k), 3.0 * edge, specimen.pressure)
 
@@ -133,7 +149,7 @@ def _aspects(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
     names = aspect(specimen)
     if not names:
         return
-    for e in range(0, 9):
+    for e in _ASPECTS:
         thin = _scaled(specimen, names, Fraction(1, 10**e))
         edge = _reached(specimen, np.eye(len(specimen.law.forces)), specimen.pressure)
         size = np.abs(edge).max(axis=0)
@@ -142,7 +158,7 @@ def _aspects(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
 
 def _sizes(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
     edge = _reached(specimen, _ways(len(specimen.law.forces)), specimen.pressure)
-    for e in range(0, 17, 2):
+    for e in _SIZES:
         yield ExtremeCase(axis, f"1e{e}", e, specimen, 1.5 * 10.0**e * edge, specimen.pressure)
 
 
@@ -154,32 +170,37 @@ def _seams(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
     if not len(edge):
         return
     size = float(edge[0, 0])
-    for label, e, off in [*((f"1e{-j}", -j, size * 10.0**-j) for j in range(0, 21, 2)), ("1e-300", -300, size * 1e-300), ("0", -330, 0.0)]:
+    for label, (e, share) in _OFF.items():
         trial = np.zeros((2, d))
-        trial[:, 0], trial[:, 1] = 2.0 * size, (off, -off)
+        trial[:, 0], trial[:, 1] = 2.0 * size, (size * share, -size * share)
         yield ExtremeCase(axis, label, e, specimen, trial, specimen.pressure)
 
 
 def _distances(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
     edge = _reached(specimen, _ways(len(specimen.law.forces)), specimen.pressure)
-    for j in range(0, 16):
+    for j in _OUTSIDE:
         yield ExtremeCase(axis, f"1e{-j}", -j, specimen, edge * (1.0 + 10.0**-j), specimen.pressure)
     out = np.where(edge == 0.0, 0.0, np.nextafter(edge, np.copysign(np.inf, edge)))
-    yield ExtremeCase(axis, "1 ulp", -16, specimen, out, specimen.pressure)
-    yield ExtremeCase(axis, "0 by doubles", -17, specimen, edge, specimen.pressure)
+    yield ExtremeCase(axis, _ULP, -16, specimen, out, specimen.pressure)
+    yield ExtremeCase(axis, _NONE, -17, specimen, edge, specimen.pressure)
 
 
 def _specials(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
-    d = len(specimen.law.forces)
+    for i, (label, trial, pressure) in enumerate(_special(len(specimen.law.forces), specimen.pressure)):
+        yield ExtremeCase(axis, label, float(i), specimen, trial, pressure)
+
+
+def _special(d: int, plain_pressure: float | None) -> list[tuple[str, Array, float | None]]:
+    """Label, trial stresses and pressure of each, in ``d`` forces."""
     signs = np.where(np.arange(d) % 2, -1.0, 1.0)
     denormal = np.array([_TINY * signs, -_TINY * signs, 1e-310 * signs])
     zeros = np.array([np.zeros(d), -np.zeros(d), np.copysign(0.0, signs)])
     plain = _ways(d)
     named: list[tuple[str, Array, float | None]] = [
-        ("trial +-0", zeros, specimen.pressure),
-        ("trial denormal", denormal, specimen.pressure),
+        ("trial +-0", zeros, plain_pressure),
+        ("trial denormal", denormal, plain_pressure),
     ]
-    if specimen.pressure is not None:
+    if plain_pressure is not None:
         named += [
             ("sigma_n = 0", plain, 0.0),
             ("sigma_n = -0", plain, -0.0),
@@ -189,5 +210,4 @@ def _specials(specimen: Specimen, axis: str) -> Iterator[ExtremeCase]:
             ("all denormal", denormal, -1e-310),
             ("trial 1e300", 1e300 * plain, -1.0),
         ]
-    for i, (label, trial, pressure) in enumerate(named):
-        yield ExtremeCase(axis, label, float(i), specimen, trial, pressure)
+    return named

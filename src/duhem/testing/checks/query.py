@@ -239,7 +239,7 @@ class Query:
             )
             fault.row = None if fault.row is None else int(self.rows[rows[fault.row]])
             raise
-        except Exception as fault:
+        except (Exception, SystemExit) as fault:
             self._raised[asked] = f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}"
             raise NoReply(self._raised[asked]) from fault
         self.note_overwritten(step.overwritten, rows)
@@ -249,7 +249,7 @@ class Query:
         solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.asarray(step.solved, dtype=np.bool_).reshape(n)
         return Reply(trial, **parts, solved=solved)  # type: ignore[arg-type]
 
-    def _not_passed(self, fault: Exception) -> str:
+    def _not_passed(self, fault: BaseException) -> str:
         """What there is to say of an argument that the routine misses, if it is a parameter of the law that was given a value."""
         missed = re.search(r"missing .* argument.*?'(\w+)'", str(fault)) if isinstance(fault, TypeError) else None
         if missed is None or missed[1] not in self.region.parameters or missed[1] in self.passed:
