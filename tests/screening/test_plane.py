@@ -104,9 +104,23 @@ def test_a_finished_table_is_read_and_drawn(tmp_path, ending):
     assert drawn.startswith("<?xml") and all(f"<!-- {word} -->" in drawn for word in ("no verdict", "refuted", "undecided"))
 
 
-def test_marks_and_hues_tell_verdicts_apart():
-    looks = [look for verdict, look in plane_plot._LOOKS.items() if verdict not in ("ok", "flagged")]
+TOGETHER = {
+    "claims": {"proved", "refuted", "tested", "undecided", "not_applicable", plane_plot.NO_VERDICT},
+    "increments": {"ok", "flagged", plane_plot.NO_VERDICT},
+    "checks": {"passed", "failed", "xfailed", "xpassed", "not_applicable", plane_plot.NO_VERDICT},
+    "stress": {"ok", "flagged", "wrong", "undecided", "not_applicable", plane_plot.NO_VERDICT},
+}
+
+
+@pytest.mark.parametrize("verdicts", TOGETHER.values(), ids=TOGETHER)
+def test_marks_and_hues_tell_verdicts_apart(verdicts):
+    """Those that one campaign may have."""
+    looks = [plane_plot._LOOKS[verdict] for verdict in verdicts]
     assert len({look.mark for look in looks}) == len({look.colour for look in looks}) == len(looks)
+    assert set(plane_plot._LOOKS) == set().union(*TOGETHER.values())
+
+
+def test_a_summary_draws_as_many_marks_as_there_are_verdicts():
     counts = Counts(file.reads(CAMPAIGN))
     axes = counts.summary(lines=tuple(counts.passing(iter(table())))).plot()
     drawn = {one.get_label(): len(one.get_xdata()) for one in axes[0].lines}

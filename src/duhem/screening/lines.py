@@ -39,7 +39,7 @@ class VerdictLine(NamedTuple):
 
 
 def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
-    """The lines of a row, sorted by claim; an error of any kind but lack of memory, and the end of the program, is in them."""
+    """The lines of a row, sorted by claim; an error of any kind but lack of memory is in them."""
     row = campaign.row(number)
     try:
         return _lines(row, [Answered(*each) for each in campaign.inquiry.answers(row.law())], None)
