@@ -166,7 +166,7 @@ def test_what_is_told_does_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPat
         return str(report), len(calls)
 
     quick = told()
-    monkeypatch.setattr("duhem.testing.run.monotonic", count(step=1e6).__next__)  # days between two looks
+    monkeypatch.setattr("duhem.testing.failures.least_case.monotonic", count(step=1e6).__next__)  # days between two looks
     assert told() == quick
     assert told(seconds=1.0)[1] < quick[1] and told(tries=0)[1] < quick[1]
 
@@ -265,7 +265,7 @@ def test_what_is_asked_again_of_some_increments_is_told_of_the_right_one() -> No
     wrong = query(lambda trial: trial.fill(0.0))
     assert wrong.some.rows.tolist() == [3, 10]
     found = judged(check("stiffness-scale"), wrong)
-    assert found is not None and found[0] == 10
+    assert found is not None and found[0].trial.tolist() == [[11.0, 5.5]]
     assert np.flatnonzero(wrong.overwritten != "").tolist() == [3, 10]
     assert asked == [14 + 4 * 2, 2] and sum(part.points for part in wrong.parts) == sum(asked)
     with pytest.raises(NothingToCheck):
