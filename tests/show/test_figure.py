@@ -236,6 +236,23 @@ def test_turned_words_are_judged_as_they_stand() -> None:
 # ---- what is drawn is what was computed
 
 
+@pytest.mark.parametrize(
+    ("unit", "size", "said"),
+    [
+        ("Pa", 2e3, "kPa"),
+        ("m", 3e-6, "µm"),
+        ("Pa", 1e20, "$10^{18}$ Pa"),
+        ("MPa", 2e3, "MPa"),
+        ("MPa", 2e7, "$10^{6}$ MPa"),
+        ("unit of stress", 2e-9, "$10^{-9}$ unit of stress"),
+    ],
+)
+def test_an_axis_counts_a_unit_by_its_prefixes_and_what_takes_none_by_powers_of_ten(unit: str, size: float, said: str) -> None:
+    axis = Sheet().subplots().xaxis
+    figure.measure(axis, "x", unit, size)
+    assert axis.get_label_text() == f"x [{said}]"
+
+
 def test_a_run_is_drawn_along_its_own_curve_with_marks_at_its_knots() -> None:
     history = scene()
     axes = history.plot()[0]

@@ -72,10 +72,7 @@ def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
         axes.set_aspect("equal", adjustable="box")
     size = max(abs(v) for v in found.window)
     for axis, symbol in ((axes.xaxis, found.plane.x_symbol), (axes.yaxis, found.plane.y_symbol)):
-        if unit:
-            figure.measure(axis, symbol, unit, size)
-        else:
-            axis.set_label_text(f"{symbol} [{UNIT}]")
+        figure.measure(axis, symbol, unit or UNIT, size)
     if not found.plane.y_symbol:
         axes.yaxis.set_visible(False)
     lines = [title, found.plane.caption, "axes not to one scale" if found.slender else "", figure.wrapped(found.remark, _REMARK)]

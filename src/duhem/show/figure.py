@@ -71,6 +71,8 @@ _STYLE = {
 }
 _UNDATED: dict[str, dict[str, Any]] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_PREFIXED = ("Pa", "N", "m", "J/m²")
+_SHORT, _LONG = 1e-3, 1e5  # between which numbers are written out
 _LEAST, _MOST = 1e-200, 1e200
 _NOTE, _MARK = "note", 7.0  # points
 OPEN = "open"  # gid of a line that notes keep clear of
@@ -207,19 +209,21 @@ def measure(axis: Axis, symbol: str, unit: str = "", size: float = 0.0) -> None:
     """Write ``symbol [unit]`` at an axis, ``[–]`` where it is dimensionless.
 
     With the ``size`` of the greatest number on it, the numbers at its ticks count the unit with the prefix that suits
-    them (kPa, µm), or a power of ten where there is none; what is drawn stays in the unit itself, over :func:`outsize`.
+    them (kPa, µm), or a power of ten where there is none; of a unit that takes no prefix, as MPa, they count a power of
+    ten where they are long.  What is drawn stays in the unit itself, over :func:`outsize`.
     """
     from matplotlib.ticker import ScalarFormatter
 
-    power = _power(size)
+    takes = unit in _PREFIXED
+    power = _power(size) if takes or not _SHORT <= size < _LONG else 0
     if power:
         numbers = ScalarFormatter(useOffset=False)
         if outsize(size) == 1.0:
             numbers.set_powerlimits((power, power))
         axis.set_major_formatter(numbers)
         axis.offsetText.set_visible(False)  # the unit says it
-    prefix = _PREFIXES.get(power)
-    counted = f"$10^{{{power}}}$ {unit}" if prefix is None else prefix + unit
+    prefix = _PREFIXES.get(power) if takes or not power else None
+    counted = f"$10^{{{power}}}$ {unit}".rstrip() if prefix is None else prefix + unit
     axis.set_label_text(f"{symbol} [{counted or '–'}]")
 
 
