@@ -33,6 +33,7 @@ __all__ = [
     "Witness",
     "YieldSurface",
     "__version__",
+    "atlas",
     "campaign",
     "criterion",
     "derive",
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from duhem.derivation import Derivation, derive
     from duhem.errors import DuhemError, InputError, MissingExtraError
     from duhem.identification import Identification, identify
+    from duhem.law.atlas.entry import atlas
     from duhem.law.catalogue import load
     from duhem.law.curve_law import ParametricCriterion
     from duhem.law.domain import POSITIVE, REAL, Domain
@@ -68,6 +70,7 @@ _HOMES = {
     "derivation": ("Derivation", "derive"),
     "errors": ("DuhemError", "InputError", "MissingExtraError"),
     "identification": ("Identification", "identify"),
+    "law.atlas.entry": ("atlas",),
     "law.catalogue": ("load",),
     "law.curve_law": ("ParametricCriterion",),
     "law.domain": ("POSITIVE", "REAL", "Domain"),

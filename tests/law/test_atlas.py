@@ -19,6 +19,17 @@ ENTRIES = {each.name: each for each in entries()}
 QUICK = ("byerlee", "de-saxce-feng", "derjaguin", "howe-cutkosky", "orowan", "yamada-sun", "zmitrowicz-indefinite")
 
 
+def test_python_has_the_atlas_by_name() -> None:
+    assert dict(duhem.atlas()) == ENTRIES and duhem.atlas()["hill90"].verdicts["convexity"] == "refuted"
+    for group, names in groups().items():
+        assert tuple(duhem.atlas(group)) == names
+    assert "hil90" not in duhem.atlas() and duhem.atlas().get("hil90") is None
+    with pytest.raises(KeyError, match="did you mean hill90"):
+        duhem.atlas()["hil90"]
+    with pytest.raises(InputError, match="no group 'x'"):
+        duhem.atlas("x")
+
+
 def test_names_are_one_of_a_kind() -> None:
     names = [name for of_group in groups().values() for name in of_group]
     assert len(names) == len(set(names)) >= 60

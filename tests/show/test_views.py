@@ -44,6 +44,8 @@ def identified() -> Any:
 RESULTS: dict[str, Callable[[], Any]] = {
     "Criterion": lambda: LAW,
     "ParametricCriterion": lambda: CURVE,
+    "Atlas": duhem.atlas,
+    "AtlasEntry": lambda: duhem.atlas()["hill90"],
     "Verification": verified,
     "ClaimResult": lambda: verified()["convexity"],
     "Witness": lambda: verified()["convexity"].witness,

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from duhem.errors import InputError
 from duhem.law.frozen_mapping import FrozenMapping
 from duhem.law.placed_toml import parsed
+from duhem.show.shown import Shown
 
-__all__ = ["ASKED", "AtlasEntry", "entries", "entry", "file_of", "groups"]
+__all__ = ["ASKED", "Atlas", "AtlasEntry", "atlas", "entries", "entry", "file_of", "groups"]
 
 ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
 """The claims of which an entry keeps verdicts; the state laws hold of every law, and duality is our own."""
@@ -23,14 +25,16 @@ ASKED = ("origin", "convexity", "smoothness", "normality", "dissipation")
 _FOLDER = Path(__file__).parent
 
 
-@dataclass(frozen=True)
-class AtlasEntry:
+@dataclass(frozen=True, repr=False)
+class AtlasEntry(Shown):
     """One law of the atlas.
 
     ``equation``: the criterion in the symbols of its source, with its number where it has one.  ``claims``: what the
     literature says, claim by claim.  ``verdicts``: the word of :class:`duhem.Verdict` that verifying the law gives, for each
     claim of ``ASKED``, over the whole domain of its file.  ``note``: where the print or what is said of it does not hold.
     """
+
+    printed_by: ClassVar[str] = "duhem.law.atlas.entry_sheet"
 
     name: str
     group: str
@@ -41,9 +45,35 @@ class AtlasEntry:
     verdicts: Mapping[str, str]
     note: str
 
+    def __repr__(self) -> str:
+        return f"<AtlasEntry {self.name}: {', '.join(f'{claim} {verdict}' for claim, verdict in self.verdicts.items())}>"
+
     def to_dict(self) -> dict[str, Any]:
         """All of it as plain values."""
         return vars(self) | {"claims": dict(self.claims), "verdicts": dict(self.verdicts)}
+
+
+class Atlas(Shown, FrozenMapping[str, AtlasEntry]):
+    """Laws of the atlas by name; each name stands for a law wherever one is asked for."""
+
+    printed_by: ClassVar[str] = "duhem.law.atlas.entry_sheet"
+
+    def __getitem__(self, name: str) -> AtlasEntry:
+        if name not in self._content:
+            near = get_close_matches(str(name), self._content, n=1)
+            raise KeyError(f"{name}; {f'did you mean {near[0]}?' if near else 'duhem.atlas() names those it has'}")
+        return self._content[name]
+
+    def __repr__(self) -> str:
+        return f"<Atlas: {len(self)} laws of {', '.join(dict.fromkeys(law.group for law in self.values()))}>"
+
+
+def atlas(group: str | None = None) -> Atlas:
+    """The published laws, all or of one group, by name: source, what the literature claims of each, and the verdicts that verifying gives.
+
+    Reads the files of the atlas and verifies nothing.  Raises InputError for a group that there is not.
+    """
+    return Atlas({law.name: law for law in entries(group)})
 
 
 def groups() -> dict[str, tuple[str, ...]]:
