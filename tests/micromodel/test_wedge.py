@@ -25,6 +25,7 @@ from duhem.micromodel.wedge import limit_point
 from duhem.proof import report_json as json_report
 from duhem.proof import report_text as text_report
 from duhem.proof.verdict import Witness
+from tests.long import mostly_long
 from tests.oracles.curve_witness import holds, numeric
 
 PROVED, REFUTED, UNDECIDED, NONE = Verdict.PROVED, Verdict.REFUTED, Verdict.UNDECIDED, Verdict.NOT_APPLICABLE
@@ -136,7 +137,7 @@ EXTREME = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("values", EXTREME)
+@pytest.mark.parametrize("values", mostly_long(EXTREME, *EXTREME[2:]))
 def test_extreme_profiles(values: dict[str, str]) -> None:
     done = verify("wedge", values)
     assert [r.claim for r in done.results if r.verdict is UNDECIDED] == []
