@@ -144,6 +144,17 @@ def test_a_history_is_a_table_that_drives_again(tmp_path):
     assert np.array_equal(again.stress, history.stress) and np.array_equal(again.pressure, history.pressure)
 
 
+@pytest.mark.parametrize("times", [None, [0.0, 2.0, 3.0]])
+def test_a_history_read_back_states_times_where_its_path_did(times, tmp_path):
+    path = Path.linear([[0.0, 0.0], [1.0, 0.2], [1.0, -0.4]], pressure=-1.0, time=times)
+    simulate("antoni2007", path, stiffness=K, parameters=MU).to_csv(tmp_path / "h.csv")
+    again = Path.from_csv(tmp_path / "h.csv")
+    assert again.timed is path.timed and np.array_equal(again.time, path.time)
+    (tmp_path / "own.csv").write_text("time,u_a,u_b,sigma_n\n0,0,0,-1\n1,1,0.2,-1\n")
+    own = Path.from_csv(tmp_path / "own.csv")
+    assert own.timed and not Path.from_csv(tmp_path / "own.csv", time="none").timed
+
+
 def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(MissingExtraError, match=r"duhem\[parquet\]"):

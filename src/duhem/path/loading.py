@@ -18,6 +18,7 @@ from duhem.projection.result import Array
 
 __all__ = ["CONTROLS", "Arc", "Control", "Path", "between", "checked_count", "displacements", "given_numbers"]
 
+_OF_A_HISTORY = {"psi", "dissipation", "work", "numerical", "balance"}  # columns that no other table has together
 Control = Literal["displacement", "stress"]
 CONTROLS: tuple[Control, ...] = ("displacement", "stress")
 
@@ -167,7 +168,8 @@ class Path:
     ) -> Path:
         """A table with a header: ``columns`` (left out: every ``u_...`` that is no ``u_in_...``), pressure and time if there.
 
-        ``pressure`` names a column or is one number; a name that the header lacks means no pressure.
+        ``pressure`` names a column or is one number; a name that the header lacks means no pressure, or no times.  The table of a
+        history whose times count its rows, 0, 1, 2 and so on, states none either: so it is written where the path stated none.
         """
         header, rows = read_table(file)
         return cls.from_rows(header, rows, f"{file}", columns=columns, pressure=pressure, time=time, control=control)
@@ -188,8 +190,11 @@ class Path:
         names = displacements(header, where, columns)
         at = {name: rows[:, i] for i, name in enumerate(header)}
         load = at.get(spelled(pressure)) if isinstance(pressure, str) else pressure
+        times = at.get(spelled(time))
+        if at.keys() >= _OF_A_HISTORY and np.array_equal(times, np.arange(len(rows))):
+            times = None
         try:
-            return cls.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=at.get(spelled(time)), control=control)
+            return cls.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=times, control=control)
         except InputError as fault:
             raise InputError(fault.what, where=where, remedy=fault.remedy) from None
 

@@ -89,7 +89,7 @@ KIND_KEYS: Mapping[str, str] = {  # a kind before the key where it means somethi
     "file": "the table, beside the scene",
     "columns": "which columns the values are; every u_... that is no u_in_... if left out",
     "table pressure": "the column of the pressure, sigma_n if left out, or one number in Pa",
-    "table time": "the column of the time, time if left out",
+    "table time": "the column of the time, time if left out; a name that is not there states no times",
     "point": "the column that tells points apart, of a table of many points; left out, it is one path",
 }
 
