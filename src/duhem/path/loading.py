@@ -191,7 +191,7 @@ class Path:
         at = {name: rows[:, i] for i, name in enumerate(header)}
         load = at.get(spelled(pressure)) if isinstance(pressure, str) else pressure
         times = at.get(spelled(time))
-        if at.keys() >= _OF_A_HISTORY and np.array_equal(times, np.arange(len(rows))):
+        if times is not None and at.keys() >= _OF_A_HISTORY and np.array_equal(times, np.arange(len(rows))):
             times = None
         try:
             return cls.linear(np.stack([at[n] for n in names], axis=1), pressure=load, time=times, control=control)
