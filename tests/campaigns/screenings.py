@@ -251,6 +251,7 @@ def killed(folder: Path, options: argparse.Namespace, out: str, *more: str) -> i
         least = options.few * (done + chance.random()) / (options.kills + 1)
         while process.poll() is None:
             if done < options.kills and done_rows(folder, out) > least:
+                time.sleep(chance.random())  # what is done is noted once a second: not just after it
                 process.send_signal(SIGNALS[done % 3])
                 break
             time.sleep(0.05)
@@ -332,6 +333,7 @@ def main() -> int:
     read.add_argument("--folder", type=Path, default=None)
     read.add_argument("--parts", default=",".join(PARTS))
     options = read.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # clusters end with the command
     folder = (options.folder or Path(tempfile.mkdtemp(prefix="duhem-screening-"))).absolute()
     options.few = min(options.few, options.rows)
     truth = prepared(folder, options.rows, options.few, options.seed)

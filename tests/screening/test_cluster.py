@@ -2,11 +2,13 @@
 
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
 from pathlib import Path
 from time import monotonic, sleep
+from types import SimpleNamespace
 
 import pytest
 
@@ -29,6 +31,33 @@ def test_without_the_extra_the_message_says_what_to_install(monkeypatch):
 def test_a_scheduler_and_workers_of_this_machine_are_not_both_asked():
     with pytest.raises(InputError, match="workers and a scheduler"):
         duhem.campaign(["coulomb"], workers=2, scheduler="tcp://127.0.0.1:1")
+
+
+def test_a_worker_keeps_no_pool_that_failed_and_few_of_campaigns_that_nobody_ended(monkeypatch):
+    ended, dask_worker = [], SimpleNamespace()
+
+    class Pool:
+        def __init__(self, campaign, workers):
+            self.campaign = campaign
+
+        def __exit__(self, *_):
+            ended.append(self.campaign)
+
+        def texts(self, rows):
+            yield self.campaign
+            if rows == [range(1, 1)]:
+                raise InputError("none")
+
+    monkeypatch.setattr(cluster, "Pool", Pool)
+    monkeypatch.setattr(cluster, "_distributed", lambda: SimpleNamespace(get_worker=lambda: dask_worker))
+    with pytest.raises(InputError):
+        cluster._asked(pickle.dumps("failed"), "0", 1, 1)
+    assert ended == ["failed"]
+    for name in ("a", "b", "a", "c", "a"):
+        assert cluster._asked(pickle.dumps(name), name, 1, 2)[0] == [name]
+    assert ended == ["failed", "b"]
+    cluster._closed("a", dask_worker)
+    assert ended == ["failed", "b", "a"]
 
 
 def started(*arguments):

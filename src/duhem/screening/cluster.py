@@ -25,6 +25,7 @@ _CHUNK = 2.0  # s: rows are sent for about so long
 _MOST = 256  # of them at once
 _AHEAD = 2  # chunks a thread of the workers
 _POOLS = "duhem_pools"  # what a worker of Dask keeps them under
+_KEPT = 2  # of them a thread: a campaign that is killed leaves one behind
 _PATIENCE = "30s"
 
 
@@ -109,14 +110,21 @@ def _asked(sent: bytes, key: str, first: int, last: int) -> tuple[list[str], flo
     """On a worker: the texts of some rows, and what they took."""
     pools = vars(_distributed().get_worker()).setdefault(_POOLS, {})
     own = key, get_ident()
-    if own not in pools:
-        pools[own] = Pool(pickle.loads(sent), 1)
+    pool = pools.pop(own, None) or Pool(pickle.loads(sent), 1)
+    for idle in [each for each in list(pools) if each[1] == own[1]][: 1 - _KEPT]:  # of campaigns that nobody ended
+        pools.pop(idle).__exit__(None, None, None)
     began = monotonic()
-    return list(pools[own].texts([range(first, last)])), monotonic() - began
+    try:
+        texts = list(pool.texts([range(first, last)]))
+    except BaseException:  # it may have rows left that nobody waits for
+        pool.__exit__(None, None, None)
+        raise
+    pools[own] = pool
+    return texts, monotonic() - began
 
 
 def _closed(key: str, dask_worker: Any) -> None:
     """On a worker: the campaign is over."""
     pools = vars(dask_worker).get(_POOLS, {})
-    for own in [own for own in pools if own[0] == key]:
+    for own in [own for own in list(pools) if own[0] == key]:
         pools.pop(own).__exit__(None, None, None)
