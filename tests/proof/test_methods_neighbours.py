@@ -300,6 +300,40 @@ def test_the_origin_where_g_has_no_value_there() -> None:
     assert apart is not None and apart.witness is not None and sp.Rational(apart.witness.parameters["q"]) > sp.Rational("0.999")
 
 
+@pytest.mark.parametrize(
+    ("g", "quotients"),
+    [
+        ("a**3/(a**2 + b**2) + norm(a, b) - 1", ["a**3/(a**2 + b**2)"]),
+        ("a**3/norm(a, b)**2 + q*b**2/norm(a, b) - 1", ["a**3/norm(a, b)**2", "b**2*q/norm(a, b)"]),
+    ],
+)
+def test_what_to_write_for_quotients_that_tend_to_0_at_zero_force(g: str, quotients: list[str]) -> None:
+    law = {"q": UNIT} if "q" in g else {}
+    why = evaluation.origin_undefined(subject(g, **law))
+    written = {each: f"where(norm(a, b) > 0, {each}, 0)" for each in quotients}
+    assert why is not None and why.detail.endswith(f"with the limit 0; write {' and '.join(written.values())} instead")
+    mended = g.replace("q*b**2", "b**2*q")
+    for each, instead in written.items():
+        mended = mended.replace(each, instead)
+    assert evaluation.origin(subject(mended, **law)) is not None and evaluation.origin(subject(g, **law)) is None
+
+
+@pytest.mark.parametrize(
+    ("g", "does"),
+    [
+        ("a*b/(a**2 + b**2) - 1", "divides by a**2 + b**2"),  # another value along each load
+        ("1/norm(a, b) - 1", "divides by norm(a, b)"),  # no bound
+        ("where(a > 0, 1/a, 0)*b**4/(a**2 + b**2) - 1", "divides by a**2 + b**2"),  # of degree 1, and without bound beside a = 0
+        ("a**3/(a**2 + b**2) + b**2/(a**2 + b**2) - 1", "divides by a**2 + b**2"),  # the first part alone has a limit
+        ("log(a**2 + b**2) - 1", "takes the logarithm of a**2 + b**2"),
+    ],
+)
+def test_no_limit_is_promised_where_there_is_none(g: str, does: str) -> None:
+    why = evaluation.origin_undefined(subject(g))
+    assert why is not None and "limit" not in why.detail
+    assert why.detail.startswith(f"g has no value at zero force: it {does}, which is 0 there; write where(norm(a, b) > 0, ..., ...)")
+
+
 def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
     monkeypatch.setattr(sampled_chords, "sampled_chords", lambda subject, most: asked.append(most) or ())

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import sympy as sp
 
+from duhem.expression import Where
+from duhem.expression.text import formula
+from duhem.expression.weights import degree
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.statement.obligations import Obligation
+from duhem.proof.statement.obligations import Obligation, obligations
 
 __all__ = ["undefined_at_zero", "undefined_place"]
 
@@ -33,10 +38,48 @@ def _size(law: Criterion) -> str:
     return f"({x} - {y})**2 + ({y} - {z})**2 + ({z} - {x})**2" + "".join(f" + 6*{s}**2" for s in shear)
 
 
-def undefined_at_zero(subject: FormulaSubject) -> Obligation | None:
-    """A part that has no value at zero force, if there is one."""
+def undefined_at_zero(subject: FormulaSubject) -> str:
+    """That g has no value at zero force, and what to write for it; "" where it has one, or where that is not seen."""
     zero = dict.fromkeys(subject.problem.forces, sp.S.Zero)
-    return next((o for o in subject.doubtful if _vanishes(o, zero)), None)
+    if (doubtful := next((o for o in subject.doubtful if _vanishes(o, zero)), None)) is not None:
+        return f"g has no value {undefined_place(subject, doubtful)}"
+    part = next((o for o in obligations(subject.problem.stated) if _vanishes(o, zero)), None)
+    if part is None:
+        return ""
+    law, forces = subject.law, subject.law.forces
+    away = (f"norm({', '.join(forces)})" if len(forces) > 1 else f"abs({forces[0]})") + " > 0"
+    if small := _vanishing_quotients(law.g, law.force_symbols()):
+        parts = [formula(quotient) for quotient in small]
+        return (
+            f"g has no value at zero force: {' and '.join(parts)} {'are' if small[1:] else 'is'} 0/0 there, with the limit 0; "
+            f"write {' and '.join(f'where({away}, {each}, 0)' for each in parts)} instead"
+        )
+    return (
+        f"g has no value at zero force: it {part.does} {formula(part.expr)}, which is 0 there; "
+        f"write where({away}, ..., ...) around it, with what g is there at the end"
+    )
+
+
+def _vanishing_quotients(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[sp.Expr]:
+    """All quotients in g with a divisor that is 0 at zero force, if each tends to 0 there; else none.
+
+    Of a positive degree it does: it is defined, and without a ``where`` continuous, on the unit sphere of the forces, so bounded there.
+    """
+    found = list[sp.Expr]()
+    walk = sp.preorder_traversal(g)
+    for part in walk:
+        if any(divisor.subs(dict.fromkeys(forces, sp.S.Zero)).is_zero for divisor in _divisors(part)):
+            order = degree(part, forces)
+            if order is None or not order.is_positive or part.has(Where):
+                return []
+            found.append(part)
+            walk.skip()
+    return found
+
+
+def _divisors(part: sp.Basic) -> list[sp.Expr]:
+    factors = [f for f in sp.Mul.make_args(part) if isinstance(f, sp.Pow)]
+    return [f.base for f in factors if f.exp.is_negative]
 
 
 def _vanishes(obligation: Obligation, place: dict[sp.Symbol, sp.Expr]) -> bool:

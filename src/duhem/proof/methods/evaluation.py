@@ -7,7 +7,7 @@ import sympy as sp
 from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.undefined import undefined_at_zero, undefined_place
+from duhem.proof.facts.undefined import undefined_at_zero
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.rational_points import origin_outside
 
@@ -38,7 +38,5 @@ def origin_refuted(subject: FormulaSubject) -> Evidence | None:
 
 def origin_undefined(subject: FormulaSubject) -> Evidence | None:
     """Why it stays open: g has no value at zero force."""
-    part = undefined_at_zero(subject)
-    if part is None:
-        return None
-    return Evidence(Verdict.UNDECIDED, "none", f"g has no value {undefined_place(subject, part)}")
+    said = undefined_at_zero(subject)
+    return Evidence(Verdict.UNDECIDED, "none", said) if said else None
