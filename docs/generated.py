@@ -162,6 +162,13 @@ def scene() -> str:
     return "\n\n".join(parts)
 
 
+def campaign() -> str:
+    """The keys of a campaign, as the module that reads them says."""
+    from duhem.screening import file
+
+    return f"```toml\n{(getdoc(file) or '').split(chr(10) * 2, 1)[1]}\n```"
+
+
 def exit_codes() -> str:
     """The exit codes, each with its meaning."""
     from duhem.cli import exit_code
@@ -211,6 +218,7 @@ def _type(schema: Mapping[str, Any]) -> str:
 
 PARTS = {
     "atlas": atlas,
+    "campaign": campaign,
     "claims": claims,
     "commands": commands,
     "exit-codes": exit_codes,

@@ -23,6 +23,7 @@ from duhem.path import scene_file
 from duhem.path.scene_keys import CHOICES, KIND_KEYS, KINDS, SECTIONS, template
 from duhem.proof.certificate import certificate
 from duhem.proof.report_json import interrupted
+from duhem.screening import file as campaign_file
 from tests.long import mostly_long
 from tests.pages import ROOT, agrees, broken_links, in_order, run_page
 
@@ -66,6 +67,9 @@ def test_what_is_made_from_code_is_whole() -> None:
     assert all(f"| `{law.name}` |" in made["atlas"] for law in entries())
     assert all(f"## {name}\n" in made["laws"] for name in catalogue.names() if catalogue.shipped(name))
     assert all(f"| `{key}` |" in made["scene"] for keys in SECTIONS.values() for key in keys)
+    for section, keys in campaign_file.KEYS.items():
+        (told,) = re.findall(rf"^\[+{section}\]((?:.|\n)*?)(?=^\[+(?!{section})\w|^```)", made["campaign"], flags=re.M)
+        assert [key for key in keys if not re.search(rf"(^|; or ){key} = ", told, flags=re.M)] == []
     assert all(f"| {code} | {plain} |" in made["exit-codes"] for code, plain in MEANINGS.items())
     assert list(re.findall(r"^## duhem (\S+)$", generated.commands(), flags=re.M)) == list(cli.commands)
 

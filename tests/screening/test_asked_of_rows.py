@@ -130,6 +130,7 @@ def test_stress_cases_of_a_row(folder, monkeypatch):
     assert {(line.verdict, line.method, line.steps) for line in seams} == {("ok", "closed-form", 2)} and len(seams) == 13
     assert all(json.loads(line.witness)["digits"]["stress"] > 14.0 for line in seams)
     assert {line.error for line in first} == {None} and all("mu" in line.error for line in second)
+    assert sorted(line.row for line in summary.slowest) == [1, 2] and summary.slowest[0].seconds == max(line.seconds for line in first)
     assert "23 names" in text(summary) and summary.commands[1].endswith("--row=1")
 
 

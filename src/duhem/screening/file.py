@@ -65,12 +65,15 @@ from duhem.screening.inquiry_file import SECTIONS, InquiryReader, Means
 from duhem.screening.rows import AsStated, Draw, Grid, LawName, RowBlock, Span, TableRows
 from duhem.screening.value_table import cells_in_lines
 
-__all__ = ["read", "reads"]
+__all__ = ["KEYS", "read", "reads"]
 
 MOST_BYTES = 1_000_000
 MOST_ROWS = 10_000_000
-_CAMPAIGN = ("ask", "claims", "effort", "out", "seconds", "memory")
-_ROWS = ("laws", "law", "set", "grid", "draw", "table", "columns")
+KEYS = {
+    "campaign": ("ask", "claims", "effort", "out", "seconds", "memory"),
+    "rows": ("laws", "law", "set", "grid", "draw", "table", "columns"),
+    **SECTIONS,
+}
 _KINDS = ("grid", "draw", "table")
 
 
@@ -92,11 +95,11 @@ class _CampaignReader(InquiryReader):
     """From the document of a campaign to its value; stops at the first fault."""
 
     def campaign(self, folder: Path, means: Means) -> Campaign:
-        self.keys("", self.document, ("campaign", "rows", *SECTIONS))
+        self.keys("", self.document, tuple(KEYS))
         head = self.document.get("campaign", {})
         if not isinstance(head, dict):
             raise self.error("campaign is not a table", "campaign", remedy="write [campaign] on a line of its own")
-        self.keys("campaign", head, _CAMPAIGN)
+        self.keys("campaign", head, KEYS["campaign"])
         inquiry, tables = self.inquiry(head, folder, means)
         given = self.document.get("rows")
         if not isinstance(given, list) or not given or not all(isinstance(each, dict) for each in given):
@@ -135,7 +138,7 @@ class _CampaignReader(InquiryReader):
     def block(self, i: int, folder: Path) -> tuple[RowBlock, list[str]]:
         """The rows of the i-th table, and the files that they are read from."""
         given: Mapping[str, Any] = self.value("rows", i)
-        self.keys("rows", given, _ROWS, at=("rows", i))
+        self.keys("rows", given, KEYS["rows"], at=("rows", i))
         kinds = [kind for kind in _KINDS if kind in given]
         if len(kinds) > 1:
             raise self.error(f"{kinds[0]} and {kinds[1]} are both given", "rows", i, kinds[1], remedy="give each [[rows]] of its own")

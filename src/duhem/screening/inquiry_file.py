@@ -18,13 +18,12 @@ from duhem.screening.inquiries import Claimed, Inquiry
 
 __all__ = ["SECTIONS", "InquiryReader", "Means"]
 
-SECTIONS = ("increments", "checks", "stress")
-_ASKED = ("claims", *SECTIONS)
-_OPTIONS = {
+SECTIONS = {
+    "increments": ("n", "seed", "table", "pressure", "stiffness", "method", "convex"),
     "checks": ("checks", "examples", "seed", "accuracy", "most_flagged", "shrink", "expect"),
     "stress": ("axes", "methods"),
 }
-_INCREMENTS = ("n", "seed", "table", "pressure", "stiffness", "method", "convex")
+_ASKED = ("claims", *SECTIONS)
 _MOST_TRIALS = 1_000_000
 
 
@@ -71,11 +70,11 @@ class InquiryReader(SectionReader):
         if make is None:
             raise self.error(f"{section} is asked, and nothing is given that asks it", "campaign", "ask", remedy=remedy)
         options = self.section(section)
-        self.keys(section, options, _OPTIONS[section])
+        self.keys(section, options, SECTIONS[section])
         try:
             return make(*given, **{key: _plain(value) for key, value in options.items()})
         except InputError as fault:
-            if fault.where not in _OPTIONS[section]:
+            if fault.where not in SECTIONS[section]:
                 raise
             raise self.error(fault.what, section, fault.where, remedy=fault.remedy) from None
 
@@ -108,7 +107,7 @@ class InquiryReader(SectionReader):
                 "increments are asked, and nothing is given to solve them", "campaign", "ask", remedy="give project=duhem.project"
             )
         given = self.section("increments")
-        self.keys("increments", given, _INCREMENTS)
+        self.keys("increments", given, SECTIONS["increments"])
         if ("n" in given) == ("table" in given):
             raise self.error("increments are drawn or given", "increments", remedy='write n = 1000 and seed = 1, or table = "trials.csv"')
         if "table" in given:

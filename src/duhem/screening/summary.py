@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
 import json
 import shlex
 from collections import Counter
@@ -79,7 +78,7 @@ class Counts:
         self._verdicts = Counter[tuple[str, str]]()
         self._methods = dict[tuple[str, str], tuple[int, float, float]]()
         self._errors = Counter[str]()
-        self._slowest = list[tuple[float, int, VerdictLine]]()
+        self._slowest = list[VerdictLine]()  # of each row the slowest line
         self._open, self._failed = list[VerdictLine](), list[VerdictLine]()
         self._seconds, self._last = 0.0, 0
 
@@ -101,10 +100,15 @@ class Counts:
             self._failed += [line] if len(self._failed) < _NAMED and line.row != self._last else []
         elif line.verdict in _OPEN:
             self._open += [line] if len(self._open) < _NAMED else []
-        heapq.heappush(self._slowest, (line.seconds, -line.row, line))
-        if len(self._slowest) > _NAMED:
-            heapq.heappop(self._slowest)
+        if len(self._slowest) < _NAMED or line.seconds > self._slowest[-1].seconds:
+            self._keep_slowest(line)
         self._last = line.row
+
+    def _keep_slowest(self, line: VerdictLine) -> None:
+        """Among the slowest, at most one line a row; of lines alike the first."""
+        others = [each for each in self._slowest if each.row != line.row]
+        if len(others) == len(self._slowest) or all(each.seconds < line.seconds for each in self._slowest if each.row == line.row):
+            self._slowest = sorted([*others, line], key=lambda each: -each.seconds)[:_NAMED]
 
     def _reason(self, error: str) -> str:
         """An error by its first words; no more of them are told apart than are of use."""
@@ -112,15 +116,14 @@ class Counts:
         return reason if reason in self._errors or len(self._errors) < _REASONS else "other reasons"
 
     def summary(self, table: str | None = None, lines: tuple[VerdictLine, ...] = (), stood: bool = False) -> Summary:
-        slowest = tuple(line for _, _, line in sorted(self._slowest, key=lambda one: (-one[0], -one[1])))
-        named = {line.row for line in (*slowest, *self._open, *self._failed)}
+        named = {line.row for line in (*self._slowest, *self._open, *self._failed)}
         return Summary(
             rows=len(self.campaign),
             seconds=self._seconds,
             verdicts=dict(self._verdicts),
             methods=dict(self._methods),
             errors=dict(self._errors),
-            slowest=slowest,
+            slowest=tuple(self._slowest),
             open=tuple(self._open),
             failed=tuple(self._failed),
             commands={number: alone(self.campaign, number) for number in sorted(named) if not self.campaign.row(number).fault},
