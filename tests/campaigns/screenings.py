@@ -53,6 +53,7 @@ class AtOnce:
     """An inquiry that costs nothing."""
 
     names: tuple[str, ...] = ("at once",)
+    options: tuple[str, ...] = ()
 
     def told(self) -> str:
         return "at once"
