@@ -4,7 +4,7 @@ mutants [NAME ...]           each wrong routine of tests/oracles/mutant_routines
                              named as its cause, by which case it is found; 1 where one is not found, or not for its cause
 alarms [METHOD ...]          every admissible law and every method, or those named, with --seeds 3 of --increments 2000 each; 1 where
                              a right one is refused.  --part 3/40: of forty parts the third; --to F keeps what is done, and a second
-                             start goes on there; the examples in C and Fortran are among the first part
+                             start goes on there; right routines in C, Fortran and JAX are among the first part
 cost [LAW ...]               processor time of all checks over that of a bare Hypothesis test, which draws the same cases and
                              calls the routine once a case: by hand, and duhem's own by closed form and by Newton's method, of the
                              laws named or of all; 1 where it is more than three times as much
@@ -13,7 +13,6 @@ cost [LAW ...]               processor time of all checks over that of a bare Hy
 from __future__ import annotations
 
 import argparse
-import itertools
 import sys
 import time
 from collections import Counter
@@ -37,6 +36,7 @@ from duhem.testing import Case, Report, Update, cases, conformance, projection
 from duhem.testing.drawn.decades import Strategy, decades
 from duhem.testing.foreign import shared_library
 from duhem.testing.routines.unfinished import Unfinished
+from tests.campaigns.foreign import right
 from tests.oracles.mutant_routines import MUTANTS, Mutant
 from tests.testing.examples import BUGS, EXAMPLES, written
 from tests.testing.test_foreign import BATCHED, CLOBBERS, SPOILT
@@ -129,10 +129,9 @@ def alarms(methods: Sequence[str], part: str, seeds: int, increments: int, place
     asked = list(questions(methods, seeds))
     chosen = asked[index - 1 :: of_]
     refused = 0
-    for name, seed in itertools.product(EXAMPLES, range(seeds)) if index == 1 else ():
-        report = conformance(None, **EXAMPLES[name](), max_examples=max(1, increments // 200), rows=20, seed=seed)
-        refused += not report.ok
-        print(f"{name} {seed}: {'accepted' if report.ok else 'REFUSED ' + first_cause(report)}", flush=True)
+    for (name, count, _, _, said), fine in right(seeds, max(1, increments // 200)) if index == 1 else ():
+        refused += not fine
+        print(f"{name}: {'' if fine else 'REFUSED '}{said or f'accepted, {count} increments'}", flush=True)
     for name, values, method, seed in chosen:
         key = f"{name} {values} {method} {seed} {increments}"
         if key not in done:

@@ -17,7 +17,7 @@ from duhem.projection import conic_solvers, cvxpy_method
 from duhem.projection.conic_solvers import rungs
 from duhem.projection.cvxpy_method import CVXPY, applies
 from duhem.projection.increment import Increment
-from duhem.projection.result import Array, Solution
+from duhem.projection.result import Array, Solution, Status
 from tests.oracles.laws_by_hand import ANTONI, FULL, LAWS, Law, increment, norm, question
 
 EACH_LAW = pytest.mark.parametrize("law", LAWS, ids=Law.label)
@@ -324,3 +324,15 @@ def test_a_block_that_comes_again_is_not_put_to_the_solver_anew(monkeypatch: pyt
     assert len(made) == 3
     again = solve(near, tolerance=1e-10)
     assert len(made) == 4 and np.array_equal(first.stress, again.stress)  # what came first has made room
+
+
+@pytest.mark.parametrize("beyond", [1e-7, 1e-9, 1e-11])
+def test_lost_slips_are_put_right_without_asking_again(beyond: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Next to the boundary no tolerance finds the slip, so the solver is asked once for all points."""
+    asked: list[Any] = []
+    right = conic_solvers.ran
+    monkeypatch.setattr(conic_solvers, "ran", lambda *a, **k: asked.append(a) or right(*a, **k))
+    turn = np.linspace(0.1, 6.0, 8)
+    trial = 0.4 * (1.0 + beyond) * np.column_stack([np.cos(turn), np.sin(turn)])
+    answer = duhem.project("coulomb", trial, -1.0, [1.0, 3.0], {"mu": 0.4}, method="cvxpy")
+    assert (answer.status == Status.SLIP).all() and len(asked) == 1

@@ -17,7 +17,7 @@ recomputed.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache, partial
 from threading import get_ident
 from typing import Any
@@ -34,8 +34,9 @@ from duhem.projection import conic_solvers
 from duhem.projection.conic_solvers import Rungs
 from duhem.projection.increment import Increment
 from duhem.projection.method import Method, Options
-from duhem.projection.residuals import residuals
-from duhem.projection.result import Array, Solution
+from duhem.projection.recovered_slip import recovered
+from duhem.projection.residuals import Judge, residuals
+from duhem.projection.result import Array, Residuals, Solution
 from duhem.projection.scaled_formula import ScaledFormula, scaled
 from duhem.projection.stiffness_factors import too_far_apart
 from duhem.projection.without_interior import shrunk
@@ -45,6 +46,7 @@ __all__ = ["CVXPY", "CvxpyOptions", "applies", "solve"]
 Indices = NDArray[np.intp]
 
 _POOR = 3e-8  # a residual
+_AGAIN = 2  # tolerances, each a tenth as tight, that a poor answer is looked for with
 _KEPT = 64  # blocks of a problem
 
 _ELSEWHERE = "or take method='newton', which needs g smooth and K convex only"
@@ -86,6 +88,7 @@ def applies(increment: Increment) -> str | None:
 def solve(increment: Increment, options: CvxpyOptions = _DEFAULTS) -> Solution:
     """The increments' stress (Pa), slip k^-1 (sigma_tr - sigma) (m for k in Pa/m) and multiplier lambda, as the solver left them.
 
+    Where no tolerance is asked for, slips that it lost are put right, and poor answers give way to better ones.
     A trial with g <= 0 is its own projection, without a solver.  ``failed`` marks the points without an answer (nan):
     K empty, no multiplier (dg/dsigma = 0 on all of K, as for some laws at sigma_n = 0), or beyond double precision.
     Raises InputError for a law that is not DCP, an unknown solver, one that lacks a cone the law needs, a bad option.
@@ -106,25 +109,30 @@ def solve(increment: Increment, options: CvxpyOptions = _DEFAULTS) -> Solution:
     slip = np.asarray(np.linalg.solve(increment.stiffness, (increment.trial - stress).T).T, dtype=np.float64)
     failed = np.logical_not(np.all(np.isfinite(np.column_stack([stress, slip, multiplier])), axis=1))
     solution = Solution(stress, slip, multiplier, np.atleast_1d(failed))
-    if options.tolerance is None:
-        _bettered(increment, solution, replace(options, solver=solver))
-    return solution
+    return solution if options.tolerance is not None else _bettered(increment, solution, replace(options, solver=solver))
 
 
-def _bettered(increment: Increment, solution: Solution, options: CvxpyOptions) -> None:
-    """Poor answers give way, in place, to better ones by other tolerances: where a solver stalls is a matter of luck."""
-    worst = residuals(increment, solution, convex=True).worst()
-    for tolerance in conic_solvers.tolerances(options.solver)[1:]:
+def _bettered(increment: Increment, solution: Solution, options: CvxpyOptions) -> Solution:
+    """Lost slips put right, and then better answers for poor ones: where a solver stalls is a matter of luck.
+
+    By tolerances nearly as tight: the answers of looser ones are off by the square root of their gap.
+    """
+    judged, found = partial(residuals, convex=True), Residuals(*(np.zeros(len(solution.multiplier)) for _ in fields(Residuals)))
+    seen = Judge.of(increment, solution, convex=True).look(solution, found)
+    solution, found = recovered(increment, solution, found, judged, seen)
+    worst = found.worst()
+    for tolerance in conic_solvers.tolerances(options.solver)[1 : 1 + _AGAIN]:
         at = np.flatnonzero(~solution.failed & (worst > _POOR))
         if not at.size:
-            return
+            break
         asked = replace(increment, trial=increment.trial[at], pressure=increment.pressure[at])
         other = solve(asked, replace(options, tolerance=tolerance, batch=1))
-        found = residuals(asked, other, convex=True).worst()
-        better = np.flatnonzero(found < worst[at])
-        worst[at[better]] = found[better]
+        left = judged(asked, other).worst()
+        better = np.flatnonzero(left < worst[at])
+        worst[at[better]] = left[better]
         for kept, new in ((solution.stress, other.stress), (solution.slip, other.slip), (solution.multiplier, other.multiplier)):
             kept[at[better]] = new[better]
+    return solution
 
 
 def _cp() -> Any:
