@@ -26,7 +26,7 @@ from duhem.show import figure
 pytest.importorskip("matplotlib")
 
 from duhem.portrait.atlas_sheet import atlas_sheet
-from duhem.portrait.plot import cut, plot, stated
+from duhem.portrait.plot import _refuted, cut, plot, stated
 from duhem.portrait.violation import violation
 from tests.long import mostly_long
 from tests.oracles.legible import faults
@@ -252,6 +252,26 @@ def test_a_witness_is_drawn_where_it_is() -> None:
     drawn = {role: tuple(place) for role, place in shown.points.items()}
     stress = {role: tuple(float(Fraction(at[x])) for x in found.criterion.forces) for role, at in found["convexity"].witness.points.items()}
     assert drawn == stress and np.array_equal(shown.way, [stress["p"], stress["q"]])
+
+
+def test_sections_beside_a_witness_are_at_its_numbers() -> None:
+    law = duhem.Criterion(
+        name="dented",
+        g="max(sigma_a - c - mu*sigma_b**2, -sigma_a - c, abs(sigma_b) - c)",
+        parameters={"mu": duhem.Domain(positive=True), "c": duhem.Domain(positive=True)},
+        pressure=None,
+    )
+    witness = duhem.verify(law, {"c": 1}, claims="convexity")["convexity"].witness
+    said = plot(law, parameters={"c": 1}, witness=True)[0].figure.get_suptitle()
+    assert f"mu = {witness.parameters['mu']}, c = 1" in said and "taken" not in said
+
+
+def test_a_witness_at_other_numbers_than_its_sheet_says_them() -> None:
+    found = duhem.verify("quartic", claims="convexity")
+    shown = violation(found.criterion, found["convexity"])
+    assert _refuted(shown, shown.numbered) == "convexity refuted"
+    c = shown.numbered.values()["c"]
+    assert _refuted(shown, given("quartic", mu=7, c=c)) == f"convexity refuted at mu = {shown.numbered.values()['mu']}"
 
 
 @pytest.mark.slow

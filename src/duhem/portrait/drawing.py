@@ -75,7 +75,8 @@ def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
         figure.measure(axis, symbol, unit or UNIT, size)
     if not found.plane.y_symbol:
         axes.yaxis.set_visible(False)
-    lines = [title, found.plane.caption, "axes not to one scale" if found.slender else "", figure.wrapped(found.remark, _REMARK)]
+    said, remark = (figure.wrapped(text, _REMARK) for text in (title, found.remark))
+    lines = [said, found.plane.caption, "axes not to one scale" if found.slender else "", remark]
     axes.set_title("\n".join(line for line in lines if line))
 
 

@@ -63,7 +63,7 @@ def plot(
     if witness:
         found = verify(chosen, parameters)
         refuted = tuple(violation(found.criterion, result) for result in drawable(found))
-    given = refuted[0].numbered if refuted and not parameters else numbered(chosen, parameters)
+    given = refuted[0].numbered if refuted else numbered(chosen, parameters)
     asked = [planes] if isinstance(planes, str) else list(planes)
     _check_pressure(chosen, pressure)
     given_axes = None if axes is None else figure.listed(axes)
@@ -84,7 +84,7 @@ def plot(
     for each in refuted:
         if each.section.remark:
             on_remark(f"{each.claim} refuted, {each.section.plane.plain}: {each.section.remark.replace('$', '')}")
-        painters.append(partial(paint_violation, seen=each, unit=unit, title=f"{each.claim} refuted"))
+        painters.append(partial(paint_violation, seen=each, unit=unit, title=_refuted(each, given)))
 
     def paint(*places: Axes) -> None:
         for place, painter in zip(places, painters, strict=True):
@@ -109,12 +109,22 @@ def cut(given: Numbered, plane: Plane, *, moves: bool = True) -> View:
 
 def stated(given: Numbered) -> str:
     """The law with its numbers, as a title says it; those that nobody gave are marked."""
-    values = [f"{name} = {_short(value)}" for name, value in given.values().items()]
-    more = f", and {len(values) - _VALUES} more" if len(values) > _VALUES else ""
-    said = ", ".join(values[:_VALUES]) + more
+    values = given.values()
+    said = _listed(values)
     note = f" (taken to draw it: {', '.join(given.chosen[:_VALUES])})" if given.chosen and len(given.chosen) < len(values) else ""
     note = " (taken to draw it)" if given.chosen and not note else note
     return "\n".join(filter(None, (given.law.name, said + note)))
+
+
+def _refuted(each: Violation, given: Numbered) -> str:
+    """What a panel of a witness shows, with the numbers that are not those of the sheet's title."""
+    other = {name: value for name, value in each.numbered.values().items() if value != given.values().get(name)}
+    return f"{each.claim} refuted" + (f" at {_listed(other)}" if other else "")
+
+
+def _listed(values: Mapping[str, Any]) -> str:
+    more = f", and {len(values) - _VALUES} more" if len(values) > _VALUES else ""
+    return ", ".join(f"{name} = {_short(value)}" for name, value in list(values.items())[:_VALUES]) + more
 
 
 def _short(value: Any) -> str:

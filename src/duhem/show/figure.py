@@ -5,20 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from itertools import pairwise
 from math import floor, log10
 from textwrap import fill
 from typing import IO, TYPE_CHECKING, Any, Literal
 
 from duhem.errors import InputError, MissingExtraError
 from duhem.show.place import check_place, written
+from duhem.show.settling import EDGE, NOTE, OPEN, SIDES, settle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
-    from matplotlib.path import Path
-    from matplotlib.transforms import Bbox
 
 __all__ = [
     "EDGE",
@@ -65,6 +63,7 @@ _STYLE = {
     "legend.handlelength": 2.8,
     "lines.linewidth": 1.6,
     "lines.markersize": 5.0,
+    "lines.solid_capstyle": "round",  # a curve that ends where it began shows no seam
     "svg.hashsalt": "duhem",  # the same picture gives the same file
     "xtick.labelsize": "small",
     "ytick.labelsize": "small",
@@ -74,13 +73,6 @@ _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"
 _PREFIXED = ("Pa", "N", "m", "J/m²")
 _SHORT, _LONG = 1e-3, 1e5  # between which numbers are written out
 _LEAST, _MOST = 1e-200, 1e200
-_NOTE, _MARK = "note", 7.0  # points
-OPEN = "open"  # gid of a line that notes keep clear of
-EDGE = "edge"  # gid of a line that they keep clear of where there is room for that too
-_SIDES: tuple[dict[str, Any], ...] = tuple(
-    {"xytext": (5 * x, 5 * y), "ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
-    for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1))
-)
 _HELD = "\u00a0=\u00a0"
 _CHARACTER = 0.0075  # inches, of a letter of one point
 
@@ -143,7 +135,7 @@ def drawn(
         else:
             places = Picture(_sheet(panels, min(columns, panels), size, title))
             paint(*places)
-            _settle(places)
+            settle(_sheet_of(places), places)
     if file is not None:
         save(_sheet_of(places), file)
     return places
@@ -283,78 +275,7 @@ def legend_below(places: tuple[Axes, ...]) -> None:
 
 def note(axes: Axes, words: str, at: tuple[float, float]) -> None:
     """Words beside a point, on the side where there is room; on a sheet of its own they are left out where there is none."""
-    side = _SIDES[0]
-    axes.annotate(words, at, **side, textcoords="offset points", fontsize="small", gid=_NOTE)
-
-
-def _settle(places: tuple[Axes, ...]) -> None:
-    """Fewer numbers on axes on which they touch, and notes where they hide nothing."""
-    from matplotlib.text import Annotation
-
-    _uncrowd(places)
-    for axes in places:
-        notes = [text for text in axes.texts if isinstance(text, Annotation) and text.get_gid() == _NOTE]
-        taken = [_mark(axes, note.xy) for note in notes]
-        lines = [_paths(axes, OPEN), _paths(axes, EDGE)]
-        for text in notes:
-            for side, across in _sides(*lines):
-                text.set(position=side["xytext"], ha=side["ha"], va=side["va"])
-                box = text.get_window_extent()
-                room = axes.bbox.containsx(box.x1) and axes.bbox.containsy(box.y1) and not box.count_overlaps(taken)
-                if room and not any(line.intersects_bbox(box, filled=False) for line in across):
-                    taken.append(box)
-                    break
-            else:
-                text.set_visible(False)
-
-
-def _mark(axes: Axes, point: tuple[float, float]) -> Bbox:
-    """What the mark of a point covers."""
-    from matplotlib.transforms import Bbox
-
-    x, y = axes.transData.transform(point)
-    half = _MARK / 2.0 * _sheet_of((axes,)).dpi / 72.0
-    return Bbox.from_extents(x - half, y - half, x + half, y + half)
-
-
-def _paths(axes: Axes, kind: str) -> list[Path]:
-    return [line.get_transform().transform_path(line.get_path()) for line in axes.lines if line.get_gid() == kind]
-
-
-def _sides(lines: list[Path], edges: list[Path]) -> Iterator[tuple[dict[str, Any], list[Path]]]:
-    """Where a note may stand and the lines it must not touch there: none of all, none of the first kind, or else any."""
-    for free in ([*lines, *edges], lines, []):
-        yield from ((side, free) for side in _SIDES)
-
-
-def _uncrowd(places: tuple[Axes, ...], rounds: int = 6) -> None:
-    from matplotlib.ticker import LogLocator, MaxNLocator
-
-    sheet = _sheet_of(places)
-    numbered = [
-        axis for axes in places for axis in (axes.xaxis, axes.yaxis) if isinstance(axis.get_major_locator(), LogLocator | MaxNLocator)
-    ]
-    for _ in range(rounds):
-        sheet.draw_without_rendering()
-        crowded = [axis for axis in numbered if _touching(axis)]
-        if not crowded:
-            return
-        for axis in crowded:
-            fewer = max(2, len(axis.get_majorticklocs()) - 3)
-            logarithmic = isinstance(axis.get_major_locator(), LogLocator)
-            axis.set_major_locator(LogLocator(numticks=fewer) if logarithmic else MaxNLocator(fewer - 1, steps=[1, 2, 2.5, 5, 10]))
-
-
-def _touching(axis: Axis) -> bool:
-    """Whether two numbers of an axis overlap, with a letter's gap between them."""
-    from matplotlib.axis import XAxis
-
-    low, high = sorted(axis.get_view_interval())
-    boxes = [tick.label1.get_window_extent() for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high and tick.label1.get_text()]
-    along = "x" if isinstance(axis, XAxis) else "y"
-    spans = sorted((getattr(box, f"{along}0"), getattr(box, f"{along}1")) for box in boxes)
-    gap = 4.0 if along == "x" else 0.0
-    return any(here[1] + gap > there[0] for here, there in pairwise(spans))
+    axes.annotate(words, at, **SIDES[0], textcoords="offset points", fontsize="small", gid=NOTE)
 
 
 def check(file: Target | None) -> None:

@@ -1,0 +1,115 @@
+"""What a drawn sheet needs to be read: numbers that do not touch, rows as high as their axes, notes where they hide nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+    from matplotlib.path import Path
+    from matplotlib.transforms import Bbox
+
+__all__ = ["EDGE", "NOTE", "OPEN", "SIDES", "settle"]
+
+NOTE = "note"  # gid of words beside a point
+OPEN = "open"  # gid of a line that notes keep clear of
+EDGE = "edge"  # gid of a line that they keep clear of where there is room for that too
+SIDES: tuple[dict[str, Any], ...] = tuple(
+    {"xytext": (5 * x, 5 * y), "ha": "left" if x > 0 else "right", "va": "bottom" if y > 0 else "top"}
+    for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1))
+)
+_MARK = 7.0  # points
+_BLANK = 0.3  # inches that a sheet may leave free
+
+
+def settle(sheet: Figure, places: tuple[Axes, ...]) -> None:
+    """Fewer numbers on axes on which they touch, no higher a sheet than they need, and notes where they hide nothing."""
+    from matplotlib.text import Annotation
+
+    _uncrowd(sheet, places)
+    if _trimmed(sheet, places):
+        _uncrowd(sheet, places)
+    for axes in places:
+        notes = [text for text in axes.texts if isinstance(text, Annotation) and text.get_gid() == NOTE]
+        taken = [_mark(sheet, axes, note.xy) for note in notes]
+        lines = [_paths(axes, OPEN), _paths(axes, EDGE)]
+        for text in notes:
+            for side, across in _sides(*lines):
+                text.set(position=side["xytext"], ha=side["ha"], va=side["va"])
+                box = text.get_window_extent()
+                room = axes.bbox.containsx(box.x1) and axes.bbox.containsy(box.y1) and not box.count_overlaps(taken)
+                if room and not any(line.intersects_bbox(box, filled=False) for line in across):
+                    taken.append(box)
+                    break
+            else:
+                text.set_visible(False)
+
+
+def _trimmed(sheet: Figure, places: tuple[Axes, ...]) -> bool:
+    """Give the rows of a sheet the heights of their axes, and take off it what axes of a fixed shape leave blank; whether it was much."""
+    boxes = [box for axes in places if (box := axes.get_tightbbox()) is not None]
+    top = max([box.y1 for box in boxes] + [text.get_window_extent().y1 for text in sheet.texts])
+    under = max([legend.get_window_extent().y1 for legend in sheet.legends], default=0.0)
+    blank = (sheet.bbox.height - top + min(box.y0 for box in boxes) - under) / sheet.dpi
+    if blank < _BLANK:
+        return False
+    heights: dict[int, float] = {}
+    for axes, spec in ((axes, axes.get_subplotspec()) for axes in places):
+        assert spec is not None
+        heights[spec.rowspan.start] = max(heights.get(spec.rowspan.start, 0.0), axes.get_position().height)
+        grid = spec.get_gridspec()
+    grid.set_height_ratios([heights[row] for row in sorted(heights)])
+    sheet.set_figheight(sheet.get_figheight() - blank + _BLANK / 2.0)
+    return True
+
+
+def _mark(sheet: Figure, axes: Axes, point: tuple[float, float]) -> Bbox:
+    """What the mark of a point covers."""
+    from matplotlib.transforms import Bbox
+
+    x, y = axes.transData.transform(point)
+    half = _MARK / 2.0 * sheet.dpi / 72.0
+    return Bbox.from_extents(x - half, y - half, x + half, y + half)
+
+
+def _paths(axes: Axes, kind: str) -> list[Path]:
+    return [line.get_transform().transform_path(line.get_path()) for line in axes.lines if line.get_gid() == kind]
+
+
+def _sides(lines: list[Path], edges: list[Path]) -> Iterator[tuple[dict[str, Any], list[Path]]]:
+    """Where a note may stand and the lines it must not touch there: none of all, none of the first kind, or else any."""
+    for free in ([*lines, *edges], lines, []):
+        yield from ((side, free) for side in SIDES)
+
+
+def _uncrowd(sheet: Figure, places: tuple[Axes, ...], rounds: int = 6) -> None:
+    from matplotlib.ticker import LogLocator, MaxNLocator
+
+    numbered = [
+        axis for axes in places for axis in (axes.xaxis, axes.yaxis) if isinstance(axis.get_major_locator(), LogLocator | MaxNLocator)
+    ]
+    for _ in range(rounds):
+        sheet.draw_without_rendering()
+        crowded = [axis for axis in numbered if _touching(axis)]
+        if not crowded:
+            return
+        for axis in crowded:
+            fewer = max(2, len(axis.get_majorticklocs()) - 3)
+            logarithmic = isinstance(axis.get_major_locator(), LogLocator)
+            axis.set_major_locator(LogLocator(numticks=fewer) if logarithmic else MaxNLocator(fewer - 1, steps=[1, 2, 2.5, 5, 10]))
+
+
+def _touching(axis: Axis) -> bool:
+    """Whether two numbers of an axis overlap, with a letter's gap between them."""
+    from matplotlib.axis import XAxis
+
+    low, high = sorted(axis.get_view_interval())
+    boxes = [tick.label1.get_window_extent() for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high and tick.label1.get_text()]
+    along = "x" if isinstance(axis, XAxis) else "y"
+    spans = sorted((getattr(box, f"{along}0"), getattr(box, f"{along}1")) for box in boxes)
+    gap = 4.0 if along == "x" else 0.0
+    return any(here[1] + gap > there[0] for here, there in pairwise(spans))
