@@ -17,6 +17,7 @@ import pytest
 
 import duhem
 from duhem.cli import installation as doctor
+from duhem.cli import output
 from duhem.errors import MissingExtraError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
@@ -25,6 +26,7 @@ from duhem.proof import report_json as json_report
 from duhem.proof import report_text as text_report
 from duhem.proof import verification
 from duhem.proof.claims import CLAIMS
+from duhem.proof.decide import Budget
 from duhem.proof.remarks import not_needed
 from duhem.proof.verdict import Trust, Verdict, Witness
 from duhem.proof.verification import ClaimResult, Verification
@@ -42,7 +44,9 @@ def result(claim: str, verdict: Verdict) -> ClaimResult:
 def made_up(*verdicts: Verdict) -> Callable[..., Verification]:
     """A verifier that hands out these verdicts."""
 
-    def verify(law: Any, parameters: Any = None, claims: Any = None, *, effort: str = "normal", on_claim: Any = None) -> Verification:
+    def verify(
+        law: Any, parameters: Any = None, claims: Any = None, *, effort: str = "normal", on_claim: Any = None, on_method: Any = None
+    ) -> Verification:
         results = tuple(result(claim, verdict) for claim, verdict in zip(CLAIMS, verdicts, strict=False))
         for each in results:
             on_claim(each)
@@ -171,6 +175,30 @@ def test_progress_only_on_a_terminal(run: Run, monkeypatch: pytest.MonkeyPatch) 
     assert "\x1b" not in out
 
 
+def test_a_method_that_lasts_is_named_with_its_steps_on_a_terminal_alone(monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    monkeypatch.setattr(output, "_TICK", 0.01)
+    monkeypatch.setattr(output, "_LONG", 0.0)
+    steps = Budget(16_000_000)
+    assert steps.pays(1_240_000)
+    with output.Progress() as progress:
+        progress.tries("convexity", "polar", steps)
+        time.sleep(0.05)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with output.Progress() as progress:
+        progress.tries("convexity", "polar", steps)
+        err = capsys.readouterr().err
+        for _ in range(1_000):
+            time.sleep(0.01)
+            if "steps" in (err := err + capsys.readouterr().err):
+                break
+        progress.show("1: convexity proved")
+        time.sleep(0.05)
+    said = (err + capsys.readouterr().err).split("\r\x1b[2K")
+    assert said[1:3] == ["verifying", "convexity: polar"] and said[-2:] == ["1: convexity proved", ""]
+    assert said[3:-2] and all(re.fullmatch(r"convexity: polar, \d+ s, 1\.2 of 16 million steps", line) for line in said[3:-2])
+
+
 INTERRUPTED = """
 import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # where whoever started the tests ignores it
@@ -179,7 +207,7 @@ from duhem.__main__ import main
 from duhem.left_out import LeftOut
 from duhem.proof.verdict import Verdict
 
-def slow(law, parameters=None, claims=None, *, effort, on_claim):
+def slow(law, parameters=None, claims=None, *, effort, on_claim, on_method):
     on_claim(verification.ClaimResult("origin", Verdict.PROVED, "by hand", "all parameters", 0.1, "made up", None))
     work()
 

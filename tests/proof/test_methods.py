@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import get_type_hints
@@ -37,6 +38,13 @@ def test_each_claim_has_a_method_for_each_kind_of_law(claim: Claim, kind: type[S
     assert any(issubclass(kind, method.takes) for method in claim.methods)
 
 
+@pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
+@pytest.mark.parametrize("kind", [FormulaSubject, CurveSubject])
+def test_each_method_of_a_claim_has_words_of_its_own(claim: Claim, kind: type[Subject]) -> None:
+    words = [method.words(claim.name) for method in claim.methods if issubclass(kind, method.takes)]
+    assert len(set(words)) == len(words) and all(re.fullmatch("[a-z]+( [a-z]+)*", each) and len(each) < 32 for each in words)
+
+
 def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
     asked: list[str] = []
 
@@ -57,6 +65,9 @@ def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:
     )
     assert claim.examine(FormulaSubject(load("coulomb")), {}) is PROVED and asked == ["any law", "formula"]
     assert claim.examine(CurveSubject(DISK), {}) is PROVED and asked[2:] == ["curve"]
+    told: list[str] = []
+    claim.examine(FormulaSubject(load("coulomb")), {}, on_method=told.append)
+    assert told == ["test methods any law", "test methods formula"]
     assert Claim("none", "", "", ()).examine(FormulaSubject(load("coulomb")), {}).verdict is Verdict.UNDECIDED
 
 

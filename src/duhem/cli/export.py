@@ -41,7 +41,7 @@ def export(law: str, settings: Sequence[str], language: str, out: str | None) ->
 
     routine(fixed)  # what has none is not verified first
     with Progress() as progress:
-        done = verify(fixed, on_claim=lambda result: progress.show(f"{result.claim} {result.verdict}"))
+        done = verify(fixed, on_claim=lambda result: progress.show(f"{result.claim} {result.verdict}"), on_method=progress.tries)
     text = {"c": c_file, "fortran": fortran_file}[language](done)
     if out is None:
         say(text.removesuffix("\n"))

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import os
 import sys
+from math import inf
+from threading import Event, Lock, Thread
+from time import monotonic
+from typing import TYPE_CHECKING
 
 import click
 
 from duhem.show.page import Page
 from duhem.show.width import WIDTH, terminal_width
 
+if TYPE_CHECKING:
+    from duhem.proof.decide import Budget
+
 __all__ = ["Progress", "endless_page", "page", "say"]
+
+_TICK, _LONG = 1.0, 2.0  # seconds
 
 
 def say(text: str) -> None:
@@ -36,14 +45,43 @@ class Progress:
 
     def __init__(self, what: str = "verifying") -> None:
         self.what = what
+        self._tried: tuple[float, str, Budget] | None = None  # since when, what and at which cost
+        self._turn = Lock()
+        self._ended, self._watch = Event(), Thread(target=self._watching, daemon=True)
 
     def __enter__(self) -> Progress:
         self.show(self.what)
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        if self._watch.ident is not None:
+            self._watch.join()
         self.show("")
 
     def show(self, text: str) -> None:
+        """Show this, and nothing more of what is tried."""
+        with self._turn:
+            self._tried = None
+            self._write(text)
+
+    def tries(self, claim: str, method: str, steps: Budget) -> None:
+        """Say which method tries which claim and, where it lasts, every second for how long and how many of its steps it has spent."""
+        if sys.stderr.isatty():
+            with self._turn:
+                self._tried = monotonic(), f"{claim}: {method}", steps
+                self._write(f"{claim}: {method}")
+            if self._watch.ident is None:
+                self._watch.start()
+
+    def _watching(self) -> None:
+        while not self._ended.wait(_TICK):
+            with self._turn:
+                since, text, steps = self._tried or (inf, "", None)
+                if steps is not None and (seconds := monotonic() - since) > _LONG:
+                    spent, whole = steps.spent / 1e6, (steps.spent + steps.left) / 1e6
+                    self._write(f"{text}, {seconds:.0f} s, {spent:.1f} of {whole:.0f} million steps")
+
+    def _write(self, text: str) -> None:
         if sys.stderr.isatty():
             print(f"\r\x1b[2K{text[:78]}", end="", file=sys.stderr, flush=True)

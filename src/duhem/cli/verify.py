@@ -84,7 +84,7 @@ def verify(
                     decided.append(result)
                     progress.show(f"{len(decided)}: {result.claim} {result.verdict}")
 
-                told.complete(verification.verify(law, claims=asked, effort=effort, on_claim=on_claim))
+                told.complete(verification.verify(law, claims=asked, effort=effort, on_claim=on_claim, on_method=progress.tries))
         except KeyboardInterrupt:
             told.interrupted(law, decided)
             return INTERRUPTED

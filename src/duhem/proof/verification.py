@@ -21,7 +21,7 @@ from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.left_out import LeftOut
 from duhem.proof.claims import CLAIMS
-from duhem.proof.decide import EFFORTS
+from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
@@ -125,15 +125,17 @@ def verify(
     *,
     effort: str = "normal",
     on_claim: Callable[[ClaimResult], None] | None = None,
+    on_method: Callable[[str, str, Budget], None] | None = None,
 ) -> Verification:
     """Prove or refute every claim (or the one or those named) over the law's whole parameter domain and every pressure.
 
-    ``parameters`` fixes some values (exactly: decimals are rationals); ``on_claim`` is called as each result is in.
+    ``parameters`` fixes some values (exactly: decimals are rationals); ``on_claim`` is called as each result is in,
+    ``on_method`` before a method tries a claim, with both and the steps from which it draws: ``spent``, and ``left``.
     What a claim may cost is counted in steps, not by a clock; ``effort`` quick, normal or thorough multiplies them.
     Raises InputError for an unknown law, parameter, claim or effort, and for values outside the domain.
     """
     criterion: Law = load(law).fix(parameters)
-    examined = _examined(criterion, claims, effort, on_claim)
+    examined = _examined(criterion, claims, effort, on_claim, on_method)
     parts = (
         *not_needed(criterion, [evidence.verdict for evidence in examined.settled.values()]),
         *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in examined.wanted),
@@ -145,7 +147,7 @@ def verify(
 
 def claim_results(law: Law, claims: Iterable[str] | None = None, effort: str = "normal") -> tuple[ClaimResult, ...]:
     """The results of :func:`verify` alone, where nobody reads what is said beside them."""
-    return _examined(law, claims, effort, None).results
+    return _examined(law, claims, effort).results
 
 
 class _Examined(NamedTuple):
@@ -158,7 +160,13 @@ class _Examined(NamedTuple):
     rests_on: tuple[ClaimResult, ...]
 
 
-def _examined(criterion: Law, claims: Iterable[str] | None, effort: str, on_claim: Callable[[ClaimResult], None] | None) -> _Examined:
+def _examined(
+    criterion: Law,
+    claims: Iterable[str] | None,
+    effort: str,
+    on_claim: Callable[[ClaimResult], None] | None = None,
+    on_method: Callable[[str, str, Budget], None] | None = None,
+) -> _Examined:
     check_domain(criterion)
     wanted = wanted_claims(claims)
     if not isinstance(effort, str) or effort not in EFFORTS:
@@ -172,7 +180,10 @@ def _examined(criterion: Law, claims: Iterable[str] | None, effort: str, on_clai
     for name in (name for name in CLAIMS if name in needed):
         start, before = time.perf_counter(), subject.spent
         with _alone():
-            settled[name] = evidence = CLAIMS[name].examine(subject, settled, partial(confirmations.confirm, name))
+            told = partial(_tell, on_method, subject, name)
+            settled[name] = evidence = CLAIMS[name].examine(subject, settled, partial(confirmations.confirm, name), told)
+            if evidence.verdict is Verdict.PROVED:
+                told("kernel")
             standing = confirmations.of(name, evidence, CLAIMS[name].needs)
             doubted = standing is not None and standing.trust is not Trust.CHECKED
             if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:
@@ -196,6 +207,11 @@ def _examined(criterion: Law, claims: Iterable[str] | None, effort: str, on_clai
         if name in wanted and on_claim is not None:
             on_claim(found)
     return _Examined(subject, settled, wanted, tuple(results[True]), tuple(results[False]))
+
+
+def _tell(on_method: Callable[[str, str, Budget], None] | None, subject: Subject, claim: str, method: str) -> None:
+    if on_method is not None:
+        on_method(claim, method, subject.budget)
 
 
 @contextmanager

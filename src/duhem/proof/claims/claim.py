@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 from duhem.proof.facts.subject import Subject
@@ -26,6 +27,10 @@ class ProofMethod(Generic[S]):
         """What the method says of the law, whatever was settled before."""
         return self.run(subject) if isinstance(subject, self.takes) else None
 
+    def words(self, claim: str) -> str:
+        """What it is called while it is tried for the claim: its place in the code, in words."""
+        return _words(self.run, claim)
+
 
 @dataclass(frozen=True)
 class Consequence(Generic[S]):
@@ -37,6 +42,16 @@ class Consequence(Generic[S]):
     def answer(self, subject: Subject, settled: Settled) -> Evidence | None:
         """What follows for the law from what was settled before."""
         return self.run(subject, settled) if isinstance(subject, self.takes) else None
+
+    def words(self, claim: str) -> str:
+        """What it is called while it is tried for the claim: its place in the code, in words."""
+        return _words(self.run, claim)
+
+
+def _words(run: Callable[..., Any], claim: str) -> str:
+    function: Any = run.func if isinstance(run, partial) else run
+    own, part = function.__module__.rpartition(".")[2], function.__name__.removeprefix(claim)
+    return " ".join(f"{own} {part}".removeprefix(claim).replace("_", " ").split()) or claim.replace("_", " ")
 
 
 @dataclass(frozen=True)
@@ -55,13 +70,22 @@ class Claim:
     steps: int = 16_000_000
     refuters: tuple[ProofMethod[Any], ...] = ()
 
-    def examine(self, subject: Subject, settled: Settled, confirmed: Callable[[Evidence], bool] = lambda _: False) -> Evidence:
+    def examine(
+        self,
+        subject: Subject,
+        settled: Settled,
+        confirmed: Callable[[Evidence], bool] = lambda _: False,
+        on_method: Callable[[str], None] = lambda _: None,
+    ) -> Evidence:
         """The first answer, or ``undecided`` when every method passed.
 
         Of a law that may be undefined somewhere only a proof that is ``confirmed`` counts: who confirms it looks at what it needs.
+        ``on_method`` is told of each method for this kind of law before it tries.
         """
         subject.allow(self.steps)
         for method in self.methods:
+            if isinstance(subject, method.takes):
+                on_method(method.words(self.name))
             found = method.answer(subject, settled)
             if found is not None and self._counts(found, subject, confirmed):
                 return found
