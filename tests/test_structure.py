@@ -52,7 +52,6 @@ HALVED = {
     "expression.rays_mpmath.reach": "where a ray leaves a set, in many digits",
     "benchmark.reference.ray.root": "the same for the reference, which shares nothing with what it measures",
     "projection.newton_start.crossed": "the same in a loop that a compiler reads, one point at a time",
-    "projection.known_points.tips": "the same for the judge, which shares nothing with the methods",
     "proof.witness.enclosed_point.enclosed": "the boundary between two rational points, signs enclosed",
     "benchmark.reference.search.run": "the angle at which the boundary faces the target",
     "proof.facts.numeric_curve.greatest": "arcs of a boundary curve",
