@@ -119,6 +119,12 @@ def test_an_odd_law_is_named_first(g: str, said: str, vacuous: bool) -> None:
     assert not vacuous or "dissipative: vacuous" in complete(found)
 
 
+def test_a_remark_has_the_law_s_own_name_of_the_pressure() -> None:
+    remarks = verify(Criterion("own names", "norm(a, b) + p/2", forces=("a", "b"), pressure="p"), claims=["origin"]).remarks
+    place = "that point is inside K for p < 0, so the boundary is not touched"
+    assert remarks == (f"'g is differentiable' holds with one exception: not where norm(a, b) = 0; {place}",)
+
+
 def test_an_ordinary_law_is_not_called_odd() -> None:
     for name in ("antoni2007", "quartic"):
         found = verify(name, claims=["origin"])

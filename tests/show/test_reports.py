@@ -106,6 +106,20 @@ def test_a_coordinate_of_a_witness_stands_on_one_line(name: str, width: int) -> 
     assert len(every) > 4 and [coordinate for coordinate in every if coordinate not in said] == []
 
 
+def test_long_names_of_an_increment_stand_in_columns() -> None:
+    names = [f"component_of_the_stress_number_{i}_along_its_axis" for i in range(2)]
+    pressure = "component_of_the_stress_across_the_interface"
+    law = duhem.Criterion(
+        "long", f"norm({', '.join(names)}) + mu*{pressure}", {"mu": duhem.Domain.fixed("1/2")}, forces=names, pressure=pressure
+    )
+    lines = increment.text(law, [3.0, 4.0], -1.0, duhem.project(law, [3.0, 4.0], -1.0), Page()).splitlines()
+    assert max(map(len, lines)) <= 96
+    fields = {line.split()[0]: line for line in lines if line.startswith(("  parameters", f"  {pressure}", "  method", "  status"))}
+    assert len(fields) == 4 and {len(re.match(r"  \S+ +", line).group()) for line in fields.values()} == {len(pressure) + 4}
+    table = [line for line in lines if line.startswith(("  force", f"  {names[0]}", f"  {names[1]}"))]
+    assert len(table) == 3 and len({len(line) for line in table}) == 1
+
+
 @pytest.mark.parametrize("width", [40, 50, 60, 96])
 @pytest.mark.parametrize(("name", "pressure"), [("antoni2007", "sigma_n"), ("von-mises", None), ("cohesive", "sigma_n")])
 def test_every_block_of_tangents_says_its_columns_where_it_is_folded(name: str, pressure: str | None, width: int) -> None:

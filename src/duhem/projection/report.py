@@ -24,12 +24,13 @@ def text(law: Criterion, trial: Sequence[float], pressure: float | None, done: P
     from duhem.projection.result import Status
 
     head = page.hanging(f"{law.name}: {law.summary}" if law.summary else law.name)
+    size = max(_FIELD, len(law.pressure or ""))
     if law.parameters:
-        head += page.field("parameters", ", ".join(f"{name} {domain.describe()}" for name, domain in law.parameters.items()), _FIELD)
+        head += page.field("parameters", ", ".join(f"{name} {domain.describe()}" for name, domain in law.parameters.items()), size)
     if law.pressure is not None and pressure is not None:
-        head += page.field(law.pressure, _number(pressure), _FIELD)
-    head += page.field("method", f"{done.method} ({done.why})", _FIELD)
-    head += page.field("status", f"{_status(done)} ({remark})" if (remark := _remark(law, done)) else _status(done), _FIELD)
+        head += page.field(law.pressure, _number(pressure), size)
+    head += page.field("method", f"{done.method} ({done.why})", size)
+    head += page.field("status", f"{_status(done)} ({remark})" if (remark := _remark(law, done)) else _status(done), size)
     increment = page.table([("force", "trial", "stress", "slip"), *_rows(law, trial, done)], "lr")
     sums = [
         *page.field("multiplier", _number(done.multiplier[0]), _FIELD),

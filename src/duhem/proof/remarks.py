@@ -101,7 +101,7 @@ def _tips(subject: FormulaSubject) -> Iterator[str]:
         return
     certain = subject.at_origin is not None and subject.at_origin.is_negative
     place = f"where {', '.join(tips)} = 0"
-    inside = "; that point is inside K for sigma_n < 0, so the boundary is not touched" if law.pressure and certain else ""
+    inside = f"; that point is inside K for {law.pressure} < 0, so the boundary is not touched" if law.pressure and certain else ""
     yield f"'g is differentiable' holds with one exception: not {place}{inside}"
 
 

@@ -61,7 +61,9 @@ def normality(subject: CurveSubject) -> Evidence | None:
 def dissipation(subject: CurveSubject) -> Evidence | None:
     """T . d > 0 at every angle."""
     method = subject.positive(POWER)
-    return _proved(f"power ({method})", "T . d > 0 at every angle, so force . flow = |sigma_n| T . d > 0") if method else None
+    return (
+        _proved(f"power ({method})", f"T . d > 0 at every angle, so force . flow = |{subject.law.pressure}| T . d > 0") if method else None
+    )
 
 
 def duality(subject: CurveSubject) -> Evidence | None:
