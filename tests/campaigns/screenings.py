@@ -247,6 +247,8 @@ def killed_part(folder: Path, options: argparse.Namespace, truth: list[bool]) ->
 def killed(folder: Path, options: argparse.Namespace, out: str, *more: str) -> int:
     """Kill the campaign after rows drawn by chance until it ends by itself; how often it was."""
     chance = random.Random(options.seed)
+    for stale in folder.glob(f"{out}*"):
+        stale.unlink()
     for done in range(options.kills + 1):
         process = run(folder, "few", out, "--resume", *more)
         least = options.few * (done + chance.random()) / (options.kills + 1)
@@ -256,7 +258,7 @@ def killed(folder: Path, options: argparse.Namespace, out: str, *more: str) -> i
                 process.send_signal(SIGNALS[done % 3])
                 break
             time.sleep(0.05)
-        if process.wait() in (0, 1):
+        if process.wait() in (0, 1) and (folder / out).exists():  # Python itself ends with 1 where it is killed as it starts
             return done
     raise SystemExit("it does not end")
 
@@ -335,6 +337,7 @@ def main() -> int:
     read.add_argument("--parts", default=",".join(PARTS))
     options = read.parse_args()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # clusters end with the command
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # where it is ignored, as under nohup, runs would ignore it too
     folder = (options.folder or Path(tempfile.mkdtemp(prefix="duhem-screening-"))).absolute()
     options.few = min(options.few, options.rows)
     truth = prepared(folder, options.rows, options.few, options.seed)
