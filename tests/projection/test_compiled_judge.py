@@ -201,6 +201,19 @@ def test_threads_are_counted(threads: Any) -> None:
         duhem.project("coulomb", [1.0, 0.0], -1.0, parameters={"mu": 0.3}, compiled=True, threads=threads)
 
 
+def test_passes_of_numpy_start_threads_only_where_they_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    trial = np.full((30_000, 2), 0.1)
+
+    def begun(*_: object) -> None:
+        raise RuntimeError("threads")
+
+    monkeypatch.setattr("concurrent.futures.ThreadPoolExecutor", begun)
+    assert (duhem.project("coulomb", trial, -1.0, parameters={"mu": 0.3}).status == Status.STICK).all()
+    with pytest.raises(RuntimeError, match="threads"):
+        duhem.project("coulomb", trial, -1.0, parameters={"mu": 0.3}, threads=2)
+    assert Compiling(compiled=True).sharing is None and Compiling(compiled=True, threads=3).sharing == Compiling(threads=3).sharing == 3
+
+
 def test_every_method_that_compiles_takes_the_same_options() -> None:
     found = {name for name, method in METHODS.items() if issubclass(method().options, Compiling)}
     assert found == {"closed-form", "newton"}

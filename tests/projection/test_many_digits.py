@@ -74,7 +74,7 @@ def test_what_the_judge_looked_for_is_not_looked_for_again(monkeypatch: pytest.M
     slip = (question.trial - stress) / [1.0, 1e6]
     wrong = Solution(stress, slip, slip.sum(axis=1), np.zeros(2, dtype=bool))
     found = residuals(question, wrong)
-    seen = Judge.of(question, wrong, True).look(wrong, Residuals(*(np.zeros(2) for _ in range(5))))
+    _, seen = Judge.of(question, wrong, True).look(wrong, Residuals(*(np.zeros(2) for _ in range(5))))
     assert list(seen) == [1]
 
     def again(*_: object, **__: object) -> None:

@@ -56,4 +56,4 @@ def chain(x: Jet, value: Any, slope: Any, curvature: Callable[[], Any]) -> Jet:
 
 def least_order(jets: Sequence[Jet]) -> int:
     """Constants have all derivatives, whatever is followed of the rest."""
-    return min((j.order for j in jets if j.gradient is not None), default=2)
+    return min([j.order for j in jets if j.gradient is not None], default=2)

@@ -56,7 +56,7 @@ class _Met:
         if self.given is not None:
             return self.given[:, index]
         self.taken[:, index] = natural
-        return np.broadcast_to(natural, len(self.taken))
+        return natural if natural.ndim else np.broadcast_to(natural, len(self.taken))
 
 
 @dataclass(frozen=True)

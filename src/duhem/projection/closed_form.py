@@ -93,7 +93,7 @@ def solve(increment: Increment, options: ClosedFormOptions = _DEFAULTS) -> Solut
         failed = np.isfinite(multiplier, out=solution.failed[block])
         np.logical_not(failed, out=failed)
 
-    in_blocks(n, size, fill, options.threads)
+    in_blocks(n, size, fill, options.sharing)
     return solution
 
 

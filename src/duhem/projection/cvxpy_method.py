@@ -118,7 +118,7 @@ def _bettered(increment: Increment, solution: Solution, options: CvxpyOptions) -
     By tolerances nearly as tight: the answers of looser ones are off by the square root of their gap.
     """
     judged, found = partial(residuals, convex=True), Residuals(*(np.zeros(len(solution.multiplier)) for _ in fields(Residuals)))
-    seen = Judge.of(increment, solution, convex=True).look(solution, found)
+    _, seen = Judge.of(increment, solution, convex=True).look(solution, found)
     solution, found = recovered(increment, solution, found, judged, seen)
     worst = found.worst()
     for tolerance in conic_solvers.tolerances(options.solver)[1 : 1 + _AGAIN]:

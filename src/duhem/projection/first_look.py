@@ -58,11 +58,12 @@ class FirstLook:
     known: Variational
 
     def left(
-        self, increment: Increment, solution: Solution, out: Residuals, threads: int | None = 1
+        self, increment: Increment, solution: Solution, out: Residuals, threads: int | None = 1, then: Callable[[slice], None] | None = None
     ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """The points that stick, and those that move, of which nothing is said yet; of the others ``out`` has the residuals.
 
-        ``out`` is all zero before; what it has of points that move and are left counts for nothing.
+        ``out`` is all zero before; what it has of points that move and are left counts for nothing.  ``then`` is told each block that
+        was looked at, while it is in the cache.
         """
         found = dict[int, tuple[NDArray[np.intp], NDArray[np.intp]]]()
 
@@ -72,6 +73,8 @@ class FirstLook:
                 into = Residuals(*(getattr(out, f.name)[block] for f in fields(Residuals)))
                 still, moved = self._block(increment.trial[block], increment.pressure[block], part, into)
                 found[block.start] = still + block.start, moved + block.start
+            if then is not None:
+                then(block)
 
         in_blocks(len(solution.multiplier), BLOCK, look, threads)
         stills, moves = zip(*(found[start] for start in sorted(found)), strict=True) if found else ((_NONE,), (_NONE,))
@@ -101,30 +104,52 @@ class FirstLook:
         normal, aim = columns_times(slopes, metric.of_slip), columns_times(of.trial.T, metric.of_stress)
         multiplier, (missed, plain) = self.level.multiplier(of.multiplier, of.size), self._missed(of)
         squares = room2, far2 = _squared(point), _squared(moved)
-        room, far, height = np.sqrt(room2), np.sqrt(far2), dot(slopes.T, of.there.s.T)
-        if self.level.jets.kinks:  # a piece that is as high may be flatter
-            height = np.minimum(height, of.there.rise())
-        unit, value = of.size / (room * np.sqrt(_squared(normal))), np.abs(of.value)  # of h, as a share of the stress
-        depth, sunk, ratio = value * unit, of.hidden / height, far / room
-        gap = np.sqrt(_squared(columns_times(missed, metric.of_stress)))
-        turned = np.sqrt(_squared(moved - multiplier * normal))
-        off = turned / (room + far * (turned <= (_HALF * ROUNDING) * far).astype(np.float64))  # where it is rounding, of the whole way
-        stationarity = np.maximum(gap / (np.sqrt(_squared(aim)) + room), off)
-        left = value / height + sunk + (gap + turned) / room + metric.blur * (1.0 + ratio)  # seen from no stress, as K may be thin
-        plain &= left <= (_HALF * metric.certain) * np.minimum(ratio, np.ones_like(ratio))
-        plain &= (height > 0.0) & self.known.around_origin
-        plain &= (sunk * (1.0 + ratio) <= _OFF) & (stationarity <= _OFF)
-        plain &= (of.multiplier >= _MULTIPLIERS[0]) & (of.multiplier <= _MULTIPLIERS[1])
+        plain &= _within(of.multiplier, *_MULTIPLIERS)
         for square in squares:
-            plain &= (square >= _SQUARES[0]) & (square <= _SQUARES[1])
-        above = np.maximum(of.value, np.zeros_like(unit)) * unit
+            plain &= _within(square, *_SQUARES)
+        room, far, height = np.sqrt(room2, out=room2), np.sqrt(far2, out=far2), dot(slopes.T, of.there.s.T)
+        if self.level.jets.kinks:  # a piece that is as high may be flatter
+            np.minimum(height, of.there.rise(), out=height)
+        plain &= (height > 0.0) & self.known.around_origin
+        unit, value = _length(normal), np.abs(of.value)
+        unit *= room
+        np.divide(of.size, unit, out=unit)  # of h, as a share of the stress
+        depth, sunk, ratio = value * unit, of.hidden / height, far / room
+        gap = _length(columns_times(missed, metric.of_stress))
+        normal *= multiplier
+        turned = _length(np.subtract(moved, normal, out=normal))
+        off, rounding = room + far, turned <= (_HALF * ROUNDING) * far
+        if not rounding.all():  # where it is rounding, of the whole way
+            off = room + far * rounding.astype(np.float64)
+        np.divide(turned, off, out=off)
+        stationarity = _length(aim)
+        stationarity += room
+        np.divide(gap, stationarity, out=stationarity)
+        np.maximum(stationarity, off, out=stationarity)
+        plain &= stationarity <= _OFF
+        value /= height
+        value += sunk
+        gap += turned
+        gap /= room
+        value += gap
+        ways = 1.0 + ratio
+        value += metric.blur * ways  # seen from no stress, as K may be thin
+        most = _HALF * metric.certain
+        ratio *= most
+        plain &= (value <= most) & (value <= ratio)
+        sunk *= ways
+        plain &= sunk <= _OFF
+        above = np.maximum(of.value, np.zeros_like(unit))
+        above *= unit
         if (high := np.flatnonzero(above > _HALF * ROUNDING)).size:
             above[high] = of.value[high] / dot(np.abs(slopes.T[high]), np.abs(of.there.s.T[high]))
             plain &= ~(above > _HALF * ACCURACY)
         out.feasibility[of.at], out.complementarity[of.at], out.stationarity[of.at] = above, depth, stationarity
         excess = self._excess(of.pressure, point, moved, room, far)
-        out.variational[of.at] = excess
-        return plain & (excess <= _HALF * ACCURACY)
+        if excess is not None:
+            out.variational[of.at] = excess
+            plain &= excess <= _HALF * ACCURACY
+        return plain
 
     def _missed(self, of: _Moved) -> tuple[Array, NDArray[np.bool_]]:
         """trial - k slip - stress (d, M), and the points where all of it is rounding."""
@@ -132,25 +157,45 @@ class FirstLook:
         for t, moved, s in zip(of.trial.T, missed, of.stress.T, strict=True):
             np.subtract(t, moved, out=moved)
             moved -= s
-            rounding &= np.abs(moved) <= (_HALF * ROUNDING) * (np.abs(t) + np.abs(s))
+            size = np.abs(t)
+            size += np.abs(s)
+            size *= _HALF * ROUNDING
+            rounding &= np.abs(moved) <= size
         if (more := np.flatnonzero(~rounding)).size:  # where parts of k slip cancel
             whole = np.abs(of.slip[more]) @ np.abs(self.stiffness) + np.abs(of.trial[more]) + np.abs(of.stress[more])
             rounding[more] = (np.abs(missed.T[more]) <= (_HALF * ROUNDING) * whole).all(axis=1)
         return missed, rounding
 
-    def _excess(self, pressure: Array, point: Array, moved: Array, room: Array, far: Array) -> Array:
-        """The residual of the variational inequality (M,)."""
+    def _excess(self, pressure: Array, point: Array, moved: Array, room: Array, far: Array) -> Array | None:
+        """The residual of the variational inequality (M,), None where it is 0 for all."""
         known = self.known
 
         def found(at: NDArray[np.intp] | slice, of: Callable[..., Array]) -> Array:
             return of(pressure[at], point.T[at], moved.T[at], np.ones(len(room[at])), (far + room)[at], room[at])
 
+        few = known.beyond(pressure, point, moved)
+        if known.convex and not few.size:
+            return None
         excess = np.zeros(len(room))
-        if (few := known.beyond(pressure, point, moved)).size:
+        if few.size:
             excess[few] = found(few, known.excess)
         return excess if known.convex else np.fmax(excess, found(slice(None), known.beside))
 
 
 def _squared(columns: Array) -> Array:
     """Squares of lengths (M,) of vectors (d, M)."""
-    return dot(columns.T, columns.T)
+    found, *others = np.square(columns)
+    for square in others:
+        found += square
+    return np.asarray(found)
+
+
+def _length(columns: Array) -> Array:
+    """The same, their roots."""
+    squares = _squared(columns)
+    return np.sqrt(squares, out=squares)
+
+
+def _within(numbers: Array, least: float, most: float) -> NDArray[np.bool_] | bool:
+    """Which of them lie in a range: True where all do, as they mostly do."""
+    return bool(numbers.min(initial=most) >= least and numbers.max(initial=least) <= most) or (numbers >= least) & (numbers <= most)

@@ -23,8 +23,9 @@ class Options:
 
 @dataclass(frozen=True)
 class Compiling(Options):
-    """Those of a method that can be compiled, by numba: ``compiled``, and on how many ``threads``, None for all there are.
+    """Those of a method that can be compiled, by numba: ``compiled``, and on how many ``threads``.
 
+    None: all there are where it is compiled, else one; NumPy's passes are so short that two threads mostly wait for each other.
     What is returned does not depend on their number.  Residuals and statuses of 4,096 points and more are compiled with it.  The
     first increment of a law waits for the compiler, some ten to thirty seconds; then the code is kept on disk (DUHEM_CACHE_DIR,
     else the user's folder for such things), and the next process loads it.  A missing numba raises MissingExtraError.
@@ -36,6 +37,11 @@ class Compiling(Options):
     def __post_init__(self) -> None:
         if self.threads is not None and not (isinstance(self.threads, int) and self.threads >= 1):
             raise InputError(f"threads is {self.threads!r}", where="threads", remedy="give a whole number from 1 on, or leave it out")
+
+    @property
+    def sharing(self) -> int | None:
+        """How many threads are to share the work, None for all there are."""
+        return self.threads if self.compiled else self.threads or 1
 
 
 Own = TypeVar("Own", bound=Options)

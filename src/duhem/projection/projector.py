@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from functools import reduce
+from functools import partial, reduce
 from pathlib import Path
 from typing import Any
 
@@ -68,15 +68,16 @@ class Projector:
             raise InputError(f"method {method.name} has no tangent", where="tangent", remedy=remedy)
         given = method.options_of(options)
         solution, vouched = method.solve(question, given), self._vouched(question)
-        judge = Judge.of(question, solution, self._taken_as_convex(question))
-        told = _told(question, solution, judge, given) if vouched.all() else Told.nothing(len(vouched))
-        threads = given.threads if isinstance(given, Compiling) else 1
-        seen = judge.look(solution, told.residuals, told.left, threads)
-        self._held(question, solution, told.residuals)
-        found = told.residuals
-        if told.left is None or told.left.size:
+        judge, sure = Judge.of(question, solution, self._taken_as_convex(question)), bool(vouched.all())
+        told = _told(question, solution, judge, given) if sure else Told.nothing(len(vouched))
+        threads = given.sharing if isinstance(given, Compiling) else 1
+        found, settle = told.residuals, partial(_settle, question, told, vouched)
+        closely, seen = judge.look(solution, found, told.left, threads, partial(settle, solution, found) if sure else None)
+        self._held(question, solution, found)
+        left = closely if sure else np.arange(len(vouched))
+        if left.size:
             solution, found = recovered(question, solution, found, self._judged, seen)
-        _complete(question, solution, found, told, vouched, threads)
+            in_blocks(left.size, BLOCK, lambda part: settle(solution, found, left[part]), threads)
         slopes = method.tangent(question, solution) if tangent and method.tangent else (None, None)
         return Projection(
             stress=solution.stress,
@@ -146,25 +147,20 @@ def _told(question: Increment, solution: Solution, judge: Judge, given: Options)
     return Told.nothing(len(solution.multiplier))
 
 
-def _complete(
-    question: Increment, solution: Solution, found: Residuals, told: Told, vouched: NDArray[np.bool_], threads: int | None
+def _settle(
+    question: Increment, told: Told, vouched: NDArray[np.bool_], solution: Solution, found: Residuals, block: slice | NDArray[np.intp]
 ) -> None:
-    """Dissipation and status of the points that are left, block by block; ``vouched`` (N,) where to be stationary is to be closest."""
-    each = [getattr(found, field.name) for field in fields(Residuals)]
-
-    def fill(part: slice) -> None:
-        block = part if told.left is None else told.left[part]
-        stress, slip = solution.stress[block], solution.slip[block]
-        with np.errstate(all="ignore"):
-            told.dissipation[block] = dot(stress, slip)
-            told.status[block] = reduce(np.logical_or, (slip != 0.0).T, solution.multiplier[block] > 0.0)  # to stick is 0, to slip 1
-            right = reduce(np.logical_and, [x[block] <= ACCURACY for x in each], vouched[block] & ~solution.failed[block])
-            if question.law.domain or not right.all():
-                others = np.arange(len(told.status))[block]
-                others = others if question.law.domain else others[~right]
-                told.status[others] = _status(question, solution, found, others, vouched[others])
-
-    in_blocks(len(told.status) if told.left is None else told.left.size, BLOCK, fill, threads)
+    """Dissipation and status of a block of points; ``vouched`` (N,) where to be stationary is to be closest."""
+    stress, slip = solution.stress[block], solution.slip[block]
+    with np.errstate(all="ignore"):
+        told.dissipation[block] = dot(stress, slip)
+        told.status[block] = reduce(np.logical_or, (slip != 0.0).T, solution.multiplier[block] > 0.0)  # to stick is 0, to slip 1
+        each = [getattr(found, field.name)[block] for field in fields(Residuals)]
+        right = reduce(np.logical_and, [x <= ACCURACY for x in each], vouched[block] & ~solution.failed[block])
+        if question.law.domain or not right.all():
+            others = np.arange(len(told.status))[block]
+            others = others if question.law.domain else others[~right]
+            told.status[others] = _status(question, solution, found, others, vouched[others])
 
 
 def _status(

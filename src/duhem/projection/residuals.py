@@ -11,7 +11,7 @@ stress; where that bound hides what is asked, g and its slope are looked up in a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -72,21 +72,28 @@ class Judge:
         """That of a solution of as many points; ``convex`` as for :func:`residuals`."""
         return cls(increment, convex or not (solution.slip.any() or solution.multiplier.any()))  # to stick is to be closest
 
-    def look(self, solution: Solution, out: Residuals, at: NDArray[np.intp] | None = None, threads: int | None = 1) -> dict[int, Closest]:
+    def look(
+        self,
+        solution: Solution,
+        out: Residuals,
+        at: NDArray[np.intp] | None = None,
+        threads: int | None = 1,
+        then: Callable[[slice], None] | None = None,
+    ) -> tuple[NDArray[np.intp], dict[int, Closest]]:
         """The residuals into ``out``, which is zero; where points ``at`` are given, of these alone, and each of them closely.
 
-        ``threads`` share the first look at all points; None for as many as there are.  Returned are the closest points that were looked
-        for beside answers, by the place of each.
+        ``threads`` share the first look at all points; None for as many as there are.  ``then`` is told each block after it.  Returned
+        are the points that were looked at closely, and the closest points that were looked for beside answers, by the place of each.
         """
         keep_freed_memory(len(solution.multiplier) if at is None else at.size)
         seen = dict[int, Closest]()
         with np.errstate(all="ignore"):
-            still, moved = self.first.left(self.increment, solution, out, threads) if at is None else self._sorted(solution, at)
+            still, moved = self.first.left(self.increment, solution, out, threads, then) if at is None else self._sorted(solution, at)
             for some in _in_parts(still):
                 self._still(some, solution.stress.take(some, axis=0), self.increment.pressure[some], out)
             for some in _in_parts(moved):
                 seen |= self._moved(some, self.increment.trial.take(some, axis=0), self.increment.pressure[some], solution, out)
-        return seen
+        return np.concatenate([still, moved]), seen
 
     def _sorted(self, solution: Solution, at: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Those that stick and those that move."""

@@ -27,7 +27,11 @@ def columns_times(columns: Iterable[Array], matrix: Array) -> Array:
 
 def dot(first: Array, second: Array) -> Array:
     """Scalar products (N,), column by column, as in :func:`widest`."""
-    return reduce(np.add, (a * b for a, b in zip(first.T, second.T, strict=True)))
+    parts = (a * b for a, b in zip(first.T, second.T, strict=True))
+    found = next(parts)
+    for part in parts:
+        found += part
+    return found
 
 
 def length(vectors: Array) -> Array:
