@@ -17,6 +17,7 @@ from duhem.screening.lines import asked
 from duhem.screening.rows import Grid, LawName
 from duhem.show.printing import text
 from duhem.testing import RoutineChecks, inquiry
+from tests.campaigns import poisoned
 from tests.long import mostly_long
 from tests.screening import routines
 from tests.screening.test_campaign import InProcess, table
@@ -89,6 +90,18 @@ def test_what_a_routine_does_to_its_process_is_a_reason_and_harms_no_other_row(e
     with pool.Pool(campaign, 1) as processes:
         found = sorted((json.loads(text) for text in processes.texts([range(1, 4)])), key=lambda lines: lines[0][0])
     assert [lines[0][4] for lines in found] == ["passed", None, "passed"] and found[1][0][-1] == said
+
+
+FEW = ("0.12", "0.14", "O.3", "broken.toml")  # 40 GB, an error, malformed values and laws; loops take seconds
+
+
+@pytest.mark.parametrize(("kinds",), mostly_long([(FEW,), (tuple(poisoned.REASONS),)], (FEW,)), ids=["few", "all"])
+def test_poisoned_rows_come_back_with_their_reasons_and_harm_no_other(tmp_path, monkeypatch, kinds):
+    monkeypatch.setattr(pool, "_WAITED", 1_000.0)  # a busy machine lets a loop that never ends wait too
+    asked_rows, written = poisoned.campaign(tmp_path, 20, kinds)
+    lines = duhem.campaign(asked_rows, workers=1).lines
+    assert poisoned.faults(asked_rows, written, lines, 5) == []
+    assert {line.row for line in lines if line.error} == {row for row, kind in enumerate(written, 1) if kind in kinds}
 
 
 def test_a_routine_that_ends_the_program_fails_its_check():

@@ -222,9 +222,16 @@ def test_a_row_that_asks_the_program_to_end_is_a_row(folder, monkeypatch):
     assert {line.error for line in asked(file.read(folder / "campaign.toml"), 1)} == {"it asks the program to end, with 3"}
 
 
-def test_a_call_that_gets_no_memory_is_lack_of_memory(folder, monkeypatch):
+@pytest.mark.parametrize("lacks", [OSError(errno.ENOMEM, "Cannot allocate memory"), MemoryError()])
+@pytest.mark.parametrize("told", [True, False])
+def test_a_call_that_gets_no_memory_is_lack_of_memory_whatever_it_raises_itself(folder, monkeypatch, lacks, told):
     def full(self, law):
-        raise OSError(errno.ENOMEM, "Cannot allocate memory")
+        try:
+            raise lacks
+        except type(lacks):
+            if not told:
+                raise ValueError("no buffer") from None
+            raise
 
     monkeypatch.setattr(Claimed, "answers", full)
     with pytest.raises(MemoryError):

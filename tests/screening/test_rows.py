@@ -95,6 +95,7 @@ WRONG = {
     "drawn and set": (f"{LIMACON}set = {{ mu = 1 }}\ndraw = {{ n = 1, seed = 1, mu = [0, 1] }}\n", "mu is given twice"),
     "unknown claim": ("claims_ = 1\n", "unknown key 'claims_'"),
     "negative": (f"seconds = -1\n{LIMACON}", "seconds = -1"),
+    "little memory": (f"memory = 0.49\n{LIMACON}", "memory = 0.49; give 0.5 or more: less does not load what asks a row"),
     "not a number": (f"seconds = nan\n{LIMACON}", "seconds = NaN; give a number"),
     "a list for one effort": (f'effort = ["quick"]\n{LIMACON}', "unknown effort"),
     "more rows than a length": (f"{LIMACON}draw = {{ n = 1{'0' * 30}, seed = 1, mu = [0, 1] }}\n", "there are more than"),

@@ -6,7 +6,7 @@ claims = ["origin", "convexity"]              # left out: all of them
 effort = "normal"                             # quick, normal or thorough: the steps that a claim may cost
 out = "table.csv"                             # or .parquet; the command line's --out comes first
 seconds = 600                                 # of the processor; a row that takes more, or waits ten times as long, is ended
-memory = 4                                    # GB that a row may ask for
+memory = 4                                    # GB that a row may ask for; at least 0.5
 
 [[rows]]
 laws = ["coulomb", "laws/*.toml"]             # every law as it stands; files are looked for beside the campaign
@@ -69,6 +69,7 @@ __all__ = ["KEYS", "read", "reads"]
 
 MOST_BYTES = 1_000_000
 MOST_ROWS = 10_000_000
+_LEAST_MEMORY = 0.5  # GB; with less some library does not load, another of its name is, and a row says anything but that
 KEYS = {
     "campaign": ("ask", "claims", "effort", "out", "seconds", "memory"),
     "rows": ("laws", "law", "set", "grid", "draw", "table", "columns"),
@@ -120,17 +121,17 @@ class _CampaignReader(InquiryReader):
         return Campaign(
             tuple(blocks),
             inquiry,
-            seconds=self.limit(head, "seconds", 600.0),
-            memory=self.limit(head, "memory", 4.0),
+            seconds=self.limit(head, "seconds", 600.0, 0.0, "give a number above 0"),
+            memory=self.limit(head, "memory", 4.0, _LEAST_MEMORY, f"give {_LEAST_MEMORY:g} or more: less does not load what asks a row"),
             out=str(folder / out) if out else None,
             inputs=tuple(inputs),
         )
 
-    def limit(self, head: Mapping[str, Any], key: str, usual: float) -> float:
+    def limit(self, head: Mapping[str, Any], key: str, usual: float, least: float, remedy: str) -> float:
         given = head.get(key, usual)
         known = isinstance(given, int | float | Decimal) and not isinstance(given, bool) and isfinite(given)
-        if not known or not 0 < given < 1e9:
-            raise self.error(f"{key} = {str(given)[:40]}", "campaign", key, remedy="give a number above 0")
+        if not known or not least <= given < 1e9 or not given:
+            raise self.error(f"{key} = {str(given)[:40]}", "campaign", key, remedy=remedy)
         return float(given)
 
     # -- rows --------------------------------------------------------------------------------------------------

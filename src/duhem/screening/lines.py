@@ -17,6 +17,7 @@ from duhem.screening.rows import Row
 __all__ = ["VerdictLine", "as_text", "asked", "ended", "lines_of", "number_of", "stated"]
 
 _MOST = 1_000  # characters of an error
+_A_LIBRARY = 100_000_000  # bytes: what is mapped at once of a large one, or for a thread
 
 
 class VerdictLine(NamedTuple):
@@ -50,11 +51,38 @@ def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
     except SystemExit as fault:
         return ended(campaign, row, f"it asks the program to end, with {fault.code!r}")
     except Exception as fault:
-        if isinstance(fault, OSError) and fault.errno == errno.ENOMEM:
+        if _for_lack_of_memory(fault):
             raise MemoryError from None
         place = traceback.extract_tb(fault.__traceback__)[-1]
         where = f"{os.path.basename(place.filename)}:{place.lineno}"
         return ended(campaign, row, f"{type(fault).__name__}: {' '.join(str(fault).split())} (at {where})")
+
+
+def _for_lack_of_memory(fault: BaseException) -> bool:
+    """Whether memory was lacking, also where what lacked it, a library that does not load or a thread, is told as an error of its own."""
+    met = set[int]()
+    cause: BaseException | None = fault
+    while cause is not None and id(cause) not in met:
+        if isinstance(cause, MemoryError) or (isinstance(cause, OSError) and cause.errno == errno.ENOMEM):
+            return True
+        if (isinstance(cause, ImportError) or "start new thread" in str(cause)) and _all_but_taken():
+            return True
+        met.add(id(cause))
+        cause = cause.__cause__ or cause.__context__
+    return False
+
+
+def _all_but_taken() -> bool:
+    """Whether this process has come so near to the memory that it may have that a thread or a library more does not fit."""
+    try:
+        import resource
+
+        with open("/proc/self/status") as stream:
+            peak = next(1024 * int(line.split()[1]) for line in stream if line.startswith("VmPeak"))
+        most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    except (ImportError, OSError, StopIteration):  # a platform that does not count
+        return False
+    return most != resource.RLIM_INFINITY and peak > most - _A_LIBRARY
 
 
 def ended(campaign: Campaign, row: Row, error: str) -> tuple[VerdictLine, ...]:
