@@ -20,7 +20,7 @@ import duhem
 from duhem.benchmark.contenders import Contender, applicable
 from duhem.benchmark.reference import Closest, Drive, NoReference, distance
 from duhem.benchmark.specimen import Specimen
-from duhem.benchmark.work_precision import bench, many_paths, whole_calls
+from duhem.benchmark.work_precision import bench, many_paths, throughput, whole_calls
 from duhem.benchmark.work_precision.result import Measurement, Spread, Target, WorkPrecision
 from duhem.benchmark.work_precision.text import duration, text
 from duhem.errors import InputError
@@ -310,6 +310,12 @@ def test_whole_calls_are_held_to_a_copy_in_the_same_run() -> None:
     assert targets["duhem.project / copy of 24 bytes a point"].value == whole.least / copy.least
     assert targets["duhem.project (numba) / copy of 24 bytes a point"].holds is None
     assert "wall time a point" in text(result)
+
+
+@pytest.mark.parametrize(("points", "often"), [(5_000, 2), (20_000, 4), (500_000, 40)])
+def test_small_batches_are_taken_more_often(points: int, often: int) -> None:
+    rows = list(whole_calls.rows(throughput.Load.of(Specimen.of(coulomb()), points), [], repeats=2))
+    assert [row.seconds.repeats // 5 for row in rows if row.seconds is not None] == [2, often][-len(rows) :]
 
 
 def test_whole_calls_set_a_law_without_closed_form_other_ratios() -> None:

@@ -29,7 +29,13 @@ __all__ = ["bench"]
     "duhem.simulate, or all of these.",
 )
 @stiffness_option
-@click.option("--repeats", type=click.IntRange(1), default=5, show_default=True, help="Runs of each measurement; slow ones take fewer.")
+@click.option(
+    "--repeats",
+    type=click.IntRange(1),
+    default=5,
+    show_default=True,
+    help="Runs of each measurement; slow ones take fewer, small batches more.",
+)
 @click.option(
     "--points",
     type=click.IntRange(1),

@@ -42,9 +42,9 @@ def bench(
     conic solver over its tolerances), ``path`` (each integrator over ``steps`` a segment), ``throughput`` (``points``
     increments at once), ``project`` (the same through :func:`duhem.project`, by the wall clock), ``paths`` (a tenth as many
     points over 1,000 implicit steps each, and ``points`` steps of one).  Each measurement runs
-    ``repeats`` times, fewer where it is slow, and says so.  ``contenders`` in place of all methods; ``peers``: other programs
-    beside duhem's, those that are installed.  One that raises is a row with its failure.  KeyboardInterrupt ends it with what is
-    done.
+    ``repeats`` times, fewer where it is slow and more for the small batches of ``project``, and says so.  ``contenders`` in place
+    of all methods; ``peers``: other programs beside duhem's, those that are installed.  One that raises is a row with its failure.
+    KeyboardInterrupt ends it with what is done.
     Raises InputError for a parameter without value, a law with a flow of its own, or an unknown scene.
     """
     if strange := [scene for scene in scenes if scene not in SCENES]:

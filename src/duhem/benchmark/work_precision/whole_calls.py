@@ -2,7 +2,8 @@
 
 The bound is a copy of three numbers a point between arrays that exist, by one thread: what reading a trial stress and a pressure in
 the plane costs at least.  Compiled calls are taken on one thread and on all that there are; what is compiled on first use is
-compiled before.
+compiled before.  Small batches, the copy of them too, are taken as often as it takes to see as many points, up to twenty times as
+often: five calls of half a millisecond are all over while another program has the processor.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ __all__ = ["SCENE", "rows", "targets"]
 SCENE = "project"
 COPY, ONE = "copy of 24 bytes a point", ", one thread"
 _SMALL, _FEW = 10_000, 2_000  # points of a small batch; of newton without a compiler beside many
+_OFTEN = 20
 _LIMIT = 6.0
 
 
@@ -30,19 +32,19 @@ def rows(load: Load, contenders: Sequence[Contender], repeats: int) -> Iterator[
     """Seconds a point of the copy and of each call: large and small batches, with and without the compiler."""
     n = len(load.question.trial)
     for many in sorted({n, min(n, _SMALL)}, reverse=True):
-        there, here = np.ones((many, 3)), np.empty((many, 3))
-        yield _measured(COPY, many, partial(np.copyto, here, there), 5 * repeats, "one thread")
+        there, here, often = np.ones((many, 3)), np.empty((many, 3)), repeats * min(n // many, _OFTEN)
+        yield _measured(COPY, many, partial(np.copyto, here, there), 5 * often, "one thread")
         for contender in contenders:
             name, options = contender.method.name, vars(contender.options)
             if "compiled" not in options:
                 continue
             if not options["compiled"] and name == "newton":
-                yield _called(load, contender, contender.name, min(many, _FEW) if many == n else many, repeats)
+                yield _called(load, contender, contender.name, min(many, _FEW) if many == n else many, often)
                 continue
-            yield _called(load, contender, contender.name, many, repeats)
+            yield _called(load, contender, contender.name, many, often)
             if options["compiled"]:
                 alone = Contender.of(contender.name, name, compiled=True, threads=1)
-                yield _called(load, alone, contender.name + ONE, many, repeats)
+                yield _called(load, alone, contender.name + ONE, many, often)
 
 
 def _called(load: Load, contender: Contender, name: str, count: int, repeats: int) -> Measurement:
