@@ -310,11 +310,11 @@ def test_the_origin_where_g_has_no_value_there() -> None:
 def test_what_to_write_for_quotients_that_tend_to_0_at_zero_force(g: str, quotients: list[str]) -> None:
     law = {"q": UNIT} if "q" in g else {}
     why = evaluation.origin_undefined(subject(g, **law))
-    written = {each: f"where(norm(a, b) > 0, {each}, 0)" for each in quotients}
-    assert why is not None and why.detail.endswith(f"with the limit 0; write {' and '.join(written.values())} instead")
+    said = f"{' and '.join(quotients)} {'are' if quotients[1:] else 'is'} 0/0 there, with the limit 0; write where(norm(a, b) > 0, ..., 0)"
+    assert why is not None and why.detail.startswith(f"g has no value at zero force: {said} around ")
     mended = g.replace("q*b**2", "b**2*q")
-    for each, instead in written.items():
-        mended = mended.replace(each, instead)
+    for each in quotients:
+        mended = mended.replace(each, f"where(norm(a, b) > 0, {each}, 0)")
     assert evaluation.origin(subject(mended, **law)) is not None and evaluation.origin(subject(g, **law)) is None
 
 

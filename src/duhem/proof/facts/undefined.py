@@ -49,10 +49,10 @@ def undefined_at_zero(subject: FormulaSubject) -> str:
     law, forces = subject.law, subject.law.forces
     away = (f"norm({', '.join(forces)})" if len(forces) > 1 else f"abs({forces[0]})") + " > 0"
     if small := _vanishing_quotients(law.g, law.force_symbols()):
-        parts = [formula(quotient) for quotient in small]
+        several = len(small) > 1
         return (
-            f"g has no value at zero force: {' and '.join(parts)} {'are' if small[1:] else 'is'} 0/0 there, with the limit 0; "
-            f"write {' and '.join(f'where({away}, {each}, 0)' for each in parts)} instead"
+            f"g has no value at zero force: {' and '.join(map(formula, small))} {'are' if several else 'is'} 0/0 there, with the limit 0; "
+            f"write where({away}, ..., 0) around {'each' if several else 'it'}"
         )
     return (
         f"g has no value at zero force: it {part.does} {formula(part.expr)}, which is 0 there; "
