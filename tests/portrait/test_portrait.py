@@ -379,6 +379,18 @@ def test_a_note_keeps_off_the_marks_of_other_points_and_off_the_boundary_where_i
     assert not first.contains(*axes.transData.transform(points["second"])) and all(text.get_visible() for text in axes.texts)
 
 
+def test_a_note_keeps_off_arrows() -> None:
+    def paint(axes: Any) -> None:
+        axes.set(xlim=(-1, 1), ylim=(-1, 1))
+        axes.quiver([0.0], [0.0], [0.3], [0.3], angles="xy", scale_units="xy", scale=1.0)
+        figure.note(axes, "words", (0.0, 0.0))
+
+    (axes,) = figure.drawn(paint)
+    box = axes.texts[0].get_window_extent()
+    along = axes.transData.transform(np.linspace(0.0, 0.3, 50)[:, None] * [1.0, 1.0])
+    assert axes.texts[0].get_visible() and not any(box.contains(*point) for point in along)
+
+
 def _noted(axes: Any) -> None:
     axes.plot([0.0, 1.0], [0.0, 1.0], gid=figure.OPEN)
     figure.note(axes, "here", (0.5, 0.5))

@@ -36,7 +36,7 @@ def settle(sheet: Figure, places: tuple[Axes, ...]) -> None:
     for axes in places:
         notes = [text for text in axes.texts if isinstance(text, Annotation) and text.get_gid() == NOTE]
         taken = [_mark(sheet, axes, note.xy) for note in notes]
-        lines = [_paths(axes, OPEN), _paths(axes, EDGE)]
+        lines = [_paths(axes, OPEN), [*_paths(axes, EDGE), *_shafts(axes)]]
         for text in notes:
             for side, across in _sides(*lines):
                 text.set(position=side["xytext"], ha=side["ha"], va=side["va"])
@@ -78,6 +78,16 @@ def _mark(sheet: Figure, axes: Axes, point: tuple[float, float]) -> Bbox:
 
 def _paths(axes: Axes, kind: str) -> list[Path]:
     return [line.get_transform().transform_path(line.get_path()) for line in axes.lines if line.get_gid() == kind]
+
+
+def _shafts(axes: Axes) -> list[Path]:
+    """The arrows, each from its foot to its tip."""
+    import numpy as np
+    from matplotlib.path import Path
+    from matplotlib.quiver import Quiver
+
+    every = [np.array([each.X, each.Y, each.U, each.V], dtype=float).T for each in axes.collections if isinstance(each, Quiver)]
+    return [Path(axes.transData.transform([(x, y), (x + u, y + v)])) for arrows in every for x, y, u, v in arrows]
 
 
 def _sides(lines: list[Path], edges: list[Path]) -> Iterator[tuple[dict[str, Any], list[Path]]]:
