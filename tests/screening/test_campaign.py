@@ -25,6 +25,7 @@ from duhem.screening.lines import as_text, asked
 from duhem.screening.rows import Grid, LawName
 from duhem.show.growing_file import beside, rows_beside
 from duhem.show.printing import text
+from tests.campaigns.screenings import AtOnce
 from tests.long import mostly_long
 from tests.screening.poison import NAMES, Poison
 
@@ -215,6 +216,12 @@ def test_a_campaign_without_any_verdict_has_a_summary(folder, monkeypatch):
     monkeypatch.setattr(entry, "Pool", InProcess)
     summary = duhem.campaign([("limacon", {"e": "3"}), ("limacon", {"e": "4"})], ["origin"])
     assert "2 rows" in text(summary) and "origin" in text(summary) and "Without verdict" in text(summary)
+
+
+def test_what_costs_nothing_is_asked_as_anything_is(folder, monkeypatch):
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    summary = duhem.campaign(replace(file.read(folder / "campaign.toml"), inquiry=AtOnce(), out=None))
+    assert {line.verdict for line in summary.lines} == {"proved", None} and summary.commands
 
 
 def test_a_row_that_asks_the_program_to_end_is_a_row(folder, monkeypatch):
