@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import duhem
 from duhem.errors import InputError
-from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise
+from duhem.testing import Case, Failure, Report, Step, check, conformance, pointwise, violation
 from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import registered
@@ -19,6 +19,7 @@ from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.causes import CAUSES, by_cause
 from duhem.testing.routines.unfinished import Unfinished
+from duhem.testing.run import ConformanceRun
 from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
 # -- visited -----------------------------------------------------------------------------------------------------------
@@ -180,6 +181,82 @@ def test_a_call_that_raises_is_told_by_the_increment_that_makes_it() -> None:
     asked, loads = ["answers", "repeatability"], st.sampled_from([-1.0, 0.0])
     report = conformance("coulomb", update, DISK, checks=asked, stiffness=1.0, pressure=loads, max_examples=2, rows=10)
     assert report.failed == {"answers"} and report.failures[0].case.pressure == [0.0], str(report)
+
+
+RAISING: list[tuple[str, Callable[[Array, Array], Array], list[float], float]] = [
+    ("firmness", lambda trial, k: trial[:, 0] == 20.0, [20.0, 0.5], 1.0),  # the other of two increments
+    ("stiffness-scale", lambda trial, k: (trial[:, 0] == 2.0) & (k[0, 0] == 2.0), [2.0, 0.25], 2.0),
+]
+
+
+@pytest.mark.parametrize(("name", "where", "trial", "stiffness"), RAISING, ids=[name for name, *_ in RAISING])
+def test_what_raises_beside_the_trial_is_told_by_its_own_increment(
+    name: str, where: Callable[[Array, Array], Array], trial: list[float], stiffness: float
+) -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        if where(trial, stiffness).any():
+            raise ZeroDivisionError("there")
+        return np.asarray(box(trial, pressure, stiffness).stress)
+
+    tried, none, ones = np.array([[1.0, 0.25], [2.0, 0.25], [3.0, 0.25]]), np.zeros((3, 2)), np.ones(3)
+    case = Case(BOX, np.eye(2), -ones, tried, tried * [10.0, 2.0], tried, none, none, ones, 2.0, np.zeros((3, 2, 2)), -np.ones((3, 2)))
+    options = {"stiffness": None, "pressure": None, "accuracy": 1e-9, "max_examples": 1, "rows": 3, "every": 1}
+    run = ConformanceRun(duhem.load("box"), update, BOX, [check(name)], **options)
+    (failure,) = run.failures(run.query(case), [check(name)])
+    assert failure.case.trial.tolist() == [trial] and failure.case.stiffness.tolist() == (stiffness * np.eye(2)).tolist()
+    assert failure.message == "the routine raised ZeroDivisionError: there"
+    assert violation(name, "box", update, failure.case, open_parameters=()) == failure.message
+
+
+def test_a_routine_that_raises_is_asked_for_it_few_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each of those calls may cost a process."""
+
+    def told() -> tuple[Report, int]:
+        raised = []
+
+        def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+            if (trial[:, 0] > 2.0).any():
+                raised.append(len(trial))
+                raise ZeroDivisionError("there")
+            return 0.0 * trial
+
+        report = conformance("coulomb", update, DISK, checks=["answers"], max_examples=2, rows=10, seed=1)
+        assert report.failed == {"answers"} and report.failures[0].case.trial[0, 0] > 2.0
+        return report, len(raised)
+
+    report, often = told()
+    assert often < report.points / 8
+    for place in ("failures.least_case", "run"):
+        monkeypatch.setattr(f"duhem.testing.{place}.RAISED", 0)
+    assert told()[1] < often
+
+
+def test_what_raises_at_answers_alone_is_no_answer() -> None:
+    """No drawn trial stress is an answer to the last bit but those inside: what is asked again of answers tells."""
+    found: set[bytes] = set()
+
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        if any(row.tobytes() in found for row in trial):
+            raise ZeroDivisionError("on the boundary")
+        stress = ellipse(trial, pressure, stiffness)
+        found.update(row.tobytes() for row in stress[(stress != trial).any(axis=1)])
+        return stress
+
+    report = conformance("orthotropic", update, ELLIPSE, checks=["answers", "idempotence"], max_examples=2, rows=5, every=1, tries=20)
+    assert report.failed == {"answers"} and "on the boundary" in report.failures[0].message, str(report)
+
+
+def test_what_raises_once_and_not_again_is_a_memory() -> None:
+    calls = []
+
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        calls.append(len(trial))
+        if len(calls) == 2:
+            raise ZeroDivisionError("once")
+        return ellipse(trial, pressure, stiffness)
+
+    report = conformance("orthotropic", update, ELLIPSE, checks=["answers", "repeatability"], max_examples=2, rows=5, every=1, tries=20)
+    assert report.failed == {"repeatability"} and "not when asked again: the routine raised" in report.failures[0].message
 
 
 # -- seeds -------------------------------------------------------------------------------------------------------------

@@ -198,3 +198,15 @@ def test_what_a_reversed_question_brings_is_counted_at_its_own_increment() -> No
     with pytest.raises(Unfinished) as fault:
         judged(free_check("repeatability"), HistoryQuery(Material(advance, np.eye(2)), case, 1e-9))
     assert fault.value.row == 1
+
+
+def test_what_raises_on_the_way_is_told_by_its_own_increment() -> None:
+    def update(trial: Array, pressure: Array | None, stiffness: Array) -> Array:
+        if ((trial[:, 0] > 0.7) & (trial[:, 0] < 0.8)).any():
+            raise ZeroDivisionError("there")
+        return np.clip(trial, -1.0, 1.0)
+
+    report = conformance(None, update, stiffness=[1.0, 2.0], checks=["answers"], max_examples=10, rows=10, seed=0, tries=20)
+    (failure,) = report.failures
+    assert 0.7 < failure.case.trial[0, 0] < 0.8, failure.increment
+    assert violation("answers", None, update, failure.case) == failure.message

@@ -13,7 +13,8 @@ from duhem.law.catalogue import load
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks import law_checks, multiplier_checks, routine_checks, run_checks, tangent_checks  # noqa: F401 (they register)
 from duhem.testing.checks.judged import judged
-from duhem.testing.checks.query import NoReply, Query
+from duhem.testing.checks.query import Query
+from duhem.testing.checks.raised import NoReply
 from duhem.testing.checks.registry import Check, registered
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.decades import Strategy

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.testing.checks.judged import judged
-from duhem.testing.checks.query import NoReply, NothingToCheck, Query
+from duhem.testing.checks.query import NothingToCheck, Query
+from duhem.testing.checks.raised import NoReply, Raised
 from duhem.testing.checks.registry import Check
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.admitted_values import admitted
@@ -27,7 +28,7 @@ from duhem.testing.drawn.usable_options import check_options
 from duhem.testing.failures.causes import by_cause, likeliest_first
 from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses
-from duhem.testing.failures.least_case import LeastCase
+from duhem.testing.failures.least_case import RAISED, LeastCase
 from duhem.testing.failures.report import Failure, Report
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.origin import Origin, named, origin
@@ -38,7 +39,7 @@ __all__ = ["TRIES", "ConformanceRun"]
 
 _PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
 _TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
-_MEMORY = "repeatability"
+_ANSWERS, _MEMORY = "answers", "repeatability"
 _EVERY = 7  # so many increments, of which one is asked what the checks ask again: an odd number, as seams have two sides by turns
 TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
 _SINGLE = 300  # single increments among which a failure is looked for again, to be shrunk
@@ -86,7 +87,7 @@ class ConformanceRun:
         self.parameters, self.stiffness, self.pressure, self.rows = parameters, stiffness, pressure, rows
         self.passed = self._open()
         self.asked, self.pending, self.expected = tuple(asked), list(asked), dict(expected or {})
-        self.silence_told = any(c.name == "answers" for c in asked)  # once is enough
+        self.answers = next((c for c in asked if c.name == _ANSWERS), None)  # which tells of silence, once for all checks
         options: dict[str, Any] = {} if max_examples is None else {"max_examples": max_examples}
         self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **options)
         self.seed = seed if seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
@@ -95,6 +96,7 @@ class ConformanceRun:
         self.judged: set[str] = set()
         self.points = self.flagged = self.undefined = self.examples = 0
         self.tried: Counter[tuple[str, str]] = Counter()
+        self.raised = Raised()
         self.last: Case | None = None
         self.shortened: dict[str, Failure] = {}
         self.visited = self._nothing_visited()
@@ -133,7 +135,7 @@ class ConformanceRun:
             if first is None:
                 self._look_at_the_whole()
                 break
-            self._note(first, search.checks)
+            self._note(first, search.checks, search.said)
         return self
 
     def _cases(self, parameters: Mapping[str, Any] | None, stiffness: ArrayLike | Strategy | None, rows: int = 1) -> Strategy:
@@ -146,7 +148,7 @@ class ConformanceRun:
             drawn(query)
             return found
 
-        return LeastCase(failing, checks, self.tries, self.seconds)
+        return LeastCase(failing, checks, self.tries, self.seconds, self.raised)
 
     def _drawn(self, query: Query) -> None:
         self.examples += 1
@@ -155,10 +157,11 @@ class ConformanceRun:
         if self.on_case is not None:
             self.on_case(self)
 
-    def _note(self, first: Case, checks: Sequence[Check]) -> None:
+    def _note(self, first: Case, checks: Sequence[Check], said: str) -> None:
         """Look for a smaller case than the first that failed, and note every check that fails on it."""
+        self.raised.said.clear()  # a routine with a memory may answer now
         if not any(self.failures(self.query(first), checks)):
-            self._note_all(self._unrepeatable(first, checks[0]))
+            self._note_all(self._unrepeatable(first, checks[0], said))
             return
         least = first
         shrinking = settings(self.profile, max_examples=_SINGLE, phases=(Phase.generate, Phase.shrink))
@@ -169,14 +172,14 @@ class ConformanceRun:
         again = list(self.failures(self.query(least), self.pending))
         if not again:  # a check passes over rows that the routine has flagged for one before it: here each is on its own
             again = list(self.failures(self.query(least), checks))
-        self._note_all(again or self._unrepeatable(least, checks[0]))
+        self._note_all(again or self._unrepeatable(least, checks[0], said))
 
     def _note_all(self, failures: Sequence[Failure]) -> None:
         self.found += failures
         failed = {f.check.name for f in failures}
         self.pending = [c for c in self.pending if c.name not in failed]
 
-    def _unrepeatable(self, case: Case, check: Check) -> list[Failure]:
+    def _unrepeatable(self, case: Case, check: Check, said: str) -> list[Failure]:
         """A failure that does not show again: the routine keeps something between calls, which is told once."""
         known = any(f.check.name == _MEMORY for f in self.found)
         memory = next((c for c in self.pending if c.name == _MEMORY), None)
@@ -190,7 +193,8 @@ class ConformanceRun:
             self.left_out[check.name] = "failed once, and not when asked again: the routine has a memory"
         if memory is None:
             return []
-        return [self._failure(memory, f"{check.name} failed on this case, and not when asked again", case, float("nan"), 0.0)]
+        message = f"{check.name} failed on this case, and not when asked again: {said}"
+        return [self._failure(memory, message, case, float("nan"), 0.0)]
 
     def _look_at_the_whole(self) -> None:
         """The checks that no case alone can fail."""
@@ -203,6 +207,7 @@ class ConformanceRun:
 
     def failures(self, query: Query, checks: Sequence[Check]) -> Iterator[Failure]:
         """The failures of some checks on a case, as they are found."""
+        silent = any(f.check.name == _ANSWERS for f in self.found)
         try:
             for asked in checks:
                 try:
@@ -213,10 +218,15 @@ class ConformanceRun:
                 except Unfinished as fault:
                     raise self._placed(fault, asked, query.case) from None
                 except NoReply as fault:
-                    if self.silence_told and asked.name != "answers":
+                    if self.answers is not None and asked.name != _ANSWERS:
                         self.left_out[asked.name] = f"not run: {fault}"
-                        continue
-                    found = query.case.row(self._silent(asked, query.case)), str(fault), float("nan"), 0.0
+                        if silent:
+                            continue
+                    found = self._silent(asked, query.case, fault), str(fault), float("nan"), 0.0
+                    if self.answers is not None and self._is_silent(self.answers, found[0]):
+                        if silent or self.answers not in checks:
+                            continue
+                        asked, silent = self.answers, True
                 self.judged.add(asked.name)
                 if found is not None:
                     case, message, measured, allowed = found
@@ -229,8 +239,7 @@ class ConformanceRun:
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """The same with the increment, and what shows it again."""
-        row = 0 if fault.row is None else fault.row % len(case)
-        failure = replace(self._failure(asked, fault.what, case.row(row), float("nan"), 0.0), origin=self._origin())
+        failure = replace(self._failure(asked, fault.what, _named_by(fault, case), float("nan"), 0.0), origin=self._origin())
         placed = Unfinished(fault.what, where=f"{failure.increment}, asked by the check {asked.name}", remedy=fault.remedy)
         placed.failure = failure
         return placed
@@ -238,15 +247,28 @@ class ConformanceRun:
     def _origin(self) -> Origin:
         return origin(self.update, self.law, self.given)
 
-    def _silent(self, asked: Check, case: Case) -> int:
-        """The first row to which the routine gives no answer by itself; 0 where it is silent about several at once only."""
+    def _silent(self, asked: Check, case: Case, fault: NoReply) -> Case:
+        """The first increment to which the routine gives no answer alone; the first one where it is silent about several at once only."""
+        if fault.row is not None:
+            named = _named_by(fault, case)
+            return named if self._is_silent(asked, named) else case.row(fault.row)
         rows = range(len(case)) if len(case) > 1 else ()
-        return next((i for i in rows if any(self.failures(self.query(case.row(i)), [asked]))), 0)
+        return case.row(next((i for i in rows if self._is_silent(asked, case.row(i))), 0))
+
+    def _is_silent(self, asked: Check, case: Case) -> bool:
+        try:
+            judged(asked, self.query(case))
+        except NoReply:
+            return True
+        except NothingToCheck:
+            pass
+        return False
 
     def query(self, case: Case) -> Query:
         """The routine asked about one case."""
         self.last = case
-        return Query(Region(self.known, case.parameters), case, self.update, self.passed, self.accuracy, self.every, self.examples)
+        region = Region(self.known, case.parameters)
+        return Query(region, case, self.update, self.passed, self.accuracy, self.every, self.examples, raised=self.raised)
 
     def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
         return Failure(check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed)
@@ -283,8 +305,10 @@ class ConformanceRun:
         return replace(self.shortened[name], explains=failure.explains)
 
     def _simplified(self, failure: Failure) -> Failure:
+        enough = self.raised.times + RAISED
+
         def fails(case: Case) -> bool:
-            return any(True for _ in self.failures(self.query(case), [failure.check]))
+            return self.raised.times <= enough and any(True for _ in self.failures(self.query(case), [failure.check]))
 
         law = self.law
         if law is None or failure.check.whole or failure.check.name == "repeatability" or len(failure.case) != 1 or not fails(failure.case):
@@ -319,3 +343,8 @@ class ConformanceRun:
                     tried[part] += _TRIED if now.diagnoses else 1
             told.append(now)
         return told
+
+
+def _named_by(fault: NoReply | Unfinished, case: Case) -> Case:
+    """The increment of a case at which the routine gives no answer alone, as the one that is tried."""
+    return case.row(fault.row or 0) if fault.case is None else fault.case

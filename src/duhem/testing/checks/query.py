@@ -14,9 +14,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, TypeAlias
@@ -26,23 +25,20 @@ from numpy.typing import NDArray
 
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
+from duhem.testing.checks.raised import NoReply, Raised
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import shaped
 from duhem.testing.routines.overwritten import Overwritten
-from duhem.testing.routines.routine import Update, called
+from duhem.testing.routines.routine import Step, Update, called
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["Asked", "NoReply", "NothingToCheck", "Query", "Reply"]
+__all__ = ["Asked", "NothingToCheck", "Query", "Reply"]
 
 _PATHS = 3  # cases, in one of which some rows follow their paths to the end
 _SIZE = 20  # bits: the size of K to a part in a thousand
 
 Asked: TypeAlias = tuple[Array, Array | None]  # trial stresses (N, d) and their pressures (N,)
-
-
-class NoReply(Exception):
-    """The routine raised, or returned something that is no stress."""
 
 
 class NothingToCheck(Exception):
@@ -74,7 +70,8 @@ class Query:
 
     Of one row in ``every`` more is asked than the trial, and those are a query of their own, :attr:`some`; ``whole`` is the one that
     has them among its own, and ``rows`` (N,) which they are there.  ``turn`` counts the cases of a run: what takes calls of its own
-    is asked of some rows in some of the cases only (:meth:`by_turns`)."""
+    is asked of some rows in some of the cases only (:meth:`by_turns`).  ``raised`` is what the routine has raised so far, of several
+    queries where it is theirs."""
 
     region: Region
     case: Case
@@ -84,6 +81,7 @@ class Query:
     every: int = 1
     turn: int = 0
     whole: Query | None = None
+    raised: Raised = field(default_factory=Raised)
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
@@ -91,7 +89,6 @@ class Query:
     unsaid: NDArray[np.bool_] = field(init=False)
     rows: NDArray[np.intp] = field(init=False)
     tried: Counter[tuple[str, str]] = field(init=False, default_factory=Counter)
-    _raised: dict[tuple[bytes, bytes, bytes], str] = field(init=False, default_factory=dict)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -107,13 +104,11 @@ class Query:
         rows = _some(len(self.case), self.every)
         if len(rows) == len(self.case):
             return self
-        part = self.part(self.case.rows(rows))
-        part._raised = self._raised
-        return part
+        return self.part(self.case.rows(rows))
 
     def part(self, case: Case) -> Query:
         """A query of some of the rows, which this one has among its own."""
-        return Query(self.region, case, self.update, self.passed, self.accuracy, turn=self.turn, whole=self)
+        return Query(self.region, case, self.update, self.passed, self.accuracy, turn=self.turn, whole=self, raised=self.raised)
 
     def by_turns(self, cases: int) -> bool:
         """Whether to ask what is asked in the first of so many cases: always, where all the rows are asked for all."""
@@ -227,27 +222,40 @@ class Query:
         return np.arange(len(self.case)) if asked == len(self.case) else self.some.rows
 
     def _reply(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Reply:
-        values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
-        asked = trial.tobytes(), b"" if pressure is None else pressure.tobytes(), stiffness.tobytes()
-        if asked in self._raised:  # a crash costs a new process: one check has seen it, and no other asks for it again
-            raise NoReply(self._raised[asked])
+        def ask(at: slice) -> Step:
+            return self.answer(trial[at], None if pressure is None else pressure[at], stiffness, rows[at])
+
+        def key(i: int) -> Hashable:
+            load = b"" if pressure is None else pressure[i].tobytes()
+            return trial[i].tobytes(), load, stiffness.tobytes(), self.told_apart_by(int(rows[i]))
+
         try:
-            step = called(self.update, values, trial, pressure, stiffness)
-        except Unfinished as fault:
-            fault.locate(
-                lambda at: called(self.update, values, trial[at], None if pressure is None else pressure[at], stiffness), len(trial)
-            )
-            fault.row = None if fault.row is None else int(self.rows[rows[fault.row]])
+            step = self.raised.asked(ask, key, len(trial), self._said)
+        except (NoReply, Unfinished) as fault:
+            if fault.row is not None:
+                at, own = slice(fault.row, fault.row + 1), int(rows[fault.row])
+                load = None if pressure is None else pressure[at]
+                fault.case = replace(self.case.row(own), trial=trial[at], pressure=load, stiffness=stiffness)
+                fault.row = int(self.rows[own])
             raise
-        except (Exception, SystemExit) as fault:
-            self._raised[asked] = f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}"
-            raise NoReply(self._raised[asked]) from fault
         self.note_overwritten(step.overwritten, rows)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
         parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}
         solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.asarray(step.solved, dtype=np.bool_).reshape(n)
         return Reply(trial, **parts, solved=solved)  # type: ignore[arg-type]
+
+    def answer(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Step:
+        """What the routine answers to some increments of these ``rows``.  What it raises passes."""
+        values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
+        return called(self.update, values, trial, pressure, stiffness)
+
+    def told_apart_by(self, row: int) -> Hashable:
+        """What else tells an increment of a row from others with the same trial stress, pressure and stiffness."""
+        return tuple(self.region.parameters.values())
+
+    def _said(self, fault: BaseException) -> str:
+        return f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}"
 
     def _not_passed(self, fault: BaseException) -> str:
         """What there is to say of an argument that the routine misses, if it is a parameter of the law that was given a value."""
@@ -353,8 +361,11 @@ class Query:
     def _at_once(self, asked: Mapping[str, Asked], more: Mapping[str, Asked]) -> Mapping[str, Reply]:
         """The replies to what is ``asked``, and to ``more`` where the routine can answer all of it."""
         if more:
-            with suppress(NoReply):
+            try:
                 return self._at_once({**asked, **more}, {})
+            except NoReply as fault:
+                if fault.together:
+                    raise
         return dict(zip(asked, self.together([*asked.values()], self.case.stiffness), strict=True))
 
     def _known_or_asked(self, known: Mapping[str, Reply], name: str, asked: Asked) -> Reply:

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.raised import NoReply
 
 __all__ = ["Visited"]
 

@@ -12,7 +12,8 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
-from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.raised import NoReply
 
 __all__ = ["Departure", "closest", "departure"]
 

@@ -17,7 +17,8 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.raised import NoReply
 from duhem.testing.failures.departure import Departure, closest
 
 __all__ = ["Part", "Probe", "constant", "diagnoses", "registered_suggestions", "suggests"]

@@ -10,13 +10,16 @@ from time import monotonic
 from hypothesis import find, settings
 from hypothesis.errors import Flaky, NoSuchExample
 
+from duhem.testing.checks.raised import Raised
 from duhem.testing.checks.registry import Check
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.decades import Strategy
 from duhem.testing.failures.report import Failure
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["LeastCase"]
+__all__ = ["RAISED", "LeastCase"]
+
+RAISED = 60  # calls that raise while a case is made smaller, at most: each may have cost a process
 
 Failing = Callable[[Case, Sequence[Check]], Failure | None]  # the first of some checks that fails on a case
 
@@ -28,10 +31,11 @@ class _Enough(BaseException):
 class LeastCase:
     """One search for a case on which one of ``checks`` fails; so many ``tries``, and ``seconds``, are left to make it smaller."""
 
-    def __init__(self, failing: Failing, checks: Sequence[Check], tries: int, seconds: float | None) -> None:
-        self.failing, self.checks, self.left, self.seconds = failing, checks, tries, seconds
+    def __init__(self, failing: Failing, checks: Sequence[Check], tries: int, seconds: float | None, raised: Raised) -> None:
+        self.failing, self.checks, self.left, self.seconds, self.raised = failing, checks, tries, seconds, raised
         self.least: Case | None = None
-        self.until = float("inf")
+        self.said = ""  # of the first that failed
+        self.until, self.most = float("inf"), 0
         self.unfinished: Unfinished | None = None
 
     def fails(self, case: Case) -> bool:
@@ -44,14 +48,15 @@ class LeastCase:
 
     def _fails(self, case: Case) -> bool:
         if self.least is not None:
-            if self.left == 0 or monotonic() > self.until:
+            if self.left == 0 or monotonic() > self.until or self.raised.times > self.most:
                 raise _Enough
             self.left -= 1
         found = self.failing(case, self.checks)
         if found is None:
             return False
         if self.least is None:
-            self.checks = (found.check,)
+            self.checks, self.said = (found.check,), found.message
+            self.most = self.raised.times + RAISED
             self.until = float("inf") if self.seconds is None else monotonic() + self.seconds
         self.least = found.case
         return True

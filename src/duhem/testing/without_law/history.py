@@ -9,7 +9,8 @@ sigma_0 the stress at the beginning of the step; the second part is what a few r
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +18,8 @@ from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Asked, NoReply, Query, Reply
+from duhem.testing.checks.query import Asked, Query, Reply
+from duhem.testing.checks.raised import NoReply, Raised
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import Material, MaterialState, advanced
@@ -47,13 +49,21 @@ class HistoryQuery(Query):
     """``first`` and what else a :class:`Query` asks are steps from :attr:`start`, where the path ends."""
 
     def __init__(
-        self, material: Material, case: Case, accuracy: float, every: int = 1, turn: int = 0, whole: HistoryQuery | None = None
+        self,
+        material: Material,
+        case: Case,
+        accuracy: float,
+        every: int = 1,
+        turn: int = 0,
+        whole: HistoryQuery | None = None,
+        raised: Raised | None = None,
     ) -> None:
-        super().__init__(_Unknown(case.parameters), case, self._from_start, (), accuracy, every, turn, whole)
+        known = Raised() if raised is None else raised
+        super().__init__(_Unknown(case.parameters), case, self._from_start, (), accuracy, every, turn, whole, known)
         self.material, self.before = material, whole
 
     def part(self, case: Case) -> Query:
-        return HistoryQuery(self.material, case, self.accuracy, turn=self.turn, whole=self)
+        return HistoryQuery(self.material, case, self.accuracy, turn=self.turn, whole=self, raised=self.raised)
 
     def together(self, asked: Sequence[Asked], stiffness: Array) -> list[Reply]:
         _ = self.start  # what fails on the way there is no fault of this step
@@ -83,15 +93,6 @@ class HistoryQuery(Query):
 
     def step(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0) -> MaterialState:
         """The points after the increment of strain that asks for the stress ``trial`` (M, d).  What the routine raises passes."""
-        try:
-            return self._stepped(before, trial, pressure, duration)
-        except Unfinished as fault:
-            fault.locate(
-                lambda at: self._stepped(before.rows(at), trial[at], None if pressure is None else pressure[at], duration), len(trial)
-            )
-            raise
-
-    def _stepped(self, before: MaterialState, trial: Array, pressure: Array | None, duration: float) -> MaterialState:
         if self.material.towards is not None:
             return self.material.towards(before, trial, pressure, duration)
         increment: Array = np.asarray(np.linalg.solve(self.case.stiffness, (trial - before.stress).T).T)
@@ -102,13 +103,19 @@ class HistoryQuery(Query):
     ) -> MaterialState:
         """:meth:`step` of all the rows, in the order of ``rows``; those that the routine flags are not judged.  Raises NoReply."""
         rows = np.arange(len(self.case)) if rows is None else rows
+
+        def ask(at: slice) -> MaterialState:
+            return self.step(before.rows(at), trial[at], None if pressure is None else pressure[at], duration)
+
+        def key(i: int) -> Hashable:
+            load = None if pressure is None else pressure[i].tobytes()
+            return *(part[i].tobytes() for part in (before.strain, before.stress, before.variables, trial)), load, duration
+
         try:
-            after = self.step(before, trial, pressure, duration)
-        except Unfinished as fault:
+            after = self.raised.asked(ask, key, len(trial), self._said)
+        except (NoReply, Unfinished) as fault:
             fault.row = None if fault.row is None else int(self.rows[rows[fault.row]])
             raise
-        except Exception as fault:
-            raise NoReply(f"the routine raised {type(fault).__name__}: {fault}") from fault
         self.points += len(after)
         self.note_overwritten(after.overwritten, rows)
         if after.solved is not None:
@@ -117,9 +124,15 @@ class HistoryQuery(Query):
         return after
 
     def _from_start(self, trial: Array, pressure: Array | None, stiffness: Array) -> Step:
-        times = len(trial) // len(self.case)
-        after = self.step(self.start.rows(np.tile(np.arange(len(self.case)), times)), trial, pressure)
+        """Where no rows are named, the trial stresses are those of all."""
+        return self.answer(trial, pressure, stiffness, np.tile(np.arange(len(self.case)), len(trial) // len(self.case)))
+
+    def answer(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Step:
+        after = self.step(self.start.rows(rows), trial, pressure)
         return Step(after.stress, after.slip, None, after.tangent, after.solved, after.overwritten)
+
+    def told_apart_by(self, row: int) -> Hashable:
+        return self.case.path[row].tobytes(), None if self.case.loads is None else self.case.loads[row].tobytes()
 
     @cached_property
     def virgin(self) -> MaterialState:
@@ -150,7 +163,13 @@ class HistoryQuery(Query):
                 if case.loads is not None:
                     share = (j + 1) / parts
                     load = (1.0 - share) * case.loads[:, i - 1] + share * case.loads[:, i]
-                found.append(self.counted(found[-1], found[-1].stress + elastic, load, duration / parts))
+                trial = found[-1].stress + elastic
+                try:
+                    found.append(self.counted(found[-1], trial, load, duration / parts))
+                except NoReply as fault:
+                    if fault.row is not None and self.before is None and parts == duration == 1.0:
+                        fault.case = _up_to(i, case, fault.row, trial)
+                    raise
         return found
 
     @cached_property
@@ -162,3 +181,10 @@ class HistoryQuery(Query):
     def slip_of(self, before: MaterialState, after: MaterialState) -> Array:
         """k times what of the increment is not elastic (N, d), a stress."""
         return np.asarray((after.strain - before.strain) @ self.case.stiffness - (after.stress - before.stress))
+
+
+def _up_to(i: int, case: Case, row: int, trial: Array) -> Case:
+    """The case of one increment of a path, the one from knot i - 1 to knot i, after those before it."""
+    at, loads = slice(row, row + 1), case.loads
+    before = None if loads is None else loads[at, :i]
+    return replace(case.row(row), path=case.path[at, :i], loads=before, trial=trial[at], pressure=None if loads is None else loads[at, i])

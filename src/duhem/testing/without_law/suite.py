@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.testing.checks.judged import judged
-from duhem.testing.checks.query import NoReply, Query, Reply
+from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.raised import NoReply
 from duhem.testing.checks.registry import Check
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
@@ -164,7 +165,7 @@ class FreeRun(ConformanceRun):
     def query(self, case: Case) -> Query:
         self.last = case
         material = _material(self.routine, case.parameters, case.stiffness)
-        return HistoryQuery(material, case, self.accuracy, self.every, self.examples)
+        return HistoryQuery(material, case, self.accuracy, self.every, self.examples, raised=self.raised)
 
     def _title(self) -> str:
         return f"{getattr(self.routine, 'name', None) or getattr(self.routine, '__name__', 'update')}, without a law"
