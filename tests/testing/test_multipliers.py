@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from duhem import Criterion, Domain
+from duhem import Criterion, Domain, project
 from duhem.testing import Case, Step, conformance, violation
 
 SIDES = {"mu_a": 0.3, "mu_b": 0.2}
@@ -56,6 +58,24 @@ def test_it_is_none_of_its_business_where_the_stress_is_another_one() -> None:
 def test_a_set_that_is_one_point_has_none() -> None:
     for amount in (1.0, 2.0, 1e9):
         assert not refused("coulomb", at({"mu": 0.3}, [1.0, 1.0], 0.0, [1.0, 1.0]), [0.0, 0.0], amount)
+
+
+@pytest.mark.parametrize("below", [0.01, 0.03, 0.1])
+@pytest.mark.parametrize("force", [-1e-3, -1e-2])
+def test_a_normal_that_turns_within_the_error_in_stress_is_looked_for_there(below: float, force: float) -> None:
+    """On a seam where K bends far more on one side the slope along the slip is largest between the seam and the error's end."""
+    sizes = {"mu_a_plus": 210.0, "mu_a_minus": 1.0, "mu_b_plus": 1.0, "mu_b_minus": below}
+    k = np.array([[0.01, 2.2357347785459702], [2.2357347785459702, 510.0]])
+    case = replace(at(sizes, [1e4, force], -1.0, [1.0, 1.0]), stiffness=k)
+    right = project("antoni2007", case.trial, -1.0, k, sizes, method="closed-form")
+    seam = right.stress * [[1.0, 0.0]]
+    assert -1e-6 < right.stress[0, 1] < 0.0
+    for share, fails in ((1.0, False), (1.0 - 1e-3, True)):
+
+        def update(trial: np.ndarray, *_: object, share: float = share, **__: float) -> Step:
+            return Step(np.tile(seam, (len(trial), 1)), multiplier=np.tile(share * right.multiplier, len(trial)))
+
+        assert (violation("multiplier", "antoni2007", update, case, accuracy=1e-11) is not None) == fails
 
 
 def test_a_factor_is_told_from_one() -> None:

@@ -12,6 +12,7 @@ from duhem.testing.checks.registry import Finding, register
 __all__: list[str] = []
 
 _BESIDE = (4.0, 64.0, 1024.0)  # times u: so far from the stress gradients are taken, the second and third at kinks alone
+_WITHIN = tuple(4.0**-i for i in range(8))  # times u: where slopes change sooner than that far from the stress
 _ALONG = 1.0 - 1e-6  # cosine of a slip along the normal
 
 
@@ -71,7 +72,13 @@ def _lacking(q: Query, found: Reply, amount: Array) -> Array:
         there = np.abs(q.region.level(found.stress, q.pressure)) <= _BESIDE[0] * u * np.maximum(steep, most)
         normal = kink | (least >= _ALONG * steep)
         off = np.maximum(length - amount * most, amount * least - length)
-    known = (length > 2.0 * u) & there & normal & (least > 0.0) & np.isfinite(most) & np.isfinite(off)
+        known = (length > 2.0 * u) & there & normal & (least > 0.0) & np.isfinite(most) & np.isfinite(off)
+        for share in _WITHIN:
+            if not (known & (off > 2.0 * u)).any():
+                break
+            low, high, _ = _slopes(q, found.stress, way, share * u)
+            least, most = np.fmin(least, low), np.fmax(most, high)
+            off = np.maximum(length - amount * most, amount * least - length)
     return np.where(known, np.maximum(off, 0.0), 0.0)
 
 
