@@ -43,6 +43,13 @@ def test_k_is_seen_not_to_be_convex_with_these_parameters() -> None:
             assert bool(len(beyond)) == (e > 0.5)
 
 
+def test_k_is_seen_not_to_be_convex_under_this_pressure() -> None:
+    notched = of(Criterion("notched", "max(norm(sigma_a, sigma_b) - 2, min(sigma_a - 1, sigma_b + sigma_n))"))
+    given = [-1.0, -2.0, -1.5, -3.0]  # where sigma_a > 1 the disk ends at sigma_b = sqrt(3)
+    for pressure in [*given, *given[::-1]]:
+        assert bool(len(beyond_tangents(notched, 2, np.array([pressure])))) == (pressure > -np.sqrt(3.0))
+
+
 def test_a_pressure_that_is_new_costs_few_evaluations() -> None:
     class Counted:
         calls = 0
