@@ -85,6 +85,8 @@ class Judge:
         ``threads`` share the first look at all points; None for as many as there are.  ``then`` is told each block after it.  Returned
         are the points that were looked at closely, and the closest points that were looked for beside answers, by the place of each.
         """
+        if at is not None and not at.size:
+            return at, {}
         keep_freed_memory(len(solution.multiplier) if at is None else at.size)
         seen = dict[int, Closest]()
         with np.errstate(all="ignore"):
