@@ -83,6 +83,7 @@ def test_module_and_attribute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         "import duhem\n@duhem.criterion\ndef thin(sigma_a, sigma_b, sigma_n, mu):\n    'Thin.'\n    return abs(sigma_a)/mu + sigma_n\n"
     )
     (tmp_path / "mylaws_broken.py").write_text("1/0\n")
+    (tmp_path / "mylaws_ending.py").write_text("raise SystemExit(3)\n")
     monkeypatch.syspath_prepend(tmp_path)
     law = duhem.load("mylaws_here:thin")
     assert law.name == "thin"
@@ -93,6 +94,7 @@ def test_module_and_attribute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         "mylaws_here:none": "cannot be imported",
         "mylaws_here:duhem": "not a Criterion",
         "mylaws_broken:x": "ZeroDivisionError",
+        "mylaws_ending:x": "SystemExit: 3",
         "no_such_module:x": "cannot be imported",
         "a b:c": "not of the form",
     }

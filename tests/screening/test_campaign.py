@@ -245,6 +245,26 @@ def test_a_call_that_gets_no_memory_is_lack_of_memory_whatever_it_raises_itself(
         asked(file.read(folder / "campaign.toml"), 1)
 
 
+@pytest.mark.parametrize("lacks", [RuntimeError("can't start new thread"), ImportError("z.so: failed to map segment from shared object")])
+def test_a_thread_or_a_library_that_does_not_fit_is_lack_of_memory(folder, monkeypatch, lacks):
+    def full(self, law):
+        raise lacks
+
+    monkeypatch.setattr(Claimed, "answers", full)
+    campaign = file.read(folder / "campaign.toml")
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    with open("/proc/self/status") as stream:
+        peak = next(1024 * int(line.split()[1]) for line in stream if line.startswith("VmPeak"))
+    try:
+        resource.setrlimit(resource.RLIMIT_AS, (peak + 50_000_000, before[1]))
+        with pytest.raises(MemoryError):
+            asked(campaign, 1)
+        resource.setrlimit(resource.RLIMIT_AS, (peak + 10**9, before[1]))
+        assert str(lacks) in asked(campaign, 1)[0].error
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
 def test_parquet_has_types_and_says_where_it_is_from(folder, monkeypatch):
     pytest.importorskip("pyarrow")
     from pyarrow import parquet

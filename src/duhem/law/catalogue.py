@@ -185,7 +185,7 @@ def attribute(reference: str, shown: str) -> Any:
         found: Any = import_module(module)
         for part in path.split("."):
             found = getattr(found, part)
-    except Exception as fault:  # whatever the module does on import is the caller's, and so is its error
+    except (Exception, SystemExit) as fault:  # whatever the module does on import is the caller's, and so is its error
         reason = f"{type(fault).__name__}: {' '.join(str(fault).split())}"
         raise InputError(
             f"{shown[:60]} cannot be imported ({reason})", remedy="check its name and that its folder is on the path"
