@@ -274,6 +274,12 @@ def test_a_witness_at_other_numbers_than_its_sheet_says_them() -> None:
     assert _refuted(shown, given("quartic", mu=7, c=c)) == f"convexity refuted at mu = {shown.numbered.values()['mu']}"
 
 
+def test_a_witness_in_rays_of_k_is_not_said_to_lie_where_k_is_not() -> None:
+    found = duhem.verify("matsuoka-nakai", claims="convexity", effort="quick")
+    shown = violation(found.criterion, found["convexity"]).section
+    assert shown.lines == () and "only points of the witness" in shown.remark
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "planes"), mostly_long([("tresca-tensor", "deviatoric"), *((law, ()) for law in EVERY)], ("tresca-tensor", "deviatoric"))

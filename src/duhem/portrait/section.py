@@ -22,10 +22,11 @@ from duhem.portrait.numbers import Numbered
 from duhem.portrait.plane import Plane
 from duhem.portrait.seams import switches
 
-__all__ = ["Arrow", "View", "beside", "section"]
+__all__ = ["NOTHING", "Arrow", "View", "beside", "section"]
 
 Array = NDArray[np.float64]
 
+NOTHING = "no point of $K$ is found here"
 _ARROWS = 18
 _POINT = 1e-12  # of the law's stresses: K that is no larger is drawn as a point
 _SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
@@ -154,7 +155,7 @@ def _unseen(level: Callable[[Array], Array], found: View, points: Array) -> dict
         if not held:
             return {"remark": "$K$ is thinner than the picture resolves: points of it", "points": points}
         return {"remark": f"pieces of $K$ thinner than 1/{len(found.grid[0]) - 1} of the window may be missing", "points": lost}
-    return {} if held else {"remark": "no point of $K$ is found here"}
+    return {} if held else {"remark": NOTHING}
 
 
 def _seams(formula: Formula, plane: Plane, grid: tuple[Array, Array, Array]) -> tuple[Array, ...]:

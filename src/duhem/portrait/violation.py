@@ -15,7 +15,7 @@ from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.portrait.lines import Window
 from duhem.portrait.numbers import Numbered, numbered
 from duhem.portrait.plane import oblique
-from duhem.portrait.section import View, beside, section
+from duhem.portrait.section import NOTHING, View, beside, section
 from duhem.proof.verdict import Witness
 from duhem.proof.verification import ClaimResult, Verification
 
@@ -27,6 +27,8 @@ _WAYS = (("p", "q"), ("sigma", "tau"), ("inside", "tau"), ("corner", "inside"), 
 """Roles of which a witness has two: what is drawn as a way from one to the other, first found first."""
 _ASIDE = ("opposite", "corner")
 """Roles of a point that the plane through such a way should hold too."""
+_INSIDE = ("p", "q", "inside", "tau")
+"""Roles of points that lie in K."""
 _FREE = 0.05  # of the window's size that is left free around a point
 _SMALL = 0.08  # share of the window below which a way is drawn larger, in a window of its own
 
@@ -67,6 +69,8 @@ def violation(law: Law, result: ClaimResult) -> Violation:
     shown = whole if window is None else section(at, plane, window)
     told = next((flat[role] for role in ("sigma", "inside") if role in flat and result.claim in ("normality", "dissipation")), None)
     bare = replace(shown, normals=(), slips=()) if told is None else beside(at, shown, told)
+    if bare.remark == NOTHING and not points.keys().isdisjoint(_INSIDE):
+        bare = replace(bare, remark="of $K$ only points of the witness are found here")
     return Violation(result.claim, at, bare, flat, way)
 
 
