@@ -112,9 +112,7 @@ class _Guarded:
         self.whole = np.full((len(column), width), _NOBODYS, dtype=np.uint8)
         self.inside = self.whole[:, _GUARD : _GUARD + self.size]
         self.inside[...] = np.frombuffer(column.tobytes(), dtype=np.uint8).reshape(self.inside.shape)
-
-    def place(self, row: int) -> int:
-        return int(self.whole.ctypes.data) + row * self.whole.shape[1] + _GUARD
+        self.places = range(start := self.whole.ctypes.data + _GUARD, start + self.whole.size, width)
 
     def taken(self) -> NDArray[np.bool_]:
         """Put what is inside back into the array; of which rows there is something outside."""
@@ -127,8 +125,8 @@ def call_rows(function: Any, kinds: str, columns: list[NDArray[Any]], rows: int)
     """Call a loaded function once a row."""
     given = [_Guarded(c) if kind == "p" else c.tolist() for kind, c in zip(kinds, columns, strict=True)]
     codes, beside = np.zeros(rows, dtype=np.int64), np.zeros((rows, len(kinds)), dtype=np.bool_)
-    for i in range(rows):
-        codes[i] = function(*(g.place(i) if isinstance(g, _Guarded) else g[i] for g in given))
+    for i, each in enumerate(zip(*(g.places if isinstance(g, _Guarded) else g for g in given), strict=True)):
+        codes[i] = function(*each)
     for j, g in enumerate(given):
         if isinstance(g, _Guarded):
             beside[:, j] = g.taken()
