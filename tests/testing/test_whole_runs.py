@@ -246,12 +246,13 @@ def test_what_raises_at_answers_alone_is_no_answer() -> None:
     assert report.failed == {"answers"} and "on the boundary" in report.failures[0].message, str(report)
 
 
-def test_what_raises_once_and_not_again_is_a_memory() -> None:
+@pytest.mark.parametrize("when", [(2,), (2, 3)], ids=["together", "alone"])  # the third call asks an increment of the second alone
+def test_what_raises_once_and_not_again_is_a_memory(when: tuple[int, ...]) -> None:
     calls = []
 
     def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
         calls.append(len(trial))
-        if len(calls) == 2:
+        if len(calls) in when:
             raise ZeroDivisionError("once")
         return ellipse(trial, pressure, stiffness)
 

@@ -200,6 +200,7 @@ def test_what_a_reversed_question_brings_is_counted_at_its_own_increment() -> No
     assert fault.value.row == 1
 
 
+@pytest.mark.long
 def test_what_raises_on_the_way_is_told_by_its_own_increment() -> None:
     def update(trial: Array, pressure: Array | None, stiffness: Array) -> Array:
         if ((trial[:, 0] > 0.7) & (trial[:, 0] < 0.8)).any():
