@@ -97,3 +97,18 @@ def test_a_narrow_dent_beside_a_broad_hollow() -> None:
 def test_what_is_all_but_flat_is_followed_at_once(depth: Fraction, seen: bool) -> None:
     found = chords.convexity_at_clear_dents(FormulaSubject(law(f"{ball(F(8, 9) + depth, 'a b c')} - 1", "a b c")))
     assert (found is not None) is seen
+
+
+def long_quartic(depth: Fraction, length: int) -> str:
+    """The ball above and a fourth power beside its dents, which leaves two pairs of them; longer along a slanted axis."""
+    a, b, c = "(x + 2*y + 2*z)/3", "(2*x + y - 2*z)/3", f"(2*x - 2*y + z)/{3 * length}"
+    s, t, u = (f"({i}*{a} + {j}*{b} + {k}*{c})/7" for i, j, k in ((2, 3, 6), (3, -6, 2), (6, 2, -3)))
+    return f"(({s})**2 + ({t})**2 + ({u})**2)**2 - ({F(8, 9) + depth})*({s})**4 + ({u})**4/10 - 1"
+
+
+@pytest.mark.parametrize("length", [30, 100])
+@pytest.mark.parametrize(("depth", "seen"), [(F(1, 10**3), True), (F(1, 10**6), True), (F(1, 10**9), True), (F(-1, 10**9), False)])
+def test_dents_of_long_sets(length: int, depth: Fraction, seen: bool) -> None:
+    stated = law(long_quartic(depth, length), "x y z")
+    assert (dented(stated) is not None) is seen
+    assert (chords.convexity_at_clear_dents(FormulaSubject(stated)) is not None) is seen

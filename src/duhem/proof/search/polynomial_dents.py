@@ -2,7 +2,8 @@
 
 Along each ray the boundary is a root of a polynomial in the distance.  There the least second derivative along a tangent,
 lambda = min v . Hess g v over v . grad g = 0, is minimised over the directions of the sphere: many starts in floats, then
-Newton's method on a quadratic through nearby values.  Chords are built in fractions: dents far below double precision show.
+Newton's method on a quadratic through nearby values; where K is long, in coordinates in which it is round.  Chords are built
+in fractions: dents far below double precision show.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from duhem.expression.number import fraction
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.subject import fact
+from duhem.proof.search.round_coordinates import in_coordinates, round_coordinates
 from duhem.proof.search.suggestion import Chord, Point
 
 __all__ = ["chords_across_dents"]
@@ -30,7 +32,8 @@ _BESIDE = 3  # of so many others a force is it the lowest
 _CLEAR = -1e-4  # a dent that deep needs no more search
 _ALL_BUT_FLAT = 0.03  # the least bend of a start beside a minimum that may be a dent; that of a sphere is 1
 _CLOSEST = 1e-5  # no quadratic is laid through closer values
-_PRICE = 2  # steps of a direction and a term
+_LONG = 15  # times the shortest ray, over the number of forces, is a longest of a long K: of many rays in many forces few come near it
+_PRICE = 2  # steps of a direction and a term, twice where K is long
 _SHORTEST = 70  # half the length of a chord is that of the ray times a power of 1/2 below this
 _FINE = 2**60  # directions are rounded to such fractions
 
@@ -100,10 +103,15 @@ def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> I
         form = _form(subject, parameters)
         if form in seen:
             continue  # the choices differ in what g does not depend on
-        if form is None or not subject.budget.pays(_PRICE * _STARTS * n * len(form.powers) * (6 if thorough else 1)):
+        price = _PRICE * _STARTS * n * len(form.powers) * (6 if thorough else 1) if form else 0
+        if form is None or not subject.budget.pays(price):
             return
         seen.add(form)
-        for direction, along in known.setdefault(form, _Floats(form, n)).lowest(thorough):
+        floats = known.setdefault(form, _Floats(form, n))
+        searched = [floats]
+        if floats.doubtful(thorough) and floats.long and subject.budget.pays(price):
+            searched = [floats.rounder, *searched[:thorough]]
+        for direction, along in (found for each in searched for found in each.lowest(thorough)):
             for p, q in _across(form, direction, along):
                 yield Chord(parameters, p, q)
 
@@ -153,10 +161,11 @@ def _followed(floats: _Floats, starts: Any) -> Any:
 class _Floats:
     """The polynomial in floats at many points at once."""
 
-    def __init__(self, form: _Form, n: int) -> None:
+    def __init__(self, form: _Form, n: int, axes: Any = None) -> None:
         import numpy as np
 
-        self.n, self.form = n, form
+        self.n, self.form, self._axes = n, form, np.eye(n) if axes is None else axes  # L of the forces x = L w
+        self._longest = _LONG / n
         self.degrees = np.array(form.degrees)
         self._own = _Terms.of([form.terms])
         slopes = [form.slope(i) for i in range(n)]
@@ -164,18 +173,52 @@ class _Floats:
         self._entries = [(i, j) for i in range(n) for j in range(i + 1)]
         self._bends = _Terms.of([slopes[i].slope(j).terms for i, j in self._entries])
 
-    def lowest(self, thorough: bool) -> list[tuple[Any, Any]]:
-        """Directions of boundary points that seem to bend outward, and the tangents along which they do, the lowest first."""
-        starts, bends, tangents = self._starts
-        if bends[0] < _CLEAR:
-            return [(starts[0], tangents[0])]
-        if not (thorough or bends[0] < _ALL_BUT_FLAT) or bends[0] == float("inf"):
-            return []
-        return [(x, v) for x, bend, v in zip(*self._minima, strict=True) if bend < (_NOISE if thorough else -_NOISE)]
+    def doubtful(self, thorough: bool) -> bool:
+        """Whether more is worth a look than the starts."""
+        lowest = self._starts[1][0]
+        return bool(_CLEAR <= lowest < (float("inf") if thorough else _ALL_BUT_FLAT))
+
+    @property
+    def long(self) -> bool:
+        """Whether K is much longer in one direction than in another."""
+        import numpy as np
+
+        distance = self._starts[3]
+        met = distance[np.isfinite(distance)]
+        return bool(len(met) and met.max() > self._longest * met.min())
 
     @cached_property
-    def _starts(self) -> tuple[Any, Any, Any]:
-        """Directions, their bends and the tangents, the lowest first."""
+    def rounder(self) -> _Floats:
+        """The same in coordinates in which K is round."""
+        import numpy as np
+
+        axes = round_coordinates(self.reach, self._starts[0][::3], self._longest)
+        if axes is None:
+            return self
+        terms = in_coordinates(self.form.terms, axes)
+        return _Floats(_Form(tuple(terms), tuple(terms.values())), self.n, np.array(axes, dtype=float))
+
+    def lowest(self, thorough: bool) -> list[tuple[Any, Any]]:
+        """Directions of boundary points that seem to bend outward, and the tangents along which they do, the lowest first."""
+        return [self._of_forces(x, v) for x, v in self._lowest(thorough)]
+
+    def _of_forces(self, direction: Any, tangent: Any) -> tuple[Any, Any]:
+        import numpy as np
+
+        x, v = self._axes @ direction, self._axes @ tangent
+        return x / np.linalg.norm(x), v / np.linalg.norm(x)
+
+    def _lowest(self, thorough: bool) -> list[tuple[Any, Any]]:
+        starts, bends, tangents, _ = self._starts
+        if bends[0] < _CLEAR:
+            return [(starts[0], tangents[0])]
+        if not self.doubtful(thorough):
+            return []
+        return [(x, v) for x, bend, v in zip(*self._minima[:3], strict=True) if bend < (_NOISE if thorough else -_NOISE)]
+
+    @cached_property
+    def _starts(self) -> tuple[Any, Any, Any, Any]:
+        """Directions, their bends, the tangents and the distances of the boundary, the lowest first."""
         import numpy as np
 
         n = self.n
@@ -185,11 +228,11 @@ class _Floats:
         return self._sorted(starts / np.linalg.norm(starts, axis=1, keepdims=True))
 
     @cached_property
-    def _minima(self) -> tuple[Any, Any, Any]:
+    def _minima(self) -> tuple[Any, Any, Any, Any]:
         """The same of minima that are found from the lowest of the starts that are lower than those beside them."""
         import numpy as np
 
-        starts, bends, _ = self._starts
+        starts, bends, *_ = self._starts
         low = len(starts) // 4
         near = starts[:low] @ starts.T
         if not (self.degrees % 2).any():
@@ -198,12 +241,12 @@ class _Floats:
         lowest = np.flatnonzero((bends[:low, None] <= bends[beside]).all(axis=1))[:_FOLLOWED]
         return self._sorted(_followed(self, starts[lowest]))
 
-    def _sorted(self, directions: Any) -> tuple[Any, Any, Any]:
+    def _sorted(self, directions: Any) -> tuple[Any, Any, Any, Any]:
         import numpy as np
 
-        bends, tangents = self.bends(directions)
+        bends, tangents, distances = self.bends(directions)
         order = np.argsort(bends, kind="stable")
-        return directions[order], bends[order], tangents[order]
+        return directions[order], bends[order], tangents[order], distances[order]
 
     def beside(self, here: Any, steps: Any) -> tuple[Any, Any]:
         """The directions some steps away from each of several, and their bends."""
@@ -229,8 +272,8 @@ class _Floats:
             ends.append(real.min() if len(real) else np.inf)
         return np.array(ends)
 
-    def bends(self, u: Any) -> tuple[Any, Any]:
-        """r lambda/(u . grad g) at the boundary in each direction, and the tangents; infinite where there is none."""
+    def bends(self, u: Any) -> tuple[Any, Any, Any]:
+        """r lambda/(u . grad g) at the boundary in each direction, and the tangents and r; infinite where there is none."""
         import numpy as np
 
         found = self.reach(u)
@@ -248,7 +291,7 @@ class _Floats:
         values, axes = np.linalg.eigh(flat @ hessian @ flat + out[:, None, None] * normal[:, :, None] * normal[:, None, :])
         rise = (u * gradient).sum(axis=1)
         good = there & (rise > 0)
-        return np.where(good, r * values[:, 0] / np.where(good, rise, 1.0), np.inf), axes[:, :, 0]
+        return np.where(good, r * values[:, 0] / np.where(good, rise, 1.0), np.inf), axes[:, :, 0], found
 
 
 @dataclass(frozen=True)
