@@ -44,6 +44,8 @@ CASES = {
     "numbers for claims": (lambda: duhem.verify("coulomb", claims=[1]), "the claims are: origin"),
     "nearly a claim": (lambda: duhem.verify("coulomb", claims="convex"), "did you mean 'convexity'"),
     "a list for an effort": (lambda: duhem.verify("coulomb", effort=[]), "one of: quick"),
+    "a number for a group of the atlas": (lambda: duhem.atlas(5), "int is no name of a group"),
+    "a list for a group of the atlas": (lambda: duhem.atlas(["friction"]), "list is no name of a group"),
     "bytes for a law": (lambda: duhem.load(b"coulomb"), "bytes is no law"),
 }
 

@@ -348,6 +348,29 @@ def test_a_witness_in_a_thin_section_is_seen_beside_its_width() -> None:
     assert shown.slender and not shown.remark and (b - a) / (d - c) == pytest.approx(1e-3, rel=0.2)
 
 
+@pytest.mark.parametrize(
+    ("wide", "high", "unit", "said"),
+    [
+        (1e6, 1e-3, "Pa", ("MPa", "mPa")),
+        (1e6, 1e-6, "", ("$10^{6}$ unit of stress", "$10^{-6}$ unit of stress")),
+        (2e-6, 5.0, "", ("$10^{-6}$ unit of stress", "unit of stress")),
+        (3e4, 4e-5, "MPa", ("MPa", "$10^{-6}$ MPa")),
+        (3e6, 1e6, "Pa", ("MPa", "MPa")),
+        (9e5, 4e6, "", ("$10^{6}$ unit of stress",) * 2),
+    ],
+)
+def test_what_an_axis_says_is_where_its_numbers_stand_also_where_axes_are_not_to_one_scale(wide, high, unit, said) -> None:
+    axes = plot(duhem.Criterion(name="l", g=f"norm(x/{wide!r}, y/{high!r}) - 1", forces=("x", "y"), pressure=None), unit=unit)[0]
+    power = {"MPa": 1e6, "mPa": 1e-3} if unit == "Pa" else {}
+    for axis, counted, size in ((axes.xaxis, said[0], wide), (axes.yaxis, said[1], high)):
+        assert axis.get_label_text().endswith(f" [{counted}]")
+        scale = power.get(counted) or float(re.sub(r"\$10\^\{(.*)\}\$.*", r"1e\1", counted) if "$" in counted else 1.0)
+        texts = {tick.get_loc(): tick.label1.get_text().replace("\N{MINUS SIGN}", "-") for tick in axis.get_major_ticks()}
+        shown = {at: float(re.findall(r"-?[\d.]+", text)[0]) for at, text in texts.items()}
+        assert len(set(shown.values())) > 2
+        assert [number * scale for number in shown.values()] == pytest.approx(list(shown), abs=1e-9 * size)
+
+
 def test_a_section_lost_in_rounding_is_a_point_and_another_is_shown_if_none_was_asked() -> None:
     law = catalogue.load("murrell")
     lost = section(given(law), usual(law, 0.0)[0])

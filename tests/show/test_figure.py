@@ -3,6 +3,7 @@
 import io
 import math
 import os
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any
@@ -483,3 +484,11 @@ def test_where_the_pressure_varies_both_boundaries_are_seen_over_the_path() -> N
     assert sorted(round(float(np.abs(line.get_xdata()).max()), 2) for line in edges) == [0.5, 1.5]
     assert all(line.get_zorder() > other.get_zorder() for line in edges for other in axes.lines if other.get_color() == figure.palette(0))
     assert faults(axes.figure) == []
+
+
+@pytest.mark.parametrize("form", ["png", "pdf", "svg"])
+def test_a_name_in_letters_that_the_font_lacks_is_drawn_without_a_warning(form: str, tmp_path) -> None:
+    law = Criterion(name="naïve 摩擦 \N{GRINNING FACE} \N{EGYPTIAN HIEROGLYPH A001}", g="abs(摩)-1", forces=("摩",), pressure=None)
+    before = list(warnings.filters)
+    duhem.plot(law, tmp_path / f"k.{form}")
+    assert warnings.filters == before

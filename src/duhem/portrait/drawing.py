@@ -70,9 +70,11 @@ def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
     axes.set_ylim(c, d)
     if not found.slender:
         axes.set_aspect("equal", adjustable="box")
-    size = max(abs(v) for v in found.window)
-    for axis, symbol in ((axes.xaxis, found.plane.x_symbol), (axes.yaxis, found.plane.y_symbol)):
-        figure.measure(axis, symbol, unit or UNIT, size)
+    wide, high = max(abs(a), abs(b)), max(abs(c), abs(d))
+    if not found.slender:
+        wide = high = max(wide, high)  # one scale, one unit
+    figure.measure(axes.xaxis, found.plane.x_symbol, unit or UNIT, wide)
+    figure.measure(axes.yaxis, found.plane.y_symbol, unit or UNIT, high)
     if not found.plane.y_symbol:
         axes.yaxis.set_visible(False)
     said, remark = (figure.wrapped(text, _REMARK) for text in (title, found.remark))

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from math import floor, log10
 from textwrap import fill
 from typing import IO, TYPE_CHECKING, Any, Literal
+from warnings import catch_warnings, filterwarnings
 
 from duhem.errors import InputError, MissingExtraError
 from duhem.show.place import check_place, written
@@ -73,6 +74,7 @@ _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"
 _PREFIXED = ("Pa", "N", "m", "J/m²")
 _SHORT, _LONG = 1e-3, 1e5  # between which numbers are written out
 _LEAST, _MOST = 1e-200, 1e200
+_NO_LETTER = r"Glyph \d+ .*missing from (font|current font)|Matplotlib currently does not support \w+ natively"
 _HELD = "\u00a0=\u00a0"
 _CHARACTER = 0.0075  # inches, of a letter of one point
 
@@ -101,12 +103,16 @@ class Picture(tuple["Axes", ...]):
 
 @contextmanager
 def style() -> Iterator[None]:
-    """The house style, whatever the reader's own settings are, while it lasts.  Raises MissingExtraError without matplotlib."""
+    """The house style, whatever the reader's own settings are, while it lasts; a letter that the font lacks is drawn as a box.
+
+    Raises MissingExtraError without matplotlib.
+    """
     try:
         from matplotlib.style import context
     except ImportError:
         raise MissingExtraError("matplotlib", "plot") from None
-    with context(["default", _STYLE]):
+    with context(["default", _STYLE]), catch_warnings():
+        filterwarnings("ignore", message=_NO_LETTER, category=UserWarning)
         yield
 
 

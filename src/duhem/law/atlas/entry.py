@@ -113,6 +113,7 @@ def _read(file: Path) -> AtlasEntry:
 def entries(group: str | None = None) -> tuple[AtlasEntry, ...]:
     """The laws of one group, or of all; InputError for a group that the atlas lacks."""
     known = groups()
-    if group is not None and group not in known:
-        raise InputError(f"the atlas has no group {group[:60]!r}", remedy=f"groups are: {', '.join(known)}")
+    if group is not None and (not isinstance(group, str) or group not in known):
+        said = f"the atlas has no group {group[:60]!r}" if isinstance(group, str) else f"{type(group).__name__} is no name of a group"
+        raise InputError(said, remedy=f"groups are: {', '.join(known)}")
     return tuple(_read(_FOLDER / each / f"{name}.toml") for each in ([group] if group else known) for name in known[each])
