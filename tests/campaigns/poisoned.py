@@ -76,10 +76,11 @@ def routine(trial: Any, pressure: Any, stiffness: Any, mu: float) -> Any:
 
 @dataclass(frozen=True)
 class Crashing:
-    """What is asked, and crashes for some laws before the routine has its turn."""
+    """What is asked, and crashes for some laws before the routine has its turn; not ``alone``, so that a crash has rows to harm."""
 
     inquiry: RoutineChecks
     options: tuple[str, ...] = ()
+    alone: bool = False
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -54,6 +54,7 @@ class AtOnce:
 
     names: tuple[str, ...] = ("at once",)
     options: tuple[str, ...] = ()
+    alone: bool = False
 
     def told(self) -> str:
         return "at once"

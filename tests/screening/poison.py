@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+import time
 from dataclasses import dataclass
 
 from duhem.screening.inquiries import Answered
@@ -18,13 +19,16 @@ class Poison:
     memory: int = 0
     fault: int = 0
     sleep: int = 0
+    fork: int = 0
     names: tuple[str, ...] = NAMES
     options: tuple[str, ...] = ()
+    alone: bool = False
 
     def told(self):
         return repr(self)
 
     def answers(self, law):
+        verdict = "proved"
         match int(law.parameters["mu"].value):
             case self.crash:
                 os.abort()
@@ -33,9 +37,14 @@ class Poison:
                     pass
             case self.sleep:
                 subprocess.run(["sleep", "600"])
+            case self.fork:
+                if os.fork():
+                    time.sleep(0.3)
+                else:
+                    verdict = "refuted"  # and first
             case self.memory:
                 bytearray(40 * 10**9)
             case self.fault:
                 raise ZeroDivisionError("by mu")
         for name in reversed(self.names):
-            yield Answered(name, "proved", "by hand", None, None, 1, 0.5)
+            yield Answered(name, verdict, "by hand", None, None, 1, 0.5)

@@ -18,6 +18,15 @@ def radial(trial, radius):
     return trial * np.where(size > radius, radius / np.where(size > 0.0, size, 1.0), 1.0)[:, None]
 
 
+FIRST = []
+
+
+def keeps(trial, pressure, stiffness, mu):
+    """Right for the friction that it is called with first, which it keeps."""
+    FIRST.append(mu)
+    return radial(trial, FIRST[0] * np.abs(pressure))
+
+
 def ends(trial, pressure, stiffness, mu):
     """The same where mu is open, and by its value an end of another kind."""
     print("printed")

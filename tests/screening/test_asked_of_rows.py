@@ -1,6 +1,7 @@
 """Checks of a routine and stress cases asked of each row: what comes of them, from any number of processes, whatever the routine does."""
 
 import json
+import os
 import sys
 import types
 
@@ -90,6 +91,27 @@ def test_what_a_routine_does_to_its_process_is_a_reason_and_harms_no_other_row(e
     with pool.Pool(campaign, 1) as processes:
         found = sorted((json.loads(text) for text in processes.texts([range(1, 4)])), key=lambda lines: lines[0][0])
     assert [lines[0][4] for lines in found] == ["passed", None, "passed"] and found[1][0][-1] == said
+
+
+def test_what_a_routine_keeps_is_not_met_by_the_next_row():
+    """Two processes for one worker, of which the second has stood by."""
+    campaign = Campaign((Grid(LawName("coulomb"), (("mu", ("3/10", "1/10")),)),), checks(routines.keeps))
+    with pool.Pool(campaign, 1) as processes:
+        found = [json.loads(text)[0] for text in processes.texts([range(1, 3)])]
+    assert [(line[0], line[4]) for line in found] == [(1, "passed"), (2, "passed")]
+
+
+@pytest.mark.filterwarnings("ignore:.*multi-threaded")
+def test_the_child_of_a_routine_that_forks_ends_where_the_routine_returns():
+    def forks(trial, pressure, stiffness):
+        os.fork()
+        return trial
+
+    here = os.getpid()
+    inquiry._bound(forks, duhem.load("coulomb"))(0.0, 0.0, 0.0)
+    if os.getpid() != here:
+        os._exit(1)
+    assert os.wait()[1] == 0
 
 
 FEW = ("0.12", "0.14", "O.3", "broken.toml")  # 40 GB, an error, malformed values and laws; loops take seconds

@@ -310,6 +310,14 @@ def test_a_row_that_waits_for_ever_is_ended_with_what_it_started(monkeypatch):
 
 
 @pytest.mark.long
+def test_what_a_row_forks_says_nothing():
+    campaign = Campaign((mu([1, 2]),), Poison(fork=2))
+    with pool.Pool(campaign, 1) as processes:
+        found = [json.loads(text) for text in processes.texts([range(1, 3)])]
+    assert [lines[0][4] for lines in found] == ["proved", "proved"]
+
+
+@pytest.mark.long
 def test_a_process_that_somebody_ends_costs_no_row(folder):
     campaign = replace(file.read(folder / "campaign.toml"), out=None)
     plain = duhem.campaign(campaign, workers=1).lines

@@ -85,6 +85,10 @@ class Increments:
     def options(self) -> tuple[str, ...]:
         return ()
 
+    @property
+    def alone(self) -> bool:
+        return False
+
     def told(self) -> str:
         drawn = f"{self.count} of seed {self.seed} at {self.pressure!r}" if self.trials is None else self.trials.told()
         return f"increments {drawn}, stiffness {self.stiffness!r}, {self.method}, convex {self.convex}"

@@ -29,13 +29,19 @@ Answer: TypeAlias = tuple[str, str | None, str | None, str | None, str | None, i
 
 
 class Inquiry(Protocol):
-    """``names`` are the lines that each row has, whatever comes of it; ``options`` what the command line names beside the campaign."""
+    """``names`` are the lines that each row has, whatever comes of it; ``options`` what the command line names beside the campaign.
+
+    ``alone`` says that a row may leave behind what the next one meets, so that each is asked in a process of its own.
+    """
 
     @property
     def names(self) -> tuple[str, ...]: ...
 
     @property
     def options(self) -> tuple[str, ...]: ...
+
+    @property
+    def alone(self) -> bool: ...
 
     def told(self) -> str:
         """The inquiry in words that tell it from every other."""
@@ -60,6 +66,10 @@ class Claimed:
     @property
     def options(self) -> tuple[str, ...]:
         return ()
+
+    @property
+    def alone(self) -> bool:
+        return False
 
     def told(self) -> str:
         return f"claims {','.join(self.claims)} {self.effort}"

@@ -1,7 +1,8 @@
 """Rows asked in processes of their own: each is done once, and a row that ends its process is a row with its reason.
 
 Whatever ends a process may have come from outside, or from rows before: the row it worked on is asked again in a fresh process, and
-only what that says stands.  So lines do not depend on which rows shared a process.
+only what that says stands.  So lines do not depend on which rows shared a process; where the inquiry wants each row ``alone``, none do, and
+the next process begins while the last one works.
 
 A row that waits for ever (a lock, a pipe, a sleep) takes none of the processor's seconds that end a row.  Under it is a net of the
 clock's: ten times those seconds, twice in turn, which no row meets that has work to do.
@@ -118,6 +119,7 @@ class Pool:
         self._ended_one = set[int]()
         self._seconds, self._rows = 0.0, 0
         self._stillborn = 0
+        self._apart = campaign.inquiry.alone
         self._patience = _WAITED * (campaign.seconds + 1.0)  # the kernel counts whole seconds
 
     def __enter__(self) -> Pool:
@@ -157,17 +159,19 @@ class Pool:
     def _hand_out(self) -> None:
         """Rows to every process that has none, and a process more where there are rows for it."""
         for process in [p for p in self._processes if p.ready and not p.left]:
-            if (self._alone and process.done) or process.swollen():  # a fresh one takes its place
+            if (process.done and (self._alone or self._apart)) or process.swollen():  # a fresh one takes its place
                 self._processes.remove(process)
                 process.close()
+            elif sum(bool(p.left) for p in self._processes) == self.workers:
+                continue  # it stands by for the next that is done
             elif self._alone:
                 row = self._alone.popleft()
                 process.give(range(row, row + 1))
             elif self._waiting:
                 process.give(self._chunk())
-        starting = sum(not p.ready for p in self._processes)
-        rows = sum(map(len, self._waiting)) + len(self._alone) - starting
-        for _ in range(min(self.workers - len(self._processes), rows)):
+        without = sum(not p.left for p in self._processes)
+        rows = sum(map(len, self._waiting)) + len(self._alone) - without
+        for _ in range(min(self.workers * (1 + self._apart) - len(self._processes), rows)):
             self._processes.append(_Worker(self._sent))
 
     def _chunk(self) -> range:
@@ -175,7 +179,7 @@ class Pool:
         each = self._seconds / self._rows if self._rows else _CHUNK
         share = -(-sum(map(len, self._waiting)) // (2 * self.workers))
         first = self._waiting.popleft()
-        count = max(1, min(_MOST, int(_CHUNK / max(each, 1e-9)), share))
+        count = 1 if self._apart else max(1, min(_MOST, int(_CHUNK / max(each, 1e-9)), share))
         if first[count:]:
             self._waiting.appendleft(first[count:])
         return first[:count]

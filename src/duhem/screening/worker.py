@@ -2,7 +2,7 @@
 
 As a script this file is that process.  It imports nothing of the package before it has heard where modules are found, so that what
 the program beside it defines can be sent.  A row beyond its limits ends the process: the kernel counts the processor's seconds,
-whatever code runs, and the bytes asked for.
+whatever code runs, and the bytes asked for.  What a row forks and lets go on as if it were this process ends here, and says nothing.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ def _serve(link: Connection) -> None:
     except Exception as fault:
         link.send_bytes(f"{type(fault).__name__}: {fault}".encode("utf-8", "backslashreplace"))
         return
+    process = os.getpid()
     link.send_bytes(READY)
     from duhem.screening.lines import as_text, asked
 
@@ -43,6 +44,8 @@ def _serve(link: Connection) -> None:
                 text = as_text(asked(campaign, number)).encode()
             except MemoryError:
                 os._exit(NO_MEMORY)
+            if os.getpid() != process:
+                os._exit(0)
             link.send_bytes(text)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -88,6 +89,11 @@ class RoutineChecks:
         """What the command line names beside the campaign."""
         return (f"--routine={self._named()}",)
 
+    @property
+    def alone(self) -> bool:
+        """A routine may keep what it was called with first, and a campaign asks each row of a process of its own."""
+        return True
+
     def told(self) -> str:
         """All that is asked, and a digest of the file of the routine's module: another routine is another campaign."""
         options = [self.names, self.examples, self.seed, self.accuracy, self.most_flagged, self.shrink, self.expect]
@@ -169,12 +175,17 @@ def _bound(routine: Update, law: Criterion) -> Update:
     if all(argument.kind is not Parameter.VAR_KEYWORD for argument in arguments):
         row = {name: row[name] for name in row.keys() & {argument.name for argument in arguments}}
 
+    process = os.getpid()
+
     @wraps(routine)
     def update(*given: Any, **values: Any) -> Any:
         try:
             return routine(*given, **values, **row)
         except MemoryError:
             raise _NoMemory from None
+        finally:
+            if os.getpid() != process:  # it has forked, and its child would go on with the checks
+                os._exit(0)
 
     return update
 

@@ -63,6 +63,11 @@ class StressCases:
         """What the command line names beside the campaign."""
         return ()
 
+    @property
+    def alone(self) -> bool:
+        """Nothing that a row leaves behind is met by the next one."""
+        return False
+
     def told(self) -> str:
         return f"stress {','.join(self.axes)} by {','.join(self.methods)}"
 
