@@ -192,3 +192,9 @@ def test_python_rechecks_with_the_kernel_alone(folder: Path) -> None:
     asked = f"import sys, duhem; assert duhem.recheck({str(folder / 'disc.json')!r}).ok; print({heavy} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, timeout=60)
     assert (done.stdout, done.stderr) == ("set()\n", "")
+
+
+@pytest.mark.parametrize("name", ["", "  "])
+def test_no_name_of_a_file_is_said_to_be_none(name: str) -> None:
+    with pytest.raises(InputError, match="no file is named"):
+        duhem.recheck(name)

@@ -98,7 +98,7 @@ def test_why_a_rule_does_not_prove() -> None:
     assert objection("origin", "magic", frozenset(), stated, {}) == "no rule 'magic' for this claim"
     assert objection("dissipation", "fenchel", frozenset({"origin"}), stated, {}) == "it rests on normality, not confirmed"
     assert objection("origin", "polar-form", frozenset(), stated, {}) == "the rule 'polar-form' does not show it"
-    assert objection("smoothness", "regular-value", frozenset(), stated, {}) == "its evidence cannot be read (KeyError)"
+    assert objection("smoothness", "regular-value", frozenset(), stated, {}) == "its evidence cannot be read: 'outward' is not there"
     assert rules_of("origin", stated) == ("evaluation", "polar-form") and rules_of("beauty", stated) == ()
     given = {"forces": ["a", "b"], "pressure": "s", "angle": "phi", "boundary": ["cos(phi)", "sin(phi)"], "flow": None, "constraints": []}
     curve = StatedCurve.read(given | {"parameters": {}})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from functools import cache
 from typing import Any
 
@@ -40,9 +41,48 @@ def test_odd_values_anywhere_are_refused_or_confirm_no_more(share: int) -> None:
         for value in ODD:
             try:
                 rows = recheck(changed(path, value))
-            except NotWritten:
+            except NotWritten as fault:
+                assert said_in_words(str(fault)), (path, value)
                 continue
+            assert all(row.confirmed or said_in_words(row.reason) for row in rows), (path, value)
             assert path[0] == "law" or {row.claim for row in rows if row.confirmed} <= before, (path, value)
+
+
+def said_in_words(reason: str) -> bool:
+    return reason != "" and re.search(r"[a-z](Error|Written)\b", reason) is None and len(reason) < 300
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "words"),
+    [
+        (("law",), None, "it is no certificate: something else stands where"),
+        (("inhabited",), [], "it is no certificate: something else stands where"),
+        (("claims", 0), {}, "it is no certificate: 'claim' is not there"),
+        (("law", "g"), "mu " + "y" * 100_000, "is one too many"),
+        (("law", "g"), "(" * 5_000, "nests too deeply"),
+    ],
+)
+def test_what_is_no_certificate_is_said_in_words(path: tuple[Any, ...], value: Any, words: str) -> None:
+    with pytest.raises(NotWritten, match=words) as fault:
+        recheck(changed(path, value))
+    assert said_in_words(str(fault.value))
+
+
+@pytest.mark.parametrize(
+    ("evidence", "words"),
+    [
+        (None, "something else stands where"),
+        ({"potential": 1, "slips": {}}, "something else stands where"),
+        ({"potential": "mu*+", "slips": {}}, "the formula ends too early"),
+        ({"potential": "mu"}, "'slips' is not there"),
+        ({"potential": "mu " + "y" * 100_000, "slips": {}}, "is one too many"),
+    ],
+)
+def test_evidence_that_cannot_be_read_is_said_in_words(evidence: Any, words: str) -> None:
+    at = next(i for i, claim in enumerate(made("coulomb")["claims"]) if claim["claim"] == "duality")
+    (row,) = (row for row in recheck(changed(("claims", at, "evidence"), evidence)) if row.claim == "duality")
+    assert not row.confirmed and row.reason.startswith("its evidence cannot be read: ")
+    assert words in row.reason and said_in_words(row.reason)
 
 
 def test_a_function_of_no_force_is_no_law() -> None:

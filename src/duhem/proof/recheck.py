@@ -90,6 +90,8 @@ def _given(certificate: object) -> tuple[str, bytes]:
     if not isinstance(certificate, str | os.PathLike):
         raise InputError(f"{type(certificate).__name__} is no certificate", where=here, remedy="give a file, its text, or the object")
     file = os.fsdecode(certificate)
+    if not file.strip():
+        raise InputError("no file is named", where=here, remedy="give a file, its text, or the object")
     try:
         with open(file, "rb") as stream:
             return file, stream.read(_MOST_BYTES + 1)

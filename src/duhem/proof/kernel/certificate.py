@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import StatedLaw, exact, inhabited, without_more
-from duhem.proof.kernel.term import NotWritten
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
 __all__ = ["CLAIMS", "NO_RULE", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
 
@@ -56,8 +56,8 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
         said = [(c["claim"], c["verdict"], c["trust"], c["rule"], c["evidence"]) for c in map(_row, document["claims"])]
         if not all(isinstance(text, str) for claim, verdict, _, rule, _ in said for text in (claim, verdict, "" if rule is None else rule)):
             raise NotWritten("a claim, verdict or rule is no text")
-    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as fault:
-        raise NotWritten(f"it is no certificate ({type(fault).__name__})") from None
+    except UNREADABLE as fault:
+        raise NotWritten(f"{'' if isinstance(fault, NotWritten) else 'it is no certificate: '}{in_words(fault)}") from None
     if not said or not isinstance(document["claims"], list | tuple):
         raise NotWritten("it has no list of claims")
     if len({claim for claim, *_ in said}) < len(said) or not {claim for claim, *_ in said} <= set(CLAIMS):

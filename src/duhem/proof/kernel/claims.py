@@ -27,14 +27,13 @@ from duhem.proof.kernel.section import without_sections
 from duhem.proof.kernel.sector import without_sectors
 from duhem.proof.kernel.star import StarGauge, undefined_at_zero
 from duhem.proof.kernel.support import is_support_function
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, parse, product_of, sum_of
+from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
 
 __all__ = ["RULES", "objection", "rules_of"]
 
 Evidence = Mapping[str, Any]
 Rule = Callable[[StatedLaw, Evidence], bool]
 _MOST_CASES = 4  # choices one after another
-_UNREADABLE = (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
 def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
@@ -61,7 +60,7 @@ def _objection_in_cases(
         parts = cases(law) if isinstance(law, StatedLaw) and depth < _MOST_CASES else ()
         if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
             return ""
-    except _UNREADABLE:
+    except UNREADABLE:
         pass  # there is no simpler form
     return max(reasons)
 
@@ -82,8 +81,8 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
     try:
         return "" if check(law, evidence) else f"the rule {rule!r} does not show it"
-    except _UNREADABLE as fault:
-        return f"its evidence cannot be read ({type(fault).__name__})"
+    except UNREADABLE as fault:
+        return f"its evidence cannot be read: {in_words(fault)}"
 
 
 def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:

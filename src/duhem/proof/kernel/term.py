@@ -11,7 +11,21 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
-__all__ = ["COMPARISONS", "WORDS", "NotWritten", "Term", "bounded", "factors", "minus", "number", "parse", "product_of", "sum_of"]
+__all__ = [
+    "COMPARISONS",
+    "UNREADABLE",
+    "WORDS",
+    "NotWritten",
+    "Term",
+    "bounded",
+    "factors",
+    "in_words",
+    "minus",
+    "number",
+    "parse",
+    "product_of",
+    "sum_of",
+]
 
 _OF_ONE = (
     "abs", "sign", "sqrt", "exp", "log", "log10", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "pos", "neg",
@@ -25,10 +39,30 @@ _JOINTS = ("and", "or")
 _DIGITS = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3}(?!\d))?"
 _TOKEN = re.compile(rf"\s*(?:{_DIGITS}|[^\W\d]\w*|\*\*|<=|>=|[-+*/(),<>])")
 _DEEPEST, _LARGEST = 200, 8_000  # brackets; parts of what repeats some of the text
+_SAID = 120  # letters of what somebody wrote that a message repeats
 
 
 class NotWritten(Exception):
     """The text is no formula of the vocabulary."""
+
+
+UNREADABLE = (NotWritten, KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+"""What reading something that anybody may have written ends with."""
+
+
+def in_words(fault: Exception) -> str:
+    """What is wrong with what was read, for its reader: one of ``UNREADABLE`` without Python's names."""
+    if isinstance(fault, NotWritten):
+        said = str(fault)
+        return said if len(said) <= _SAID else f"{said[: _SAID // 2]} ... {said[-_SAID // 2 :]}"
+    if isinstance(fault, KeyError):
+        key = fault.args[0] if fault.args else None
+        return f"{key[:_SAID]!r} is not there" if isinstance(key, str) else "something that it names is not there"
+    if isinstance(fault, RecursionError):
+        return "it nests too deeply"
+    if isinstance(fault, ArithmeticError):
+        return "a number in it cannot be reckoned with"
+    return "something else stands where a text, a number, a list or an object should"
 
 
 class _Parts(NamedTuple):
