@@ -18,7 +18,7 @@ from duhem import InputError
 from duhem.cli import cli
 from duhem.law.catalogue import load
 from duhem.proof.verification import claim_results
-from duhem.screening import entry, file, pool
+from duhem.screening import entry, file, pool, rows
 from duhem.screening.campaign import Campaign
 from duhem.screening.inquiries import Claimed
 from duhem.screening.lines import as_text, asked
@@ -128,12 +128,25 @@ def test_a_campaign_goes_on_from_what_is_done(folder, monkeypatch, fault):
     assert table(out) == table(whole) and not beside(out).exists() and not rows_beside(out).exists()
 
 
-@pytest.mark.parametrize("name", ["t.csv", "t.parquet"])
-def test_a_finished_campaign_has_nothing_left_to_do(folder, monkeypatch, name):
-    if name.endswith("parquet"):
-        pytest.importorskip("pyarrow")
+def test_a_finished_table_in_csv_is_asked_anew_as_it_says_not_what_was_asked(folder, monkeypatch):
+    """The same rows, values and claims, of a law with another formula."""
     monkeypatch.setattr(entry, "Pool", InProcess)
-    out = folder / name
+    mine = folder / "mine.toml"
+    mine.write_text('[criterion]\nname = "mine"\nforces = ["t"]\npressure = false\ng = "t**2 - 1"\n')
+    (folder / "c.toml").write_text('[campaign]\nclaims = ["origin"]\nout = "t.csv"\n[[rows]]\nlaws = ["mine.toml"]\n')
+    said = []
+    for formula in ("t**2 - 1", "t**2 + 1"):
+        mine.write_text(mine.read_text().replace("t**2 - 1", formula))
+        rows._law.cache_clear()  # as another process has it
+        done = CliRunner().invoke(cli, ["campaign", str(folder / "c.toml"), "--resume"], standalone_mode=False)
+        said.append((done.return_value, table(folder / "t.csv")[0]["verdict"], done.stderr.count("every row is asked anew")))
+    assert said == [(0, "proved", 0), (1, "refuted", 1)]
+
+
+def test_a_finished_campaign_in_parquet_has_nothing_left_to_do(folder, monkeypatch):
+    pytest.importorskip("pyarrow")
+    monkeypatch.setattr(entry, "Pool", InProcess)
+    out = folder / "t.parquet"
     first = duhem.campaign(folder / "campaign.toml", out=out)
     stands = out.read_bytes(), out.stat().st_mtime_ns
     monkeypatch.setattr(entry, "Pool", None)

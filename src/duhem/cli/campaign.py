@@ -24,7 +24,11 @@ __all__ = ["campaign"]
 @click.argument("campaign_file", metavar="CAMPAIGN", type=click.Path(dir_okay=False))
 @click.option("--workers", metavar="N", type=click.IntRange(min=1), help="Processes that ask rows; left out, one a core.")
 @click.option("--scheduler", metavar="ADDRESS", help="The scheduler of a Dask cluster, by address or by the file that it wrote.")
-@click.option("--resume", is_flag=True, help="Go on with a campaign that was stopped; a finished table is left as it is.")
+@click.option(
+    "--resume",
+    is_flag=True,
+    help="Go on with a campaign that was stopped; a finished table in Parquet stays, one in CSV is asked anew.",
+)
 @click.option("--out", metavar="FILE", help="Write the table as .csv or .parquet; left out, the one that the campaign names.")
 @click.option("--routine", metavar="MODULE:CALLABLE", help="The routine whose checks CAMPAIGN asks, as of duhem test; no file names it.")
 @click.option("--row", metavar="N", type=click.IntRange(min=1), help="Ask this row alone, and print its lines as JSON.")
@@ -57,6 +61,7 @@ def campaign(
     from duhem.errors import InputError
     from duhem.expression.spelling import spelled
     from duhem.screening import entry, file, plane_plot
+    from duhem.screening.table import finished_csv
     from duhem.show import figure
     from duhem.show.place import check_place, check_places
     from duhem.show.printing import text
@@ -87,6 +92,8 @@ def campaign(
     if picture is not None:
         check_places([table, picture], asked.inputs)
         plane_plot.check(asked, over)
+    if resume and finished_csv(table):
+        click.echo(f"duhem: {table} is finished, and CSV says not what was asked of it: every row is asked anew", err=True)
     with Progress("starting") as progress:
         began, last, first = monotonic(), 0.0, -1
 

@@ -57,7 +57,8 @@ def campaign(
     ``out`` is the table, .csv or .parquet, one line a row and claim; without one the lines are in the summary.
     ``workers`` processes (the cores, if left out) give the same table, and so does a Dask cluster, whose ``scheduler`` is given by its
     address or file (extra ``cluster``). While it runs, what is done is kept beside ``out``, and ``resume`` goes on from there, or leaves
-    a finished table as it is; ``on_row`` is called with the rows done and all, ``on_start`` with a cluster's dashboard.
+    a finished Parquet table of the campaign as it is, while one in CSV, which says not what was asked, is asked anew; ``on_row`` is called
+    with the rows done and all, ``on_start`` with a cluster's dashboard.
 
     Raises InputError for a campaign that cannot be asked, StoppedCampaign, a KeyboardInterrupt, when interrupted.  What is wrong with a row
     is in its lines: a law that cannot be read, a value outside its domain, a process that crashed or took too much.

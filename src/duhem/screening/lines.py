@@ -14,7 +14,7 @@ from duhem.screening.campaign import Campaign
 from duhem.screening.inquiries import Answered
 from duhem.screening.rows import Row
 
-__all__ = ["VerdictLine", "as_text", "asked", "ended", "lines_of", "number_of", "stated"]
+__all__ = ["VerdictLine", "as_text", "asked", "ended", "lines_of", "number_of"]
 
 _MOST = 1_000  # characters of an error
 _A_LIBRARY = 100_000_000  # bytes: what is mapped at once of a large one, or for a thread
@@ -93,15 +93,11 @@ def ended(campaign: Campaign, row: Row, error: str) -> tuple[VerdictLine, ...]:
 
 def _lines(row: Row, answers: Sequence[Answered], error: str | None) -> tuple[VerdictLine, ...]:
     why = None if error is None else _writable(error)
+    law, values = _writable(row.name.shown), json.dumps(dict(row.values))
     return tuple(
-        VerdictLine(*stated(row), r.claim, r.verdict, r.method, r.trust, r.witness, r.steps, r.seconds, why)
+        VerdictLine(row.number, law, values, r.claim, r.verdict, r.method, r.trust, r.witness, r.steps, r.seconds, why)
         for r in sorted(answers, key=lambda reply: reply.claim)
     )
-
-
-def stated(row: Row) -> tuple[int, str, str]:
-    """What a line says of its row before anything is asked: number, law and parameters."""
-    return row.number, _writable(row.name.shown), json.dumps(dict(row.values))
 
 
 def _writable(text: str) -> str:

@@ -6,20 +6,20 @@ import csv
 import os
 from array import array
 from collections.abc import Iterable, Iterator
-from itertools import islice, zip_longest
+from itertools import islice
 from time import monotonic
 from types import TracebackType
 from typing import Any, Self
 
 from duhem.errors import InputError
 from duhem.screening.campaign import Campaign
-from duhem.screening.lines import VerdictLine, lines_of, number_of, stated
+from duhem.screening.lines import VerdictLine, lines_of, number_of
 from duhem.show import parquet_package
 from duhem.show.growing_file import DAMAGED, GrowingFile, beside, check_growing
 from duhem.show.place import AnyPath, check_place, written
 from duhem.version import __version__
 
-__all__ = ["GrowingLines", "check_table", "read_lines", "stands", "write_table"]
+__all__ = ["GrowingLines", "check_table", "finished_csv", "read_lines", "stands", "write_table"]
 
 _PAUSE = 1.0  # s: what is done is noted so often
 _LINES = 8_192  # of a table, turned into Parquet together
@@ -124,21 +124,24 @@ def _to_parquet(place: str, lines: Iterator[VerdictLine], campaign: Campaign) ->
 def stands(file: AnyPath, campaign: Campaign) -> bool:
     """Whether the table of this campaign is there, whole, and no part of a run beside it.  InputError where another's is.
 
-    A Parquet table says of which campaign it is; of CSV the rows, their laws and values, and the claims are compared.
+    A Parquet table says of which campaign it is, which one in CSV cannot.
     """
     name = os.fspath(file)
-    if not os.path.exists(name) or beside(name).exists():
+    if not name.endswith(".parquet") or not _finished(name):
         return False
-    if name.endswith(".parquet"):
-        same = _told(name).get(b"campaign", b"").decode() == campaign.fingerprint
-    else:
-        claims = sorted(campaign.inquiry.names)
-        wanted = ((*stated(campaign.row(n)), claim) for n in range(1, len(campaign) + 1) for claim in claims)
-        same = all(line is not None and line[:4] == one for line, one in zip_longest(read_lines(name), wanted))
-    if not same:
+    if _told(name).get(b"campaign", b"").decode() != campaign.fingerprint:
         remedy = "give this one a table of another name, or leave --resume out and it is written over"
         raise InputError("this is the table of another campaign", where=name, remedy=remedy)
     return True
+
+
+def finished_csv(file: AnyPath) -> bool:
+    """Whether a table in CSV is there, and no part of a run beside it: of what was asked it says nothing, and all is asked anew."""
+    return os.fspath(file).endswith(".csv") and _finished(os.fspath(file))
+
+
+def _finished(name: str) -> bool:
+    return os.path.exists(name) and not beside(name).exists()
 
 
 def _told(name: str) -> dict[bytes, bytes]:
