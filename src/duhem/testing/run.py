@@ -295,6 +295,7 @@ class ConformanceRun:
             examples=self.examples,
             seed=self.seed,
             tried={name: {what: n for (by, what), n in self.tried.items() if by == name} for name, _ in self.tried},
+            needs={c.name: c.needs for c in self.asked if c.needs},
         )
 
     def _short(self, failure: Failure) -> Failure:

@@ -21,6 +21,7 @@ _ANGLES = 64
 _PLANES = 2  # of a case
 _NEAR, _FAR = 2.0**-30, 2.0**10  # shares of the size of K between which its boundary is looked for
 _BITS = 36  # then it is known to a part in 10^9
+_DRAWN_IN = (0.1, 0.25, 0.5)  # shares of a stress of K, one of which lies inside where neither 0 nor the middle surely does
 _ALONG = 1e-3  # a direction that is nearer to another than this spans no plane with it
 _DIGITS = (1, 2, 3, 5, 8)  # in which a pair is told, if it can be
 _TURN = 2.0 * np.pi / _ANGLES * np.arange(_ANGLES)
@@ -61,7 +62,24 @@ class Dents:
         middle = (ends[:, :d] - ends[:, d:]) / (2.0 * d)
         load = query.pressure[rows]
         middle = np.where(query.region.surely_inside(middle, load)[:, None], middle, 0.0)
+        lost = np.flatnonzero(~query.region.surely_inside(middle, load))
+        if lost.size and d > 1:
+            middle[lost] = self._drawn_in(rows[lost], ends[lost])
         return np.where(query.region.surely_inside(middle, load)[:, None], size, np.nan), middle
+
+    def _drawn_in(self, rows: NDArray[np.intp], ends: Array) -> Array:
+        """Of the ends of K on the axes (M, 2 d) and the stresses drawn, all drawn in towards 0, the one surely inside with the least g.
+
+        K of a g that is 0 or has no value at the origin: symmetric, it has its middle there.  (M, d), 0 where there is none.
+        """
+        query, (m, d) = self.query, (len(rows), self.query.case.trial.shape[1])
+        axes = ends[:, :, None] * np.vstack([np.eye(d), -np.eye(d)])
+        whole = np.concatenate([axes, query.case.inside[rows][:, None], query.case.beside[rows][:, None]], axis=1)
+        points = np.concatenate([share * whole for share in _DRAWN_IN], axis=1).reshape(-1, d)
+        load = np.repeat(query.pressure[rows], len(points) // m)
+        level = np.where(query.region.surely_inside(points, load), query.region.level(points, load), np.inf).reshape(m, -1)
+        best = np.argmin(level, axis=1)
+        return np.where(np.isfinite(level[range(m), best])[:, None], points.reshape(m, -1, d)[range(m), best], 0.0)
 
     def deepest(self) -> dict[int, tuple[Array, Array]]:
         """By row, two stresses (d,) of K whose middle lies outside, in as few digits as show it."""

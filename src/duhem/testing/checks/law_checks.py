@@ -42,6 +42,7 @@ def origin(q: Query) -> Finding:
     tolerance="none: p, q and their middle are judged in 60 digits (the middle of two doubles, rounded once, within 4 eps of |p| + |q|; "
     "of two boundary points, moved by 1e-12 of its way to a stress inside)",
     law_only=True,
+    needs="a stress that surely lies inside K, where none is known",
 )
 def convexity(q: Query) -> Finding:
     p, other = q.case.inside, q.case.beside
@@ -51,7 +52,7 @@ def convexity(q: Query) -> Finding:
     for end in (p, other, np.zeros_like(p)):
         found = q.certainly(found, end, outside=False)
     dents = Dents(q)
-    tried = {"pairs of stresses": len(p), "pairs of boundary points": dents.pairs}
+    tried = {"pairs of stresses": len(p)} | ({"pairs of boundary points": dents.pairs} if p.shape[1] > 1 else {})
     if pairs := dents.deepest():
         rows = list(pairs)
         p, other = p.copy(), other.copy()

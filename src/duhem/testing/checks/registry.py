@@ -46,6 +46,7 @@ class Check:
     ``demanded``: the theory asks it of every law; the others are run where asked for by name.  ``whole``, of a check that no
     single case can fail, says at the end what is wrong with all that was visited, or None.  ``again``: it asks the routine for
     more than the answer to each trial, and so of some rows only (:attr:`duhem.testing.checks.query.Query.some`).
+    ``needs``: what it must know to try all that it counts as tried, told where it could not.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Check:
     demanded: bool = True
     whole: Callable[[Visited], str | None] | None = None
     again: bool = False
+    needs: str = ""
 
     @property
     def __name__(self) -> str:  # pytest names parametrised tests by it
@@ -81,11 +83,12 @@ def register(
     demanded: bool = True,
     whole: Callable[[Visited], str | None] | None = None,
     again: bool = False,
+    needs: str = "",
 ) -> Callable[[Callable[[Query], Finding]], Callable[[Query], Finding]]:
     """Add a check."""
 
     def add(measure: Callable[[Query], Finding]) -> Callable[[Query], Finding]:
-        _checks[name] = Check(name, statement, formula, source, tolerance, measure, law_only, demanded, whole, again)
+        _checks[name] = Check(name, statement, formula, source, tolerance, measure, law_only, demanded, whole, again, needs)
         return measure
 
     return add

@@ -156,7 +156,8 @@ class Report(Shown):
     ``expected``: the checks that failed as was expected, with the reason given; ``unexpected``: those that passed though they
     were expected to fail.  ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.visited.Visited`), and
     ``decades`` the first and last power of ten of what was drawn, in ``examples`` cases by ``seed``.  ``tried``: by the name of a
-    check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity.
+    check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity; ``needs``: by that name,
+    what it lacked where these are 0.
     """
 
     printed_by: ClassVar[str] = "duhem.testing.failures.report_formats"
@@ -176,6 +177,7 @@ class Report(Shown):
     seed: int | None = None
     undefined: int = 0
     tried: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    needs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def ok(self) -> bool:
@@ -208,7 +210,9 @@ class Report(Shown):
     def tested(self) -> tuple[str, ...]:
         """Of each check that passed on what it tried, how many these were: no more was tested."""
         each = {name: " and ".join(f"{n} {what}" for what, n in self.tried.get(name, {}).items() if n) for name in self.passed}
-        return tuple(f"{name} was tested on {told} alone; duhem verify seeks a proof" for name, told in each.items() if told)
+        none = {name: "".join(f", and on no {what}" for what, n in self.tried.get(name, {}).items() if not n) for name in self.passed}
+        lacking = {name: f"{what}, which need {self.needs[name]}" if what and name in self.needs else what for name, what in none.items()}
+        return tuple(f"{name} was tested on {told} alone{lacking[name]}; duhem verify seeks a proof" for name, told in each.items() if told)
 
     def __repr__(self) -> str:
         return f"<Report of {self.counted()}>"
