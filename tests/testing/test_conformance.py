@@ -121,6 +121,38 @@ def test_flagged_points_are_counted_and_not_judged() -> None:
         assert_conforms("orthotropic", update, ELLIPSE, max_examples=3, most_flagged=0.1)
 
 
+def test_a_mapping_with_the_names_of_a_step_is_one() -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array) -> dict[str, Array]:
+        stress = ellipse(trial, pressure, stiffness)
+        return {"stress": stress, "slip": np.linalg.solve(stiffness, (trial - stress).T).T, "solved": pressure != -1.0}
+
+    report = conformance("orthotropic", update, ELLIPSE, max_examples=2)
+    assert report.ok and {"slip", "energy"} <= {*report.passed} and {"multiplier", "tangent"} <= {*report.left_out}
+    wrong = conformance(
+        "orthotropic", lambda *given: {**update(*given), "slip": given[0]}, ELLIPSE, checks=["slip"], max_examples=2, tries=5
+    )
+    assert wrong.failed == {"slip"}
+    assert conformance("orthotropic", pointwise(lambda t, p, k: {"stress": 0.0 * t}), ELLIPSE, checks=["feasibility"], max_examples=1).ok
+
+
+UNREAD: dict[str, tuple[Callable[[Array], object], str]] = {
+    "other names": (
+        lambda t: {"stress": t, "strain": t},
+        "a mapping with strain; what is known is stress, slip, multiplier, tangent, solved",
+    ),
+    "no stress": (lambda t: {"slip": t}, "a mapping without stress"),
+    "rows one by one": (lambda t: (row for row in t), "returned a generator, which gives its rows one by one: return them together"),
+}
+
+
+@pytest.mark.parametrize("name", UNREAD)
+def test_what_is_no_step_is_told_as_what_it_is(name: str) -> None:
+    answer, said = UNREAD[name]
+    report = conformance("orthotropic", lambda t, p, k: answer(t), ELLIPSE, checks=["answers"], max_examples=1, tries=5)
+    (failure,) = report.failures
+    assert said in failure.message and failure.message.startswith("the routine returned")
+
+
 def no_numbers(trial: Array, pressure: Array, stiffness: Array) -> object:
     return "stress"
 

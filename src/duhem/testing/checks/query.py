@@ -30,7 +30,7 @@ from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import shaped
 from duhem.testing.routines.overwritten import Overwritten
-from duhem.testing.routines.routine import Step, Update, called
+from duhem.testing.routines.routine import NoStep, Step, Update, called
 from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["Asked", "NothingToCheck", "Query", "Reply"]
@@ -255,6 +255,8 @@ class Query:
         return tuple(self.region.parameters.values())
 
     def _said(self, fault: BaseException) -> str:
+        if isinstance(fault, NoStep):
+            return str(fault)
         return f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}"
 
     def _not_passed(self, fault: BaseException) -> str:
@@ -333,11 +335,12 @@ class Query:
     @cached_property
     def _round_2(self) -> Mapping[str, Reply]:
         here, load = self.here, self.case.pressure
-        way = here.stress + self.case.stretch[:, None] * (here.trial - here.stress)
+        stress = np.where(np.isfinite(here.stress), here.stress, here.trial)  # no routine need answer what is no number
+        way = stress + self.case.stretch[:, None] * (here.trial - stress)
         more = {"again": self._backwards}
         if "step" in self._round_1 and self.case.path.shape[1] > 2:
             more["step"] = self._step(2, self._round_1["step"].stress)
-        return self._at_once({"stress": (here.stress, load), "way": (way, load)}, more)
+        return self._at_once({"stress": (stress, load), "way": (way, load)}, more)
 
     def ahead(self) -> Mapping[str, Asked]:
         """What may be asked with the first, and is needed later, if at all."""
@@ -356,7 +359,9 @@ class Query:
 
     def _step(self, i: int, stress: Array) -> Asked:
         case = self.case
-        return stress + (case.path[:, i] - case.path[:, i - 1]), None if case.loads is None else case.loads[:, i]
+        return np.where(np.isfinite(stress), stress, 0.0) + (
+            case.path[:, i] - case.path[:, i - 1]
+        ), None if case.loads is None else case.loads[:, i]
 
     def _at_once(self, asked: Mapping[str, Asked], more: Mapping[str, Asked]) -> Mapping[str, Reply]:
         """The replies to what is ``asked``, and to ``more`` where the routine can answer all of it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -18,12 +18,12 @@ from duhem.projection.validation import check_associated
 from duhem.testing.routines.origin import law_as_written, made_by
 from duhem.testing.routines.overwritten import differs, overwritten
 
-__all__ = ["Step", "Update", "called", "from_displacements", "named_after", "pointwise", "projection"]
+__all__ = ["NoStep", "Step", "Update", "called", "from_displacements", "named_after", "pointwise", "projection"]
 
 
 @dataclass(frozen=True)
 class Step:
-    """What a routine may return besides the stress (N, d) in Pa; None for what it does not compute.
+    """What a routine may return besides the stress (N, d) in Pa, or a mapping with these names; None for what it does not compute.
 
     ``slip`` (N, d) in m, taken to be k^-1 (sigma_tr - sigma) where left out; ``multiplier`` lambda (N,) with
     slip = lambda dg/dsigma; ``tangent`` d sigma/d u (N, d, d) in Pa/m; ``solved`` (N,), False where the routine itself says
@@ -39,8 +39,29 @@ class Step:
     overwritten: ArrayLike | None = None
 
 
-# update(trial (N, d), pressure (N,) or None for a law without, stiffness (d, d), **parameters left open) -> stress or Step
-Update: TypeAlias = Callable[..., ArrayLike | Step]
+# update(trial (N, d), pressure (N,) or None for a law without, stiffness (d, d), **parameters left open) -> stress, Step or its mapping
+Update: TypeAlias = Callable[..., ArrayLike | Step | Mapping[str, ArrayLike | None]]
+
+
+class NoStep(Exception):
+    """What a routine returned can be read neither as a stress nor as a :class:`Step`."""
+
+
+def _as_step(answer: Any) -> Step:
+    """What a routine returned.  Raises NoStep."""
+    if isinstance(answer, Step):
+        return answer
+    if isinstance(answer, Mapping):
+        names = [*Step.__dataclass_fields__]
+        if unknown := [str(name) for name in answer if name not in names]:
+            raise NoStep(f"the routine returned a mapping with {', '.join(unknown)}; what is known is {', '.join(names[:-1])}")
+        if "stress" not in answer:
+            raise NoStep("the routine returned a mapping without stress")
+        return Step(**answer)
+    if isinstance(answer, Iterator):
+        what = type(answer).__name__
+        raise NoStep(f"the routine returned a {what}, which gives its rows one by one: return them together, as an array or a list")
+    return Step(answer)
 
 
 def pointwise(step: Callable[..., Any]) -> Update:
@@ -49,7 +70,7 @@ def pointwise(step: Callable[..., Any]) -> Update:
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
         loads = [None] * len(trial) if pressure is None else pressure.tolist()
         found = [step(t.copy(), p, stiffness.copy(), **parameters) for t, p in zip(trial, loads, strict=True)]
-        each = [f if isinstance(f, Step) else Step(f) for f in found]
+        each = [_as_step(f) for f in found]
 
         def together(name: str) -> Any:
             parts = [getattr(f, name) for f in each]
@@ -108,8 +129,7 @@ def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Updat
 def called(update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> Step:
     """What a routine answers, called on copies, and which of them it has overwritten."""
     given = trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy()
-    answer = update(*given, **values)
-    step = answer if isinstance(answer, Step) else Step(answer)
+    step = _as_step(update(*given, **values))
     changed = {"trial": differs(given[0], trial)}
     if pressure is not None and given[1] is not None:
         changed["pressure"] = differs(given[1], pressure)
