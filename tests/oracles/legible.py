@@ -95,7 +95,7 @@ def _silent(axes: Axes) -> list[str]:
     for name, axis in (("x", axes.xaxis), ("y", axes.yaxis)):
         label = axis.label.get_text()
         worded = any(re.match(r"[A-Za-z]", text.get_text()) for text in _ticks(axis))
-        if not label or not (worded or re.search(r"\S \[.+\]$", label)):
+        if not label or not (worded or re.search(r"\S[ \n]\[.+\]$", label)):
             found.append(f"the {name} axis says {label!r}: no quantity with a unit")
     return found
 

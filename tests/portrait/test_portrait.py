@@ -295,6 +295,15 @@ def test_witnesses_are_legible(law: str) -> None:
     assert sum("refuted" in place.get_title() for place in places) >= 1 and faults(places[0].figure) == []
 
 
+@pytest.mark.parametrize("letters", [12, 40], ids=str)
+def test_names_of_many_letters_keep_to_their_own_panel(letters: int) -> None:
+    forces = ("s" * letters, "w" * letters)
+    axes = plot(duhem.Criterion(name="l", g=f"norm({', '.join(forces)}) - 0.3*abs(sigma_n)", forces=forces))
+    assert faults(axes[0].figure) == []
+    sizes = {words.get_fontsize() for place in axes for words in (place.xaxis.label, place.yaxis.label, place.title)}
+    assert (sizes == {10.0}) == (letters == 12)
+
+
 def test_an_increment_is_drawn_where_it_goes() -> None:
     (axes,) = plot("box", parameters={"mu_a": 0.3, "mu_b": 0.5}, planes="sigma_a,sigma_b", trial=[0.9, 0.1], pressure=-1.0)
     places = {line.get_label(): line.get_xydata() for line in axes.lines}

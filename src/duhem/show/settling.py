@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
     from matplotlib.path import Path
+    from matplotlib.text import Text
     from matplotlib.transforms import Bbox
 
 __all__ = ["EDGE", "NOTE", "OPEN", "SIDES", "settle"]
@@ -23,11 +24,13 @@ SIDES: tuple[dict[str, Any], ...] = tuple(
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1))
 )
 _MARK = 7.0  # points
+_SMALLEST = 1.0  # points, of letters
+_BEFORE_UNIT = " ["
 _BLANK = 0.3  # inches that a sheet may leave free
 
 
 def settle(sheet: Figure, places: tuple[Axes, ...]) -> None:
-    """Fewer numbers on axes on which they touch, no higher a sheet than they need, and notes where they hide nothing."""
+    """Fewer numbers on axes on which they touch, words that keep to their place, no blank sheet, notes that hide nothing."""
     from matplotlib.text import Annotation
 
     _uncrowd(sheet, places)
@@ -105,12 +108,45 @@ def _uncrowd(sheet: Figure, places: tuple[Axes, ...], rounds: int = 6) -> None:
     for _ in range(rounds):
         sheet.draw_without_rendering()
         crowded = [axis for axis in numbered if _touching(axis)]
-        if not crowded:
+        long = [_brought_in(axis) for axes in places for axis in (axes.xaxis, axes.yaxis)]
+        long += [
+            _set_smaller(axes.title, sheet.bbox.width / _columns(axes) / (axes.title.get_window_extent().width or 1.0)) for axes in places
+        ]
+        if not crowded and not any(long):
             return
         for axis in crowded:
             fewer = max(2, len(axis.get_majorticklocs()) - 3)
             logarithmic = isinstance(axis.get_major_locator(), LogLocator)
             axis.set_major_locator(LogLocator(numticks=fewer) if logarithmic else MaxNLocator(fewer - 1, steps=[1, 2, 2.5, 5, 10]))
+
+
+def _brought_in(axis: Axis) -> bool:
+    """Whether the label was longer than its axis: it is broken before its unit, then set in letters as small as it takes."""
+    from matplotlib.axis import XAxis
+
+    box, edge = axis.label.get_window_extent(), axis.axes.bbox
+    share = edge.width / (box.width or 1.0) if isinstance(axis, XAxis) else edge.height / (box.height or 1.0)
+    text = axis.label.get_text()
+    if share >= 1.0 or not axis.get_visible():
+        return False
+    if _BEFORE_UNIT not in text:
+        return _set_smaller(axis.label, share)
+    axis.set_label_text(text.replace(_BEFORE_UNIT, "\n["))
+    return True
+
+
+def _columns(axes: Axes) -> int:
+    spec = axes.get_subplotspec()
+    return spec.get_gridspec().ncols if spec is not None else 1
+
+
+def _set_smaller(words: Text, share: float) -> bool:
+    """Set words of which only a share fits in smaller letters; whether that was so."""
+    size = float(words.get_fontsize())
+    if share >= 1.0 or size <= _SMALLEST:
+        return False
+    words.set_fontsize(max(_SMALLEST, 0.98 * share * size))
+    return True
 
 
 def _touching(axis: Axis) -> bool:
