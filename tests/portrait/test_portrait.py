@@ -159,6 +159,24 @@ def test_what_a_section_does_not_show_is_said(g: str, said: str) -> None:
     assert len(remarks) == 1 and said in remarks[0] and said in axes.get_title() and faults(axes.figure) == []
 
 
+@pytest.mark.parametrize(
+    ("g", "along"),
+    [
+        ("max(abs(sigma_a) - 1, abs(sigma_b))", (1, 0)),
+        ("abs(sigma_a)", (0, 1)),
+        ("abs(sigma_a + sigma_b)", (1, -1)),
+        ("norm(sigma_a/2e-9, sigma_b/5) - 1", (0, 1)),
+    ],
+)
+def test_a_segment_and_a_line_are_met_on_both_sides(g: str, along: tuple[int, int]) -> None:
+    found = seen(duhem.Criterion(name="k", g=g, pressure=None), "sigma_a,sigma_b")
+    assert not found.lines and "only points that were met are drawn" in found.remark
+    far = found.points @ along
+    assert len(far) > 20 and sorted(far) == sorted(-far) and not (found.points @ (-along[1], along[0])).any()
+    a, b, c, d = found.window
+    assert (a, c) == (-b, -d)
+
+
 def test_the_window_of_one_force_is_that_of_all_its_pieces() -> None:
     law = duhem.Criterion(name="two", g="(a - 1)*(a - 2)*(a + 1)*(a + 3)", forces=("a",), pressure=None)
     found = section(given(law), usual(law, None)[0])

@@ -18,7 +18,7 @@ Level = Callable[[Array], Array]
 
 MARGIN = 0.16  # of the size of K that is left free around it, for normals
 
-_ANGLES, _DECADES = 96, (-6.0, 8.0)
+_DECADES = (-6.0, 8.0)
 _FAR = (-30.0, 30.0)  # decades where these say nothing, or only that all is K
 _PER_DECADE = 10
 _GUIDED = 0.26  # and where the names of axes stand beyond them
@@ -27,6 +27,19 @@ _FEW = 5  # rays, of which the ends of so many tell how large a K is that does n
 _THIN = 30.0  # times as long as wide, from where each side has a margin of its own
 _DESCENTS = 90  # rings around a point whose value falls
 _RING = np.array([[np.cos(t), np.sin(t)] for t in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)])
+
+
+def _ways(count: int) -> Array:
+    """Directions (count, 2) all around, exactly along the axes and their bisectors, and each with its opposite and mirrored ones."""
+    angles = np.linspace(0.0, np.pi / 4.0, count // 8, endpoint=False)
+    cos, sin = np.cos(angles), np.sin(angles)
+    half = [[np.sqrt(0.5), np.sqrt(0.5)]]
+    quarter = np.vstack([np.column_stack([cos, sin]), half, np.column_stack([sin, cos])[:0:-1]])
+    turned = np.column_stack([-quarter[:, 1], quarter[:, 0]])
+    return np.vstack([quarter, turned, -quarter, -turned])
+
+
+_WAYS = _ways(96)
 
 
 @dataclass(frozen=True)
@@ -98,9 +111,8 @@ def _pressed(plane: Plane, box: Window) -> Window:
 
 def _rays(level: Level, start: Array, scale: float, decades: tuple[float, float]) -> tuple[Array, NDArray[np.bool_], Array]:
     """Points (m, 96, 2) around one, whether they lie in K, and their distances (m,)."""
-    angles = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
     radii = scale * np.logspace(*decades, int(_PER_DECADE * (decades[1] - decades[0])) + 1)
-    points = start + radii[:, None, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    points = start + radii[:, None, None] * _WAYS
     with np.errstate(all="ignore"):
         return points, level(points) <= 0.0, radii
 

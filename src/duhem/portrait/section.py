@@ -153,7 +153,7 @@ def _unseen(level: Callable[[Array], Array], found: View, points: Array) -> dict
     missing, lost = missed(level, found.window, found.grid, points)
     if missing:
         if not held:
-            return {"remark": "$K$ is thinner than the picture resolves: points of it", "points": points}
+            return {"remark": "$K$ is thinner than the picture resolves: only points that were met are drawn", "points": points}
         return {"remark": f"pieces of $K$ thinner than 1/{len(found.grid[0]) - 1} of the window may be missing", "points": lost}
     return {} if held else {"remark": NOTHING}
 
