@@ -132,6 +132,12 @@ def test_a_routine_that_ends_the_program_fails_its_check():
     assert failed.verdict == "failed" and "the routine raised SystemExit: 5" in failed.witness
 
 
+def test_of_a_routine_that_never_answers_nothing_is_said_to_be_solved():
+    lines = asked(Campaign((Grid(LawName("coulomb"), (("mu", ("3/10",)),)),), checks(routines.raises)), 1)
+    solved = next(line for line in lines if line.claim == "solved")
+    assert solved.verdict == "not_applicable" and json.loads(solved.witness) == {"reason": "no increment was answered"}
+
+
 def test_the_same_cases_are_drawn_whatever_was_loaded_before(tmp_path, monkeypatch):
     """A module of the package that a row loads, with numbers that Hypothesis would draw."""
     (tmp_path / "late.py").write_text(f"NUMBERS = {[*range(100, 1000)]}\n")

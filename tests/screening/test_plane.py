@@ -84,6 +84,7 @@ def test_axes_that_are_none(axes, word):
 def test_a_plane_needs_numbers_that_differ():
     for lines, word in (
         ([line(1, "origin", "proved", mu="1/10")], "no parameter has two values"),
+        ([line(1, "origin", "proved", mu="\u0661"), line(2, "origin", "proved", mu="y")], "no row has a number for mu"),
         ([line(1, "origin", "proved", mu="x"), line(2, "origin", "proved", mu="1/0")], "no row has a number for mu"),
         ([line(1, "origin", "proved", mu="1" + "0" * 400), line(2, "origin", "proved", mu="y")], "no row has a number for mu"),
     ):

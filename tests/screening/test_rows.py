@@ -67,6 +67,14 @@ def test_a_table_is_read_as_it_is_written_and_a_malformed_line_is_one_row(tmp_pa
     assert [line.claim for line in lines[0]] == ["convexity", "origin"] and json.loads(lines[3][0].witness)["parameters"]["e"] == "9/10"
 
 
+def test_a_number_as_small_or_as_large_as_is_read_is_read_from_a_table_too(tmp_path):
+    (tmp_path / "c.csv").write_text("mu,e\n1e-400,0\n1.5e400,0\n1e-401,0\n")
+    small, large, beyond = rows(tmp_path, f'{LIMACON}table = "c.csv"\n')
+    assert small.law().parameters["mu"].value == Fraction("1e-400") and large.law().parameters["mu"].value == Fraction("1.5e400")
+    with pytest.raises(InputError, match="the number 1e-401 is too long or too large"):
+        beyond.law()
+
+
 def test_parquet_gives_the_same_rows_as_csv(tmp_path):
     pyarrow = pytest.importorskip("pyarrow")
     from pyarrow import parquet

@@ -41,7 +41,7 @@ def verify_each(
     laws: Sequence[str], settings: Sequence[str], claims: Sequence[str] | None, effort: str, strict: bool, workers: int | None
 ) -> int:
     """Say a line a law, in their order, each as soon as those before it are said; the exit code of all of them."""
-    from duhem.expression.number import ratio
+    from duhem.expression.number import exact_text
     from duhem.proof.verification import wanted_claims
     from duhem.screening.campaign import Campaign
     from duhem.screening.inquiries import Claimed
@@ -49,7 +49,9 @@ def verify_each(
     from duhem.screening.rows import Given
 
     names = [_named(law) for law in laws]
-    values = tuple((name, ratio(value)) for name, value in read_settings(settings).items())
+    values = tuple(
+        (name, exact_text(setting.partition("=")[2].strip())) for name, setting in zip(read_settings(settings), settings, strict=True)
+    )
     if values:
         for law in laws:
             _check_settings(law, settings)

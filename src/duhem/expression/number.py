@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.errors import InputError
 
-__all__ = ["DECIMAL", "exact_number", "fraction", "nearest_double", "ratio", "rational"]
+__all__ = ["DECIMAL", "exact_number", "exact_text", "fraction", "nearest_double", "ratio", "rational"]
 
 # A decimal without sign.  At most MOST_DIGITS digits and a scale of at most 10^+-MOST_DIGITS: beyond doubles, yet cheap.
 DECIMAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
@@ -69,8 +69,21 @@ def nearest_double(x: Any) -> float | None:
 
 
 def ratio(x: sp.Rational) -> str:
-    """``x`` as text, ``p`` or ``p/q``; :func:`exact_number` reads it back."""
+    """``x`` as text, ``p`` or ``p/q``; :func:`exact_number` reads it back where they have no more digits than it takes."""
     return f"{x.p}/{x.q}" if x.q != 1 else f"{x.p}"
+
+
+def exact_text(x: Any) -> str:
+    """A number as text that :func:`exact_number` reads as the same: its :func:`ratio`, or what was given where that is too long.
+
+    InputError where it is none.
+    """
+    text = ratio(exact_number(x))
+    try:
+        exact_number(text)
+    except InputError:
+        return str(x)
+    return text
 
 
 def _from_text(text: str) -> sp.Rational:

@@ -56,7 +56,7 @@ from pathlib import Path
 from typing import Any, Unpack
 
 from duhem.errors import InputError
-from duhem.expression.number import exact_number, fraction, ratio
+from duhem.expression.number import exact_number, exact_text, fraction
 from duhem.expression.spelling import spelled
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import Key, meant, parsed, text_of
@@ -230,7 +230,7 @@ class _CampaignReader(InquiryReader):
 
     def number(self, value: Any, *path: Key) -> str:
         try:
-            return ratio(exact_number(value))
+            return exact_text(value)
         except InputError as fault:
             raise self.error(fault.what, *path, remedy=fault.remedy) from None
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import json
-import re
 from array import array
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
-from math import isfinite
 
 from duhem.errors import InputError
+from duhem.expression.number import exact_number, nearest_double
 from duhem.law.placed_toml import meant
 from duhem.screening.lines import VerdictLine
 
@@ -18,7 +16,6 @@ __all__ = ["NO_VERDICT", "VerdictPanel", "VerdictPlane", "chosen", "plane", "var
 
 NO_VERDICT = "no verdict"
 _MOST = 36  # panels of a picture
-_VALUE = re.compile(r"-?\d{1,1000}(/\d{1,1000})?")
 
 
 @dataclass(frozen=True)
@@ -107,7 +104,8 @@ def plane(lines: Iterable[VerdictLine], axes: tuple[str, ...], found: Mapping[st
 def _point(values: Mapping[str, str], axes: tuple[str, ...]) -> tuple[float, ...] | None:
     """The nearest doubles; None where a value is missing, no number or beyond all doubles."""
     try:
-        point = tuple(float(Fraction(values[name])) for name in axes if _VALUE.fullmatch(values[name]))
-    except (KeyError, OverflowError, ZeroDivisionError):
+        point = [nearest_double(exact_number(values[name])) for name in axes]
+    except (KeyError, InputError):
         return None
-    return point if len(point) == len(axes) and all(map(isfinite, point)) else None
+    known = tuple(x for x in point if x is not None)
+    return known if len(known) == len(axes) else None

@@ -19,7 +19,7 @@ from typing import Any, Protocol
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.number import exact_number, ratio
+from duhem.expression.number import exact_number, exact_text, ratio
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import text_of
@@ -231,7 +231,7 @@ class TableRows:
 def _exact(cell: str) -> str:
     """A number in one spelling; what is none stays, and is the fault of its row."""
     try:
-        return ratio(exact_number(cell))
+        return exact_text(cell)
     except InputError:
         return cell
 
@@ -246,5 +246,5 @@ def given(laws: tuple[tuple[Any, ...], ...]) -> Given:
         law, values = pair
         found: Law = load(law)
         shown = law if isinstance(law, str) else found.name
-        pairs.append((LawName(shown, value=found), tuple((str(p), ratio(exact_number(x))) for p, x in (values or {}).items())))
+        pairs.append((LawName(shown, value=found), tuple((str(p), exact_text(x)) for p, x in (values or {}).items())))
     return Given(tuple(pairs))

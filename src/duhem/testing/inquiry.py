@@ -48,9 +48,9 @@ class RoutineChecks:
     ``expect`` (pairs of a check known to fail and the reason) and ``most_flagged`` are those of ``duhem test``.
 
     A line a check: ``passed`` or ``failed``; ``xfailed`` and ``xpassed`` of those expected to fail; ``not_applicable`` where nothing was
-    there to judge.  One line more, ``solved``: no more than the share ``most_flagged`` is flagged by the routine as not solved.  The
-    witness of a failure has its increment in round numbers, by how much the check is violated, and what the routine likely does
-    instead; ``steps`` are the increments that the routine was asked for in the row, ``seconds`` the row's in equal shares.
+    there to judge.  One line more, ``solved``: no more than the share ``most_flagged`` is flagged by the routine as not solved, where it
+    answered any.  The witness of a failure has its increment in round numbers, by how much the check is violated, and what the routine
+    likely does instead; ``steps`` are the increments that the routine was asked for in the row, ``seconds`` the row's in equal shares.
 
     Raises InputError for options that cannot be used.
     """
@@ -136,6 +136,8 @@ class RoutineChecks:
 
     def _of(self, name: str, report: Report) -> tuple[str, dict[str, Any] | None]:
         """The verdict on a check, and what there is to say of it."""
+        if name == _SOLVED and report.points == 0:
+            return "not_applicable", {"reason": "no increment was answered"}
         if name == _SOLVED:
             counted = {"increments": report.points, "flagged": report.flagged, "most": self.most_flagged}
             return "passed" if report.flagged_share <= self.most_flagged else "failed", counted
