@@ -120,6 +120,35 @@ def test_a_routine_with_a_memory_is_told_to_have_one(made: Callable[[], Callable
     assert {*report.failures[0].explains} == report.failed - {"repeatability"}
 
 
+def raises_alone(trial: Array, pressure: Array, stiffness: Array) -> Array:
+    if len(trial) == 1:
+        raise IndexError("one row")
+    return ellipse(trial, pressure, stiffness)
+
+
+def squeezes(trial: Array, pressure: Array, stiffness: Array) -> Array:
+    return np.squeeze(ellipse(trial, pressure, stiffness))
+
+
+def other_alone(trial: Array, pressure: Array, stiffness: Array) -> Array:
+    return ellipse(trial, pressure, stiffness) if len(trial) > 1 else trial
+
+
+@pytest.mark.parametrize(
+    ("update", "said"),
+    [
+        (raises_alone, "asked as one increment alone, the routine raised IndexError: one row"),
+        (squeezes, "asked as one increment alone, the stress has the shape (2,), not (1, 2)"),
+        (other_alone, "between the answer among others and that to the increment alone"),
+    ],
+)
+@pytest.mark.parametrize("every", [1, 7])
+def test_one_increment_alone_is_asked_too(update: Callable[..., object], said: str, every: int) -> None:
+    asked = ["answers", "repeatability", "feasibility"]
+    report = conformance("orthotropic", update, ELLIPSE, checks=asked, max_examples=4, every=every, tries=20, seed=1)
+    assert report.failed == {"repeatability"} and said in report.failures[0].message, str(report)
+
+
 def test_what_fails_once_and_not_again_is_a_memory() -> None:
     calls = []
 

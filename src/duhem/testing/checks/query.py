@@ -221,7 +221,7 @@ class Query:
         """The rows that so many trial stresses are of: all, or some."""
         return np.arange(len(self.case)) if asked == len(self.case) else self.some.rows
 
-    def _reply(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Reply:
+    def _reply(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp], raised: Raised | None = None) -> Reply:
         def ask(at: slice) -> Step:
             return self.answer(trial[at], None if pressure is None else pressure[at], stiffness, rows[at])
 
@@ -230,7 +230,7 @@ class Query:
             return trial[i].tobytes(), load, stiffness.tobytes(), self.told_apart_by(int(rows[i]))
 
         try:
-            step = self.raised.asked(ask, key, len(trial), self._said)
+            step = (raised or self.raised).asked(ask, key, len(trial), self._said)
         except (NoReply, Unfinished) as fault:
             if fault.row is not None:
                 at, own = slice(fault.row, fault.row + 1), int(rows[fault.row])
@@ -301,6 +301,22 @@ class Query:
     def again(self) -> Reply:
         """The reply to ``trial``, asked after other questions and the last row first."""
         return self.heeded(self._known_or_asked(self._round_2, "again", self._backwards).part(slice(None, None, -1)))
+
+    @cached_property
+    def alone(self) -> tuple[int, Reply | str]:
+        """A row, another one in each case, and the reply to its trial in a call of its own; what is wrong where there is none."""
+        row, own = self.turn % len(self.case), Raised()
+        at = slice(row, row + 1)
+        load = None if self.case.pressure is None else self.case.pressure[at]
+        self.points += 1
+        try:
+            reply = self._reply(self.case.trial[at], load, self.case.stiffness, np.arange(row, row + 1), own)
+        except NoReply as fault:
+            self.raised.times += own.times  # what it said is not kept: among others it answers
+            return row, str(fault)
+        self.flagged += int(not reply.solved[0])
+        self.sound = self.sound & (reply.solved | (np.arange(len(self.case)) != row))
+        return row, reply
 
     def along_the_path(self) -> Iterator[Reply]:
         """The replies to the increments of ``path``, from no stress on, each from where the one before has ended."""

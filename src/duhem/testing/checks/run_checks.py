@@ -40,7 +40,7 @@ def vacuity(q: Query) -> Finding:
 
 @register(
     "repeatability",
-    statement="the same increment has the same answer, whatever was asked before it and beside it",
+    statement="the same increment has the same answer, whatever was asked before it and beside it, and alone",
     formula="P(sigma_tr) = P(sigma_tr)",
     source="a state kept between calls, or shared between rows, makes an answer depend on the order of the questions",
     tolerance="2 u",
@@ -49,7 +49,18 @@ def vacuity(q: Query) -> Finding:
 def repeatability(q: Query) -> Finding:
     here, again = q.here, q.again
     silent = ~np.isfinite(again.stress) & ~np.isfinite(here.stress)  # a nan twice is the same answer
-    return Finding(q.length(np.where(silent, 0.0, again.stress - here.stress)), 2.0 * q.unit(here))
+    apart, allowed = q.length(np.where(silent, 0.0, again.stress - here.stress)), 2.0 * q.unit(here)
+    row, alone = q.alone
+    at, how = slice(row, row + 1), np.full(len(apart), "", dtype=object)
+    if isinstance(alone, str):
+        apart[row], how[row] = np.inf, f"; asked as one increment alone, {alone}"
+    else:
+        gap = alone.stress - here.stress[at]
+        off = q.length(np.where(~np.isfinite(alone.stress) & ~np.isfinite(here.stress[at]), 0.0, gap))[0]
+        if not off <= apart[row]:
+            apart[row], how[row] = off, " between the answer among others and that to the increment alone"
+    said = [f"measured {x:.3g}, allowed {most:.3g}{more}" for x, most, more in zip(apart, allowed, how, strict=True)]
+    return Finding(apart, allowed, np.array(said, dtype=object))
 
 
 @register(
