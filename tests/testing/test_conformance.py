@@ -119,6 +119,9 @@ def test_flagged_points_are_counted_and_not_judged() -> None:
     assert report.ok and 0.2 < report.flagged_share < 0.8
     with pytest.raises(AssertionError, match="flags"):
         assert_conforms("orthotropic", update, ELLIPSE, max_examples=3, most_flagged=0.1)
+    most = [conformance("orthotropic", update, ELLIPSE, checks=["feasibility"], max_examples=3, seed=1, most_flagged=x) for x in (0.1, 0.9)]
+    assert [each.ok for each in most] == [False, True] and not most[0].failed
+    assert [", more than a share 0.1" in str(each).splitlines()[0] for each in most] == [True, False]
 
 
 def test_a_mapping_with_the_names_of_a_step_is_one() -> None:

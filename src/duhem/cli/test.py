@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from math import isqrt
 from random import Random
@@ -149,12 +149,13 @@ def test(
         **fixed,
     }
     interrupted = about.carry_out(routines, checks_of, options)
-    say(about.told(form, most))
+    about.reports = {name: replace(report, most_flagged=most) for name, report in about.reports.items()}
+    say(about.told(form))
     if replay is not None:
         about.write_replays(replay)
     if about.unfinished is not None:
         click.echo(f"duhem: {about.unfinished}", err=True)
-    return INTERRUPTED if interrupted else about.code(most)
+    return INTERRUPTED if interrupted else about.code()
 
 
 def _matrix(numbers: list[float], free: bool) -> Any:
@@ -314,17 +315,17 @@ class _About:
         if self.unfinished is not None and self.unfinished.failure is not None:
             write_replays([self.unfinished.failure], folder)
 
-    def code(self, most: float) -> int:
-        """The exit code; ``most`` is the share that may be flagged."""
+    def code(self) -> int:
+        """The exit code."""
         silent = [r for r in self.reports.values() if r.points and r.flagged == r.points]
         others = [r for r in self.reports.values() if r not in silent]
-        if self.unfinished is None and any(not r.ok or r.flagged_share > most for r in others):
+        if self.unfinished is None and any(not r.ok for r in others):
             return REFUTED
         return FAILED if self.unfinished is not None or silent or not self.reports else HELD
 
     # -- what is printed -----------------------------------------------------------------------------------------------
 
-    def told(self, form: str, most: float) -> str:
+    def told(self, form: str) -> str:
         from duhem.testing.failures.report_formats import as_dict, as_junit
 
         if form == "junit":
@@ -332,13 +333,11 @@ class _About:
         if form == "json":
             each = {name: {**as_dict(report), "again": self.again()} for name, report in self.reports.items()}
             return json.dumps({"routines": each, "left_out": self.without}, indent=2, ensure_ascii=False)
-        parts = [self._text(name, report, most) for name, report in self.reports.items()]
+        parts = [self._text(name, report) for name, report in self.reports.items()]
         return "\n\n".join([*parts, *(f"{method} left out: {why}" for method, why in self.without.items())])
 
-    def _text(self, name: str, report: Report, most: float) -> str:
+    def _text(self, name: str, report: Report) -> str:
         lines = [f"{name}", str(report)]
-        if report.flagged_share > most:
-            lines.append(f"flags {report.flagged} of {report.points} increments as not solved, more than a share {most:g}")
         if report.visited:
             lines.append("visited: " + ", ".join(f"{what} {share:.3g}" for what, share in report.visited.items()))
             lines.append("decades: " + ", ".join(f"{what} 1e{low} to 1e{high}" for what, (low, high) in report.decades.items()))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -136,6 +137,7 @@ def conformance(
     seed: int | None = None,
     expected_failed_checks: Mapping[str, str] | None = None,
     first: Iterable[Case] = (),
+    most_flagged: float | None = None,
 ) -> Report:
     """Put a routine for the slip increment of ``law`` to every check, on cases drawn by Hypothesis and shrunk where one fails.
 
@@ -151,7 +153,8 @@ def conformance(
     ``seed`` is that of the cases, drawn anew where left out unless the profile is derandomised; the report names it.
     ``expected_failed_checks`` gives the checks that are known to fail, each with the reason: one of them that passes makes
     the report not ``ok``.  ``first`` are cases that are tried before any is drawn, such as those that failed before; one that
-    does not fit the law and its parameters is passed over.  The law is taken to be associated.
+    does not fit the law and its parameters is passed over.  The law is taken to be associated.  The report is not ``ok`` either where the
+    routine flags more than the share ``most_flagged`` of the increments as not solved; left out, any share may be.
 
     Without a law (None), ``update`` is such a routine, with ``stiffness`` (d,), (d, d) or a strategy, ``parameters`` that are
     numbers or strategies, all passed by name, and ``pressure``, None for a routine that is given none; or a
@@ -164,6 +167,8 @@ def conformance(
     known = None if law is None else load(law)
     asked = checks_asked(known, checks)
     check_expected(known, expected_failed_checks)
+    if most_flagged is not None:
+        check_share(most_flagged, "most_flagged")
     options: dict[str, Any] = {
         "stiffness": stiffness,
         "pressure": pressure,
@@ -183,7 +188,7 @@ def conformance(
         else ConformanceRun(known, _routine(update), parameters, asked, **options)
     )
     run.try_first(first)
-    return run.to_the_end().report()
+    return replace(run.to_the_end().report(), most_flagged=most_flagged)
 
 
 def _routine(update: Update | Material) -> Update:

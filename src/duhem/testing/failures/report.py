@@ -157,7 +157,7 @@ class Report(Shown):
     were expected to fail.  ``visited``: shares of the drawn increments (:class:`duhem.testing.checks.visited.Visited`), and
     ``decades`` the first and last power of ten of what was drawn, in ``examples`` cases by ``seed``.  ``tried``: by the name of a
     check, how many of what it looked at more than the increments, such as the pairs of stresses of convexity; ``needs``: by that name,
-    what it lacked where these are 0.
+    what it lacked where these are 0.  ``most_flagged``: the share that may be flagged, None for any.
     """
 
     printed_by: ClassVar[str] = "duhem.testing.failures.report_formats"
@@ -178,10 +178,16 @@ class Report(Shown):
     undefined: int = 0
     tried: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
     needs: Mapping[str, str] = field(default_factory=dict)
+    most_flagged: float | None = None
 
     @property
     def ok(self) -> bool:
-        return not self.failures and not self.unexpected
+        return not self.failures and not self.unexpected and not self.flags_too_many
+
+    @property
+    def flags_too_many(self) -> bool:
+        """Whether a larger share of the increments is flagged than may be."""
+        return self.most_flagged is not None and self.flagged_share > self.most_flagged
 
     @property
     def failed(self) -> frozenset[str]:
@@ -205,7 +211,10 @@ class Report(Shown):
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
         counts += f", {len(self.left_out)} left out" if self.left_out else ""
         unsaid = f", {self.undefined} not judged where g has no value" if self.undefined else ""
-        return f"{self.law}: {counts}; {self.points} increments, {self.flagged} flagged{unsaid}"
+        flagged = f"{self.points} increments, {self.flagged} flagged"
+        if self.flags_too_many:
+            flagged = f"flags {self.flagged} of {self.points} increments as not solved, more than a share {self.most_flagged:g}"
+        return f"{self.law}: {counts}; {flagged}{unsaid}"
 
     def tested(self) -> tuple[str, ...]:
         """Of each check that passed on what it tried, how many these were: no more was tested."""
