@@ -313,7 +313,7 @@ def test_witnesses_are_legible(law: str) -> None:
     assert sum("refuted" in place.get_title() for place in places) >= 1 and faults(places[0].figure) == []
 
 
-@pytest.mark.parametrize("letters", [12, 40], ids=str)
+@pytest.mark.parametrize("letters", [pytest.param(12, marks=pytest.mark.long), 40], ids=str)
 def test_names_of_many_letters_keep_to_their_own_panel(letters: int) -> None:
     forces = ("s" * letters, "w" * letters)
     axes = plot(duhem.Criterion(name="l", g=f"norm({', '.join(forces)}) - 0.3*abs(sigma_n)", forces=forces))
@@ -379,11 +379,11 @@ def test_a_witness_in_a_thin_section_is_seen_beside_its_width() -> None:
     ("wide", "high", "unit", "said"),
     [
         (1e6, 1e-3, "Pa", ("MPa", "mPa")),
-        (1e6, 1e-6, "", ("$10^{6}$ unit of stress", "$10^{-6}$ unit of stress")),
+        pytest.param(1e6, 1e-6, "", ("$10^{6}$ unit of stress", "$10^{-6}$ unit of stress"), marks=pytest.mark.long),
         (2e-6, 5.0, "", ("$10^{-6}$ unit of stress", "unit of stress")),
-        (3e4, 4e-5, "MPa", ("MPa", "$10^{-6}$ MPa")),
+        pytest.param(3e4, 4e-5, "MPa", ("MPa", "$10^{-6}$ MPa"), marks=pytest.mark.long),
         (3e6, 1e6, "Pa", ("MPa", "MPa")),
-        (9e5, 4e6, "", ("$10^{6}$ unit of stress",) * 2),
+        pytest.param(9e5, 4e6, "", ("$10^{6}$ unit of stress",) * 2, marks=pytest.mark.long),
     ],
 )
 def test_what_an_axis_says_is_where_its_numbers_stand_also_where_axes_are_not_to_one_scale(wide, high, unit, said) -> None:

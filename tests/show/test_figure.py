@@ -486,7 +486,7 @@ def test_where_the_pressure_varies_both_boundaries_are_seen_over_the_path() -> N
     assert faults(axes.figure) == []
 
 
-@pytest.mark.parametrize("form", ["png", "pdf", "svg"])
+@pytest.mark.parametrize("form", ["png", *(pytest.param(form, marks=pytest.mark.long) for form in ("pdf", "svg"))])
 def test_a_name_in_letters_that_the_font_lacks_is_drawn_without_a_warning(form: str, tmp_path) -> None:
     law = Criterion(name="naïve 摩擦 \N{GRINNING FACE} \N{EGYPTIAN HIEROGLYPH A001}", g="abs(摩)-1", forces=("摩",), pressure=None)
     before = list(warnings.filters)
