@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -237,6 +238,29 @@ UNLIKE: dict[str, tuple[Part, Routine]] = {
 def test_nothing_is_said_of_a_routine_that_does_none_of_these(name: str) -> None:
     part, update = UNLIKE[name]
     assert told(part, asked(update)) == {}
+
+
+SOMEWHERE: dict[str, tuple[float, Routine, str]] = {
+    "without pressure": (0.0, lambda t, p, k: np.where(p[:, None] == 0.0, t, projected(t, p, k)), "trial_stress"),
+    "under little pressure": (-1e-8, lambda t, p, k: np.where(p[:, None] > -1e-6, t, projected(t, p, k)), "trial_stress"),
+    "on one side": (-1.0, lambda t, p, k: np.where(t[:, :1] > 0.0, 0.0, projected(t, p, k)), "no_stress"),
+}
+
+
+@pytest.mark.parametrize("name", SOMEWHERE)
+def test_what_is_done_at_some_increments_is_not_said_of_all(name: str) -> None:
+    pressure, update, what = SOMEWHERE[name]
+    query = asked(update, pressure=pressure)
+    query = query if pressure else asked_without_pressure(update)
+    said = told("stress", query)
+    assert all(each.endswith("at such increments only, others beside them are answered right") for each in said.values()), said
+    assert "at such increments only" not in told("stress", asked(nothing if what == "trial_stress" else lambda t, p, k: 0.0 * t))[what]
+
+
+def asked_without_pressure(update: Routine) -> Query:
+    query = asked(update)
+    query.case = replace(query.case, pressure=np.zeros(1), loads=np.zeros((1, 2)))
+    return query
 
 
 def test_a_failure_shows_stress_closest_point_and_what_the_routine_does_first() -> None:

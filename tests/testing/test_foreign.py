@@ -314,3 +314,9 @@ def test_a_function_of_jax() -> None:
 
     report = conformance("coulomb", jax_routine(step), stiffness=decades(-3, 3).map(lambda k: k * np.eye(2)), max_examples=3)
     assert report.ok and "slope" in report.passed, str(report)
+
+
+@pytest.mark.parametrize("word", ["restrict", "__restrict", "__restrict__", "const __restrict__"])
+def test_a_pointer_may_be_restricted(word: str) -> None:
+    read = Prototype.read(f"void f(int n, const double *{word} trial, const double* {word} pressure, double *{word} stress)", "trial")
+    assert [each.kind for each in read.arguments] == ["i", "p", "p", "p"] and read.arguments[2].name == "pressure"

@@ -2,7 +2,8 @@
 
 A suggestion is a few lines: what the routine may be doing, and what it would return then.  It is believed where it gives what
 was returned, to within the accuracy the routine is held to, at the failing increment and at every other one beside it that
-is wrong, three at the least; so nothing is said of a routine that only resembles one.
+is wrong, three at the least; so nothing is said of a routine that only resembles one.  Where others beside it are right, and would not be
+if the routine did so everywhere, that is said.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ __all__ = ["Part", "Probe", "constant", "diagnoses", "registered_suggestions", "
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
 
 _LEAST = 3  # increments that a suggestion has to explain
+_ONLY = "; at such increments only, others beside them are answered right"
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 
 
@@ -116,16 +118,21 @@ def diagnoses(part: Part, query: Query, found: Departure) -> dict[str, str]:
         if not wrong[0] or wrong.sum() < _LEAST:
             return {}
 
-        def explains(answers: Array) -> int | None:
-            """How many increments that are right it says are wrong; None where it does not give all answers that are wrong."""
+        def explains(answers: Array) -> tuple[int, int] | None:
+            """Of how many right increments it does not give the answer, and says another; None where not of all that are wrong."""
             meant = _in_energy(part, probe, answers)
             same = _apart(given, meant) <= _CLEAR * allowed
             if not same[wrong].all() or not _apart(meant, right)[0] > _CLEAR * allowed[0]:
                 return None
-            return int((~same & ~wrong).sum())
+            other = ~same & ~wrong
+            return int(other.sum()), int((other & np.isfinite(meant).all(axis=1) & np.isfinite(right).all(axis=1)).sum())
 
         for name, suggest in _suggestions[part].items():
-            found_of_it = [(beyond, name, said) for said, answers in suggest(probe) if (beyond := explains(answers)) is not None]
+            found_of_it = [
+                (beyond[0], name, said + (_ONLY if beyond[1] else ""))
+                for said, answers in suggest(probe)
+                if (beyond := explains(answers)) is not None
+            ]
             believed += sorted(found_of_it, key=lambda b: b[0])[:1]  # of equals the one yielded first
     believed.sort(key=lambda b: b[0])
     return {name: statement for _, name, statement in believed}
@@ -175,9 +182,18 @@ def _probe(query: Query, found: Departure) -> Probe:
     rows, loads = [*rows, 1.731 * rows[2], trial, 2.93 * rows[3]], [*loads, 1.731, 1.297, 0.613]
     mirrors = [-np.ones(d), *(1.0 - 2.0 * np.eye(d))] if d > 1 else [-np.ones(d)]
     rows, loads = [*rows, *(m * rows[3] for m in mirrors)], [*loads, *[1.0] * len(mirrors)]
+    at_rest = np.zeros(len(rows))
+    if found.pressure is not None and size > 0.0:
+        own, p = query.region.law.domain.get(query.region.law.pressure or ""), found.pressure
+        far_off = [(rows[2], 0.1 * p), (10.3 * rows[3], 10.0 * p)] if p else [(rows[2], -0.1 * size)]
+        unit = abs(p) or 0.1 * size
+        far_off += [(rows[2] * (1.0193 / unit), -1.0)]
+        for row, load in far_off:
+            if own is None or load in own:
+                rows, loads, at_rest = [*rows, row], [*loads, load / p if p else 1.0], np.append(at_rest, 0.0 if p else load)
     n = len(rows)
     stacked, zero = np.array(rows), np.zeros((n, d))
-    pressure = None if found.pressure is None else found.pressure * np.array(loads)
+    pressure = None if found.pressure is None else found.pressure * np.array(loads) + at_rest
     path = np.zeros((n, 1, d))
     case = replace(
         query.case, stiffness=np.array(found.stiffness), pressure=pressure, trial=stacked, other=zero, third=zero, inside=zero, beside=zero,

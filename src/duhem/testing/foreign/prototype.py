@@ -14,7 +14,7 @@ _GIVEN = ("pressure", "stiffness", "parameters", "n", "d", "trial", "increment",
 RETURNED = ("stress", "tangent", "slip", "multiplier", "dissipation", "status", "variables", "stored", "dissipated")
 MEANINGS = frozenset((*_GIVEN, *RETURNED))
 _ARGUMENT = re.compile(
-    r"(?:const\s+)?(double|int|size_t)\s*(?:const\s*)?(\*?)\s*(?:(?:restrict|const)\s+)?([A-Za-z_]\w*)\s*((?:\[\w*\]\s*)*)"
+    r"(?:const\s+)?(double|int|size_t)\s*(?:const\s*)?(\*?)\s*(?:(?:restrict|__restrict|__restrict__|const)\s+)*([A-Za-z_]\w*)\s*((?:\[\w*\]\s*)*)"
 )
 _WHOLE = re.compile(r"\s*(?:extern\s+)?(void|int)\s+([A-Za-z_]\w*)\s*\((.*)\)\s*;?\s*", flags=re.S)
 _EXAMPLE = "write it as in the header: 'int friction(const double *trial, double pressure, double mu, double *stress)'"
