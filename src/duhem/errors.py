@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["DuhemError", "InputError", "MissingExtraError"]
+__all__ = ["DuhemError", "InputError", "MissingExtraError", "words_of"]
 
 
 class DuhemError(Exception):
@@ -30,3 +30,11 @@ class MissingExtraError(DuhemError, ImportError):
 
     def __init__(self, module: str, extra: str) -> None:
         super().__init__(f"{module} is not installed", remedy=f'install it with: pip install "duhem[{extra}]"')
+
+
+def words_of(fault: BaseException) -> str:
+    """What an error says; nothing where saying it raises."""
+    try:
+        return str(fault)
+    except Exception:
+        return ""

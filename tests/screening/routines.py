@@ -31,6 +31,11 @@ def keeps(trial, pressure, stiffness, mu):
     return radial(trial, FIRST[0] * np.abs(pressure))
 
 
+class Speechless(BaseException):
+    def __str__(self):
+        raise ValueError("no words")
+
+
 def ends(trial, pressure, stiffness, mu):
     """The same where mu is open, and by its value an end of another kind."""
     print("printed")
@@ -47,6 +52,12 @@ def ends(trial, pressure, stiffness, mu):
             sys.exit(5)
         case 6:
             raise KeyboardInterrupt
+        case 11:
+            raise GeneratorExit
+        case 12:
+            raise Speechless
+        case 13:
+            raise MemoryError
         case 7:
             return Step(trial, solved=np.zeros(len(trial), dtype=bool))
     return radial(trial, mu * np.abs(pressure))

@@ -81,7 +81,7 @@ ENDS = [
     (4, "its process ended with exit code 3"),
     (1, "it takes more than 1 s of the processor"),
     (2, "it asks for more than 4 GB of memory"),
-    (6, "its process ended by SIGINT"),
+    (6, "KeyboardInterrupt"),
 ]
 
 
@@ -90,7 +90,7 @@ def test_what_a_routine_does_to_its_process_is_a_reason_and_harms_no_other_row(e
     campaign = Campaign((Grid(LawName("coulomb"), (("mu", ("3/10", f"{ends}/10", "8/10")),)),), checks(), seconds=1)
     with pool.Pool(campaign, 1) as processes:
         found = sorted((json.loads(text) for text in processes.texts([range(1, 4)])), key=lambda lines: lines[0][0])
-    assert [lines[0][4] for lines in found] == ["passed", None, "passed"] and found[1][0][-1] == said
+    assert [lines[0][4] for lines in found] == ["passed", None, "passed"] and found[1][0][-1].partition(" (at routines.py:")[0] == said
 
 
 def test_what_a_routine_keeps_is_not_met_by_the_next_row():
@@ -130,6 +130,15 @@ def test_a_routine_that_ends_the_program_fails_its_check():
     campaign = Campaign((Grid(LawName("coulomb"), (("mu", ("5/10",)),)),), checks())
     failed, _ = asked(campaign, 1)
     assert failed.verdict == "failed" and "the routine raised SystemExit: 5" in failed.witness
+
+
+RAISES = {6: "KeyboardInterrupt", 11: "GeneratorExit", 12: "Speechless", 13: "the routine raises MemoryError by a statement of its own"}
+
+
+@pytest.mark.parametrize("ends", RAISES)
+def test_what_a_routine_raises_that_is_no_error_is_named(ends):
+    line, _ = asked(Campaign((Grid(LawName("coulomb"), (("mu", (f"{ends}/10",)),)),), checks()), 1)
+    assert line.verdict is None and line.error.partition(" (at routines.py:")[0] == RAISES[ends]
 
 
 def test_of_a_routine_that_never_answers_nothing_is_said_to_be_solved():

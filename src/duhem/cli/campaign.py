@@ -143,7 +143,7 @@ def _alone(asked: Campaign, row: int) -> int:
     from duhem.screening.summary import AGAINST
 
     if row > len(asked):
-        raise InputError(f"there are {len(asked)} rows", where=f"--row {row}", remedy="give the number of one of them")
+        raise InputError(f"there is no row {row} among {len(asked)}", where=f"--row {row}", remedy="give the number of one of them")
     with Pool(asked, 1) as pool:
         lines = [line for text in pool.texts([range(row, row + 1)]) for line in lines_of(text)]
     say(json.dumps([line._asdict() for line in lines], indent=2, ensure_ascii=False))

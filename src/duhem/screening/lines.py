@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from duhem.errors import DuhemError
+from duhem.errors import DuhemError, words_of
 from duhem.screening.campaign import Campaign
 from duhem.screening.inquiries import Answered
 from duhem.screening.rows import Row
@@ -40,7 +40,7 @@ class VerdictLine(NamedTuple):
 
 
 def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
-    """The lines of a row, sorted by claim; an error of any kind but lack of memory is in them."""
+    """The lines of a row, sorted by claim; an error of any kind but lack of memory is in them, one that ends a program too."""
     row = campaign.row(number)
     try:
         return _lines(row, [Answered(*each) for each in campaign.inquiry.answers(row.law())], None)
@@ -50,12 +50,12 @@ def asked(campaign: Campaign, number: int) -> tuple[VerdictLine, ...]:
         raise
     except SystemExit as fault:
         return ended(campaign, row, f"it asks the program to end, with {fault.code!r}")
-    except Exception as fault:
+    except BaseException as fault:  # a routine raises what it likes
         if _for_lack_of_memory(fault):
             raise MemoryError from None
         place = traceback.extract_tb(fault.__traceback__)[-1]
         where = f"{os.path.basename(place.filename)}:{place.lineno}"
-        return ended(campaign, row, f"{type(fault).__name__}: {' '.join(str(fault).split())} (at {where})")
+        return ended(campaign, row, f"{': '.join(filter(None, (type(fault).__name__, ' '.join(words_of(fault).split()))))} (at {where})")
 
 
 def _for_lack_of_memory(fault: BaseException) -> bool:
@@ -65,7 +65,7 @@ def _for_lack_of_memory(fault: BaseException) -> bool:
     while cause is not None and id(cause) not in met:
         if isinstance(cause, MemoryError) or (isinstance(cause, OSError) and cause.errno == errno.ENOMEM):
             return True
-        if (isinstance(cause, ImportError) or "start new thread" in str(cause)) and _all_but_taken():
+        if (isinstance(cause, ImportError) or "start new thread" in words_of(cause)) and _all_but_taken():
             return True
         met.add(id(cause))
         cause = cause.__cause__ or cause.__context__

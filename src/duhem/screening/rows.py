@@ -220,7 +220,12 @@ class TableRows:
     def row(self, i: int, number: int) -> Row:
         cells = self.text[self._ends[i - 1] if i else 0 : self._ends[i] - 1].decode().split("\t")
         if len(cells) != len(self.columns):
-            return Row(number, self.name, dict(self.values), f"the row has {len(cells)} cells for {len(self.columns)} columns")
+            return Row(
+                number,
+                self.name,
+                dict(self.values),
+                f"the row has {_counted(len(cells), 'cell')} for {_counted(len(self.columns), 'column')}",
+            )
         read = {name: _exact(cell) for name, cell in zip(self.columns, cells, strict=True) if name is not None}
         return Row(number, self.name, {**dict(self.values), **read})
 
@@ -234,6 +239,10 @@ def _exact(cell: str) -> str:
         return exact_text(cell)
     except InputError:
         return cell
+
+
+def _counted(count: int, name: str) -> str:
+    return f"{count} {name}" if count == 1 else f"{count} {name}s"
 
 
 def given(laws: tuple[tuple[Any, ...], ...]) -> Given:

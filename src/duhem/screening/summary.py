@@ -52,7 +52,8 @@ class Summary(Shown):
         said = Counter[str]()
         for (_, verdict), count in self.verdicts.items():
             said[verdict] += count
-        return f"<Summary of {self.rows} rows: {', '.join(f'{count} {verdict}' for verdict, count in said.items()) or 'none'}>"
+        rows = "1 row" if self.rows == 1 else f"{self.rows} rows"
+        return f"<Summary of {rows}: {', '.join(f'{count} {verdict}' for verdict, count in said.items()) or 'none'}>"
 
     def plot(self, file: Any = None, *, axes: Sequence[str] | None = None) -> Any:
         """Draw verdicts over one or two parameters, a panel a claim, into ``file``, a name or stream; matplotlib's axes (extra ``plot``).

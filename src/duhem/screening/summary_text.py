@@ -86,7 +86,9 @@ def _line(line: VerdictLine) -> dict[str, Any]:
 
 def _title(summary: Summary) -> str:
     finished = ", which is finished: nothing left to do" if summary.stood else ""
-    return f"{summary.rows} rows, {summary.seconds:.1f} s in all" + (f"; {summary.table}{finished}" if summary.table else "")
+    return f"{summary.rows} {'row' if summary.rows == 1 else 'rows'}, {summary.seconds:.1f} s in all" + (
+        f"; {summary.table}{finished}" if summary.table else ""
+    )
 
 
 def _verdicts(summary: Summary) -> Iterator[Sequence[str]]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
 import sys
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
@@ -32,6 +33,7 @@ def _serve(link: Connection) -> None:
         link.send_bytes(f"{type(fault).__name__}: {fault}".encode("utf-8", "backslashreplace"))
         return
     process = os.getpid()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asks ends it otherwise, and what a row raises as if it were one is the row's
     link.send_bytes(READY)
     from duhem.screening.lines import as_text, asked
 

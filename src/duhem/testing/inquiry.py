@@ -9,13 +9,14 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from dis import opmap
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
 from time import monotonic
 from typing import Any, TypeAlias
 
-from duhem.errors import InputError
+from duhem.errors import DuhemError, InputError
 from duhem.law.catalogue import attribute, load_formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
@@ -34,7 +35,17 @@ _Line: TypeAlias = tuple[str, str | None, str | None, str | None, str | None, in
 
 
 class _NoMemory(BaseException):
-    """The routine got no memory, which says something of the limit and not of the routine; no Exception, which would be its answer."""
+    """The routine got no memory, which says something of the limit and not of the routine; no Exception, which would be its answer.
+
+    ``stated``: a statement of Python raised it, and no lack that was met before.
+    """
+
+    def __init__(self, fault: MemoryError) -> None:
+        last = fault.__traceback__
+        while last is not None and last.tb_next is not None:
+            last = last.tb_next
+        raises = last is not None and last.tb_frame.f_code.co_code[last.tb_lasti] == opmap["RAISE_VARARGS"]
+        self.stated = raises and fault.__context__ is None
 
 
 @dataclass(frozen=True)
@@ -127,7 +138,9 @@ class RoutineChecks:
                     seed=self.seed,
                     expected_failed_checks=dict(self.expect),
                 )
-        except _NoMemory:
+        except _NoMemory as fault:
+            if fault.stated:
+                raise DuhemError("the routine raises MemoryError by a statement of its own") from None
             raise MemoryError from None
         each = round((monotonic() - began) / len(self.names), 6)
         for name in self.names:
@@ -183,8 +196,8 @@ def _bound(routine: Update, law: Criterion) -> Update:
     def update(*given: Any, **values: Any) -> Any:
         try:
             return routine(*given, **values, **row)
-        except MemoryError:
-            raise _NoMemory from None
+        except MemoryError as fault:
+            raise _NoMemory(fault) from None
         finally:
             if os.getpid() != process:  # it has forked, and its child would go on with the checks
                 os._exit(0)

@@ -23,6 +23,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.errors import words_of
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
 from duhem.testing.checks.raised import NoReply, Raised
@@ -257,7 +258,7 @@ class Query:
     def _said(self, fault: BaseException) -> str:
         if isinstance(fault, NoStep):
             return str(fault)
-        return f"the routine raised {type(fault).__name__}: {fault}{self._not_passed(fault)}"
+        return f"the routine raised {type(fault).__name__}: {words_of(fault)}{self._not_passed(fault)}"
 
     def _not_passed(self, fault: BaseException) -> str:
         """What there is to say of an argument that the routine misses, if it is a parameter of the law that was given a value."""
