@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from duhem.screening.inquiries import Answered
-from duhem.screening.lines import VerdictLine, as_text, stated
+from duhem.screening.lines import VerdictLine, as_text
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -51,7 +51,7 @@ def test_the_exit_code_of_several_laws(run: Run, monkeypatch: pytest.MonkeyPatch
         def texts(self, rows: Any) -> Iterator[str]:
             for number in reversed(rows[0]):
                 answers = [Answered("origin", verdicts[number - 1], "by hand", None, None, 0, 0.0)]
-                yield as_text([VerdictLine(*stated(self.campaign.row(number)), *answer, None) for answer in answers])
+                yield as_text([VerdictLine(number, self.campaign.row(number).name.shown, "{}", *answer, None) for answer in answers])
 
     monkeypatch.setattr("duhem.screening.pool.Pool", Pool)
     for verdicts, strict, code in (

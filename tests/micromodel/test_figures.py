@@ -19,6 +19,7 @@ from duhem.errors import InputError, MissingExtraError
 from duhem.micromodel.figures import FIGURES, Figure, Table
 from duhem.micromodel.figures.boundary import boundary
 from duhem.micromodel.figures.value import Arrows, Curve
+from tests.long import mostly_long
 
 DRAWN = [name for name, recipe in FIGURES.items() if name != "8"]
 Run = Callable[..., tuple[int, str, str]]
@@ -359,7 +360,7 @@ def test_formats(run: Run, form: str, magic: bytes) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.parametrize("name", mostly_long(DRAWN, *DRAWN[:3]))
 def test_every_figure_is_drawn_and_the_same_each_time(name: str, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     from duhem.micromodel.figures.drawing import save
