@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from time import monotonic
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -72,6 +72,8 @@ class Increments:
     stiffness: float | tuple[float, ...] | tuple[tuple[float, ...], ...] = 1.0
     method: str = "auto"
     convex: str = "ask"
+    options: ClassVar[tuple[str, ...]] = ()
+    alone: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         if (self.trials is None) == (self.count < 1):
@@ -80,14 +82,6 @@ class Increments:
     @property
     def names(self) -> tuple[str, ...]:
         return ("increments",)
-
-    @property
-    def options(self) -> tuple[str, ...]:
-        return ()
-
-    @property
-    def alone(self) -> bool:
-        return False
 
     def told(self) -> str:
         drawn = f"{self.count} of seed {self.seed} at {self.pressure!r}" if self.trials is None else self.trials.told()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeAlias
+from typing import ClassVar, NamedTuple, Protocol, TypeAlias
 
 from duhem.law.curve_law import Law
 
@@ -58,18 +58,12 @@ class Claimed:
 
     claims: tuple[str, ...]
     effort: str = "normal"
+    options: ClassVar[tuple[str, ...]] = ()
+    alone: ClassVar[bool] = False
 
     @property
     def names(self) -> tuple[str, ...]:
         return self.claims
-
-    @property
-    def options(self) -> tuple[str, ...]:
-        return ()
-
-    @property
-    def alone(self) -> bool:
-        return False
 
     def told(self) -> str:
         return f"claims {','.join(self.claims)} {self.effort}"

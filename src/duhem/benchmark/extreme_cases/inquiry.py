@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from time import monotonic
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -44,6 +44,8 @@ class StressCases:
 
     axes: tuple[str, ...] = tuple(AXES)
     methods: tuple[str, ...] = ("auto",)
+    options: ClassVar[tuple[str, ...]] = ()
+    alone: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for where, given, known in (("axes", self.axes, tuple(AXES)), ("methods", self.methods, ("auto", *METHODS))):
@@ -57,16 +59,6 @@ class StressCases:
     def names(self) -> tuple[str, ...]:
         cases = [f"{axis} {label}" for axis in self.axes for label in labels(axis)]
         return tuple(self._name(case, method) for method in self.methods for case in (*cases, _REFUSALS))
-
-    @property
-    def options(self) -> tuple[str, ...]:
-        """What the command line names beside the campaign."""
-        return ()
-
-    @property
-    def alone(self) -> bool:
-        """Nothing that a row leaves behind is met by the next one."""
-        return False
 
     def told(self) -> str:
         return f"stress {','.join(self.axes)} by {','.join(self.methods)}"
