@@ -14,7 +14,7 @@ import duhem.proof
 from duhem import load
 from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.claims import CLAIMS
-from duhem.proof.claims.claim import Claim, ProofMethod
+from duhem.proof.claims.claim import Claim, ProofMethod, words
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject, fact
@@ -41,8 +41,8 @@ def test_each_claim_has_a_method_for_each_kind_of_law(claim: Claim, kind: type[S
 @pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
 @pytest.mark.parametrize("kind", [FormulaSubject, CurveSubject])
 def test_each_method_of_a_claim_has_words_of_its_own(claim: Claim, kind: type[Subject]) -> None:
-    words = [method.words(claim.name) for method in claim.methods if issubclass(kind, method.takes)]
-    assert len(set(words)) == len(words) and all(re.fullmatch("[a-z]+( [a-z]+)*", each) and len(each) < 32 for each in words)
+    called = [words(method, claim.name) for method in claim.methods if issubclass(kind, method.takes)]
+    assert len(set(called)) == len(called) and all(re.fullmatch("[a-z]+( [a-z]+)*", each) and len(each) < 32 for each in called)
 
 
 def test_a_method_is_asked_about_the_laws_it_takes_alone() -> None:

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 from duhem.proof.facts.subject import Subject
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
-__all__ = ["Claim", "Consequence", "ProofMethod"]
+__all__ = ["Claim", "Consequence", "ProofMethod", "words"]
 
 S = TypeVar("S", bound=Subject)
 Settled = Mapping[str, Evidence]  # claims decided before, by name
@@ -27,10 +27,6 @@ class ProofMethod(Generic[S]):
         """What the method says of the law, whatever was settled before."""
         return self.run(subject) if isinstance(subject, self.takes) else None
 
-    def words(self, claim: str) -> str:
-        """What it is called while it is tried for the claim: its place in the code, in words."""
-        return _words(self.run, claim)
-
 
 @dataclass(frozen=True)
 class Consequence(Generic[S]):
@@ -43,13 +39,10 @@ class Consequence(Generic[S]):
         """What follows for the law from what was settled before."""
         return self.run(subject, settled) if isinstance(subject, self.takes) else None
 
-    def words(self, claim: str) -> str:
-        """What it is called while it is tried for the claim: its place in the code, in words."""
-        return _words(self.run, claim)
 
-
-def _words(run: Callable[..., Any], claim: str) -> str:
-    function: Any = run.func if isinstance(run, partial) else run
+def words(method: ProofMethod[Any] | Consequence[Any], claim: str) -> str:
+    """What a method is called while it is tried for the claim: its place in the code, in words."""
+    function: Any = method.run.func if isinstance(method.run, partial) else method.run
     own, part = function.__module__.rpartition(".")[2], function.__name__.removeprefix(claim)
     return " ".join(f"{own} {part}".removeprefix(claim).replace("_", " ").split()) or claim.replace("_", " ")
 
@@ -85,7 +78,7 @@ class Claim:
         subject.allow(self.steps)
         for method in self.methods:
             if isinstance(subject, method.takes):
-                on_method(method.words(self.name))
+                on_method(words(method, self.name))
             found = method.answer(subject, settled)
             if found is not None and self._counts(found, subject, confirmed):
                 return found

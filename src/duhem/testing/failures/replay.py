@@ -43,17 +43,17 @@ def test_file(
     names = [name for name in ("Criterion", "Domain", "load") if f"{name}(" in law or f"{name}." in law]
     what = "Case, violation" if case is not None else "conformance"
     beside = _from(place, found.folder)
-    paths = [f"sys.path.append({beside or repr(found.folder)})  # where the routine is", ""]
+    paths = [f"sys.path.append({beside or repr(found.folder)})  # where the routine is", ""] if making and found.folder else []
+    imports = ["import sys"] if paths else []
+    imports += ["from pathlib import Path"] if any("Path(__file__)" in text for text in (*paths, making, law)) else []
     lines = [
         f'"""{title} (of {routine})."""',
         "",
-        *(["import sys"] if making and found.folder else []),
-        *(["from pathlib import Path"] if "Path(__file__)" in f"{making}{law}" or (beside and making) else []),
-        *([""] if (making and found.folder) or "Path(__file__)" in f"{making}{law}" else []),
+        *([*imports, ""] if imports else []),
         *([f"from duhem import {', '.join(names)}"] if names else []),
         f"from duhem.testing import {what}",
         "",
-        *(paths if making and found.folder else []),
+        *paths,
         *(making or _stub(routine)).splitlines(),
         "",
         f"LAW = {law}",

@@ -218,10 +218,13 @@ class Report(Shown):
 
     def tested(self) -> tuple[str, ...]:
         """Of each check that passed on what it tried, how many these were: no more was tested."""
-        each = {name: " and ".join(f"{n} {what}" for what, n in self.tried.get(name, {}).items() if n) for name in self.passed}
-        none = {name: "".join(f", and on no {what}" for what, n in self.tried.get(name, {}).items() if not n) for name in self.passed}
-        lacking = {name: f"{what}, which need {self.needs[name]}" if what and name in self.needs else what for name, what in none.items()}
-        return tuple(f"{name} was tested on {told} alone{lacking[name]}; duhem verify seeks a proof" for name, told in each.items() if told)
+        return tuple(filter(None, (self._tested(name, self.tried.get(name, {})) for name in self.passed)))
+
+    def _tested(self, name: str, tried: Mapping[str, int]) -> str:
+        told = " and ".join(f"{n} {what}" for what, n in tried.items() if n)
+        lacking = "".join(f", and on no {what}" for what, n in tried.items() if not n)
+        need = f", which need {self.needs[name]}" if lacking and name in self.needs else ""
+        return f"{name} was tested on {told} alone{lacking}{need}; duhem verify seeks a proof" if told else ""
 
     def __repr__(self) -> str:
         return f"<Report of {self.counted()}>"
