@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from math import cos, pi, sin, sqrt
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,20 +13,17 @@ import pytest
 import duhem
 from duhem.errors import InputError, MissingExtraError
 from duhem.law import catalogue
-from duhem.law.atlas.entry import entries, groups
+from duhem.law.atlas.entry import groups
 from duhem.portrait.lines import _turns
 from duhem.portrait.numbers import Numbered, numbered
 from duhem.portrait.plane import named, usual
 from duhem.portrait.section import View, section
 from duhem.portrait.step import step
-from duhem.show import figure
 
 pytest.importorskip("matplotlib")
 
-from duhem.portrait.atlas_sheet import atlas_sheet
 from duhem.portrait.plot import _refuted, cut, plot, stated
 from duhem.portrait.violation import violation
-from tests.long import mostly_long
 from tests.oracles.legible import faults
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
@@ -298,30 +293,6 @@ def test_a_witness_in_rays_of_k_is_not_said_to_lie_where_k_is_not() -> None:
     assert shown.lines == () and "only points of the witness" in shown.remark
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("law", "planes"), mostly_long([("tresca-tensor", "deviatoric"), *((law, ()) for law in EVERY)], ("tresca-tensor", "deviatoric"))
-)
-def test_portraits_are_legible(law: str, planes: str) -> None:
-    assert faults(plot(law, planes=planes)[0].figure) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("law", mostly_long(["lobes", "limacon", "quartic", "wedge", "hjiaj", "radial-flow"]))
-def test_witnesses_are_legible(law: str) -> None:
-    places = plot(law, witness=True)
-    assert sum("refuted" in place.get_title() for place in places) >= 1 and faults(places[0].figure) == []
-
-
-@pytest.mark.parametrize("letters", [pytest.param(12, marks=pytest.mark.long), 40], ids=str)
-def test_names_of_many_letters_keep_to_their_own_panel(letters: int) -> None:
-    forces = ("s" * letters, "w" * letters)
-    axes = plot(duhem.Criterion(name="l", g=f"norm({', '.join(forces)}) - 0.3*abs(sigma_n)", forces=forces))
-    assert faults(axes[0].figure) == []
-    sizes = {words.get_fontsize() for place in axes for words in (place.xaxis.label, place.yaxis.label, place.title)}
-    assert (sizes == {10.0}) == (letters == 12)
-
-
 def test_an_increment_is_drawn_where_it_goes() -> None:
     (axes,) = plot("box", parameters={"mu_a": 0.3, "mu_b": 0.5}, planes="sigma_a,sigma_b", trial=[0.9, 0.1], pressure=-1.0)
     places = {line.get_label(): line.get_xydata() for line in axes.lines}
@@ -375,81 +346,11 @@ def test_a_witness_in_a_thin_section_is_seen_beside_its_width() -> None:
     assert shown.slender and not shown.remark and (b - a) / (d - c) == pytest.approx(1e-3, rel=0.2)
 
 
-@pytest.mark.parametrize(
-    ("wide", "high", "unit", "said"),
-    [
-        (1e6, 1e-3, "Pa", ("MPa", "mPa")),
-        pytest.param(1e6, 1e-6, "", ("$10^{6}$ unit of stress", "$10^{-6}$ unit of stress"), marks=pytest.mark.long),
-        (2e-6, 5.0, "", ("$10^{-6}$ unit of stress", "unit of stress")),
-        pytest.param(3e4, 4e-5, "MPa", ("MPa", "$10^{-6}$ MPa"), marks=pytest.mark.long),
-        (3e6, 1e6, "Pa", ("MPa", "MPa")),
-        pytest.param(9e5, 4e6, "", ("$10^{6}$ unit of stress",) * 2, marks=pytest.mark.long),
-    ],
-)
-def test_what_an_axis_says_is_where_its_numbers_stand_also_where_axes_are_not_to_one_scale(wide, high, unit, said) -> None:
-    axes = plot(duhem.Criterion(name="l", g=f"norm(x/{wide!r}, y/{high!r}) - 1", forces=("x", "y"), pressure=None), unit=unit)[0]
-    power = {"MPa": 1e6, "mPa": 1e-3} if unit == "Pa" else {}
-    for axis, counted, size in ((axes.xaxis, said[0], wide), (axes.yaxis, said[1], high)):
-        assert axis.get_label_text().endswith(f" [{counted}]")
-        scale = power.get(counted) or float(re.sub(r"\$10\^\{(.*)\}\$.*", r"1e\1", counted) if "$" in counted else 1.0)
-        texts = {tick.get_loc(): tick.label1.get_text().replace("\N{MINUS SIGN}", "-") for tick in axis.get_major_ticks()}
-        shown = {at: float(re.findall(r"-?[\d.]+", text)[0]) for at, text in texts.items()}
-        assert len(set(shown.values())) > 2
-        assert [number * scale for number in shown.values()] == pytest.approx(list(shown), abs=1e-9 * size)
-
-
 def test_a_section_lost_in_rounding_is_a_point_and_another_is_shown_if_none_was_asked() -> None:
     law = catalogue.load("murrell")
     lost = section(given(law), usual(law, 0.0)[0])
     assert lost.lines == () and len(lost.points) == 1 and "one point" in lost.remark
     assert cut(given(law), usual(law, None)[0]).lines
-
-
-def test_an_arrow_is_drawn_whole_or_not_at_all() -> None:
-    (axes,) = plot(duhem.Criterion(name="strip", g="abs(sigma_a - sigma_b) - 1", pressure=None), unit="Pa")
-    (a, b), (c, d) = axes.get_xlim(), axes.get_ylim()
-    (arrows,) = (each for each in axes.collections if hasattr(each, "U"))
-    x, y = arrows.X + arrows.U, arrows.Y + arrows.V
-    assert len(x) > 8 and ((a <= x) & (x <= b) & (c <= y) & (y <= d)).all()
-
-
-def test_a_note_keeps_clear_of_the_way_between_points() -> None:
-    (axes,) = figure.drawn(_noted)
-    line, words = axes.lines[0], axes.texts[0]
-    way = line.get_transform().transform_path(line.get_path())
-    assert words.get_visible() and not way.intersects_bbox(words.get_window_extent(), filled=False)
-
-
-def test_a_note_keeps_off_the_marks_of_other_points_and_off_the_boundary_where_it_can() -> None:
-    points = {"inside": (0.0, 0.0), "first": (-0.6, -0.5), "second": (-0.5, -0.44)}
-
-    def paint(axes: Any) -> None:
-        axes.set(xlim=(-1, 1), ylim=(-1, 1))
-        axes.plot([-1.0, 1.0], [0.07, 0.07], gid=figure.EDGE)
-        for words, point in points.items():
-            figure.note(axes, words, point)
-
-    (axes,) = figure.drawn(paint)
-    inside, first, _ = (text.get_window_extent() for text in axes.texts)
-    assert not inside.y0 < axes.transData.transform((0.0, 0.07))[1] < inside.y1
-    assert not first.contains(*axes.transData.transform(points["second"])) and all(text.get_visible() for text in axes.texts)
-
-
-def test_a_note_keeps_off_arrows() -> None:
-    def paint(axes: Any) -> None:
-        axes.set(xlim=(-1, 1), ylim=(-1, 1))
-        axes.quiver([0.0], [0.0], [0.3], [0.3], angles="xy", scale_units="xy", scale=1.0)
-        figure.note(axes, "words", (0.0, 0.0))
-
-    (axes,) = figure.drawn(paint)
-    box = axes.texts[0].get_window_extent()
-    along = axes.transData.transform(np.linspace(0.0, 0.3, 50)[:, None] * [1.0, 1.0])
-    assert axes.texts[0].get_visible() and not any(box.contains(*point) for point in along)
-
-
-def _noted(axes: Any) -> None:
-    axes.plot([0.0, 1.0], [0.0, 1.0], gid=figure.OPEN)
-    figure.note(axes, "here", (0.5, 0.5))
 
 
 # ---- what does not fit
@@ -516,26 +417,3 @@ def test_the_command_writes_where_it_says_and_never_over_what_it_reads(run, tmp_
     (tmp_path / "mine.toml").rename(tmp_path / "law.svg")
     code, _, err = run("plot", str(tmp_path / "law.svg"), "--to", "law.svg")
     assert code == 2 and "law.svg" in err and (tmp_path / "law.svg").read_text().startswith("[criterion]")
-
-
-# ---- the atlas
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("group", mostly_long([*groups(), None]))
-def test_the_atlas_is_legible_and_told_as_it_is(group: str | None) -> None:
-    laws = entries(group)
-    places = atlas_sheet(laws)
-    assert [place.get_title().splitlines()[0] for place in places] == [figure.shortened(law.name, 24) for law in laws]
-    assert [fault for fault in faults(places[0].figure) if "no quantity with a unit" not in fault] == []
-
-
-def test_a_law_of_the_atlas_is_filled_by_its_verdict() -> None:
-    (hill,) = (law for law in entries("metals") if law.name == "hill90")
-    (place,) = atlas_sheet([hill])
-    assert place.get_title() == "hill90\nnormality refuted"
-    (patch,) = place.patches
-    assert patch.get_label() == "$K$ convex: refuted" and patch.get_hatch() == "xxx"
-    assert [patch.get_label() for patch in atlas_sheet([replace(hill, verdicts=dict.fromkeys(hill.verdicts, "proved"))])[0].patches] == [
-        "$K$ convex: proved"
-    ]

@@ -24,7 +24,6 @@ from duhem.show.printing import draw
 
 pytest.importorskip("matplotlib")
 
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Sheet
 
@@ -233,24 +232,6 @@ def test_turned_words_are_judged_as_they_stand() -> None:
         axes.set_xticks(range(12), ["a label of some length"] * 12, rotation=turn, ha="right" if turn else "center", rotation_mode="anchor")
         axes.set(xlabel="case", ylabel="digits [–]")
         assert (faults(sheet) == []) == clean
-
-
-def test_rows_of_flat_axes_leave_no_blank_sheet() -> None:
-    def paint(*places: Axes) -> None:
-        for axes in places:
-            axes.plot([0.0, 3.0], [0.0, 1.0], label="line")
-            axes.set_aspect("equal", adjustable="box")
-        figure.snug(places)
-        figure.legend_below(places)
-
-    sheet = figure.drawn(paint, panels=8, columns=2, size=(4.9, 4.7), title="flat")[0].figure
-    sheet.draw_without_rendering()
-    under = sheet.legends[0].get_window_extent().y1
-    axes = [axes.get_tightbbox() for axes in sheet.axes]
-    blank = sheet.bbox.height - max(box.y1 for box in axes) + min(box.y0 for box in axes) - under
-    assert blank < 0.1 * sheet.bbox.height  # once 0.6 of it
-    widths = [box.width for box in axes]
-    assert min(widths) > 0.4 * sheet.bbox.width
 
 
 # ---- what is drawn is what was computed
