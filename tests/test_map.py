@@ -47,6 +47,7 @@ def test_the_rows_are_those_of_the_contract(title: str, container: str) -> None:
     assert [sorted(row) for row in rows(ARCHITECTURE, title)] == contract(container)
 
 
+@pytest.mark.slow
 def test_the_arrows_are_the_imports_between_rooms() -> None:
     """All but those that the text leaves out: of `show`, `expression` and the row below, and those of `cli`."""
     ground = {room for row in PACKAGE.contract()[-2:] for room in row}

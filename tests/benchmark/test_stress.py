@@ -85,6 +85,7 @@ def doctored() -> ExtremeCases:
 # -- the cases -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_axes_span_what_they_say() -> None:
     found = list(cases(Specimen.of(flagship())))
     by_axis = {axis: [case for case in found if case.axis == axis] for axis in AXES}
@@ -135,6 +136,7 @@ def test_digits() -> None:
     assert digits([0.0], [mpmath.mpf("1e-330")], one) == 16.0  # below what any double tells apart
 
 
+@pytest.mark.slow
 def test_poor_and_not_flagged_is_silently_wrong(doctored: ExtremeCases) -> None:
     points = sum(row.points for row in doctored.rows if row.method == "skewed")
     assert points > 0
@@ -159,9 +161,10 @@ def test_numbers_that_are_not_finite_and_errors(doctored: ExtremeCases) -> None:
 
 
 @pytest.mark.slow
-def test_closed_form_and_newton_stay_right_or_say_so() -> None:
+@pytest.mark.parametrize("every", mostly_long([4, 1], 4))
+def test_closed_form_and_newton_stay_right_or_say_so(every: int) -> None:
     contenders = [Contender.of("closed-form", "closed-form"), Contender.of("newton", "newton")]
-    result = stress(flagship(), axes=("stiffness ratio", "special values"), contenders=contenders)
+    result = stress(flagship(), axes=("stiffness ratio", "special values"), contenders=contenders, every=every)
     assert result.silently_wrong["closed-form"] == (0, 0)
     assert result.silently_wrong["newton"][0] == 0
     assert min(row.stress_digits for row in result.rows if row.method == "closed-form") >= 15.0
@@ -183,6 +186,7 @@ def test_refusals_name_argument_and_index() -> None:
     assert not any(r.held for r in found) and all(r.answer.startswith("answered") for r in found)
 
 
+@pytest.mark.slow
 def test_metals_have_no_pressure_and_no_thin_axis() -> None:
     contenders = [Contender.of("newton", "newton")]
     result = stress(formula("tresca", yield_stress="1"), axes=("aspect of K", "boundary distance"), contenders=contenders)
@@ -194,6 +198,7 @@ def test_metals_have_no_pressure_and_no_thin_axis() -> None:
     assert line.rows == () and any(part.part == "axis seam distance" for part in line.left_out)
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_keeps_what_is_done() -> None:
     def stop(_: Tally) -> None:
         raise KeyboardInterrupt

@@ -21,6 +21,7 @@ from duhem.law.catalogue import load, names
 from duhem.law.domain import POSITIVE
 from duhem.law.formula_law import Criterion
 from tests.derivation.derived import LAWS, derived
+from tests.long import mostly_long
 
 WITH_POTENTIAL = (
     "antoni2007", "antoni2007-1d", "box", "capped", "cohesive", "coulomb", "orthotropic", "polygon", "regularised", "shifted-ellipse",
@@ -99,10 +100,11 @@ def slope(expr: sp.Expr, point: dict[sp.Symbol, Any], along: sp.Symbol) -> Any:
 
 # State laws
 
+ELASTIC = [(name, kind) for name in ("antoni2007-1d", "antoni2007", "tresca") for kind in ("orthotropic", "isotropic", "full")]
+
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["orthotropic", "isotropic", "full"])
-@pytest.mark.parametrize("name", ["antoni2007-1d", "antoni2007", "tresca"])
+@pytest.mark.parametrize(("name", "kind"), mostly_long(ELASTIC, *ELASTIC[:6], ("tresca", "isotropic")))
 def test_state_laws_are_slopes_of_the_free_energy(name: str, kind: str) -> None:
     d, random = derived(name, kind), Random(3)
     point = {**anywhere((*d.names.total, *d.names.inelastic), random), **stiffness_values(d, random)}
@@ -409,6 +411,7 @@ def test_text_states_the_criterion_in_the_language_of_criterion_files(name: str)
     assert abs(at(read, point) - at(law.g, point)) < 1e-28 * (1 + abs(at(law.g, point)))
 
 
+@pytest.mark.slow
 def test_fixed_parameters_are_put_in() -> None:
     d = derive(load("antoni2007"), {"mu_a_plus": "0.2", "mu_a_minus": "0.08"})
     assert "mu_a_plus" not in d.text()
@@ -426,6 +429,7 @@ def test_misuse_is_told() -> None:
         derived("coulomb")["no_such_equation"]
 
 
+@pytest.mark.slow
 def test_any_number_of_forces_and_clashing_names() -> None:
     law = Criterion(
         "four", "norm(norm(x, y)/k_x, max(abs(z), abs(w))) - abs(p)*D", {"k_x": POSITIVE, "D": POSITIVE}, ("x", "y", "z", "w"), "p"

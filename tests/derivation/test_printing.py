@@ -58,6 +58,7 @@ def test_latex_is_balanced(name: str) -> None:
 EVERY_LAW = (*LAWS, *(law for group in groups().values() for law in group), "wedge")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 @pytest.mark.parametrize("name", mostly_long(EVERY_LAW, "antoni2007", "tresca", "rotated-flow"))
 def test_latex_compiles_and_fits_the_page(name: str, tmp_path: Path) -> None:

@@ -52,6 +52,7 @@ def test_by_hand_in_every_arithmetic(entries: tuple[int, ...], greatest: int) ->
     assert sharp.contains(greatest) and sharp.rad() < 1e-50
 
 
+@pytest.mark.slow
 def test_a_box_holds_every_eigenvalue_in_it() -> None:
     rng = Random(5)
     for _ in range(40):
@@ -127,6 +128,7 @@ def _verdicts(g: str, **parameters: Domain) -> dict[str, tuple[str, str | None]]
 FRICTION = "(1 + sin(phi))*principal(s, 1) - (1 - sin(phi))*principal(s, 3) - k*cos(phi)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [

@@ -21,6 +21,7 @@ def drawn(rng: Random) -> sp.Expr:
     return scale * sp.Mul(*(part() ** rng.choice([1, 1, 2, 3]) for _ in range(rng.choice([1, 2, 3]))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", mostly_long(range(40), *range(16)))
 def test_the_factors_are_sympys(seed: int) -> None:
     poly = sp.expand(drawn(Random(seed)))
@@ -63,6 +64,7 @@ def test_a_product_is_the_expression(expr: sp.Expr) -> None:
     assert found.is_Mul or not expr.is_Add or sp.factor(expr).is_Add or found.is_Pow
 
 
+@pytest.mark.slow
 def test_a_large_quotient_of_roots_takes_no_time() -> None:
     """The condition under which an ellipsoid with five parameters has a size, as its derivation writes it: minutes with SymPy."""
     x, y, c, d = sp.symbols("x y c d", positive=True)

@@ -218,6 +218,7 @@ def test_dcp_accepts(formula: sp.Expr) -> None:
     assert cvxpy_.dcp_fault(formula, _free()) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("formula", CONVEX, ids=str)
 @given(decades(-6, 0), decades(-6, 0).filter(lambda b: b > 0))
 @settings(max_examples=10, deadline=None)

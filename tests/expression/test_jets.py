@@ -11,6 +11,7 @@ from duhem.expression.jets import formula
 from tests.oracles.optimality import CONVEX, R, increment
 
 
+@pytest.mark.slow
 def test_jets_are_the_derivatives():
     a, b, c = sp.symbols("a b c", real=True)
     for text in ("exp(a*b) + log(2 + c**2)*sin(a)", "tanh(a - b)*atan(c) + cos(b)**3/(3 + a**2)", "(a**6 + b**6 + c**6)**(1/6)"):

@@ -267,6 +267,7 @@ ARITHMETIC = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @given(st.recursive(st.sampled_from(["x", "y", "m", "2", "0.5", "3"]), _grow, max_leaves=6))
 def test_the_value_is_python_s(text: str) -> None:
     point = {"x": 0.75, "y": -1.5, "m": 2.0}
@@ -307,6 +308,7 @@ def expressions(draw: st.DrawFn) -> sp.Expr:
 POINT = {x: sp.Rational(7, 5), y: sp.Rational(-3, 4), m: sp.Rational(5, 3), s: sp.Rational(-2, 7)}
 
 
+@pytest.mark.slow
 @given(expressions())
 def test_what_is_printed_reads_back(expr: sp.Expr) -> None:
     """As the same tree; or, where SymPy builds a constant such as 1/(1 + sqrt(3)) in several ways, as the same value."""

@@ -44,6 +44,7 @@ def test_every_word_is_asked_about() -> None:
     assert {word for word in WORDS if not any(f"{word}(" in text for text in TEXTS)} == {"eigmax"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", TEXTS)
 @np.errstate(all="ignore")
 def test_they_are_those_on_arrays(text: str) -> None:

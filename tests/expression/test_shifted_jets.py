@@ -52,6 +52,7 @@ def _turned(values: Sequence[float], turn: bool) -> np.ndarray:
     return np.array([a[0, 0], a[1, 1], a[2, 2], a[1, 2], a[0, 2], a[0, 1]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", SAME)
 @pytest.mark.parametrize("turn", [False, True])
 def test_smooth_functions_of_eigenvalues_have_the_hessian_of_their_polynomial(text: str, turn: bool) -> None:

@@ -91,6 +91,7 @@ def test_the_tables_are_found() -> None:
     assert set(TABLES) >= known
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(MODULES))
 def test_what_walks_a_formula_has_a_table(name: str) -> None:
     """Whoever imports the walk, in whatever way, is an interpreter and is held to the words."""

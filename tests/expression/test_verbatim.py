@@ -48,6 +48,7 @@ EXPRESSIONS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("copied", [pickled, copy.deepcopy, copy.copy], ids=["pickle", "deepcopy", "copy"])
 @pytest.mark.parametrize("expr", EXPRESSIONS, ids=str)
 def test_an_expression_comes_back_as_it_stands(expr, copied):

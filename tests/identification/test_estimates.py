@@ -12,14 +12,16 @@ from duhem.identification import Points
 from duhem.identification.surface import AnyFormula, QuarterEllipses
 from duhem.law.domain import Domain
 from tests.identification.limit_points import PAPER, design, information, on_boundary, table, values
+from tests.long import mostly_long
 
 TAIL = 1e-4
 
 
-@pytest.mark.slow(8)
-def test_exact_points_give_back_their_law_in_every_quadrant():
+@pytest.mark.slow
+@pytest.mark.parametrize("laws", mostly_long([40, 200], 40))
+def test_exact_points_give_back_their_law_in_every_quadrant(laws):
     draw = np.random.default_rng(20)
-    for _ in range(200):
+    for _ in range(laws):
         mu = 10.0 ** draw.uniform(-2.0, 0.5, 4)
         angle = np.concatenate([q * np.pi / 2 + draw.uniform(0.1, 1.4, 3) for q in range(4)])
         pressure = -(10.0 ** draw.uniform(-3, 9)) * draw.uniform(0.5, 2.0, 12)
@@ -29,9 +31,10 @@ def test_exact_points_give_back_their_law_in_every_quadrant():
 
 
 @pytest.mark.slow
-def test_estimates_have_the_covariance_of_cramer_and_rao():
+@pytest.mark.parametrize("repeats", mostly_long([40, 80], 40))
+def test_estimates_have_the_covariance_of_cramer_and_rao(repeats):
     """R whitened errors of an efficient unbiased fit: their squares add up to a chi^2 on 4 R degrees of freedom."""
-    repeats, m, scatter = 80, 32, 400.0  # 0.2 to 0.5 % of the half-axes
+    m, scatter = 32, 400.0  # 0.2 to 0.5 % of the half-axes
     angle, pressure = design(m, 3)
     truth = information(PAPER, angle, pressure, np.full(m, scatter))
     draw, errors, reported, named = np.random.default_rng(4), [], [], 0
@@ -75,6 +78,7 @@ def test_fit_is_the_maximum_likelihood_fit():
     assert np.sum(np.square(done.residual)) == pytest.approx(2.0 * full.cost, rel=0.02)
 
 
+@pytest.mark.slow
 def test_distance_by_the_shape_and_by_the_formula_agree():
     given = table(PAPER, noise=2000.0)
     law = duhem.load("antoni2007")
@@ -148,6 +152,7 @@ def test_bootstrap_is_seeded_and_has_the_size_of_the_covariance():
         assert done[name].interval == pytest.approx(tuple(np.quantile(done.draws[:, i], [0.025, 0.975])))
 
 
+@pytest.mark.slow
 def test_residual_bootstrap_without_a_scatter():
     given = table(PAPER, m=60, seed=2, noise=400.0)
     for robust in (False, True):

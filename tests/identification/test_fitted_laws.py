@@ -50,6 +50,7 @@ def test_laws_that_are_not_suited_say_why(name, reason):
         duhem.identify(table(PAPER), name)
 
 
+@pytest.mark.slow
 def test_a_best_fit_that_is_not_admissible_is_refused():
     points = rays(duhem.load("limacon"), {"mu": 0.3, "e": 0.7}, 30, 6)
     with pytest.raises(InputError, match="not admissible: convexity is refuted"):
@@ -64,6 +65,7 @@ def test_a_best_fit_that_is_not_admissible_is_refused():
     assert taken.coefficients["e"] == pytest.approx(0.7) and taken.verification["convexity"].verdict is duhem.Verdict.REFUTED
 
 
+@pytest.mark.slow
 def test_a_best_fit_that_is_not_proved_convex_is_refused_where_that_is_required(monkeypatch):
     law, verify = duhem.load("limacon"), estimation.verify
 

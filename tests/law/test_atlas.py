@@ -50,6 +50,7 @@ def test_an_entry_says_where_it_stands_and_what_holds(said: AtlasEntry) -> None:
     assert said.note or all(said.verdicts[claim] != "refuted" for claim in said.claims if claim in ("convexity", "dissipation", "origin"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ENTRIES)
 def test_an_entry_is_a_law(name: str) -> None:
     assert duhem.load(name).name == name

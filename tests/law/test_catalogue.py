@@ -44,6 +44,7 @@ def test_names_and_summaries_import_nothing_heavy() -> None:
     assert not {"sympy", "numpy", "duhem.law.formula_law", "duhem.law.builtin.coulomb"} & loaded
 
 
+@pytest.mark.slow
 def test_only_the_law_asked_for_is_imported() -> None:
     loaded = modules_after("import duhem; duhem.load('coulomb')")
     assert {m for m in loaded if m.startswith("duhem.law.builtin.")} == {"duhem.law.builtin.coulomb"}
@@ -64,6 +65,7 @@ def test_path_and_text_of_a_path(tmp_path: Path) -> None:
     assert duhem.load(path) == duhem.load(str(path)) == read(path)
 
 
+@pytest.mark.slow
 def test_the_template_is_a_law_that_verifies() -> None:
     law = reads(catalogue.template("mine"))
     assert law.name == "mine"
@@ -103,6 +105,7 @@ def test_module_and_attribute(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
             duhem.load(reference)
 
 
+@pytest.mark.slow
 def test_laws_of_other_distributions(tmp_path: Path) -> None:
     info = tmp_path / "outside-1.0.dist-info"
     info.mkdir()

@@ -44,6 +44,7 @@ def test_the_hash_a_law_keeps_is_not_handed_to_another_process():
     assert "_hash" not in law.__getstate__() and hash(pickled(law)) == hash(law)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("copied", [pickled, copy.deepcopy], ids=["pickle", "deepcopy"])
 @pytest.mark.parametrize("name", catalogue.names())
 def test_every_law_equals_its_copies(name, copied):

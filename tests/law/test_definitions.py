@@ -136,6 +136,7 @@ def test_what_a_program_may_get_wrong(given: dict[str, object]) -> None:
         Criterion(**(own | given))
 
 
+@pytest.mark.slow
 def test_a_derivation_prints_them() -> None:
     found = derive(reads(FILE))
     assert "D0.2" in found.text() and "q = sqrt( J2(sigma))" in found.text()

@@ -125,6 +125,7 @@ def test_value_by_hand(name: str) -> None:
     assert sp.simplify(_at(law, law.g, values) - expected) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BY_HAND)
 def test_known_points_lie_on_the_boundary(name: str) -> None:
     law, (values, _, points) = LAWS[name], BY_HAND[name]
@@ -176,7 +177,7 @@ def states(draw: st.DrawFn, law: Criterion) -> dict[str, sp.Rational]:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 @given(data=st.data())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_the_origin_is_admissible(name: str, data: st.DataObject) -> None:
     law = LAWS[name]
     values = data.draw(states(law)) | dict.fromkeys(law.forces, sp.S.Zero)
@@ -186,7 +187,7 @@ def test_the_origin_is_admissible(name: str, data: st.DataObject) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 @given(data=st.data())
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_numpy_and_mpmath_agree_within_what_rounding_allows(name: str, data: st.DataObject) -> None:
     """Both lie in an enclosure computed with 40 bits, whose radius is the conditioning of the formula at the point."""
     law = LAWS[name]

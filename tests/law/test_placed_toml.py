@@ -213,6 +213,7 @@ def document(draw, depth=0):
     return {name: value() for name in draw.sample(NAMES, draw.randint(0 if depth else 3, 5))}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", range(10))
 def test_the_places_are_where_the_writer_put_them(block):
     found = 0

@@ -74,6 +74,7 @@ def _value(term: Term, at: dict[str, float]) -> float:
     return float((words.get(term.op) or getattr(math, term.op))(*values))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("potential", mostly_long(POTENTIALS, *(p for p in POTENTIALS if "eigmax" not in p)))
 def test_the_kernels_gradient_is_the_laws(potential: str) -> None:
     law = _law("norm(a, b) - k", potential)
@@ -106,6 +107,7 @@ VERDICTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "potential"), mostly_long(VERDICTS, *[*VERDICTS][:1], *[*VERDICTS][2:5], [*VERDICTS][6]))
 def test_what_is_decided_of_it(g: str, potential: str) -> None:
     found = duhem.verify(_law(g, potential), claims=["convexity", "normality", "dissipation"])

@@ -43,6 +43,7 @@ CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "claim", "verdict"), CASES)
 def test_claims_are_asked_within_the_ranges(law: Criterion, claim: str, verdict: str) -> None:
     found = duhem.verify(law, claims=[claim])[claim]

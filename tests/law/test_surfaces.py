@@ -176,6 +176,7 @@ def test_a_step_of_associated_surfaces_is_their_projection_and_others_have_none(
         duhem.project(reads(tension + 'potential = "abs(t)"\n'), [5.0, 2.0], None, 1.0)
 
 
+@pytest.mark.slow
 def test_the_derivation_has_one_multiplier_a_surface() -> None:
     law = reads(CAPPED)
     derived = duhem.derive(law)

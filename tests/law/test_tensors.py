@@ -68,6 +68,7 @@ FORMULAS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_the_words_say_what_was_published(path: Path) -> None:
     rng = np.random.default_rng(3)
@@ -117,6 +118,7 @@ def test_what_is_proved_of_them(name: str) -> None:
     assert [row.verdict.value for row in found.results] == ["proved"] * 4
 
 
+@pytest.mark.slow
 def test_dilatancy_below_friction_is_convex_and_not_normal() -> None:
     path = next(path for path in FILES if path.stem == "drucker_prager_dilatancy")
     found = duhem.verify(path, claims=["origin", "convexity", "normality"])

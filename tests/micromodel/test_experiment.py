@@ -30,6 +30,7 @@ def test_geometry_closes_exactly():
     assert float(sp.deg(sp.atan(PAPER.tan_beta))) == pytest.approx(14.0362, abs=5e-5)
 
 
+@pytest.mark.slow
 def test_predictions_against_rational_arithmetic():
     at = PAPER.predicted("1/4")
     assert (at.plus, at.minus) == (sp.Rational(1, 3), sp.Rational(23, 75))

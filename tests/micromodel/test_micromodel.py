@@ -113,6 +113,7 @@ HEIGHTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phi", [0.0, np.pi, 1.1, -2.5])
 @pytest.mark.parametrize("name", HEIGHTS)
 def test_simulated_profiles_and_quadrature_agree_with_the_formulas(name: str, phi: float) -> None:
@@ -151,6 +152,7 @@ def test_a_simulation_repeats_itself_and_checks_what_it_is_given() -> None:
 # -- proofs -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_everything_is_proved() -> None:
     assert {name: evidence.verdict for name, evidence in proofs.proofs().items()} == dict.fromkeys(
         (
@@ -195,6 +197,7 @@ def test_the_steps_of_the_star_shape_can_fail(monkeypatch: pytest.MonkeyPatch) -
     assert oblique.star_shaped().verdict is Verdict.UNDECIDED
 
 
+@pytest.mark.slow
 @given(profiles())
 @settings(max_examples=20)
 def test_the_proved_statements_hold_at_exact_points(profile: dict[str, Fraction]) -> None:
@@ -228,6 +231,7 @@ def test_the_derivation_computes_what_it_prints(tmp_path: Path) -> None:
 # -- the nearest associated criterion ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_fit_is_the_best_and_its_error_is_what_it_says() -> None:
     fit = associated_fit(*STEEL)
     phi = 2 * np.pi * (np.arange(3600) + 0.5) / 3600

@@ -56,6 +56,7 @@ def _clocks(path: Path) -> Iterator[str]:
             yield from (name.name for name in node.names if name.name in ("time", "timeit", "datetime"))
 
 
+@pytest.mark.slow
 def test_no_clock_is_read() -> None:
     read = {str(path.relative_to(ROOM)): sorted(_clocks(path)) for path in ROOM.rglob("*.py")}
     assert {path: names for path, names in read.items() if names} == {

@@ -63,6 +63,7 @@ def _consistent(answer: Answer, goal: sp.Expr, given: list[tuple[sp.Expr, str]],
             assert abs(value) < 1e-12 * (1 + abs(at[x]) ** 6 + abs(at[y]) ** 6) if op == "==" else value > -1e-15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_along_a_random_curve(seed: int) -> None:
     rng = random.Random(f"plane/{seed}")
@@ -74,6 +75,7 @@ def test_along_a_random_curve(seed: int) -> None:
     _consistent(answer, goal, given, _curve_points(curve))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(30))
 def test_in_a_random_region(seed: int) -> None:
     rng = random.Random(f"region/{seed}")

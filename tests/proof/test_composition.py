@@ -24,6 +24,7 @@ from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.shape import Curvature
 from duhem.proof.methods import chords, composition
+from tests.long import mostly_long
 
 cp = pytest.importorskip("cvxpy")
 
@@ -68,6 +69,7 @@ def _generated(name: str) -> Criterion:
 
 
 LAWS = [*(law.name for law in map(load, names()) if isinstance(law, Criterion)), *(f"formula-{k}" for k in range(FORMULAS))]
+EVERY_RUN = LAWS[: 20 - FORMULAS]  # the built-in laws and twenty formulas
 
 
 @cache
@@ -114,7 +116,7 @@ def _samples(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> tuple[Any, Any, An
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", mostly_long(LAWS, *EVERY_RUN))
 def test_samples_do_not_contradict_the_rules(name: str) -> None:
     forces = _subject(name).simple.forces
     for node, facts, at in _nodes(name):
@@ -130,7 +132,7 @@ def test_samples_do_not_contradict_the_rules(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", mostly_long(LAWS, *EVERY_RUN))
 def test_what_cvxpy_proves_is_not_refuted(name: str) -> None:
     """And what the composition method proves neither, by the search for chords."""
     subject = _subject(name)
@@ -153,6 +155,7 @@ def _agreement() -> dict[tuple[bool, bool], int]:
     return counts
 
 
+@pytest.mark.slow
 def test_our_rules_know_whatever_cvxpy_knows() -> None:
     counts = _agreement()
     assert counts[True, True] > 200 and counts[False, False] > 20

@@ -60,6 +60,7 @@ CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
 def test_a_rule_holds_as_far_as_its_conditions_and_no_further(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     criterion = law(g, **{n: d for n, d in {**SHAPE, **parameters}.items() if n in g})

@@ -41,6 +41,7 @@ CORNERED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", CORNERED)
 def test_a_corner_is_shown(one):
     one = one()
@@ -63,6 +64,7 @@ SMOOTH = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", SMOOTH)
 def test_what_is_smooth_has_no_corner(one):
     assert corners.smoothness(FormulaSubject(one())) is None
@@ -80,6 +82,7 @@ SHARP = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", SHARP)
 def test_a_sharp_point_is_shown(one):
     one = one()

@@ -51,6 +51,7 @@ CURVES: dict[str, tuple[tuple[str, str], tuple[str, str] | None, str]] = {
 LETTERS = {"o": "origin", "c": "convexity", "s": "smoothness", "n": "normality", "d": "dissipation"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("claim", LETTERS, ids=LETTERS.values())
 @pytest.mark.parametrize("name", CURVES)
 def test_only_what_is_true_of_a_curve_is_proved(name: str, claim: str) -> None:
@@ -69,6 +70,7 @@ def test_what_is_true_of_a_plain_one_is_proved(name: str) -> None:
     assert "".join(proved) == true
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("most", "true"), [("2/5", "ocsnd"), ("3/5", "osd"), ("99/100", "osd")])
 def test_over_a_range_of_parameters(most: str, true: str) -> None:
     law = ParametricCriterion("limacon", limacon("e"), {"e": Domain.between(0, most)})  # type: ignore[arg-type]
@@ -77,6 +79,7 @@ def test_over_a_range_of_parameters(most: str, true: str) -> None:
     assert "o" in proved and ("c" in proved) is ("c" in true)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("root", "analytic"), [("sqrt(2 + cos(phi))", True), ("sqrt(e + 1/10 + cos(phi)**2)", True), ("sqrt(e + 1 + cos(phi))", False)]
 )
@@ -244,6 +247,7 @@ def test_where_the_flow_runs_backward_it_deviates() -> None:
         assert curve_deviation._deviates(_subject((C, S), flow), {})
 
 
+@pytest.mark.slow
 def test_no_deviation_of_a_curve_that_is_not_simple() -> None:
     for boundary in (limacon("3/2"), DOUBLE, (C, f"{C}*{S}")):
         for flow in (_turned(S), ("1", "0")):

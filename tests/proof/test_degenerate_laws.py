@@ -41,6 +41,7 @@ def test_a_point_or_a_line_has_no_smooth_boundary(g: str, forces: tuple[str, ...
     assert verify(law(g, forces, **parameters), claims=["smoothness"])["smoothness"].verdict is not PROVED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", ["abs(a) - m*abs(p)", "a", "-a", "a**2 + a - 1", "max(a - 1, -a/2)", "sqrt(abs(a)) - 1", "a**2 - 1"])
 def test_an_interval_with_an_inside_has(g: str) -> None:
     parameters = {"m": POSITIVE} if "m*" in g else {}
@@ -95,6 +96,7 @@ def test_a_potential_that_divides_by_what_may_vanish_is_not_proved(g: str) -> No
 # -- sets that are hardly what was meant --------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "said", "vacuous"),
     [
@@ -152,6 +154,7 @@ def test_a_proof_that_a_refuter_disagrees_with_is_a_defect(monkeypatch: pytest.M
 # -- what was tested ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "constraints", [("e < m", "m < e + 1e-6"), ("3*e <= 2*m", "2*m <= 3*e"), ("m**2 < 2*e**2", "2*e**2 < m**2 + 1e-9")]
 )
@@ -196,6 +199,7 @@ def test_what_is_empty_for_some_parameters_is_not_called_unbounded() -> None:
     assert any("unbounded" in line for line in verify(law("a**2 - q", q=Domain.between(1, 2)), claims=["origin"]).remarks)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [

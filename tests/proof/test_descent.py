@@ -35,6 +35,7 @@ def test_downhill_into_the_set(value: Any, d: int, found: bool) -> None:
     assert point is None or value(point) <= 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cut", ["", ", b + c - 5"])
 def test_the_slip_of_a_small_set_far_from_zero(cut: str) -> None:
     g = "norm(a - 40, 3*b + 2*a, c + a) - 1/10"

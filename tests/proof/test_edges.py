@@ -40,6 +40,7 @@ def test_every_load_is_left_out_by_some_edge_and_none_is_told_twice() -> None:
         assert any(eval(load, dict(zip("abcde", edge, strict=True))) for edge in found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "sharp"),
     [
@@ -90,6 +91,7 @@ def test_a_dent_beside_an_edge(g: str, dented: bool) -> None:
         assert found.witness is not None and confirmed(criterion, "convexity", found.witness)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [

@@ -51,6 +51,7 @@ def test_what_follows_for_the_slip() -> None:
     assert {r.verdict for r in result.results} == {Verdict.REFUTED}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "forces", "dented"),
     [

@@ -49,6 +49,7 @@ def test_the_sign_of_a_number(text: str, sign: int) -> None:
     assert sign_of_radicals(parse(text)) == sign
 
 
+@pytest.mark.slow
 def test_two_ways_to_the_sign_agree() -> None:
     random, seen = Random(8), set[int]()
     for _ in range(30):
@@ -74,6 +75,7 @@ def barrel(a: str, b: str) -> str:
     return BARREL.replace("A", f"({a})").replace("B", f"({b})")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "convex", "smooth"),
     [

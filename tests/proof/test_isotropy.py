@@ -36,6 +36,7 @@ def both(stated: Criterion) -> bool:
     return prover
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [
@@ -64,6 +65,7 @@ def test_the_order_of_the_shear_components_is_found() -> None:
     assert not both(law(f"{DET} + {turned} - 1"))  # each of the two with another order
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [
@@ -125,6 +127,7 @@ def test_duality_is_not_asked_in_principal_stresses() -> None:
     assert objection("duality", "polar-gauge", frozenset(), stated, evidence)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "convex"),
     [
@@ -176,6 +179,7 @@ def test_the_kernel_reads_the_same_formula_in_principal_stresses() -> None:
         assert over(reduced).polynomial(reduced.g.put(swap)) == ({(): value} if value else {})
 
 
+@pytest.mark.slow
 def test_a_constant_matrix_does_not_become_diagonal() -> None:
     """The greatest eigenvalue of (1, 0, 0; 0, 1, 1; 0, 1, 1) is 2 in principal stresses too: g = 1 - J2/2, and K is not convex."""
     j2 = "(((xx-yy)**2 + (yy-zz)**2 + (zz-xx)**2)/6 + yz**2 + xz**2 + xy**2)"

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 from random import Random
 from typing import Any
 
 import pytest
 
 from duhem import POSITIVE as POSITIVE_DOMAIN
-from duhem import Criterion, load, verify
-from duhem.law import builtin
+from duhem import Criterion, verify
 from duhem.proof.certificate import certificate
 from duhem.proof.kernel import claims as kernel_claims
 from duhem.proof.kernel import curvature
@@ -20,19 +17,12 @@ from duhem.proof.kernel.certificate import CLAIMS, recheck
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedLaw
 from duhem.proof.kernel.term import NotWritten, Term, parse
-from tests.campaigns.certificates import rechecked
-from tests.campaigns.tampering import tampering
 from tests.long import mostly_long
 from tests.oracles import drawn_formulas
-from tests.oracles.verified import verified
 from tests.proof.test_adversary import CLAIMS as LETTERS
 from tests.proof.test_adversary import ROWS
 from tests.proof.test_adversary import Row as AdversaryLaw
 
-BUILT_IN = sorted(
-    p.stem.replace("_", "-") for p in Path(builtin.__path__[0]).glob("*.py") if p.stem != "__init__"
-)  # and none that a test made
-FORMULA_LAWS = [name for name in BUILT_IN if isinstance(load(name), Criterion)]
 RULES = {claim: [rule for c, rule in kernel_claims.RULES if c == claim] for claim in CLAIMS}
 
 
@@ -156,6 +146,7 @@ def test_what_is_shown_of_drawn_formulas_holds_at_drawn_points(count: int) -> No
     assert shown > 0.15 * count  # else the question was empty
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_nothing_false_is_confirmed(row: AdversaryLaw) -> None:
     made = row.law()
@@ -169,6 +160,7 @@ UNIT = {"min": "0", "max": "1"}
 SIGNED = {"min": "-1", "max": "1"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stated", "claim"),
     [
@@ -224,39 +216,10 @@ def test_support_functions(g: str, potential: str, right: bool) -> None:
     assert (found == "") is right, found
 
 
-# -- against the provers -----------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def certificates() -> dict[str, dict[str, Any]]:
-    return {name: certificate(verified(name)) for name in FORMULA_LAWS}
+# -- with the provers --------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-def test_the_flagship_rests_on_the_kernel_alone(certificates: dict[str, dict[str, Any]]) -> None:
-    assert {c["claim"]: c["trust"] for c in certificates["antoni2007"]["claims"]} == dict.fromkeys(CLAIMS, "checked")
-
-
-@pytest.mark.slow
-def test_most_proofs_of_the_built_in_laws_are_confirmed(certificates: dict[str, dict[str, Any]]) -> None:
-    proofs = [c["trust"] for made in certificates.values() for c in made["claims"] if c["verdict"] == "proved"]
-    assert len(proofs) > 100
-    assert proofs.count("checked") >= 0.95 * len(proofs)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(FORMULA_LAWS, *(name for name in FORMULA_LAWS if name not in ("polygon", "drucker1949"))))
-def test_no_refuted_claim_is_confirmed_by_any_rule(name: str, certificates: dict[str, dict[str, Any]]) -> None:
-    made = certificates[name]
-    refuted = {c["claim"] for c in made["claims"] if c["verdict"] == "refuted"}
-    assert not confirmed(StatedLaw.read(made["law"])) & refuted
-
-
-@pytest.mark.slow
-def test_certificates_are_the_same_bytes_each_time(certificates: dict[str, dict[str, Any]]) -> None:
-    assert json.dumps(certificate(verify("antoni2007"))) == json.dumps(certificates["antoni2007"])
-
-
 @pytest.mark.parametrize(("g", "claim"), [("exp(log(a)) + abs(b) - 1", "origin"), ("sqrt(a)**2 + abs(b) - 1", "convexity")])
 def test_the_formula_is_checked_as_written(g: str, claim: str) -> None:
     made = certificate(verify(Criterion(name="written", g=g, forces=("a", "b"), pressure=None)))
@@ -276,20 +239,6 @@ def test_a_thin_domain_is_shown_not_to_be_empty() -> None:
     thin = ("m**2 < 2*e**2", "2*e**2 < m**2 + 1/1000000000")
     made = certificate(verify(Criterion("thin", "norm(a, m*b)/e - 1", domains, ("a", "b"), None, thin), claims=["origin"]))
     assert [line.confirmed for line in recheck(made)] == [True]
-
-
-def test_the_kernel_needs_nothing_but_itself(certificates: dict[str, dict[str, Any]]) -> None:
-    for made, found in zip(certificates.values(), rechecked(list(certificates.values())), strict=True):
-        assert {c["claim"] for c in made["claims"] if c["trust"] == "checked"} == {c for c, holds in found.items() if holds}
-
-
-# -- tampering ---------------------------------------------------------------------------------------------------------
-@pytest.mark.slow
-@pytest.mark.parametrize("count", mostly_long([40, 120], 40))
-def test_tampering_confirms_nothing_that_is_false(count: int, certificates: dict[str, dict[str, Any]]) -> None:
-    found = tampering(certificates, count, 3)
-    assert found.wrong == ()
-    assert found.refused > count / 4 and found.other_laws > count / 40  # else nothing was asked
 
 
 # -- the kernel is not vacuous -----------------------------------------------------------------------------------------

@@ -108,6 +108,7 @@ SIGNED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("form", "above", "strict"), SIGNED)
 def test_signs_in_the_sector(form: Polynomial, above: bool, strict: bool) -> None:
     least = min(value(form, {RAY: 1.5 * k / 300}) for k in range(301))

@@ -27,6 +27,7 @@ def confirmed(claim: str, rule: str, stated: StatedLaw) -> bool:
     return not objection(claim, rule, frozenset({"origin", "convexity"} - {claim}), stated, {})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("radius", "right"),
     [
@@ -96,6 +97,7 @@ def test_a_law_without_such_choices_has_no_cases() -> None:
 PUBLISHED = ("byerlee", "hill48-lankford", "doraivelu", "murrell", "abaqus-hyperbolic", "tresca-plane")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(PUBLISHED, "byerlee", "hill48-lankford", "doraivelu", "abaqus-hyperbolic"))
 def test_published_laws_are_checked(name: str) -> None:
     """Each needs one of the rules above or a sign that is shown by a matrix, by what is multiplied through or over a range."""

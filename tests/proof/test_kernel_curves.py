@@ -80,6 +80,7 @@ def test_jets_are_derivatives() -> None:
 ALL = {"origin", "convexity", "smoothness", "dissipation", "state_laws"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stated", "expected"),
     [
@@ -135,6 +136,7 @@ def test_the_certificate_of_a_wedge_is_confirmed_and_that_of_another_wedge_is_no
     assert {c["trust"] for c in made["claims"] if c["verdict"] == "proved"} == {"checked"}
 
 
+@pytest.mark.slow
 def test_what_is_refuted_of_a_curve_is_not_confirmed() -> None:
     bent = ParametricCriterion(name="bent", boundary=("(1 + 3/5*cos(phi))*cos(phi)", "(1 + 3/5*cos(phi))*sin(phi)"), flow=("1", "0"))
     found = duhem.verify(bent)

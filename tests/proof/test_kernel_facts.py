@@ -13,6 +13,7 @@ from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.term import parse
+from tests.long import mostly_slow
 from tests.oracles import drawn_formulas
 
 PARAMETERS = {**drawn_formulas.PARAMETERS, "u": {}}
@@ -183,7 +184,10 @@ POWERS = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("text", "expected"), [*CONSTANTS, *FORMULAS, *POWERS])
+EVERYWHERE = [*CONSTANTS, *FORMULAS, *POWERS]
+
+
+@pytest.mark.parametrize(("text", "expected"), mostly_slow(EVERYWHERE, *EVERYWHERE[::5]))
 def test_what_is_shown_everywhere(text: str, expected: str) -> None:
     assert said(facts(parse(text), domain())) == expected
 
@@ -259,6 +263,9 @@ REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("sides", "text", "expected"), [(sides, *row) for sides, rows in REGIONS for row in rows])
+ASIDE = [(sides, *row) for sides, rows in REGIONS for row in rows]
+
+
+@pytest.mark.parametrize(("sides", "text", "expected"), mostly_slow(ASIDE, *ASIDE[::5]))
 def test_what_is_shown_where_loads_are_not_negative(sides: dict[str, bool], text: str, expected: str) -> None:
     assert said(facts(parse(text), domain(sides))) == expected

@@ -20,6 +20,7 @@ def law(g: str) -> StatedLaw:
     return StatedLaw.read(given)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "form",
     [

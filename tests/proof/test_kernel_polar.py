@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.certificate import certificate
 from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
@@ -21,7 +20,6 @@ from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
 from duhem.proof.kernel.star import StarGauge, undefined_at_zero
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
-from tests.oracles.verified import verified
 
 F = Fraction
 POSITIVE = {"positive": True}
@@ -105,6 +103,7 @@ REACHES: list[tuple[dict[str, Any], tuple[str, ...], list[F], list[F]]] = [  # d
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("reach",), mostly_long([(one,) for one in REACHES], *((one,) for one in REACHES[::2])), ids=lambda reach: str(reach[0])
 )
@@ -174,6 +173,7 @@ THRESHOLDS = [  # formula, forces, a value inside, the threshold
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "forces", "inside", "edge"), THRESHOLDS, ids=lambda v: str(v)[:14])
 def test_convex_up_to_the_threshold_and_not_beyond(g: str, forces: tuple[str, ...] | None, inside: F, edge: F) -> None:
     outward = 1 if edge > inside else -1
@@ -377,13 +377,3 @@ def test_what_is_shown_of_drawn_gauges_holds_on_drawn_rays(count: int) -> None:
     shown, wrong = drawn_gauges(1, count)
     assert wrong == []
     assert min(shown) > count / 12
-
-
-# -- with the provers --------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", mostly_long(["limacon", "lobes", "matchstick", "quartic", "drucker1949"], "limacon", "lobes", "quartic"))
-def test_built_in_star_shaped_laws_rest_on_the_kernel(name: str) -> None:
-    made = certificate(verified(name))
-    assert {c["claim"] for c in made["claims"] if c["verdict"] == "proved" and c["trust"] != "checked"} == set()

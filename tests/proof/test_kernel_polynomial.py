@@ -87,6 +87,7 @@ def test_a_gram_matrix_that_is_not_positive_by_a_trillionth_is_refused() -> None
     assert not is_convex(quartic(6 + F(1, 2 * 10**12)), evidence(6 + F(1, 2 * 10**12)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [F(0), F(1, 10**3), F(1, 10**9)])
 def test_a_root_of_a_quadratic_form_is_convex_where_the_form_is_positive(gap: F) -> None:
     """Von Mises in plane stress spells it so."""

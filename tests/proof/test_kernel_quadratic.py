@@ -75,6 +75,7 @@ def test_constraints_count() -> None:
     assert shown("p*a**2 - (u + q)*a*b + m*b**2", "4.001*m*p > (u + q)**2") == "?"
 
 
+@pytest.mark.slow
 def test_numbers_are_told_exactly() -> None:
     """Random matrices of small numbers, many of them singular: convex exactly where no eigenvalue is < 0."""
     rng, found, n = Random(3), {True: 0, False: 0}, range(3)

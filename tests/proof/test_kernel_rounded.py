@@ -12,6 +12,7 @@ from tests.proof.small_laws import confirmed, domain, law
 BETWEEN = "max(-a, a - 1, {})"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "forces", "round_there"),
     [

@@ -90,6 +90,7 @@ SHOWN = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "expected"), SHOWN)
 def test_what_is_shown_of_sections(text: str, expected: str) -> None:
     stated = law(text)
@@ -97,6 +98,7 @@ def test_what_is_shown_of_sections(text: str, expected: str) -> None:
     assert (said(found) if found else "") == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "origin", "smooth"),
     [

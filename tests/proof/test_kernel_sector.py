@@ -73,6 +73,7 @@ def at(d: F) -> dict[str, float]:
     return {"a": -0.5 - float(d), "b": 1.0, "c": -0.5 + float(d), "m": 1.3, "e": 0.3, "q": -0.4, RAY.name: float(d), "pi": math.pi}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "degree", "whole"), VALUES)
 def test_a_function_of_principal_deviators_is_read(text: str, degree: int | F, whole: bool) -> None:
     term = parse(written_out(text))
@@ -163,6 +164,7 @@ def test_what_is_left_where_the_deviator_is_zero(text: str, empty: str) -> None:
     assert domain.polynomial(left) == domain.polynomial(parse(written_out(empty)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "right"),
     [

@@ -165,6 +165,7 @@ UNIT = {"min": "0", "max": "1"}
 SIGNED = {"min": "-1", "max": "1"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "potential", "parameters", "right"),
     [
@@ -259,6 +260,7 @@ MISES, ROOT = "norm(a - b, b - c, c - a) - m", "m*norm(x, y, z)/sqrt(3)"
 TRESCA, GREATEST = "max(abs(a - b), abs(b - c), abs(c - a)) - m", "m*max(abs(x), abs(y), abs(z))"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "potential"), [(MISES, ROOT), (TRESCA, GREATEST)])
 def test_where_the_potential_is_finite_is_part_of_the_claim(g: str, potential: str) -> None:
     assert confirmed(g, potential, "abc", ("x + y + z",), m=POSITIVE)

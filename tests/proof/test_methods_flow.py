@@ -33,6 +33,7 @@ def floats(point: Any, names: Sequence[str] = A_B) -> list[float]:
     return [float(Fraction(point[name])) for name in names]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "slip", "normal"),
     [
@@ -134,6 +135,7 @@ def test_a_flow_that_leans_a_little_shows_close_by() -> None:
     assert found is not None and found.witness is not None and 0 < found.witness.measures["deviation_degrees"] < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slip", [("a", "b"), ("2*a*(3 + b)", "2*b*(3 + b)"), None])
 def test_a_normal_flow_is_not_refuted(slip: Sequence[str] | None) -> None:
     assert flow.normality_refuted(subject(DISC, slip), 1) is None
@@ -202,6 +204,7 @@ def test_chords_across_a_dent() -> None:
     assert chords.convexity_at_seams(subject("min(a, b, c) - 1", forces="abc")) is None
 
 
+@pytest.mark.slow
 def test_corners_and_sharp_points() -> None:
     found = corners.smoothness(subject("abs(a) + b**2 - 1"))
     assert found is not None and found.witness is not None and found.witness.points

@@ -251,6 +251,7 @@ P = "((p + 1/2)/2)"
 LENS = "max(norm(a, b) - 2*(P - P**2)**(2/3), -P, P - 1)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "round_"),
     [
@@ -305,6 +306,7 @@ POLAR: dict[str, tuple[str | None, str | None, bool]] = {  # convexity and smoot
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", POLAR)
 def test_the_polar_form(g: str) -> None:
     law, (convex, smooth, star) = subject(g), POLAR[g]

@@ -56,6 +56,7 @@ TWO: dict[str, str] = {  # by which methods it is proved: convexity, smoothness,
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", TWO)
 def test_in_two_forces(g: str) -> None:
     law = subject(g)
@@ -80,12 +81,14 @@ ONE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", {**THREE, **ONE})
 def test_in_three_forces_and_in_one(g: str) -> None:
     law = subject(g, "abc" if g in THREE else "a")
     assert "".join(letter for letter, method in METHODS.items() if method(law) is not None) == {**THREE, **ONE}[g]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [(1, 2, 1, -1)])
 def test_polygons_with_corners_outward_and_inward(turn: tuple[int, int, int, int]) -> None:
     """max(|u|, |v|) + t min(|u|, |v|) = 1 is convex for t <= 1, in whatever coordinates; so it is where its corners are not alike."""
@@ -227,6 +230,7 @@ def test_star_shape() -> None:
     assert implicit._star(law, (Branch({a: 1}, a - 1), Branch({a: -1}, a + 1))) is False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "forces", "convex"),
     [
@@ -258,6 +262,7 @@ def test_polyhedra_have_no_parameters() -> None:
     assert polyhedral._plane(2 * a - 4 * b + 6, (a, b)) == polyhedral._plane(-a + 2 * b - 3, (a, b)) != polyhedral._plane(a - 2 * b, (a, b))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", ["1/1000", "1/64", "1", "1000"])
 @pytest.mark.parametrize(
     ("body", "convex"),

@@ -69,6 +69,7 @@ def test_where_the_gradient_may_vanish(g: str, law: dict[str, Any]) -> None:
     assert composition._regular(subject(g, **law)) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "of", "inside"),
     [
@@ -159,6 +160,7 @@ P = "((p + 1/2)/2)"  # from 0 to 1 on a K with the origin inside
 LENS = "max(norm(a, b) - 2*(P - P**2)**(2/3), -P, P - 1)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "of", "round_"),
     [

@@ -29,6 +29,7 @@ from duhem.proof.decide import Answer, Budget, Question, Sense, decide
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.polar_form import PolarForm
 from duhem.proof.facts.regularity import Regularity
+from tests.long import mostly_long
 from tests.oracles.reevaluation import confirmed
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED
@@ -171,8 +172,15 @@ INADMISSIBLE = [
 ]
 
 
+MUTANTS = [*EQUIVALENT, *INADMISSIBLE]
+DEAR = (  # half of the time of all; of their kind another stays
+    *("the normal to another length", "coefficients exchanged in the flow", "one component of the flow left out"),
+    *("the flow along the boundary of a disk", "a flat g away from the origin"),
+)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("mutant", [*EQUIVALENT, *INADMISSIBLE], ids=lambda m: m.name)
+@pytest.mark.parametrize("mutant", mostly_long(MUTANTS, *(m for m in MUTANTS if m.name not in DEAR)), ids=lambda m: m.name)
 def test_mutants_of_the_law(mutant: Mutant) -> None:
     law = mutant.law()
     found = verify(law, claims=[*mutant.truth, *mutant.elusive])
@@ -410,6 +418,7 @@ TELLING = {
     "everything proved": 5,
     "unknown taken for proved": 18,
     "false taken for proved": 5,
+    "proved taken for false": 4,
     "strict signs taken for weak ones": 21,
     "equalities not looked at": 10,
     "branches looked at on the wrong side": 7,

@@ -139,6 +139,7 @@ def test_a_polar_angle_is_continued_across_the_pole_of_its_tangent() -> None:
     assert FormulaSubject(law("norm(a, b) - 1 - cos(3*atan(b/a))/10")).doubtful != ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["abs_p", "N", "t", "tip", "rho0", "theta", "v0", "x0"])
 def test_a_parameter_may_have_any_name(name: str) -> None:
     """K holds the origin for one sign of the parameter only, and is a disc whatever it is called."""

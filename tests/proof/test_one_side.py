@@ -54,6 +54,7 @@ def subject(criterion: Criterion) -> FormulaSubject:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "convex"), CASES)
 def test_one_side_is_a_half_space(g: str, convex: bool) -> None:
     assert convexity(StatedLaw.read(law_as_text(law(g))), {}) is convex
@@ -79,6 +80,7 @@ def test_a_chord_leads_from_one_side_to_the_other(g: str) -> None:
     assert confirmed(criterion, "convexity", found.witness)
 
 
+@pytest.mark.slow
 def test_a_cap_that_ends_before_the_other_side_is_not_refuted() -> None:
     for g in (*(g for g, convex in CASES if convex), "max(norm(a, b) - 1, a - 1/2, b - 1/3)"):
         assert convexity_at_far_points(subject(law(g))) is None

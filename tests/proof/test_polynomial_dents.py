@@ -43,6 +43,7 @@ def test_a_dent_however_slight_is_found(forces: str, depth: Fraction) -> None:
     assert g(p) <= 0 and g(q) <= 0 < g(middle)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("depth", [F(0), F(1, 10**10), F(1, 10)])
 def test_none_is_found_where_there_is_none(depth: Fraction) -> None:
     assert dented(law(f"{ball(F(8, 9) - depth, 'a b c')} - 1", "a b c")) is None
@@ -106,6 +107,7 @@ def long_quartic(depth: Fraction, length: int) -> str:
     return f"(({s})**2 + ({t})**2 + ({u})**2)**2 - ({F(8, 9) + depth})*({s})**4 + ({u})**4/10 - 1"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", [30, 100])
 @pytest.mark.parametrize(("depth", "seen"), [(F(1, 10**3), True), (F(1, 10**6), True), (F(1, 10**9), True), (F(-1, 10**9), False)])
 def test_dents_of_long_sets(length: int, depth: Fraction, seen: bool) -> None:

@@ -13,6 +13,7 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.law_text import law_as_text
 from duhem.proof.methods import power_share
 from duhem.proof.verdict import Trust, Verdict
+from tests.long import mostly_slow
 
 J2 = "((a-b)**2 + (b-c)**2 + (c-a)**2)/6"
 R = "sqrt(a**2 + b**2)"
@@ -56,18 +57,20 @@ def confirmed(law: Criterion, share: str, rest: str) -> bool:
     return not objection("dissipation", "power-share", frozenset(), stated(law_as_text(law)), {"share": share, "rest": rest})
 
 
-@pytest.mark.parametrize("law", SHOWN)
+@pytest.mark.parametrize("law", mostly_slow(SHOWN, SHOWN[0]))
 def test_the_power_is_a_share_of_g_and_something_more(law: Criterion) -> None:
     found = power_share.dissipation(FormulaSubject(law))
     assert found is not None and found.proof is not None
     assert not objection("dissipation", "power-share", frozenset(), stated(law_as_text(law)), found.proof.evidence)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", NOT_SHOWN)
 def test_what_only_looks_so(law: Criterion) -> None:
     assert power_share.dissipation(FormulaSubject(law)) is None
 
 
+@pytest.mark.slow
 def test_the_kernel_asks_for_itself() -> None:
     law, rest = SHOWN[0], f"3/4*sqrt({J2}) + k/4"
     assert confirmed(law, "1/4", rest)
@@ -80,6 +83,7 @@ def test_the_kernel_asks_for_itself() -> None:
         assert not any(confirmed(other, share, rest) for share in ("0", "1/2") for rest in rests)
 
 
+@pytest.mark.slow
 def test_the_apex_is_no_obstacle_and_the_verdict_is_checked() -> None:
     found = verify(SHOWN[0], claims=["dissipation", "normality"])
     assert (found["dissipation"].verdict, found["dissipation"].trust) == (Verdict.PROVED, Trust.CHECKED)

@@ -38,6 +38,7 @@ def law(g: str, parameters: dict[str, Domain]) -> Criterion:
     return Criterion(name="law", g=g, forces=("x", "y", "z"), pressure=None, parameters=parameters)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
 def test_what_is_below_a_product(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     stated = StatedLaw.read(law_as_text(law(g, parameters)))

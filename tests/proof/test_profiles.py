@@ -69,6 +69,7 @@ def by_prover(criterion: Criterion) -> bool:
     return convex_in_its_region(subject).quasiconvex
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
 def test_a_body_is_convex_where_its_profile_is(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     assert by_kernel(law(g, parameters)) is convex
@@ -98,6 +99,7 @@ def _slope(p: list[int]) -> list[int]:
     return [k * c for k, c in enumerate(p)][1:]
 
 
+@pytest.mark.slow
 def test_the_kernel_says_what_values_say() -> None:
     random, found = Random(5), list[bool]()
     while len(found) < 40:

@@ -13,7 +13,7 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.law_text import law_as_text
-from tests.long import mostly_long
+from tests.long import mostly_long, mostly_slow
 from tests.oracles import drawn_formulas
 
 between = Domain.between
@@ -48,7 +48,7 @@ def law(g: str, parameters: dict[str, Domain]) -> Criterion:
     return Criterion(name="law", g=g, forces=("a", "b", "p"), pressure=None, parameters={n: d for n, d in parameters.items() if n in g})
 
 
-@pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
+@pytest.mark.parametrize(("g", "parameters", "convex"), mostly_slow(CASES, *CASES[::4]))
 def test_a_region_is_where_its_loads_say(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     criterion = law(g, parameters)
     assert convexity(StatedLaw.read(law_as_text(criterion)), {}) is convex
@@ -57,6 +57,7 @@ def test_a_region_is_where_its_loads_say(g: str, parameters: dict[str, Domain], 
 ASKED = [case for case in CASES if "where" not in case[0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "parameters", "convex"), mostly_long(ASKED, ASKED[0], ASKED[2], *ASKED[8:]))
 def test_the_prover_agrees(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     subject = FormulaSubject(law(g, parameters))
@@ -74,6 +75,7 @@ def drawn(rng: Random) -> str:
     return f"max({side} - pos({rest})**({root}), -({u}), {u} - 1)"
 
 
+@pytest.mark.slow
 def test_chords_do_not_contradict_what_is_shown_of_drawn_caps() -> None:
     rng, shown = Random(11), 0
     for _ in range(40):

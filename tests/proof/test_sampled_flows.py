@@ -34,6 +34,7 @@ LEANING = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", mostly_long(LEANING, *LEANING[:2], LEANING[4], LEANING[5]), ids=range(len(LEANING)))
 def test_no_violation_is_not_said(law: Criterion) -> None:
     found = verify(law, claims=["normality", "dissipation"])
@@ -45,11 +46,13 @@ def test_no_violation_is_not_said(law: Criterion) -> None:
 LEFT_FACE = ("a**2 + b**2 - 1", None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flow", [("a", "-1"), ("a**3", "-1"), ("-1", "-1"), ("a/100", "-1")])
 def test_an_edge_through_the_origin_is_looked_at(flow: tuple[str, ...]) -> None:
     assert verify(of_surfaces(LEFT_FACE, ("-b", flow)), claims="normality")["normality"].verdict.value == "refuted"
 
 
+@pytest.mark.slow
 def test_right_flows_lean_nowhere() -> None:
     for law in (
         of_surfaces(LEFT_FACE, ("-b", ("0", "-1"))),

@@ -83,6 +83,7 @@ def law(g: str, kind: str, parameters: dict[str, Domain]) -> Criterion:
     return Criterion(name="law", g=g, stress={"name": "s", "kind": kind}, pressure=None, parameters=parameters)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "parameters", "convex"), mostly_long(CASES, *CASES[:3], *CASES[4:]))
 def test_the_kernel_knows_the_threshold(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     shown = by_kernel(law(g, "principal", parameters))
@@ -98,6 +99,7 @@ def test_ends_of_ranges_are_limits_only_where_nothing_else_ties_the_parameters()
     assert not by_kernel(tied).convex and not by_prover(tied)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", [WILLAM, LODE])
 @pytest.mark.parametrize(("value", "convex"), [("0.55", True), ("0.45", False)])
 def test_so_it_does_in_six_components(g: str, value: str, convex: bool) -> None:
@@ -144,6 +146,7 @@ def _bend(a: float, b: float, c: float, d: float, k: float) -> float | None:
     return min(*inside, (f(math.pi / 3 - step) - f(math.pi / 3 + step)) / (2 * step))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", mostly_long(["principal", "3d"], "principal"))
 def test_a_section_with_a_value_everywhere_is_decided(kind: str) -> None:
     cone = law(WILLAM + " + a*I1(s) - k", kind, {**e("0.6", "0.6"), "a": POSITIVE, "k": POSITIVE})

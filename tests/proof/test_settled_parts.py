@@ -37,6 +37,7 @@ def refused(claim: str, rule: str, g: str, settled: frozenset[str] = frozenset()
     return bool(objection(claim, rule, settled, StatedLaw.read(law), evidence))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", JUMPING)
 def test_what_jumps_at_the_end_of_a_range_is_not_its_limit(g: str) -> None:
     assert refused("convexity", "composition", g)
@@ -47,6 +48,7 @@ def test_such_a_law_is_refuted_at_that_end() -> None:
     assert verify(stated(JUMPING[0]), claims=["convexity"])["convexity"].verdict.value == "refuted"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [
@@ -65,6 +67,7 @@ def test_nothing_is_put_in_a_comparison_by_continuity() -> None:
     assert refused("origin", "evaluation", (f"where(({J}**3 + ({third})**2)/{J} > 0, 1 + {J}, -1)"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [

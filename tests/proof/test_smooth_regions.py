@@ -40,12 +40,12 @@ def law(*parts: str, load: str = P, **domains: Domain) -> Criterion:
 later = partial(partial, law)  # a law is made where it is asked for, not by all who collect tests
 
 ROUND = [
-    later(DROP, **PLAIN),
+    pytest.param(later(DROP, **PLAIN), marks=pytest.mark.slow),
     pytest.param(later(DROP, "norm(a + b/2, pos(b))", **PLAIN), marks=pytest.mark.long),
     pytest.param(later(DROP, "abs(a + b)", **PLAIN), marks=pytest.mark.long),
-    later("max(A - 2*(P - P**2)**(2/3), -P, P - 1)"),
+    pytest.param(later("max(A - 2*(P - P**2)**(2/3), -P, P - 1)"), marks=pytest.mark.slow),
     later("max(A**2 - (P - P**2)**(2/3), -P, P - 1)"),
-    later("max(A - k*(P - P**2)**m, -P, P - 1)", k=Domain(positive=True), m=between("1/9", "8/9")),
+    pytest.param(later("max(A - k*(P - P**2)**m, -P, P - 1)", k=Domain(positive=True), m=between("1/9", "8/9")), marks=pytest.mark.slow),
     pytest.param(later(LODE, gamma=between("-9/10", "9/10"), **SHAPE), marks=pytest.mark.long),
 ]
 NOT_ROUND = [
@@ -84,6 +84,7 @@ def test_round_at_its_ends(made: Callable[[], Criterion]) -> None:
     assert rounded.smoothness(FormulaSubject(law)) is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("made", NOT_ROUND, ids=lambda made: spelt(*made.args, **made.keywords)[:40])
 def test_a_neighbour_is_not_shown_to_be(made: Callable[[], Criterion]) -> None:
     law = made()
@@ -91,6 +92,7 @@ def test_a_neighbour_is_not_shown_to_be(made: Callable[[], Criterion]) -> None:
     assert rounded.smoothness(FormulaSubject(law)) is None
 
 
+@pytest.mark.slow
 def test_a_point_inside_may_be_told() -> None:
     assert confirmed(NOT_ROUND[-1](), p="1") and not confirmed(NOT_ROUND[-1](), p="5/2")
 

@@ -14,6 +14,7 @@ from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.law_text import law_as_text
 from duhem.proof.methods import composition
+from tests.long import mostly_slow
 
 U, R = "(a + b)/2", "sqrt(((a - b)/2)**2 + t**2)"
 PAIR = f"abs({U} + {R})**m + abs({U} - {R})**m"
@@ -49,13 +50,14 @@ CORNERED = [
 ]
 
 
-@pytest.mark.parametrize("law", SMOOTH, ids=lambda law: law.written[:40])
+@pytest.mark.slow
+@pytest.mark.parametrize("law", mostly_slow(SMOOTH, SMOOTH[-1]), ids=lambda law: law.written[:40])
 def test_even_in_a_root_is_smooth(law: Criterion) -> None:
     assert not objection("smoothness", "composition", frozenset(), stated(law_as_text(law)), {})
     assert composition.smoothness(FormulaSubject(law)) is not None
 
 
-@pytest.mark.parametrize("law", CORNERED, ids=lambda law: law.written[:40])
+@pytest.mark.parametrize("law", mostly_slow(CORNERED, CORNERED[-1]), ids=lambda law: law.written[:40])
 def test_a_corner_beside_it_is_seen(law: Criterion) -> None:
     """Whether or not K is convex, which would be asked too."""
     text, subject = stated(law_as_text(law)), FormulaSubject(law)

@@ -8,6 +8,7 @@ from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.law_text import law_as_text
 from duhem.proof.methods import composition
+from tests.long import mostly_slow
 
 J2, J3 = "((a-b)**2+(b-c)**2+(c-a)**2)/6", "(2*a-b-c)*(2*b-c-a)*(2*c-a-b)/27"
 ARGYRIS = f"sqrt({J2})*(1+K)/(2*K) + (1-K)/(2*K)*(3*sqrt(3)/2)*({J3})/({J2}) - k"
@@ -27,11 +28,15 @@ def proved(g, shape, size=POSITIVE):
     return composition.smoothness(FormulaSubject(law(g, shape, size))) is not None
 
 
-@pytest.mark.parametrize(("g", "shape"), [(ARGYRIS, Domain.between("0.8", 1)), (EEKELEN, Domain.fixed("0.7"))])
+CYLINDERS = [(ARGYRIS, Domain.between("0.8", 1)), (EEKELEN, Domain.fixed("0.7"))]
+
+
+@pytest.mark.parametrize(("g", "shape"), mostly_slow(CYLINDERS, CYLINDERS[1]))
 def test_a_cylinder_is_smooth(g, shape):
     assert smooth(g, shape) and proved(g, shape)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "shape", "size"),
     [
@@ -46,6 +51,7 @@ def test_what_only_looks_like_one_is_not_shown_to_be(g, shape, size):
     assert not smooth(g, shape, size) and not proved(g, shape, size)
 
 
+@pytest.mark.slow
 def test_without_convexity_it_is_by_euler_s_relation():
     shape = Domain.between("0.5", 1)
     assert proved(ARGYRIS, shape) and not smooth(ARGYRIS, shape)

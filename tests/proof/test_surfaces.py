@@ -56,6 +56,7 @@ def verified(text: str, *claims: str) -> Verification:
 KOITER = ("origin", "convexity", "normality", "dissipation")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("dilatancy", "normality", "dissipation"),
     [
@@ -71,6 +72,7 @@ def test_an_interface_of_four_surfaces(dilatancy: str, normality: str, dissipati
     assert verdicts == {"origin": "proved checked", "convexity": "proved checked", "normality": normality, "dissipation": dissipation}
 
 
+@pytest.mark.slow
 def test_what_holds_because_of_another_surface_fails_without_it() -> None:
     shear = ("t + s/2 - 1", 'flow = ["-1/10", "1"]'), ("-t + s/2 - 1", 'flow = ["-1/10", "-1"]')
     assert found(law(*shear), "dissipation") == {"dissipation": "refuted"}
@@ -98,6 +100,7 @@ def test_a_second_opinion_on_the_slip_of_one_surface() -> None:
     assert not reevaluation.confirmed(associated, "normality", witness)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("flow", "normality", "dissipation"),
     [
@@ -125,6 +128,7 @@ def test_surfaces_without_flows_are_one_law() -> None:
     assert found(dented, "convexity", "normality") == {"convexity": "refuted", "normality": "refuted"}
 
 
+@pytest.mark.slow
 def test_one_surface_with_a_flow_is_a_law_with_a_flow() -> None:
     for slip, verdict in (("s", "proved"), ("2*s", "refuted")):
         one = law(("s**2 + t**2 - 1", f'flow = ["{slip}", "t"]'))
@@ -132,6 +136,7 @@ def test_one_surface_with_a_flow_is_a_law_with_a_flow() -> None:
         assert found(one, *KOITER) == found(plain, *KOITER) and found(one, *KOITER)["normality"].startswith(verdict)
 
 
+@pytest.mark.slow
 def test_a_flow_needs_a_value_on_its_own_surface_alone() -> None:
     cone = ("norm(s, t) - 1 - s/4", 'flow = ["s/norm(s - 2, t)", "t/norm(s - 2, t)"]')  # undefined at (2, 0), which s <= 1 leaves out
     assert found(law(cone, ("s - 1", "")), "dissipation")["dissipation"].startswith("proved")
@@ -139,6 +144,7 @@ def test_a_flow_needs_a_value_on_its_own_surface_alone() -> None:
     assert not found(law(at_boundary, ("t - 1", "")), "dissipation")["dissipation"].startswith("proved")
 
 
+@pytest.mark.slow
 def test_polygons_of_surfaces() -> None:
     for polygon in drawn(3, 5):
         truth = polygon.truth()
@@ -269,6 +275,7 @@ T = ["rho*cos(phi)", "rho*sin(phi)"]
     assert rows["origin"] and rows["convexity"] == (convexity == "proved checked") and rows["dissipation"]
 
 
+@pytest.mark.slow
 def test_the_kernel_proves_nothing_where_g_jumps() -> None:
     jumps = law(("where(s > -1/2, 1, s - 1)", ""), ("t - 1", 'flow = ["0", "1"]'), ("-t - 1", ""))  # K ends at s = -1/2, where no g is 0
     for text in (jumps, HEAD + 'g = "where(s > -1/2, 1, s - 1)"\n'):

@@ -55,6 +55,7 @@ def test_refuted(g: str) -> None:
     assert verdicts(g, e=NOT_CONVEX[g]) == ("refuted",)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [

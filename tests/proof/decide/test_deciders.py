@@ -85,6 +85,7 @@ def test_a_factor_is_told_what_speaks_of_its_symbols_alone(monkeypatch: pytest.M
     assert set(asked) == {Question(sp.exp(x), P, (of_x, of_none)), Question(sp.sinh(x + y), P, (of_x, of_both, of_none))}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1, -1, 2, -3])
 @pytest.mark.parametrize(
     ("word", "zero", "ends"),
@@ -396,6 +397,7 @@ def test_steps_as_the_solver_counts_them() -> None:
     assert smt.counted(Solver(rlimit_count=7), 9) == 7 and smt.counted(Solver(memory=7), 9) == 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("microseconds", "stopped"), [(0, 1), (50_000, 1), (100_000_000, 0)])
 def test_a_net_of_processor_time(microseconds: int, stopped: int) -> None:
     class Context:

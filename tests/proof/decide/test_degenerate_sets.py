@@ -79,6 +79,7 @@ def _system(goal: sp.Expr | int, op: str, given: list[tuple[sp.Expr, str]]) -> S
     return System(Relation(sp.sympify(goal), op), tuple(Relation(sp.expand(p), o) for p, o in given), (), (x, y), None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OF_SYSTEMS)
 def test_what_is_violated_at_one_point(name: str) -> None:
     for goal, op, given, point in VIOLATED:

@@ -127,6 +127,7 @@ def _told(relation: Relation, at: Point) -> bool:
     return true(_sign(value(sp.sympify(relation.poly), at)), relation.op)
 
 
+@pytest.mark.slow
 def test_signs_known_from_the_domains() -> None:
     """What the sign rules say holds at all points of the domains, and they say something."""
     rng = random.Random("rules")

@@ -95,6 +95,7 @@ def _each(check: Callable[[Violated], bool]) -> list[Violated]:
     return failed
 
 
+@pytest.mark.slow
 def test_a_violation_is_found(world: Callable[[Question, Point], bool | None]) -> None:
     assert _each(lambda one: world(one.question, one.point) is not True) == []
 
@@ -103,6 +104,7 @@ def test_pinned_keeps_a_violation() -> None:
     assert _each(lambda one: any(sp.I in q.expr.atoms() or violated(q, one.point) for q in one.question.pinned())) == []
 
 
+@pytest.mark.slow
 def test_parts_keep_a_violation() -> None:
     """One of the smaller questions is violated at the point, and gives the point back."""
 
@@ -123,6 +125,7 @@ def test_parts_keep_a_violation() -> None:
     assert [one for one in violated_ones("parts", 60, "polynomial") if is_polynomial(one.question) and not kept(one)] == []
 
 
+@pytest.mark.slow
 def test_what_holds_at_the_point_is_not_denied(world: Callable[[Question, Point], bool | None]) -> None:
     """Nothing is lost: turned round, with the goal as wanted, the same questions hold in their worlds."""
 

@@ -290,6 +290,7 @@ def test_a_sheared_plane_is_turned_back(far: int) -> None:
     assert along((x, "=="), (x * (x**2 + y**2 + 1), "=="), (y - far, ">")).holds is True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("centre", [Fraction(c) for c in ("-7/3", "-1", "-2/5", "0", "3/10", "1", "2", "11/3", "5", "40")])
 def test_no_point_over_a_root_is_left_out(centre: Fraction) -> None:
     """The top of the circle about (c, 0) and nothing else, wherever c is; and so for an isolated point."""
@@ -300,6 +301,7 @@ def test_no_point_over_a_root_is_left_out(centre: Fraction) -> None:
     assert along((y - 1, ">="), ((x - c) ** 2 - y**2 * (y - 1), "=="), steps=20_000).holds is not True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("far", [Fraction(c) for c in ("1/1000", "1/7", "1", "3", "7/2", "8", "100", "12345")])
 def test_a_point_near_or_far_over_a_root_is_not_left_out(far: Fraction) -> None:
     """At (0, f) and (0, -f) of a circle, and at (1/f, f) of a hyperbola, whose leading coefficient is small there."""

@@ -50,6 +50,7 @@ def test_the_sign_of_a_number(number: sp.Expr, sign: int | None) -> None:
     assert sign_of_radicals(number) == sign
 
 
+@pytest.mark.slow
 def test_what_is_not_0_is_told_from_it() -> None:
     random = Random(3)
     for _ in range(60):

@@ -31,11 +31,13 @@ def true() -> list[System]:
     return [as_system(question) for most in (1, 2, 3) for question in true_ones(f"true/{most}", 20, most)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", GOALS)
 def test_all_deciders_together(kind: str) -> None:
     assert [one for one in violated_ones(f"all/{kind}", 20, kind) if OF_QUESTIONS["all"](one.question).holds is True] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", GOALS)
 @pytest.mark.parametrize("name", ["rules", "enclosure"])
 def test_questions_by_itself(name: str, kind: str) -> None:
@@ -43,6 +45,7 @@ def test_questions_by_itself(name: str, kind: str) -> None:
     assert [question for question in boxed if OF_QUESTIONS[name](question).holds is True] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OF_SYSTEMS)
 def test_systems_by_itself(name: str) -> None:
     answers = Counter(OF_SYSTEMS[name](system).holds for system in violated())
@@ -50,6 +53,7 @@ def test_systems_by_itself(name: str) -> None:
     assert answers[False] >= {"exact": 75, "cells": 60, "curve": 3, "region": 5, "smt": 75}[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", OF_SYSTEMS)
 def test_what_holds(name: str) -> None:
     """Each says so of enough, and denies it of none."""

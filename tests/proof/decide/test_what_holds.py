@@ -68,6 +68,7 @@ ROUND: list[tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]] = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("circle", "table"), [(None, HOLDS), ((x, y), ROUND)], ids=["free", "on the circle"])
 def test_decided(circle: tuple[sp.Symbol, sp.Symbol] | None, table: list[tuple[sp.Expr, Sense, tuple[sp.Basic, ...]]]) -> None:
     def holds(expr: sp.Expr, sense: Sense, given: tuple[sp.Basic, ...]) -> bool:

@@ -6,9 +6,10 @@ box around the segment holds at that boundary point.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import sympy as sp
@@ -39,6 +40,13 @@ def enclosed(
     subject: FormulaSubject, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], bits: int
 ) -> EnclosedPoint | None:
     """The crossing between ``start`` in K and ``end`` outside, narrowed 2^bits times; None if a sign stays open."""
+    return next(_narrowed(subject, parameters, start, end, (bits,)), None)
+
+
+def _narrowed(
+    subject: FormulaSubject, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], widths: Sequence[int]
+) -> Iterator[EnclosedPoint]:
+    """The crossing after each of so many halvings, which rise; no more where a sign stays open."""
     low, high = Fraction(0), Fraction(1)
 
     def at(s: Fraction) -> tuple[Fraction, ...]:
@@ -49,14 +57,15 @@ def enclosed(
         return None if sign is None else sign <= 0
 
     if inside(low) is not True or inside(high) is not False:
-        return None
-    for _ in range(bits):
-        middle = (low + high) / 2
-        here = inside(middle)
-        if here is None:
-            return None
-        low, high = (middle, high) if here else (low, middle)
-    return EnclosedPoint(parameters, at(low), at(high))
+        return
+    for done, bits in pairwise((0, *widths)):
+        for _ in range(done, bits):
+            middle = (low + high) / 2
+            here = inside(middle)
+            if here is None:
+                return
+            low, high = (middle, high) if here else (low, middle)
+        yield EnclosedPoint(parameters, at(low), at(high))
 
 
 def over_box(expr: sp.Expr, subject: FormulaSubject, point: EnclosedPoint, bits: int = 256) -> Any:
@@ -106,10 +115,7 @@ def violation(
     others: dict[str, dict[sp.Symbol, Fraction]] = {} if target is None else {"tau": subject.values_at(parameters, target)}
     if any(sign_at(subject.problem.stated, at)[0] not in (-1, 0) for at in others.values()):
         return None
-    for bits in _WIDTHS:
-        point = enclosed(subject, parameters, start, end, bits)
-        if point is None:
-            return None
+    for point in _narrowed(subject, parameters, start, end, _WIDTHS):
         expr = quantity(point)
         if expr is None or not all(over_box(tree, subject, point).is_finite() for tree in subject.doubted):
             continue
