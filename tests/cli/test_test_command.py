@@ -117,6 +117,10 @@ def test_how_much_may_be_flagged_is_asked_for(run: Command) -> None:
         found, out, _ = run(*of("flags_some"), *FEW, "answers", "--most-flagged", share)
         assert found == code and (f"increments as not solved, more than a share {share}" in out) == bool(code)
         assert f"--most-flagged {share}" in out
+        named = ElementTree.fromstring(run(*of("flags_some"), *FEW, "answers", "--most-flagged", share, "--format", "junit")[1])
+        (case,) = (each for each in named.iter("testcase") if each.get("name") == "flagged")
+        assert [f"more than a share {share}" in each.get("message", "") for each in case.iter("failure")] == [True] * code
+        assert {each.get("name"): each.get("value") for each in named.iter("property")}["most_flagged"] == share
     assert run(*of("flags_some"), *FEW, "answers", "--most-flagged", "2")[2].startswith("duhem: --most-flagged: 2.0 is no share; ")
     assert "it is for a routine of your own" in run("test", "coulomb", "--most-flagged", "0.1")[2]
 
@@ -154,11 +158,12 @@ def test_formats_for_programs(run: Command) -> None:
     assert failure["check"] == "feasibility" and failure["departure"]["returned"] == failure["departure"]["trial"]
     code, out, _ = run(*of("elastic"), *FEW, "feasibility,repeatability,slip", "--format", "junit")
     (suite,) = ElementTree.fromstring(out)
-    assert code == 1 and (suite.get("tests"), suite.get("failures"), suite.get("skipped")) == ("3", "1", "1")
+    assert code == 1 and (suite.get("tests"), suite.get("failures"), suite.get("skipped")) == ("4", "1", "1")
     assert {case.get("name"): [child.tag for child in case] for case in suite.iter("testcase")} == {
         "repeatability": [],
         "feasibility": ["failure"],
         "slip": ["skipped"],
+        "flagged": [],
     }
     assert {p.get("name"): p.get("value") for p in suite.iter("property")}["seed"] == "7"
 

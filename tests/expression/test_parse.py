@@ -180,7 +180,9 @@ NUMBERS = [
     (3, Fraction(3)), ("3", Fraction(3)), ("0.15", Fraction(3, 20)), (" -1/2 ", Fraction(-1, 2)), ("1e-6", Fraction(1, 10**6)),
     (0.1, Fraction(1, 10)), (5e-324, Fraction(5, 10**324)), (Fraction(2, 6), Fraction(1, 3)), (Decimal("0.10"), Fraction(1, 10)),
     (sp.Rational(3, 7), Fraction(3, 7)), (sp.Float(0.1), Fraction(1, 10)), (np.float32(0.1), Fraction(1, 10)),
-    (np.float64(0.1), Fraction(1, 10)), (np.int64(-4), Fraction(-4)),
+    (np.float64(0.1), Fraction(1, 10)), (np.int64(-4), Fraction(-4)), (np.float16(0.25), Fraction(1, 4)),
+    (np.longdouble("0.1"), Fraction(1, 10)), (float(np.float16(0.1)), Fraction("0.0999755859375")),
+    (float(np.float32(0.1)), Fraction("0.10000000149011612")), (Fraction(0.1), Fraction(0.1)),
 ]  # fmt: skip
 
 
@@ -192,9 +194,34 @@ def test_exact_number(given_as: object, value: Fraction) -> None:
     assert exact_number(ratio(read)) == read
 
 
+@pytest.mark.parametrize("x", [np.float16(0.1), np.float16(65504.0), np.float16(-0.3), np.float32(1e-45)], ids=repr)
+def test_a_number_that_holds_another_than_its_decimal_is_refused(x: np.floating) -> None:
+    with pytest.raises(InputError, match=f"{type(x).__name__} holds {float(x)!r} where .* is written.* float\\(x\\)"):
+        exact_number(x)
+    assert Fraction(str(exact_number(float(x)))) == Fraction(repr(float(x)))
+
+
 @pytest.mark.parametrize(
     "bad",
-    [True, np.True_, None, math.nan, math.inf, np.float64("nan"), "", "x", "1/0", "1e", "--1", "1e999999", "٣", [1], 1j, sp.pi],
+    [
+        True,
+        np.True_,
+        None,
+        math.nan,
+        math.inf,
+        np.float64("nan"),
+        np.float16("inf"),
+        "",
+        "x",
+        "1/0",
+        "1e",
+        "--1",
+        "1e999999",
+        "٣",
+        [1],
+        1j,
+        sp.pi,
+    ],
     ids=repr,
 )
 def test_what_is_no_number(bad: object) -> None:

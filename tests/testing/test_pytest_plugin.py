@@ -203,10 +203,15 @@ def update(trial, pressure, stiffness):
     return Step(trial, solved=np.zeros(len(trial), dtype=bool))
 """
     )
-    done = tried(pytester, "-p", "no:cacheprovider")
+    done = tried(pytester, "-p", "no:cacheprovider", "--junitxml=junit.xml")
     done.assert_outcomes(passed=1, failed=1, skipped=2)
+    found = properties(pytester.path / "junit.xml")
+    bounded = {name: (case["duhem_verdict"], case["duhem_most_flagged"]) for name, case in found.items() if name.endswith("-flagged]")}
+    assert bounded == {"update[coulomb-flagged]": ("refuted", "0"), "update[orthotropic-flagged]": ("tested", "1")}
+    many = found["update[coulomb-flagged]"]["duhem_flagged"].split(" of ")
+    assert many[0] == many[1] != "0"
     done.stdout.fnmatch_lines_random(["PASSED *::update[[]orthotropic-flagged]", "FAILED *::update[[]coulomb-flagged]*"])
-    done.stdout.fnmatch_lines(["*update[[]coulomb] flags * increments as not solved, more than a share 0.0"])
+    done.stdout.fnmatch_lines(["*update[[]coulomb] flags * increments as not solved, more than a share 0"])
 
 
 WRONG = {

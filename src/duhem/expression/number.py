@@ -18,6 +18,7 @@ __all__ = ["DECIMAL", "exact_number", "exact_text", "fraction", "nearest_double"
 DECIMAL = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 MOST_DIGITS = 400
 _NUMBER = re.compile(rf"([+-]?)({DECIMAL})(?:\s*/\s*({DECIMAL}))?", re.ASCII)
+_NEAR = Fraction(1, 10**6)  # of a number: single precision holds its decimals to less, half precision to a part in 2000
 _REMEDY = "write a finite number such as 0.15, 1e-6 or 1/2"
 
 
@@ -25,8 +26,10 @@ def exact_number(x: Any) -> sp.Rational:
     """``x`` as an exact rational.
 
     Accepts integers, fractions, SymPy rationals, decimals, NumPy scalars, and text (``"0.15"``, ``"1e-6"``, ``"1/2"``).
-    A float counts as its shortest decimal: 0.1 is 1/10.  Anything else, infinities and truth values included,
-    raises InputError.
+    A float counts as the shortest decimal that its own type reads as it: 0.1 is 1/10, and so is ``numpy.float32(0.1)``, which
+    holds 0.100000001490...; ``float(x)`` counts as what it holds.  One of half precision is taken where the two are the same to a
+    part in a million, as they are of 0.25; of 0.1 it holds 0.0999755859375, and which is meant nobody can tell.  That, infinities,
+    truth values and anything else raise InputError.
     """
     if isinstance(x, sp.Rational):
         return _bounded(x)
@@ -36,9 +39,23 @@ def exact_number(x: Any) -> sp.Rational:
         return _from_text(x)
     if isinstance(x, numbers.Rational):
         return _bounded(rational(x))
-    if isinstance(x, (numbers.Real, Decimal, sp.Float)):
+    if isinstance(x, (float, Decimal, sp.Float)):
         return _from_text(str(x))
+    if isinstance(x, numbers.Real):
+        return _of_few_digits(x)
     raise InputError(f"{str(x)[:40]!r} ({type(x).__name__}) is not a number", remedy=_REMEDY)
+
+
+def _of_few_digits(x: Any) -> sp.Rational:
+    """A float of another type than Python's, whose shortest decimal may be far from what it holds."""
+    read = _from_text(str(x))
+    held = Fraction(*x.as_integer_ratio()) if hasattr(x, "as_integer_ratio") else Fraction(float(x))
+    if abs(fraction(read) - held) > _NEAR * abs(held):
+        raise InputError(
+            f"{type(x).__name__} holds {float(held)!r} where {x} is written, and which of them is meant cannot be told",
+            remedy=f"give the decimal, {x}, or what it holds, float(x)",
+        )
+    return read
 
 
 def _bounded(x: sp.Rational) -> sp.Rational:

@@ -211,10 +211,13 @@ class Report(Shown):
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
         counts += f", {len(self.left_out)} left out" if self.left_out else ""
         unsaid = f", {self.undefined} not judged where g has no value" if self.undefined else ""
-        flagged = f"{self.points} increments, {self.flagged} flagged"
+        return f"{self.law}: {counts}; {self.flags()}{unsaid}"
+
+    def flags(self) -> str:
+        """How many increments the routine flags, in words, and where these are too many that they are."""
         if self.flags_too_many:
-            flagged = f"flags {self.flagged} of {self.points} increments as not solved, more than a share {self.most_flagged:g}"
-        return f"{self.law}: {counts}; {flagged}{unsaid}"
+            return f"flags {self.flagged} of {self.points} increments as not solved, more than a share {self.most_flagged:g}"
+        return f"{self.points} increments, {self.flagged} flagged"
 
     def tested(self) -> tuple[str, ...]:
         """Of each check that passed on what it tried, how many these were: no more was tested."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from duhem.show.junit import JUnitCase, JUnitSuite, Outcome, as_xml
@@ -28,6 +28,7 @@ def as_dict(report: Report) -> dict[str, Any]:
         "left_out": dict(report.left_out),
         "increments": report.points,
         "flagged": report.flagged,
+        "most_flagged": report.most_flagged,
         "undefined": report.undefined,
         "tried": {name: dict(counts) for name, counts in report.tried.items()},
         "examples": report.examples,
@@ -90,15 +91,28 @@ def _finite(x: float) -> float | None:
 
 
 def as_junit(reports: Mapping[str, Report]) -> str:
-    """One suite a routine, by its name, and one case a check; what was visited and drawn stands in properties."""
+    """One suite a routine, by its name, and one case a check, and one for what it flags where that is bounded.
+
+    What was visited and drawn stands in properties.
+    """
     return as_xml(_suite(name, report) for name, report in reports.items())
 
 
 def _suite(name: str, report: Report) -> JUnitSuite:
     said = {"law": report.law, "seed": report.seed, "examples": report.examples, "increments": report.points, "flagged": report.flagged}
     properties = {key: str(value) for key, value in said.items()}
+    properties |= {} if report.most_flagged is None else {"most_flagged": f"{report.most_flagged:g}"}
     properties |= {f"visited {key}": f"{share:.6g}" for key, share in report.visited.items()}
-    return JUnitSuite(name, tuple(_case(c, report) for c in (*report.passed, *sorted(report.failed), *report.left_out)), properties)
+    cases = [_case(check, report) for check in (*report.passed, *sorted(report.failed), *report.left_out)]
+    return JUnitSuite(name, (*cases, *_flagged(report)), properties)
+
+
+def _flagged(report: Report) -> Iterator[JUnitCase]:
+    """The case of what is flagged, where not any share may be."""
+    if report.flags_too_many:
+        yield JUnitCase("flagged", Outcome.FAILED, report.flags())
+    elif report.most_flagged is not None:
+        yield JUnitCase("flagged")
 
 
 def _case(check: str, report: Report) -> JUnitCase:
