@@ -286,6 +286,23 @@ def largest(trial: Array, pressure: Array, k: Array) -> Array:
     return np.where(np.abs(trial) < 1e-6 * np.abs(trial).max(), 0.0, found)
 
 
+def one_buffer(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Array:
+    """The right answer, in memory that the next call writes to."""
+    memory = kept.setdefault("memory", np.empty((10_000, 2)))
+    memory[: len(trial)] = right(trial, pressure, k)
+    return memory[: len(trial)]
+
+
+def one_tangent(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Step:
+    """One array of tangents for each number of increments."""
+    found = solved("orthotropic", ELLIPSE, trial, pressure, k, tangent=True)
+    tangent = kept.setdefault(f"{len(trial)}", np.empty_like(found.tangent))
+    tangent[...] = found.tangent
+    return Step(found.stress, tangent=tangent)
+
+
+for name, answer in [("one buffer for all answers", one_buffer), ("one tangent for all answers", one_tangent)]:
+    MUTANTS.append(Mutant("state", name, "orthotropic", ELLIPSE, remembering(answer), frozenset(["inputs"]), {"stiffness": 1.0}))
 for name, answer in [("an answer mixed with the last", last_added), ("every third call another", now_and_then)]:
     MUTANTS.append(Mutant("state", name, "orthotropic", ELLIPSE, remembering(answer), frozenset(["repeatability"])))
 kept_pressure = frozenset(["feasibility", "complementarity", "repeatability"])

@@ -29,6 +29,7 @@ from duhem.projection.stiffness_factors import factors
 from duhem.testing.checks.raised import NoReply, Raised
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
+from duhem.testing.routines.former_answers import FormerAnswers
 from duhem.testing.routines.material import shaped
 from duhem.testing.routines.overwritten import Overwritten
 from duhem.testing.routines.routine import NoStep, Step, Update, called
@@ -72,7 +73,7 @@ class Query:
     Of one row in ``every`` more is asked than the trial, and those are a query of their own, :attr:`some`; ``whole`` is the one that
     has them among its own, and ``rows`` (N,) which they are there.  ``turn`` counts the cases of a run: what takes calls of its own
     is asked of some rows in some of the cases only (:meth:`by_turns`).  ``raised`` is what the routine has raised so far, of several
-    queries where it is theirs."""
+    queries where it is theirs, ``answered`` what it has answered, of this query and its parts."""
 
     region: Region
     case: Case
@@ -83,6 +84,7 @@ class Query:
     turn: int = 0
     whole: Query | None = None
     raised: Raised = field(default_factory=Raised)
+    answered: FormerAnswers = field(default_factory=FormerAnswers)
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
@@ -109,7 +111,8 @@ class Query:
 
     def part(self, case: Case) -> Query:
         """A query of some of the rows, which this one has among its own."""
-        return Query(self.region, case, self.update, self.passed, self.accuracy, turn=self.turn, whole=self, raised=self.raised)
+        shared = {"turn": self.turn, "whole": self, "raised": self.raised, "answered": self.answered}
+        return Query(self.region, case, self.update, self.passed, self.accuracy, **shared)  # type: ignore[arg-type]
 
     def by_turns(self, cases: int) -> bool:
         """Whether to ask what is asked in the first of so many cases: always, where all the rows are asked for all."""
@@ -243,13 +246,13 @@ class Query:
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
         parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}
-        solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.asarray(step.solved, dtype=np.bool_).reshape(n)
+        solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.array(step.solved, dtype=np.bool_).reshape(n)
         return Reply(trial, **parts, solved=solved)  # type: ignore[arg-type]
 
     def answer(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Step:
         """What the routine answers to some increments of these ``rows``.  What it raises passes."""
         values = {name: value for name, value in self.region.parameters.items() if name in self.passed}
-        return called(self.update, values, trial, pressure, stiffness)
+        return called(self.update, values, trial, pressure, stiffness, self.answered)
 
     def told_apart_by(self, row: int) -> Hashable:
         """What else tells an increment of a row from others with the same trial stress, pressure and stiffness."""
@@ -305,19 +308,32 @@ class Query:
 
     @cached_property
     def alone(self) -> tuple[int, Reply | str]:
-        """A row, another one in each case, and the reply to its trial in a call of its own; what is wrong where there is none."""
+        """A row, another one in each case, and the reply to its trial in a call of its own; what is wrong where there is none.
+
+        Where all replies are to calls of one increment, it is asked in company, which is itself.
+        """
         row, own = self.turn % len(self.case), Raised()
-        at = slice(row, row + 1)
+        at = np.repeat(row, 2 if self.lonely else 1)
         load = None if self.case.pressure is None else self.case.pressure[at]
-        self.points += 1
+        self.points += len(at)
         try:
-            reply = self._reply(self.case.trial[at], load, self.case.stiffness, np.arange(row, row + 1), own)
+            reply = self._reply(self.case.trial[at], load, self.case.stiffness, at, own).part(slice(0, 1))
         except NoReply as fault:
             self.raised.times += own.times  # what it said is not kept: among others it answers
             return row, str(fault)
-        self.flagged += int(not reply.solved[0])
+        self.flagged += len(at) * int(not reply.solved[0])
         self.sound = self.sound & (reply.solved | (np.arange(len(self.case)) != row))
         return row, reply
+
+    @property
+    def lonely(self) -> bool:
+        """Whether the reply to the trial is one to a call of one increment."""
+        return False
+
+    def ask_apart(self) -> None:
+        """Ask three times for as many increments each, and others each time: what was answered first has to stay as it is."""
+        for trial in (self.case.other, self.case.third, self.case.trial):
+            self.ask(trial)
 
     def along_the_path(self) -> Iterator[Reply]:
         """The replies to the increments of ``path``, from no stress on, each from where the one before has ended."""

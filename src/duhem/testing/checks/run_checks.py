@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from duhem.projection.result import Array
 from duhem.testing.checks.query import Query
 from duhem.testing.checks.registry import Finding, register
 from duhem.testing.checks.visited import Visited
@@ -12,6 +13,7 @@ __all__: list[str] = []
 
 
 _MOST = 0.75  # of the increments that slip: who gives up more has shown what is left, not the rule
+_APART = 4  # cases, in one of which some rows are asked in calls of one size, one after the other
 
 
 def _visited(visited: Visited) -> str | None:
@@ -47,29 +49,39 @@ def vacuity(q: Query) -> Finding:
     again=True,
 )
 def repeatability(q: Query) -> Finding:
-    here, again = q.here, q.again
-    silent = ~np.isfinite(again.stress) & ~np.isfinite(here.stress)  # a nan twice is the same answer
-    apart, allowed = q.length(np.where(silent, 0.0, again.stress - here.stress)), 2.0 * q.unit(here)
+    return compared(q, q.here.stress, q.again.stress, 2.0 * q.unit(q.here))
+
+
+def compared(q: Query, here: Array, again: Array, allowed: Array) -> Finding:
+    """The stresses answered to the trial, and those when asked again; of one row that asked alone too."""
+    apart = q.length(_apart(again, here))
     row, alone = q.alone
     at, how = slice(row, row + 1), np.full(len(apart), "", dtype=object)
     if isinstance(alone, str):
         apart[row], how[row] = np.inf, f"; asked as one increment alone, {alone}"
     else:
-        gap = alone.stress - here.stress[at]
-        off = q.length(np.where(~np.isfinite(alone.stress) & ~np.isfinite(here.stress[at]), 0.0, gap))[0]
+        off = q.length(_apart(alone.stress, here[at]))[0]
         if not off <= apart[row]:
             apart[row], how[row] = off, " between the answer among others and that to the increment alone"
     said = [f"measured {x:.3g}, allowed {most:.3g}{more}" for x, most, more in zip(apart, allowed, how, strict=True)]
     return Finding(apart, allowed, np.array(said, dtype=object))
 
 
+def _apart(one: Array, other: Array) -> Array:
+    """Their difference, 0 where both are no number: a nan twice is the same answer."""
+    return np.where(~np.isfinite(one) & ~np.isfinite(other), 0.0, one - other)
+
+
 @register(
     "inputs",
-    statement="the routine leaves what it is given as it was, and writes to nothing that it is not given",
-    formula="sigma_tr, sigma_n and k after the call are those before it",
-    source="who calls it goes on with the trial stress, the pressure and the stiffness",
-    tolerance="none: to the last bit; of C and Fortran, all arguments that are not returned, and 64 bytes either side of each array",
+    statement="the routine leaves what it is given, and what it has answered, as it was, and writes to nothing that it is not given",
+    formula="sigma_tr, sigma_n and k after the call are those before it, and so are the answers to the calls before",
+    source="who calls it goes on with the trial stress, the pressure and the stiffness, and keeps one answer while it asks for the next",
+    tolerance="none: to the last bit; of C and Fortran, all arguments that are not returned, and 64 bytes either side of each array; "
+    "an answer may be the array that was given",
 )
 def inputs(q: Query) -> Finding:
     none = np.zeros(len(q.here.trial))
+    if q.some.by_turns(_APART):
+        q.some.ask_apart()
     return Finding((q.overwritten != "").astype(np.float64), none, "overwritten: " + q.overwritten)

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
+from duhem.testing.routines.former_answers import FormerAnswers
 from duhem.testing.routines.overwritten import Overwritten, differs, overwritten
-from duhem.testing.routines.routine import Step, Update, called, named_after
+from duhem.testing.routines.routine import NoStep, Step, Update, called, named_after
 
 __all__ = ["Material", "MaterialState", "advanced", "from_material", "stateless"]
 
@@ -45,6 +46,11 @@ class MaterialState:
         """Some of the points, or all several times."""
         parts = (getattr(self, f.name) for f in fields(self))
         return MaterialState(*(None if part is None else part[index] for part in parts))  # type: ignore[arg-type]
+
+    def copied(self) -> MaterialState:
+        """The same in arrays of its own."""
+        parts = (getattr(self, f.name) for f in fields(self))
+        return MaterialState(*(None if part is None else np.array(part) for part in parts))  # type: ignore[arg-type]
 
 
 # advance(before (N points), increment (N, d), pressure (N,) or None, duration in s) -> the points after the step
@@ -92,10 +98,16 @@ class Material:
         return MaterialState(zero, zero.copy(), np.tile(np.asarray(self.variables), (n, 1)), *energies)
 
 
-def advanced(material: Material, before: MaterialState, increment: Array, pressure: Array | None, duration: float) -> MaterialState:
-    """A step of a material, which is given copies, and which of them it has overwritten."""
-    own, step, load = before.rows(np.arange(len(before))), increment.copy(), None if pressure is None else pressure.copy()
-    after = material.advance(own, step, load, duration)
+def advanced(
+    material: Material, before: MaterialState, increment: Array, pressure: Array | None, duration: float, answered: FormerAnswers
+) -> MaterialState:
+    """A step of a material, which is given copies, and which of them, or of what it has ``answered`` before, it has overwritten.
+
+    Raises NoStep where what it returns has not the shapes of :class:`MaterialState`.
+    """
+    own, step, load = before.copied(), increment.copy(), None if pressure is None else pressure.copy()
+    answer = material.advance(own, step, load, duration)
+    spoilt, after = answered.spoilt(len(increment), lambda: vars(answer)), _read(answer, before)
     if after.overwritten is not None:
         return after
     parts = {name: (getattr(own, name), getattr(before, name)) for name in ("stress", "strain", "variables", "stored", "dissipated")}
@@ -104,7 +116,23 @@ def advanced(material: Material, before: MaterialState, increment: Array, pressu
         "pressure": (load, pressure),
     }
     changed = {name: differs(*pair) for name, pair in parts.items() if pair[1] is not None}
+    changed[spoilt] = np.full(len(increment), spoilt != "")
     return after if (found := overwritten(changed)) is None else replace(after, overwritten=found)
+
+
+def _read(answer: MaterialState, before: MaterialState) -> MaterialState:
+    """What a material has answered, in arrays of its own."""
+    n, d = before.stress.shape
+    shapes: dict[str, tuple[int, ...]] = {"strain": (n, d), "stress": (n, d), "variables": before.variables.shape, "tangent": (n, d, d)}
+    shapes |= {"slip": (n, d), **dict.fromkeys(("stored", "dissipated", "solved"), (n,))}
+    try:
+        parts: dict[str, Any] = {name: shaped(getattr(answer, name), name, shape) for name, shape in shapes.items()}
+    except ValueError as fault:
+        raise NoStep(str(fault)) from None
+    if missing := [name for name in ("strain", "variables") if parts[name] is None]:
+        raise NoStep(f"the routine returned no {missing[0]}")
+    solved = None if parts["solved"] is None else parts["solved"].astype(np.bool_)
+    return MaterialState(**(parts | {"solved": solved, "overwritten": answer.overwritten}))
 
 
 def stateless(update: Update, stiffness: Array, values: Mapping[str, float]) -> Material:
@@ -112,10 +140,10 @@ def stateless(update: Update, stiffness: Array, values: Mapping[str, float]) -> 
 
     The energy it stores is sigma . k^-1 sigma/2; it dissipates sigma . slip, slip = k^-1 (sigma_tr - sigma) where it returns none.
     """
-    inverse = np.linalg.inv(stiffness)
+    inverse, answered = np.linalg.inv(stiffness), FormerAnswers()
 
     def towards(before: MaterialState, trial: Array, pressure: Array | None, duration: float) -> MaterialState:
-        step = called(update, values, trial, pressure, stiffness)
+        step = called(update, values, trial, pressure, stiffness, answered)
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "tangent": (n, d, d), "solved": (n,)}
         found = {name: shaped(getattr(step, name), name, shape) for name, shape in shapes.items()}
@@ -138,12 +166,15 @@ def stateless(update: Update, stiffness: Array, values: Mapping[str, float]) -> 
 
 
 def shaped(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
-    """What a routine returned, as an array of the shape it must have; None for what is not returned.  Raises ValueError."""
+    """What a routine returned, as an array of the shape it must have and of its own; None for what is not returned.
+
+    Raises ValueError.
+    """
     if given is None and name != "stress":
         return None
     try:
         whole = np.asarray(given)
-        array = np.asarray(whole.real, dtype=np.float64)
+        array = np.array(whole.real, dtype=np.float64)
     except (TypeError, ValueError):
         raise ValueError(f"the {name} is not made of numbers: {given!r}") from None
     if np.iscomplexobj(whole):

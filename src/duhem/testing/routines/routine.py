@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -15,6 +16,7 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
+from duhem.testing.routines.former_answers import FormerAnswers
 from duhem.testing.routines.origin import law_as_written, made_by
 from duhem.testing.routines.overwritten import differs, overwritten
 
@@ -27,8 +29,10 @@ class Step:
 
     ``slip`` (N, d) in m, taken to be k^-1 (sigma_tr - sigma) where left out; ``multiplier`` lambda (N,) with
     slip = lambda dg/dsigma; ``tangent`` d sigma/d u (N, d, d) in Pa/m; ``solved`` (N,), False where the routine itself says
-    that it found no answer: such points are counted and not judged.  ``overwritten`` (N,), set by what calls routines of other
-    languages: the names of what they were only given and have changed, "" where nothing.
+    that it found no answer: such points are counted and not judged.  An array may be the one that was given, and has to stay as it
+    is once it is returned.  ``overwritten`` (N,), set by what calls routines of other
+    languages: the names of what they were only given and have changed, "" where nothing; ``returned``, set by what makes the step
+    of something else: what the routine itself has returned, by name.
     """
 
     stress: ArrayLike
@@ -37,6 +41,7 @@ class Step:
     tangent: ArrayLike | None = None
     solved: ArrayLike | None = None
     overwritten: ArrayLike | None = None
+    returned: Mapping[str, Any] | None = None
 
 
 # update(trial (N, d), pressure (N,) or None for a law without, stiffness (d, d), **parameters left open) -> stress, Step or its mapping
@@ -54,7 +59,7 @@ def _as_step(answer: Any) -> Step:
     if isinstance(answer, Mapping):
         names = [*Step.__dataclass_fields__]
         if unknown := [str(name) for name in answer if name not in names]:
-            raise NoStep(f"the routine returned a mapping with {', '.join(unknown)}; what is known is {', '.join(names[:-1])}")
+            raise NoStep(f"the routine returned a mapping with {', '.join(unknown)}; what is known is {', '.join(names[:-2])}")
         if "stress" not in answer:
             raise NoStep("the routine returned a mapping without stress")
         return Step(**answer)
@@ -64,19 +69,29 @@ def _as_step(answer: Any) -> Step:
     return Step(answer)
 
 
+def _parts(answer: Any) -> Mapping[str, Any]:
+    """What a routine returned, by name.  Raises NoStep."""
+    parts = dict(vars(_as_step(answer)))
+    return parts | (parts.pop("returned") or {})
+
+
 def pointwise(step: Callable[..., Any]) -> Update:
     """A routine for one increment, ``step(trial (d,), pressure, stiffness (d, d), **parameters) -> stress (d,) or Step``, for many."""
 
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
         loads = [None] * len(trial) if pressure is None else pressure.tolist()
-        found = [step(t.copy(), p, stiffness.copy(), **parameters) for t, p in zip(trial, loads, strict=True)]
-        each = [_as_step(f) for f in found]
+        answered, each, spoilt = FormerAnswers(), [], []
+        for t, p in zip(trial, loads, strict=True):
+            answer = step(t.copy(), p, stiffness.copy(), **parameters)
+            spoilt.append(answered.spoilt(1, partial(_parts, answer)))
+            each.append({name: None if part is None else np.array(part) for name, part in _parts(answer).items()})
 
         def together(name: str) -> Any:
-            parts = [getattr(f, name) for f in each]
+            parts = [parts.get(name) for parts in each]
             return None if any(p is None for p in parts) else np.array(parts)
 
-        return Step(*(together(name) for name in Step.__dataclass_fields__))
+        whole = Step(*(together(name) for name in Step.__dataclass_fields__))
+        return replace(whole, overwritten=np.array(spoilt, dtype=object)) if any(spoilt) else whole
 
     return named_after(update, step, "pointwise")
 
@@ -91,8 +106,9 @@ def from_displacements(step: Callable[..., ArrayLike]) -> Update:
     def update(trial: Array, pressure: Array | None, stiffness: Array, **parameters: float) -> Step:
         elastic = np.linalg.solve(stiffness, trial.T).T
         before = elastic[:, ::-1].copy()
-        slip = np.asarray(step(elastic + before, before.copy(), pressure, stiffness, **parameters)) - before
-        return Step(trial - slip @ stiffness, slip)
+        answer = step(elastic + before, before.copy(), pressure, stiffness, **parameters)
+        slip = np.asarray(answer) - before
+        return Step(trial - slip @ stiffness, slip, returned={"u_in": answer})
 
     return named_after(update, step, "from_displacements")
 
@@ -126,12 +142,16 @@ def named_after(update: Update, step: Callable[..., Any], adapter: str) -> Updat
     return update
 
 
-def called(update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array) -> Step:
-    """What a routine answers, called on copies, and which of them it has overwritten."""
+def called(
+    update: Update, values: Mapping[str, float], trial: Array, pressure: Array | None, stiffness: Array, answered: FormerAnswers
+) -> Step:
+    """What a routine answers, called on copies, and which of them, or of what it has ``answered`` before, it has overwritten."""
     given = trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy()
-    step = _as_step(update(*given, **values))
+    answer = update(*given, **values)
+    step, spoilt = _as_step(answer), answered.spoilt(len(trial), partial(_parts, answer))
     changed = {"trial": differs(given[0], trial)}
     if pressure is not None and given[1] is not None:
         changed["pressure"] = differs(given[1], pressure)
     changed["stiffness"] = np.full(len(trial), differs(given[2], stiffness).any())
+    changed[spoilt] = np.full(len(trial), spoilt != "")
     return step if (found := overwritten(changed)) is None else replace(step, overwritten=found)

@@ -61,6 +61,7 @@ class HistoryQuery(Query):
         known = Raised() if raised is None else raised
         super().__init__(_Unknown(case.parameters), case, self._from_start, (), accuracy, every, turn, whole, known)
         self.material, self.before = material, whole
+        self.answered = self.answered if whole is None else whole.answered
 
     def part(self, case: Case) -> Query:
         return HistoryQuery(self.material, case, self.accuracy, turn=self.turn, whole=self, raised=self.raised)
@@ -85,6 +86,10 @@ class HistoryQuery(Query):
         return np.asarray((self.accuracy + rounding) * sum(self.length(s) for s in stresses))
 
     @property
+    def lonely(self) -> bool:
+        return len(self.case) == 1
+
+    @property
     def remembers(self) -> bool:
         """Whether there may be more state than the stress."""
         return self.material.towards is None
@@ -96,7 +101,7 @@ class HistoryQuery(Query):
         if self.material.towards is not None:
             return self.material.towards(before, trial, pressure, duration)
         increment: Array = np.asarray(np.linalg.solve(self.case.stiffness, (trial - before.stress).T).T)
-        return advanced(self.material, before, increment, pressure, duration)
+        return advanced(self.material, before, increment, pressure, duration, self.answered)
 
     def counted(
         self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0, rows: NDArray[np.intp] | None = None

@@ -32,8 +32,8 @@ def vacuity(h: HistoryQuery) -> Finding:
 @register(
     "inputs",
     statement=_INPUTS.statement,
-    formula="the state before the step, the increment and all that is not returned are as before the call",
-    source="who calls it goes on with the state before the step, or tries a shorter one",
+    formula="the state before the step, the increment and all that is not returned are as before the call, and so are former answers",
+    source="who calls it goes on with the state before the step, or tries a shorter one, and keeps the states of other steps",
     tolerance=_INPUTS.tolerance,
 )
 def inputs(h: HistoryQuery) -> Finding:

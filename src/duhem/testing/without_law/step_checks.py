@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from duhem.testing.checks import routine_checks, tangent_checks
+from duhem.testing.checks import routine_checks, run_checks, tangent_checks
 from duhem.testing.checks.query import NothingToCheck
 from duhem.testing.checks.registry import Finding
 from duhem.testing.without_law.history import FINER, HistoryQuery
@@ -36,7 +36,7 @@ def answers(h: HistoryQuery) -> Finding:
 
 @register(
     "repeatability",
-    statement="the same increment from the same state has the same answer, whatever was asked before it and beside it",
+    statement="the same increment from the same state has the same answer, whatever was asked before it and beside it, and alone",
     formula="sigma(state, du) = sigma(state, du)",
     source="a state kept between calls, or shared between points, makes an answer depend on the order of the questions",
     tolerance="2 u",
@@ -47,9 +47,7 @@ def repeatability(h: HistoryQuery) -> Finding:
     back = np.arange(len(case))[::-1]
     load = None if case.pressure is None else case.pressure[back]
     again = h.counted(h.start.rows(back), case.trial[back], load, rows=back).rows(back)
-    apart = again.stress - here.stress
-    apart = np.where(np.isfinite(again.stress) | np.isfinite(here.stress), apart, 0.0)  # a nan twice is the same answer
-    return Finding(h.length(apart), 2.0 * h.error(h.start.stress, case.trial, here.stress))
+    return run_checks.compared(h, here.stress, again.stress, 2.0 * h.error(h.start.stress, case.trial, here.stress))
 
 
 @register(
