@@ -19,6 +19,8 @@ told as expected, the others as they are.  A routine that fixtures make is hande
 (``oval.duhem.toml::convexity``), which passes where the claim is proved; of a scene a node ``simulate``, which passes where no
 step is flagged.
 
+A marker or a file that cannot be used is one test that errs (``update``, ``oval.duhem.toml::read``): it hides no results of others.
+
 **Snapshots**: ``duhem_snapshot(law)`` compares a law with what ``--duhem-update`` has kept beside the test.
 """
 

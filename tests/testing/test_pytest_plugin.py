@@ -234,7 +234,7 @@ WRONG = {
 @pytest.mark.parametrize("given", WRONG)
 def test_a_marker_that_cannot_be_used_is_one_line(pytester: pytest.Pytester, given: str) -> None:
     pytester.makepyfile(test_it=f"import pytest\n\n@pytest.mark.duhem({given})\ndef update(): ...\n")
-    done = tried(pytester, "--collect-only")
+    done = tried(pytester)
     done.assert_outcomes(errors=1)
     lines = done.stdout.lines
     (at,) = (i for i, line in enumerate(lines) if line.startswith("___"))
@@ -254,7 +254,7 @@ def test_a_marker_that_cannot_be_used_is_one_line(pytester: pytest.Pytester, giv
 def test_a_marked_routine_that_only_a_test_could_call_is_one_line(pytester: pytest.Pytester, routine: str, said: str) -> None:
     head = "import pytest\nMARK = pytest.mark.duhem(law='coulomb')\n"
     pytester.makepyfile(test_it=f"{head}{'' if routine.startswith('class') else '@MARK'}\n{routine}\n")
-    done = tried(pytester, "--collect-only")
+    done = tried(pytester)
     done.assert_outcomes(errors=1)
     done.stdout.fnmatch_lines([f"test_it.py::*update: {said}use the fixture duhem_check, in a test that hands a routine over: *"])
 
@@ -262,6 +262,38 @@ def test_a_marked_routine_that_only_a_test_could_call_is_one_line(pytester: pyte
 def test_a_marked_routine_with_open_parameters_is_called(pytester: pytest.Pytester) -> None:
     pytester.makepyfile("import pytest\n\n@pytest.mark.duhem(law='coulomb')\ndef update(trial, pressure, stiffness, mu): ...\n")
     tried(pytester, "--collect-only").assert_outcomes(errors=0)
+
+
+def test_what_cannot_be_asked_hides_nothing(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_it=HEAD
+        + """
+FEW = MARK | {"checks": "feasibility"}
+
+@pytest.mark.duhem(**(FEW | {"law": "coulom"}))
+@pytest.mark.duhem(**FEW)
+@pytest.mark.duhem(**(FEW | {"law": "nowhere.toml"}))
+def update(trial, pressure, stiffness):
+    return right(trial, pressure, stiffness)
+
+@pytest.mark.skip("not today")
+@pytest.mark.duhem(law="coulom")
+def later(trial, pressure, stiffness): ...
+
+@pytest.mark.duhem(law="coulom")
+def test_handed_over(duhem_check):
+    duhem_check(right)
+
+def test_else(): ...
+""",
+        test_other="def test_other(): ...",
+    )
+    written(pytester, {"a.duhem": LIMACON.replace("norm(", "nrm(")})
+    done = tried(pytester)
+    done.assert_outcomes(passed=4, skipped=1, errors=4)
+    assert done.ret == pytest.ExitCode.TESTS_FAILED
+    there = ["test_it.py::update", "test_it.py::update[[]2]", "test_it.py::test_handed_over[[]marker]", "a.duhem.toml::read"]
+    done.stdout.fnmatch_lines_random([f"ERROR {node}*" for node in there])
 
 
 def test_the_fixture_needs_the_marker(pytester: pytest.Pytester) -> None:

@@ -20,6 +20,7 @@ from duhem.proof.claims import CLAIMS
 from duhem.proof.verdict import Verdict
 from duhem.proof.verification import ClaimResult, Verification, verify
 from duhem.testing.in_pytest.groups import group
+from duhem.testing.in_pytest.unusable import UnusableTest
 
 __all__ = ["collected"]
 
@@ -54,7 +55,7 @@ class TomlTests(pytest.File):
                 remedy = "write a [criterion] (duhem init NAME) or a scene with a [path]"
                 raise InputError("this is neither a criterion file nor a scene", where=f"{self.path}", remedy=remedy)
         except DuhemError as fault:
-            raise self.CollectError(str(fault)) from None
+            yield UnusableTest.from_parent(self, name="read", said=str(fault))
 
     def _claims(self) -> tuple[str, ...]:
         asked = self.config.getoption("--duhem-claims")

@@ -24,6 +24,7 @@ from duhem.testing.drawn.usable_options import check_options, check_share
 from duhem.testing.failures.report import Report
 from duhem.testing.in_pytest.groups import group, group_marks
 from duhem.testing.in_pytest.profiles import PROFILES
+from duhem.testing.in_pytest.unusable import UnusableTest
 from duhem.testing.routines.routine import Update
 from duhem.testing.routines.unfinished import Unfinished
 
@@ -217,7 +218,7 @@ class CheckTest(pytest.Item):
 def check_items(
     collector: pytest.Module | pytest.Class, name: str, function: FunctionType, marks: Sequence[pytest.Mark]
 ) -> list[pytest.Item]:
-    """The nodes of a marked function; CollectError, a line, where its marker cannot be used."""
+    """The nodes of a marked function; of a marker that cannot be used one, which errs."""
 
     def update() -> Update:
         if isinstance(collector, pytest.Class):
@@ -225,11 +226,14 @@ def check_items(
         return function
 
     items: list[pytest.Item] = []
-    for mark in reversed(marks):  # from the top down, as they are written
-        trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config, name)
-        if fault := _needs_pytest(function, collector, trial):
-            remedy = "use the fixture duhem_check, in a test that hands a routine over: def test_it(duhem_check): duhem_check(update)"
-            raise _unusable(trial.node, fault, remedy)
+    for place, mark in enumerate(reversed(marks)):  # from the top down, as they are written
+        try:
+            trial = _trial_of(collector, name, function, mark)
+        except pytest.Collector.CollectError as fault:
+            which, line = f"{name}[{place}]" if place else name, function.__code__.co_firstlineno - 1
+            items.append(UnusableTest.from_parent(collector, name=which, said=str(fault), line=line))
+            items[-1].own_markers += [each for each in function.pytestmark if each.name in ("skip", "skipif")]  # type: ignore[attr-defined]
+            continue
         law = f"{getattr(trial.law, 'name', trial.law)}-" if len(marks) > 1 else ""
         trial.node += f"[{law.removesuffix('-')}]" if law else ""
         for node in trial.nodes:
@@ -237,6 +241,15 @@ def check_items(
             named = {"name": whole, "nodeid": f"{collector.nodeid}::{whole}"}  # as pytest names parameters, so that --lf knows it again
             items.append(CheckTest.from_parent(collector, **named, trial=trial, check=node, update=update, function=function))
     return items
+
+
+def _trial_of(collector: pytest.Module | pytest.Class, name: str, function: FunctionType, mark: pytest.Mark) -> Trial:
+    """What a marker asks of the function under it.  Raises CollectError."""
+    trial = Trial(f"{collector.nodeid}::{name}", mark, collector.config, name)
+    if fault := _needs_pytest(function, collector, trial):
+        remedy = "use the fixture duhem_check, in a test that hands a routine over: def test_it(duhem_check): duhem_check(update)"
+        raise _unusable(trial.node, fault, remedy)
+    return trial
 
 
 def _needs_pytest(function: FunctionType, collector: pytest.Module | pytest.Class, trial: Trial) -> str:
@@ -263,14 +276,20 @@ def _needs_pytest(function: FunctionType, collector: pytest.Module | pytest.Clas
 
 
 def names_of_checks(definition: pytest.Item) -> list[Any]:
-    """What the fixture ``duhem_check`` is parametrised by."""
+    """What the fixture ``duhem_check`` is parametrised by: nodes, or what is wrong with the marker, which is one of them."""
     marks = group_marks(definition.config, definition.nodeid)
-    return [pytest.param(node, marks=marks, id=node) for node in _trial(definition, definition.name, definition.nodeid).nodes]
+    try:
+        nodes = _trial(definition, definition.name, definition.nodeid).nodes
+    except pytest.Collector.CollectError as fault:
+        return [pytest.param(fault, marks=marks, id="marker")]
+    return [pytest.param(node, marks=marks, id=node) for node in nodes]
 
 
 def checked(request: pytest.FixtureRequest) -> Callable[..., Report]:
     """The function that a test with a marker hands its routine to."""
     item = request.node
+    if isinstance(request.param, pytest.Collector.CollectError):
+        pytest.fail(str(request.param), pytrace=False)
     key = _shared(item)
     trials = item.config.stash.setdefault(_ROUTINES, {})
     if key not in trials:
