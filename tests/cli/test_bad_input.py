@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import duhem
+from tests.long import mostly_long
 
 SOURCE = Path(duhem.__path__[0]).parent
 HEAD = '[criterion]\nname = "x"\n'
@@ -137,7 +138,7 @@ def test_arguments(case: str, tmp_path: Path, complaint: Refused) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", PROCESSES)
+@pytest.mark.parametrize("case", mostly_long(PROCESSES, "import that acts"))
 def test_in_a_process_of_its_own(case: str, tmp_path: Path) -> None:
     (refused_file if case in FILES else refused_arguments)(case, tmp_path, complaint_of_a_process)
 

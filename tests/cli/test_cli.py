@@ -84,6 +84,7 @@ def test_set_fixes_exactly(run: Run) -> None:
     assert [c["claim"] for c in report["claims"]] == ["origin", "convexity"]
 
 
+@pytest.mark.slow
 def test_json_report(run: Run) -> None:
     code, out, err = run("verify", "box", "--format", "json")
     report = json.loads(out)
@@ -238,7 +239,9 @@ sys.exit(main())
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for one process")
-@pytest.mark.parametrize(("work", "form"), [("sleep", "text"), ("sleep", "json"), ("solve", "text")])
+@pytest.mark.parametrize(
+    ("work", "form"), mostly_long([("sleep", "text"), ("sleep", "json"), ("solve", "text")], ("sleep", "json"), ("solve", "text"))
+)
 def test_ctrl_c_prints_what_was_decided(work: str, form: str) -> None:
     with subprocess.Popen(
         [sys.executable, "-c", INTERRUPTED, work, "--format", form], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
@@ -344,6 +347,7 @@ def test_init_writes_a_file_once(run: Run, tmp_path: Path, monkeypatch: pytest.M
     assert run("init", "../up")[0] == 2
 
 
+@pytest.mark.slow
 def test_a_law_in_a_module_beside_the_user(tmp_path: Path) -> None:
     (tmp_path / "beside.py").write_text(
         "import duhem\n@duhem.criterion\ndef thin(sigma_a, sigma_b, sigma_n, mu):\n    'Thin.'\n    return abs(sigma_a)/mu + sigma_n\n"
@@ -444,6 +448,7 @@ def test_a_full_disk_is_no_defect(arguments: list[str]) -> None:
     assert re.fullmatch(r"duhem: the output cannot be written: [^\n]+; [^\n]+\n", done.stderr) and "defect" not in done.stderr
 
 
+@pytest.mark.slow
 def test_output_that_cannot_show_a_letter() -> None:
     environment = os.environ | {"PYTHONIOENCODING": "iso8859-7", "PYTHONUTF8": "0"}  # Greek has no é
     command = [sys.executable, "-m", "duhem", "verify", "antoni2007", "--claims", "origin"]

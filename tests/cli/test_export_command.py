@@ -18,6 +18,7 @@ def run(run: Run) -> Run:
     return partial(run, "export")
 
 
+@pytest.mark.slow
 def test_it_prints_or_writes_the_same(run: Run, tmp_path: Path) -> None:
     (tmp_path / "disc.toml").write_text(DISC)
     law = str(tmp_path / "disc.toml")

@@ -6,6 +6,7 @@ import json
 import pkgutil
 import subprocess
 import sys
+from functools import cache
 
 import pytest
 
@@ -21,22 +22,26 @@ sys.exit(main())
 """
 
 
-def imported(*arguments: str) -> set[str]:
+@cache
+def imported(*arguments: str) -> frozenset[str]:
     """Which of the heavy packages `duhem ARGUMENTS` had imported when it ended."""
     done = subprocess.run([sys.executable, "-c", REPORT, *arguments], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
-    return set(json.loads(done.stderr.splitlines()[-1]))
+    return frozenset(json.loads(done.stderr.splitlines()[-1]))
 
 
+@pytest.mark.slow
 def test_the_report_sees_an_import() -> None:
     assert "sympy" in imported("verify", "antoni2007")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["verify", "--help"]], ids=" ".join)
 def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
     assert imported(*arguments) == set()
 
 
+@pytest.mark.slow
 def test_verify_leaves_out_what_it_does_not_need() -> None:
     unneeded = {"matplotlib", "numpy", "cvxpy", "clarabel", "hypothesis", "scipy", "pytest", "dask", "distributed"}
     assert imported("verify", "antoni2007") & unneeded == set()

@@ -80,6 +80,7 @@ def test_command_ends_with_4_where_the_point_is_not_solved(run: Run, monkeypatch
     assert "inaccurate" in out
 
 
+@pytest.mark.slow
 def test_command_ends_with_4_at_a_point_that_is_stationary_only(run: Run, tmp_path: Path) -> None:
     law = tmp_path / "oval.toml"
     law.write_text(
@@ -95,6 +96,7 @@ def test_command_ends_with_4_at_a_point_that_is_stationary_only(run: Run, tmp_pa
         assert (json.loads(out)["remark"] is None) == (code == 0)
 
 
+@pytest.mark.slow
 def test_command_ends_with_4_where_nobody_vouches_that_a_stationary_point_is_closest(run: Run, tmp_path: Path) -> None:
     law = tmp_path / "oval.toml"
     g = "norm(sigma_a, sigma_b)**2 - abs(sigma_n)*(norm(sigma_a, sigma_b) + e*sigma_a)"

@@ -134,6 +134,7 @@ def test_a_place_that_does_not_exist_is_told_before_the_work(law: str, tmp_path:
     assert isinstance(found, InputError) and "directory" in str(found)
 
 
+@pytest.mark.slow
 def test_a_boundary_curve_has_a_certificate_too(tmp_path: Path) -> None:
     file = tmp_path / "wedge.json"
     settings = [part for name in ("tan_alpha=1", "tan_beta=1/4", "mu_alpha=1/4", "mu_beta=1/4") for part in ("--set", name)]

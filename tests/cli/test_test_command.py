@@ -78,6 +78,7 @@ def of(routine: str) -> list[str]:
     return ["test", f"my_routines:{routine}", "--law", "coulomb"]
 
 
+@pytest.mark.slow
 def test_a_right_routine_passes_and_what_was_visited_is_said(run: Command) -> None:
     code, out, err = run(*of("right"), *FEW, "feasibility,vacuity,repeatability")
     assert (code, err) == (0, "")
@@ -97,6 +98,7 @@ def test_a_right_routine_passes_and_what_was_visited_is_said(run: Command) -> No
     assert [line for line in run(*words)[1].splitlines() if line.startswith(("visited", "decades"))] == shares
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("routine", "checks", "code"),
     [
@@ -150,6 +152,7 @@ def test_a_check_may_be_expected_to_fail_and_must_then(run: Command) -> None:
     assert code == 1 and "feasibility passed, and was expected to fail: not yet written" in out
 
 
+@pytest.mark.slow
 def test_formats_for_programs(run: Command) -> None:
     code, out, _ = run(*of("elastic"), *FEW, "feasibility,repeatability,slip", "--format", "json")
     (found,) = json.loads(out)["routines"].values()

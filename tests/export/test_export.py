@@ -41,6 +41,7 @@ def test_the_suite_finds_nothing(name: str) -> None:
         assert near.ok, str(near)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("right", "wrong"),
     [
@@ -58,6 +59,7 @@ def test_a_wrong_sign_is_found(right: str, wrong: str) -> None:
     assert not report.ok or report.flagged_share > 0.3
 
 
+@pytest.mark.slow
 def test_answers_are_those_of_the_search() -> None:
     law = duhem.load("antoni2007")
     run = compiled(law)
@@ -76,6 +78,7 @@ PYRAMID, CUBE = "abs(a) + abs(b) + abs(c) - 1", "max(abs(a), abs(b), abs(c)) - 1
 CAPS = "max(norm(a - 1/2, b, c), norm(a + 1/2, b, c)) - 1"  # a lens, whose edge is a circle
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "trial", "tangent"),
     [
@@ -96,6 +99,7 @@ def test_a_tangent_is_the_slope_on_faces_and_edges(g: str, trial: list[float], t
     assert status == 1 and found == pytest.approx(tangent, abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "trial", "stress"),
     [
@@ -111,6 +115,7 @@ def test_where_the_pieces_that_press_do_not_tell_there_is_no_tangent(g: str, tri
     assert loss == pytest.approx(found @ slip)
 
 
+@pytest.mark.slow
 def test_where_nothing_presses_only_the_origin_is_left() -> None:
     run = compiled(duhem.load("coulomb"))
     k = np.array([[3.0, 0.5], [0.5, 1.0]])
@@ -120,6 +125,7 @@ def test_where_nothing_presses_only_the_origin_is_left() -> None:
     assert run.one([0.0, 0.0], 0.0, k, [0.3])[0] == 0
 
 
+@pytest.mark.slow
 def test_with_a_cohesion_more_is_left() -> None:
     run = compiled(duhem.load("cohesive"))
     known = duhem.project("cohesive", [3.0, -4.0], 0.0, 1.0, {"mu": 0.3, "cohesion": 0.5})
@@ -137,6 +143,7 @@ RANGED = Criterion(
 )
 
 
+@pytest.mark.slow
 def test_what_is_no_question_has_no_answer() -> None:
     run = compiled(RANGED)
     good: tuple[Any, ...] = ([0.5, 0.0], -1.0, EYE, [0.3, 0.1])
@@ -156,6 +163,7 @@ def test_what_is_no_question_has_no_answer() -> None:
     assert status == 4 and stress == pytest.approx([3.6, 0.0])
 
 
+@pytest.mark.slow
 def test_what_is_not_solved_has_no_answer() -> None:
     """A K without an inner point."""
     law = Criterion(name="line", g="abs(a - b)", forces=("a", "b"), pressure=None)
@@ -165,6 +173,7 @@ def test_what_is_not_solved_has_no_answer() -> None:
     assert run.one([3.0, 3.0], 0.0, EYE, [])[0] == 0
 
 
+@pytest.mark.slow
 def test_where_zero_stress_is_no_inner_point_another_is_found() -> None:
     law = Criterion(name="off", g="norm(a - x, b) - 1", forces=("a", "b"), pressure=None, parameters={"x": Domain(positive=True)})
     run = compiled(law)
@@ -193,6 +202,7 @@ def test_no_state_and_no_memory_of_its_own() -> None:
     assert text == c_file(duhem.verify("antoni2007", claims=["convexity"]))
 
 
+@pytest.mark.slow
 def test_the_head_says_what_it_is() -> None:
     law = Criterion(
         name="Prévôt */ law",
@@ -230,6 +240,7 @@ def test_what_has_no_routine_is_refused(law: Criterion, why: str) -> None:
 THROUGH = ["coulomb", "orthotropic", "tresca", "von-mises"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(THROUGH, "coulomb"))
 def test_a_user_puts_the_file_to_the_suite(name: str, tmp_path: Path) -> None:
     """By the prototype that its head gives, as any C is."""
@@ -301,6 +312,7 @@ def test_fric_is_the_increment(tmp_path: Path) -> None:
     assert known.tangent_pressure is not None and of_pressure == pytest.approx(-known.tangent_pressure[0], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_umat_has_the_order_of_its_caller(tmp_path: Path) -> None:
     law = Criterion(name="tensor", g="sqrt(3*J2 + sigma_yz**2) - 1", stress={"name": "sigma", "kind": "3d"}, pressure=None)
     library, run = fortran(law, tmp_path), compiled(law)

@@ -82,6 +82,7 @@ def test_compiled_steps_on_ellipses_are_those_of_numpy():
             check(*case)
 
 
+@pytest.mark.slow
 def test_what_is_not_compiled_says_so_or_runs_as_it_did():
     path = Path.linear([[0, 0], [1, 1]], pressure=-1.0)
     ranged = duhem.load("coulomb").fix({"mu": "1/2"})

@@ -46,6 +46,7 @@ def driven(name):
     return Path.linear(points, pressure=load), {"stiffness": k, "parameters": mu, "compiled": True}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(CASES, "box", "von-mises"))
 def test_the_loop_takes_the_steps_of_the_search(name, monkeypatch):
     path, given = driven(name)
@@ -65,6 +66,7 @@ def _stop(done, steps):
     raise KeyboardInterrupt
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", ["wrong stress", pytest.param("wrong slip", marks=pytest.mark.long), "left"])
 def test_what_the_judge_does_not_take_is_a_step_of_the_search(fault, monkeypatch):
     """A loop that is wrong at its first slip each time it is called."""
@@ -103,6 +105,7 @@ def test_what_the_judge_does_not_take_is_a_step_of_the_search(fault, monkeypatch
     assert len(searched) >= 2 and np.abs(found.to_array() - right.to_array()).max() < 1e-13
 
 
+@pytest.mark.slow
 def test_a_step_that_cannot_be_vouched_for_ends_the_run_as_it_does_elsewhere():
     bent = Criterion("bent", "norm(a, b)**2 - 3*a*b - 1/10", {}, forces=("a", "b"), pressure=None)  # not convex, without end
     path = Path.linear([[0.0, 0.0], [0.05, 0.0], [0.9, -0.6], [-1.5, 2.0], [3.0, 0.1]])

@@ -71,6 +71,7 @@ def test_between_the_knots_the_stress_lies_on_the_boundary():
     assert excess.max() < 1e-13 and (np.abs(excess[4:]) < 1e-13).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "extrapolated", "exact"])
 def test_many_points_open_and_close_alike(method):
     load = np.stack([LOAD, np.full(len(LOAD), -1.0)])

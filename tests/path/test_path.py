@@ -122,11 +122,11 @@ def test_changing_pressure_along_a_line_is_exact_in_one_step():
     path = Path.random(seed=8, points=30, dimension=1, scale=2.0, pressure=(-3.0, -0.2))
     arguments = {"stiffness": 1.3, "parameters": {"mu_plus": 0.4, "mu_minus": 0.2}}
     one, many = (simulate("antoni2007-1d", path, method="exact", substeps=n, **arguments) for n in (1, 16))
-    fine = simulate("antoni2007-1d", path, substeps=4096, **arguments)
+    fine = simulate("antoni2007-1d", path, substeps=512, **arguments)
     assert np.abs(one.stress - many.stress[::16]).max() < 1e-14
     assert np.abs(one.dissipation - many.dissipation[::16]).max() < 1e-13
-    assert np.abs(one.stress - fine.stress[::4096]).max() < 1e-12
-    assert abs(one.dissipation[-1] - fine.dissipation[-1]) < 2e-3
+    assert np.abs(one.stress - fine.stress[::512]).max() < 1e-12
+    assert abs(one.dissipation[-1] - fine.dissipation[-1]) < 1e-3
 
 
 # -- paths and tables ---------------------------------------------------------------------------------------------
@@ -161,12 +161,14 @@ def test_parquet_without_pyarrow_names_the_extra(tmp_path, monkeypatch):
         walk().to_parquet(tmp_path / "h.parquet")
 
 
+@pytest.mark.slow
 def test_plots(tmp_path):
     pytest.importorskip("matplotlib")
     walk(substeps=4).plot(tmp_path / "h.png", law=duhem.load("antoni2007"), **MU)
     assert (tmp_path / "h.png").read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("time", "said"), [(None, "step of the path [–]"), ([0.0, 2.0, 3.0], "time $t$ [s]")])
 def test_a_picture_counts_seconds_only_where_the_path_states_times(time, said):
     pytest.importorskip("matplotlib")
@@ -249,6 +251,7 @@ def test_a_table_that_is_none_names_the_line(tmp_path):
 # -- interruption -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("after", [1, 17, 40])
 def test_an_interrupted_run_goes_on_to_the_same_last_digit(method, after):
@@ -267,6 +270,7 @@ def test_an_interrupted_run_goes_on_to_the_same_last_digit(method, after):
         walk(seed=4, method=method, substeps=5, start=part)
 
 
+@pytest.mark.slow
 def test_a_line_needs_no_solver_and_a_general_projection_finds_the_same():
     code = (
         "import sys, duhem; from duhem import Path, simulate;"
@@ -292,6 +296,7 @@ def test_assembling_k_once_or_at_every_step_is_the_same():
     assert np.array_equal(simulate("antoni2007", moved, stiffness=K, parameters=MU).stress[:-1], still.stress)
 
 
+@pytest.mark.slow
 def test_a_law_without_closed_form_is_checked_once(monkeypatch):
     """However many steps slip: parameters and stiffness are looked at before the first of them."""
     calls = []

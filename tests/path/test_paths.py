@@ -37,6 +37,7 @@ def same(many, alone):
     return np.array_equal(many.to_array(), alone.to_array()) and many.why == alone.why
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "extrapolated", "exact"])
 @pytest.mark.parametrize("law", LAWS)
 def test_each_point_is_its_path_by_itself(law, method):

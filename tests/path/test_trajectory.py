@@ -167,6 +167,7 @@ def test_an_interrupted_run_has_a_curve_too():
     assert np.array_equal(part.to_array(), whole.to_array()[: len(part)])
 
 
+@pytest.mark.slow
 def test_a_run_that_draws_nothing_does_not_load_the_curve():
     code = (
         "import sys; from duhem import Path, simulate;"

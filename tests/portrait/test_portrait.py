@@ -139,6 +139,7 @@ def test_k_is_found_thin_small_large_and_away_from_zero(g: str, sides: tuple[flo
     assert [low[0], high[0], low[1], high[1]] == pytest.approx(sides, rel=1e-3) and not found.remark and not found.corners
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "said"),
     [
@@ -293,6 +294,7 @@ def test_a_witness_in_rays_of_k_is_not_said_to_lie_where_k_is_not() -> None:
     assert shown.lines == () and "only points of the witness" in shown.remark
 
 
+@pytest.mark.slow
 def test_an_increment_is_drawn_where_it_goes() -> None:
     (axes,) = plot("box", parameters={"mu_a": 0.3, "mu_b": 0.5}, planes="sigma_a,sigma_b", trial=[0.9, 0.1], pressure=-1.0)
     places = {line.get_label(): line.get_xydata() for line in axes.lines}
@@ -307,6 +309,7 @@ def test_a_slip_does_not_hide_the_way_from_the_trial() -> None:
     assert lengths == pytest.approx([0.35 * 0.2, 0.6 * 0.2, 0.2])  # never so short that it has no direction
 
 
+@pytest.mark.slow
 def test_axes_that_are_given_take_the_first_sections() -> None:
     from matplotlib.figure import Figure
 
@@ -322,6 +325,7 @@ def test_axes_that_are_given_take_the_first_sections() -> None:
         plot("box", parameters=numbers, axes=Figure().subplots(1, 4))
 
 
+@pytest.mark.slow
 def test_points_of_a_witness_that_are_close_together_are_told_apart() -> None:
     found = duhem.verify("tresca", claims="smoothness")
     shown = violation(found.criterion, found["smoothness"])
@@ -400,6 +404,7 @@ def test_without_contours_the_extra_is_named_where_no_file_is_asked_for_either(m
         plot("coulomb")
 
 
+@pytest.mark.slow
 def test_the_command_writes_where_it_says_and_never_over_what_it_reads(run, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.toml").write_text('[criterion]\nname = "a/../b law"\ng = "norm(sigma_a, sigma_b) - abs(sigma_n)"\n')

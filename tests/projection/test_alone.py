@@ -34,6 +34,7 @@ def together_and_alone(law: str | Criterion, trial: Any, pressure: Any, **asked:
         assert bits(alone, 0) == bits(done, i), i
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", mostly_long(range(len(BUILT_IN)), 2, 6, 16))
 def test_points_do_not_know_of_each_other(case: int) -> None:
     law, parameters, strengths = BUILT_IN[case]

@@ -43,6 +43,7 @@ def trials(apex: float, wide: float) -> np.ndarray:
     return apex * HYDROSTATIC + far * (np.sign(apex) * HYDROSTATIC + off)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "values", "apex", "wide"), APEXES)
 def test_bent_sides_meet_in_an_apex(name: str, values: dict, apex: float, wide: float) -> None:
     law = duhem.load(name).fix(values)
@@ -91,6 +92,7 @@ def _teardrop(p: float, sign: float) -> np.ndarray:
     return p * np.array([1.0, 1.0]) + sign * p * np.sqrt(max(1.0 + p, 0.0)) * np.array([1.0, -1.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values", "curve", "ends"),
     [
@@ -118,6 +120,7 @@ def test_a_ray_from_a_boundary_origin_that_misses_the_set(name: str, values: dic
         assert np.linalg.norm(stress - at) == pytest.approx(nearest, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(["ottosen", "abaqus-linear", "bigoni-piccolroaz"], "ottosen", "abaqus-linear"))
 def test_a_stress_inside_that_has_no_angle_is_vouched_for(name: str) -> None:
     law = duhem.load(name)
@@ -143,6 +146,7 @@ def test_a_cone_about_the_hydrostatic_axis_in_six_stresses_is_that_of_its_princi
     np.testing.assert_allclose(found, np.sort(known, axis=1), atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("formula", "apex", "pull"),
     [

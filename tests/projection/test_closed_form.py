@@ -116,6 +116,7 @@ def test_denormal_trials_stick_under_pressure() -> None:
     assert done.status.tolist() == [Status.STICK] * 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["coulomb", "capped", "cohesive", "regularised", "orthotropic", "shifted-ellipse"])
 @pytest.mark.parametrize("k", [1.0, [1.0, 30.0], [[2.0, 1.0], [1.0, 3.0]]], ids=["isotropic", "diagonal", "full"])
 def test_every_plane_law_is_optimal_to_rounding(name: str, k: Any) -> None:

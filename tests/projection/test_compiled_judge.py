@@ -37,6 +37,7 @@ def _question(name: str, n: int, seed: int = 0, full: bool = False) -> Increment
     return posed(setting(law, stiffness, LAWS[name]), 0.4 * trial, -rng.uniform(0.2, 1.2, n) if law.pressure else None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
 @pytest.mark.parametrize("name", LAWS)
 def test_what_it_calls_right_the_judge_does_too(name: str, full: bool, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -60,6 +61,7 @@ SPOILT = ["stress out", "stress in", "slip turned", "slip longer", "multiplier",
 SOME = ("antoni2007", "superellipse", "hosford", "box", "tresca", "limacon")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "how"), mostly_long(product(SOME, SPOILT), *zip((*SOME, *SOME[:2]), SPOILT, strict=True)))
 def test_what_is_wrong_is_left_to_the_judge(name: str, how: str, monkeypatch: pytest.MonkeyPatch) -> None:
     question = _question(name, 12, seed=1)

@@ -59,6 +59,7 @@ def _as_text(question: Increment) -> tuple[Solution, np.ndarray]:
     return Solution(out.stress, out.slip / mean, out.multiplier / mean, out.failed), state
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
 @pytest.mark.parametrize("name", LAWS)
 def test_it_is_the_search(name: str, full: bool) -> None:
@@ -72,6 +73,7 @@ def test_it_is_the_search(name: str, full: bool) -> None:
     assert (found.multiplier[done] > 0).tolist() == (known.multiplier[done] > 0).tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1e-250, 1e-90, 1e90, 1e250])
 @pytest.mark.parametrize("name", ["superellipse", "hosford", "box", "regularised"])
 def test_units_do_not_matter(name: str, size: float) -> None:
@@ -102,6 +104,7 @@ def test_at_a_corner_as_many_pieces_press_as_meet() -> None:
     assert state.tolist() == [SLIP, SLIP, SLIP, 0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("d", [2, pytest.param(3, marks=pytest.mark.long)])
 def test_far_from_a_body_of_many_sides_pieces_are_exchanged(d: int) -> None:
     """Along the way there are more sides than can meet: one leaves for each that comes."""
@@ -134,6 +137,7 @@ INSIDE_ELSEWHERE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(INSIDE_ELSEWHERE, "off", "cone", "octant"))
 def test_where_the_origin_is_no_inner_point_another_is_found(name: str) -> None:
     g, forces = INSIDE_ELSEWHERE[name]
@@ -292,6 +296,7 @@ assert "scipy.linalg" in sys.modules
 """
 
 
+@pytest.mark.slow
 def test_what_is_compiled_loads_no_linear_algebra_and_leaves_it_to_others(tmp_path: Any) -> None:
     pytest.importorskip("numba")
     environment = {**os.environ, "DUHEM_CACHE_DIR": str(tmp_path)}

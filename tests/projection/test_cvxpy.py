@@ -134,6 +134,7 @@ def test_units_of_any_size(scale: float, k: float) -> None:
     np.testing.assert_allclose(other.multiplier / scale * k, plain.multiplier, rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_far_trial_finds_the_exposed_point() -> None:
     """As the trial goes away, sigma tends to the point of K that maximises sigma . k^-1 sigma_tr."""
     far = np.array([[0.3, 0.2], [-0.3, -0.2], [0.1, -0.4]])

@@ -96,6 +96,7 @@ def test_stresses_are_held_against_each_range() -> None:
     assert crossed(law, just) == "a = 2.0000000001 lies outside its range (-oo, 2]"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "extrapolated", "exact"])
 @pytest.mark.parametrize("closed", [True, False])
 def test_a_path_ends_where_its_stress_leaves_a_range(method: str, closed: bool) -> None:
@@ -148,6 +149,7 @@ def test_commands_name_the_range(tmp_path: File, run: Callable[..., tuple[int, s
     assert len(list(tmp_path.glob("history*"))) == 1  # what came before is kept
 
 
+@pytest.mark.slow
 def test_the_suite_draws_pressures_in_range() -> None:
     report = conformance(CONE, projection(CONE), max_examples=3, rows=6)
     assert report.ok, str(report)

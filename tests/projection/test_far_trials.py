@@ -47,6 +47,7 @@ SHAPES: dict[str, Right] = {
 SHOWN = [("max(abs(a) - w, abs(b))", 0), ("norm(a, b) - w", -150)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "size"), mostly_long([(g, size) for g in SHAPES for size in SIZES], *SHOWN))
 def test_what_is_vouched_for_is_right_however_far_the_trial(g: str, size: int) -> None:
     trial = np.concatenate([10.0 ** (size + far) * WAYS for far in FAR if size + far <= 300])

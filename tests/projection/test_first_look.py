@@ -46,6 +46,7 @@ def _both(question: Increment, solution: Solution, convex: bool = True) -> tuple
     return first, close, left
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True], ids=["diagonal", "full"])
 @pytest.mark.parametrize("name", LAWS)
 def test_it_says_what_the_judge_says(name: str, full: bool) -> None:
@@ -64,6 +65,7 @@ SPOILT = ["stress out", "stress in", "slip turned", "slip longer", "multiplier",
 SOME = ("antoni2007", "superellipse", "hosford")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "how"), mostly_long(product(SOME, SPOILT), *((SOME[i % 3], how) for i, how in enumerate(SPOILT))))
 def test_what_is_spoilt_is_left_or_has_the_same_residuals(name: str, how: str) -> None:
     question = _question(name, 8, full=False)

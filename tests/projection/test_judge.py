@@ -45,6 +45,7 @@ def _turned(by: float) -> Spoil:
     return spoil
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("spoil", "residual"),
     [
@@ -70,6 +71,7 @@ def test_a_wrong_answer_is_inaccurate(monkeypatch: pytest.MonkeyPatch, spoil: Sp
         assert (done.status == Status.INACCURATE).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("field", ["stress", "slip", "multiplier"])
 @pytest.mark.parametrize("value", [nan, inf])
 def test_what_is_not_finite_has_failed(monkeypatch: pytest.MonkeyPatch, field: str, value: float) -> None:
@@ -93,6 +95,7 @@ def test_a_stick_outside_is_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
     assert done.status.tolist() == [Status.INACCURATE, Status.STICK]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g", ["cosh(sigma_a) + sigma_b**2 - 3", "exp(sigma_a) + exp(-2*sigma_a) + exp(sigma_b**2) - 4", "abs(sigma_a)**900 - 2"]
 )
@@ -129,6 +132,7 @@ def test_a_vertex_met_to_the_last_digit_has_the_normals_of_all_its_faces(trial: 
     assert done.status[0] == Status.SLIP
 
 
+@pytest.mark.slow
 def test_a_slip_beside_the_cone_of_such_a_vertex_is_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
     slip = np.array([[1.0, 1.0, -0.01]])
     found = Solution(np.ones((1, 3)), slip, np.array([1.99]), np.zeros(1, dtype=bool))
@@ -145,7 +149,8 @@ def test_residuals_are_pure_numbers() -> None:
         assert done.residuals.worst().max() <= 2e-15
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", mostly_long(range(12), *range(0, 12, 3)))
 def test_no_right_answer_is_called_inaccurate(seed: int) -> None:
     """mu ratio 1e8, |sigma_n| 1e-200 ... 1e200, trials to 1e16 radii, stiffness of condition 1e12 in any unit."""
     rng = np.random.default_rng(seed)
@@ -160,6 +165,7 @@ def test_no_right_answer_is_called_inaccurate(seed: int) -> None:
     assert set(done.status) == {Status.STICK, Status.SLIP}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mu", "k", "trial", "pressure"),
     [
@@ -211,7 +217,8 @@ PERTURBED: list[tuple[str, dict[str, Any], float | None]] = [
     ("law", "parameters", "pressure", "condition"),
     mostly_long(
         [(*case, condition) for case in PERTURBED for condition in (1.0, 1e6)],
-        *((*case, condition) for case, condition in zip(PERTURBED, (1e6, 1.0, None, 1.0, 1e6, None, 1e6), strict=True) if condition),
+        (*PERTURBED[0], 1e6),
+        (*PERTURBED[3], 1.0),
     ),
     ids=lambda x: x if isinstance(x, str) else "",
 )
@@ -266,7 +273,8 @@ DRAWN = ("polygon", "quartic", "limacon", "matchstick", "superellipse", "cone", 
     ("law", "parameters", "point", "method"),
     mostly_long(
         [(*case, method) for method in METHODS for case in POINTS],
-        *((*case, method) for method in ("closed-form", "newton") for case in POINTS),
+        *((*case, "closed-form") for case in POINTS),
+        *((*case, "newton") for case in POINTS if case[0] != "quartic"),
         *((*case, "cvxpy") for case in POINTS[1:9:2]),
     ),
     ids=lambda x: x if isinstance(x, str) else getattr(x, "name", ""),
@@ -286,6 +294,7 @@ def test_where_k_is_one_point_every_slip_goes(
     assert (done.multiplier > 0).all() and np.isfinite(done.multiplier).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "coupling"), mostly_long(product((1.0, 7.0, 30.0, 300.0), (0.5, -0.9)), (1.0, -0.9), (7.0, 0.5), (300.0, -0.9))
 )
@@ -298,6 +307,7 @@ def test_where_a_box_is_one_point_every_slip_goes_though_its_long_sides_are_seen
     assert done.slip == pytest.approx(np.linalg.solve(k, trial.T).T, rel=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("g", ["max(300*abs(b), pos(a)) + sigma_n", "max(90000*b**2, pos(a)**2) - sigma_n**2"])
 def test_at_the_end_of_a_half_line_a_slip_goes_no_way_back_on_it(g: str) -> None:
     """At no pressure its sides are opposed, and the one at its end is seen from an angle of 1/300: with g flat there or not."""

@@ -75,6 +75,7 @@ assert abs(again - out).max() < 1e-12
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", mostly_long([SECOND, SECOND + AFTERWARDS], SECOND), ids=["alone", "and numba afterwards"])
 def test_a_second_process_computes_the_same_without_numba(script: str, through_numba: tuple[Path, bytes]) -> None:
     folder, before = through_numba
@@ -91,6 +92,7 @@ def test_what_is_kept_is_run_where_numba_was_imported_too(through_numba: tuple[P
     assert called(run) == before
 
 
+@pytest.mark.slow
 def test_arguments_of_other_kinds_are_compiled_for_by_themselves(through_numba: tuple[Path, bytes]) -> None:
     folder, before = through_numba
     first = found(folder)

@@ -25,6 +25,7 @@ def flat(formula: str) -> Criterion:
     return Criterion("flat", formula, pressure=None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("power", [2, 3, 4, 6])
 @pytest.mark.parametrize("stiff", [1.0, 1e6, 1e12])
 def test_flats_that_join_curves(power: int, stiff: float) -> None:
@@ -100,6 +101,7 @@ def test_a_cone_program_is_put_right_in_components(ratio: float) -> None:
     assert (np.abs(done.slip - slip).max(axis=1) <= 1e-6 * slip.max(axis=1)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["drucker-prager", "drucker-prager-tensor"])
 @pytest.mark.parametrize("aside", [1e-12, 1e-9, 1e-6])
 def test_next_to_the_axis_of_an_apex(name: str, aside: float) -> None:
@@ -115,6 +117,7 @@ def test_next_to_the_axis_of_an_apex(name: str, aside: float) -> None:
     assert done.slip[0] == pytest.approx((trial[0] - apex) / k, rel=1e-9, abs=1e-14)
 
 
+@pytest.mark.slow
 def test_a_wrong_answer_is_not_put_right() -> None:
     """Only what is the same in the metric: a method that is wrong stays flagged, and from afar nothing is found or it is far."""
     question = increment(duhem.load("superellipse"), [[2.0, 1.0]], -1.0, 1.0, {"mu_a": 0.3, "mu_b": 0.1, "p": 4})
@@ -137,6 +140,7 @@ def test_the_closest_point_in_many_digits(start: tuple[float, float]) -> None:
     assert multiplier == pytest.approx(0.3 * 1.7 + 0.1 * 0.4 / 3, rel=1e-15)
 
 
+@pytest.mark.slow
 def test_a_number_of_g_beyond_doubles_is_no_hindrance() -> None:
     """k^6 of Drucker's law is 1e1740; g in units of its own holds k alone."""
     law, k = {"c": 2}, 7e289
@@ -174,6 +178,7 @@ def test_a_slip_that_is_right_in_its_components_is_put_right_where_k_is_thin(off
         assert off > 1e-6 or done.slip[0] == pytest.approx(right.slip[0], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_soft_part_of_a_long_slip_adds_up_with_its_stress() -> None:
     """It is 1e-12 of the slip, so that 1e-7 of it is within what is vouched for, and more than a stress is."""
     parameters = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 1.5e-13}

@@ -100,6 +100,7 @@ def rows(monkeypatch: pytest.MonkeyPatch, there: dict[str, Callable[[], Method[A
 MINE = Method("mine", lambda question: None if question.law.pressure else "it needs a pressure", scaled, Scaled)
 
 
+@pytest.mark.slow
 def test_a_method_of_ones_own_is_judged_like_any_other() -> None:
     right = duhem.project("antoni2007", TRIAL, -1.0, parameters=MU, method="newton")
     same = duhem.project("antoni2007", TRIAL, -1.0, parameters=MU, method=MINE)
@@ -174,6 +175,7 @@ def test_a_projector_takes_a_method_as_it_is() -> None:
     assert Projector.of("antoni2007", 1.0, MU, NEWTON).method is NEWTON
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("copied", [lambda x: pickle.loads(pickle.dumps(x)), copy.deepcopy], ids=["pickle", "deepcopy"])
 def test_a_projector_gives_the_same_numbers_after_a_journey(method: str, copied: Callable[[Projector], Projector]) -> None:

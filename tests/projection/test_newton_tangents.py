@@ -16,7 +16,7 @@ SMOOTH = [*(CONVEX[i] for i in (0, 6, 9, 10, 11, 16, 17, 24)), ("superellipse", 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("law", "values"), SMOOTH, ids=lambda x: x if isinstance(x, str) else "")
+@pytest.mark.parametrize(("law", "values"), mostly_long(SMOOTH, *SMOOTH[::2]), ids=lambda x: x if isinstance(x, str) else "")
 def test_tangent_against_differences(law, values):
     rng = np.random.default_rng(8)
     d = len(duhem.load(law).forces)
@@ -82,6 +82,7 @@ def _differences(law, trial, h=1e-5):
     return (moved[:d] - moved[d:]).T / (2 * h)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("m", mostly_long([2, 6, 8], 8))
 @pytest.mark.parametrize("principal", [(3.0, 0.0, 0.0), (2.0, 2.0, -1.0), (5.0, 5.0, 2.5), (2.0, 2.0 + 1e-9, -1.0)])
 def test_equal_principal_stresses_are_no_kink_of_a_smooth_law(m, principal):
@@ -103,6 +104,7 @@ VON_MISES = duhem.Criterion(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values", "trial"),
     [
@@ -121,6 +123,7 @@ def test_at_a_zero_of_a_norm_the_tangent_is_that_of_the_answers(name, values, tr
     np.testing.assert_allclose(done.tangent[0], _differences(law, np.array(trial)), atol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("push", [(2.0, 0.0), (1.5, 0.3), (1.5, -0.3)])
 def test_a_tip_moves_with_the_pressure(push):
     """A cone about the axis of a, whose tip is at a = -sigma_n."""
@@ -153,6 +156,7 @@ AT_NOTHING = [
 AT_NOTHING += [("limacon", {"e": 0.5}), ("lobes", {"e": 0.1}), ("matchstick", {"mu_a": 1, "mu_b": 1.4}), ("quartic", {"c": 2})]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "values"), mostly_long(AT_NOTHING, AT_NOTHING[1], AT_NOTHING[3], AT_NOTHING[8]), ids=str)
 @pytest.mark.parametrize("coupled", [0.0, 3.0])
 def test_without_pressure_k_is_a_point_and_the_tangent_none(name, values, coupled):

@@ -26,6 +26,7 @@ def project(of: Criterion | str, trial: Any, pressure: Any = None, stiffness: An
     return Projector.of(of, stiffness, parameters)(trial, pressure)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", mostly_long(NOT_CONVEX, "discs", "ovals", "cassini"))
 def test_no_stationary_point_passes_for_the_closest(family: str) -> None:
     rng = np.random.default_rng(1)
@@ -56,6 +57,7 @@ KNOWN: list[tuple[str, tuple[float, float], float]] = [  # of which the last is 
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("g", "trial", "closest"), KNOWN)
 def test_stationary_points_that_nothing_else_tells(g: str, trial: tuple[float, float], closest: float) -> None:
     question = increment(law(g), [trial], None, 1.0, None)
@@ -66,6 +68,7 @@ def test_stationary_points_that_nothing_else_tells(g: str, trial: tuple[float, f
     assert done.status[0] == Status.INACCURATE and done.residuals.stationary_only()[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", CONVEX)
 def test_convex_neighbours_pass(family: str) -> None:
     rng = np.random.default_rng(2)
@@ -80,6 +83,7 @@ def test_convex_neighbours_pass(family: str) -> None:
         assert np.abs(np.linalg.norm(trial - done.stress, axis=1)[slips] - nearest).max() <= GRID
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "g",
     [
@@ -104,6 +108,7 @@ OVAL = Criterion(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pressure", [-1e-9, -1.0, -7.3, -1e12])
 def test_the_middle_of_a_dent_is_not_closest_at_any_pressure(pressure: float) -> None:
     trial = np.array([[-3.0, 0.0], [3.0, 0.0], [0.0, 3.0]]) * -pressure
@@ -117,6 +122,7 @@ LOADS = ("1 + abs(sigma_n)", "abs(sigma_n)**2", "abs(sigma_n)")
 STIFFNESSES = (1.0, (1.0, 100.0), ((2.0, 1.0), (1.0, 3.0)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("load", "stiffness"), mostly_long(product(LOADS, STIFFNESSES), *list(zip(LOADS, STIFFNESSES, strict=True))[::2]))
 def test_another_part_of_k_is_seen_at_every_pressure(load: str, stiffness: object) -> None:
     """Two discs, their size and distance growing with the pressure in step."""
@@ -128,6 +134,7 @@ def test_another_part_of_k_is_seen_at_every_pressure(load: str, stiffness: objec
     assert (project(two, size * [3.0, 0.0], pressure, stiffness).status == Status.SLIP).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [0.001, 0.01, 0.1, 0.4])
 def test_the_end_of_a_slot_is_not_closest_however_narrow(width: float) -> None:
     slot = law(f"max(norm(a, b) - 1, min({width} - abs(b), a - 1/2))")

@@ -83,6 +83,7 @@ def test_a_multiplier_that_is_not_beyond_doubles_is_asked_for() -> None:
         assert not residuals(question, spoilt).worst()[0] <= ACCURACY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["coulomb", "limacon", "superellipse"])
 @pytest.mark.parametrize("share", [1e-15, 1e-13, 1e-11, 1e-9])
 def test_slips_next_to_the_boundary_have_their_digits(law: str, share: float) -> None:

@@ -189,6 +189,7 @@ def test_facts_of_the_step(k: np.ndarray) -> None:
 # -- lean -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_closed_form_imports_no_solver() -> None:
     code = (
         "import sys, duhem; duhem.project('antoni2007', [[1, 2]], -1, parameters=dict.fromkeys(duhem.load('antoni2007').parameters, 1));"

@@ -95,6 +95,7 @@ def test_odd_powers_of_the_load_keep_their_sign(g: str) -> None:
     assert formula.degree >= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [1e-150, 1.0, 1e150])
 @pytest.mark.parametrize(
     "g, stress",

@@ -107,6 +107,7 @@ WAYS = ("longer", "shorter", "turned", "with its multiplier")
 AT = [(name, k) for name, k in product(CORNERS, STIFF) if len(STIFF[k]) == len(CORNERS[name].stress)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "k"), mostly_long(AT, ("needle", "one of two"), ("apex", "one"), ("bent edge", "turned")))
 def test_at_a_corner_a_slip_is_told_if_it_is_right(name: str, k: str) -> None:
     rng, corner = np.random.default_rng(1), CORNERS[name]
@@ -151,6 +152,7 @@ def steep(kind: str, bits: int) -> Corner:
 STEEP = list(product(("alike", "two", "of other heights", "askew", "bent"), (0, 4, 8, 16), ("one", "apart")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "bits", "k"), mostly_long(STEEP, ("of other heights", 16, "one"), ("two", 16, "apart")))
 def test_a_flat_side_is_missed_as_much_as_a_steep_one_shows(kind: str, bits: int, k: str, monkeypatch: Any) -> None:
     """A slip without its part along one side, whose end is lifted off the other sides till these are as high: they hide it."""
@@ -179,6 +181,7 @@ def test_a_flat_side_is_missed_as_much_as_a_steep_one_shows(kind: str, bits: int
 PLY = {"Xt": 1.0, "Xc": 1.0, "Yt": 0.04, "Yc": 0.2, "S": 0.07}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("compiled", "length"), mostly_long(product((False, True), (1e-5, 1e-3)), (False, 1e-5)))
 def test_at_the_edge_of_a_ply_no_soft_part_of_a_slip_is_lost(compiled: bool, length: float) -> None:
     """It is how far s1 is beyond its strength, to the last bit; the other two are those of the arc alone."""
@@ -202,6 +205,7 @@ THIN = [("orthotropic", 2.0, e, k) for e in (1e-6, 1e6) for k in ("one of two", 
 ANGLES = np.array([1.0, 30.0, 1000.0])  # from the tip, in shares of how thin K is
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "power", "thin", "k"), mostly_long(THIN, THIN[0], THIN[3]))
 def test_where_k_is_thin_it_is_asked_how_far_its_closest_point_is(law: str, power: float, thin: float, k: str, monkeypatch: Any) -> None:
     """Exact answers of a K that is larger by a share of itself: of its boundary's distance nothing shows where K is thin.

@@ -35,6 +35,7 @@ def _returned(trial: np.ndarray) -> np.ndarray:
 CASES = {"principal(s, 1) - 1": _cut, "sqrt(3*J2(s)) - 1": _returned}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["auto", "cvxpy"])
 @pytest.mark.parametrize("g", CASES)
 def test_the_closest_point_is_that_of_tensors(g: str, method: str) -> None:

@@ -33,6 +33,7 @@ def _stress(g: str, trial: tuple[float, ...], stiffness: tuple[float, ...]) -> n
     return found.stress[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "trial", "stiffness"),
     mostly_long([(g, *far) for g in SEGMENTS for far in FAR], *((g, *far) for i, g in enumerate(SEGMENTS) for far in FAR[i::3])),
@@ -41,12 +42,14 @@ def test_a_segment_is_met_beside_far_trials(g: str, trial: tuple[float, float], 
     np.testing.assert_allclose(_stress(g, trial, stiffness), [np.clip(trial[0], -1.0, 1.0), 0.0], rtol=1e-7, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trial, stiffness", FAR)
 @pytest.mark.parametrize("g", ["abs(sigma_b)", "sigma_b**2"])
 def test_a_line_keeps_what_is_along_it(g: str, trial: tuple[float, float], stiffness: tuple[float, float]) -> None:
     np.testing.assert_allclose(_stress(g, trial, stiffness), [trial[0], 0.0], rtol=1e-7, atol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trial, stiffness", FAR)
 @pytest.mark.parametrize("g", ["abs(sigma_a) + abs(sigma_b)", "norm(sigma_a, sigma_b)", "max(abs(sigma_a), abs(sigma_b))"])
 def test_a_point_at_the_origin_stays_there(g: str, trial: tuple[float, float], stiffness: tuple[float, float]) -> None:
@@ -66,6 +69,7 @@ def test_flat_sets_of_three_forces(g: str, trial: tuple[float, ...], stress: tup
     np.testing.assert_allclose(_stress(g, trial, (1.0, 1.0, 1.0)), stress, rtol=1e-7, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trial", [1e-310, 1e-320, 5e-324])
 def test_a_trial_beside_which_no_pressure_is_small_ends_at_the_tip(trial: float) -> None:
     done = duhem.project("box", [[trial, 0.0], [trial, trial]], 0.0, 1.0, {"mu_a": 1, "mu_b": 0.01}, method="newton")

@@ -40,6 +40,7 @@ def called(*words):
     return CliRunner().invoke(cli, ["campaign", *words], standalone_mode=False)
 
 
+@pytest.mark.slow
 def test_a_routine_named_on_the_command_line_is_put_to_its_checks(folder, monkeypatch):
     """0.3 is the friction that it has; of 0.5 its K is too small, which no feasibility sees and nothing here refutes."""
     monkeypatch.setattr(entry, "Pool", InProcess)
@@ -93,6 +94,7 @@ def test_what_a_routine_does_to_its_process_is_a_reason_and_harms_no_other_row(e
     assert [lines[0][4] for lines in found] == ["passed", None, "passed"] and found[1][0][-1].partition(" (at routines.py:")[0] == said
 
 
+@pytest.mark.slow
 def test_what_a_routine_keeps_is_not_met_by_the_next_row():
     """Two processes for one worker, of which the second has stood by."""
     campaign = Campaign((Grid(LawName("coulomb"), (("mu", ("3/10", "1/10")),)),), checks(routines.keeps))
@@ -117,6 +119,7 @@ def test_the_child_of_a_routine_that_forks_ends_where_the_routine_returns():
 FEW = ("0.12", "0.14", "O.3", "broken.toml")  # 40 GB, an error, malformed values and laws; loops take seconds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kinds",), mostly_long([(FEW,), (tuple(poisoned.REASONS),)], (FEW,)), ids=["few", "all"])
 def test_poisoned_rows_come_back_with_their_reasons_and_harm_no_other(tmp_path, monkeypatch, kinds):
     monkeypatch.setattr(pool, "_WAITED", 1_000.0)  # a busy machine lets a loop that never ends wait too
@@ -147,6 +150,7 @@ def test_of_a_routine_that_never_answers_nothing_is_said_to_be_solved():
     assert solved.verdict == "not_applicable" and json.loads(solved.witness) == {"reason": "no increment was answered"}
 
 
+@pytest.mark.slow
 def test_the_same_cases_are_drawn_whatever_was_loaded_before(tmp_path, monkeypatch):
     """A module of the package that a row loads, with numbers that Hypothesis would draw."""
     (tmp_path / "late.py").write_text(f"NUMBERS = {[*range(100, 1000)]}\n")
@@ -168,6 +172,7 @@ def test_the_same_cases_are_drawn_whatever_was_loaded_before(tmp_path, monkeypat
     assert seen == before
 
 
+@pytest.mark.slow
 def test_stress_cases_of_a_row(folder, monkeypatch):
     """Of the disc every answer is right; no parameter of it makes K thin along one axis."""
     monkeypatch.setattr(entry, "Pool", InProcess)

@@ -78,6 +78,7 @@ def mu(values):
     return Grid(LawName("coulomb"), (("mu", tuple(map(str, values))),))
 
 
+@pytest.mark.slow
 def test_the_table_is_sorted_whatever_was_done_first(folder, monkeypatch):
     monkeypatch.setattr(entry, "Pool", InProcess)
     done = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml")], standalone_mode=False)
@@ -100,6 +101,7 @@ class Killed(BaseException):
     """What ends a run without a word."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", [KeyboardInterrupt, Killed])
 def test_a_campaign_goes_on_from_what_is_done(folder, monkeypatch, fault):
     monkeypatch.setattr(entry, "Pool", InProcess)
@@ -174,6 +176,7 @@ def test_a_part_that_was_changed_is_refused(folder, monkeypatch):
         duhem.campaign(folder / "campaign.toml", out=out, resume=True)
 
 
+@pytest.mark.slow
 def test_two_runs_do_not_write_one_table(folder, monkeypatch):
     monkeypatch.setattr(entry, "Pool", InProcess)
     out, refused = folder / "t.csv", []
@@ -189,6 +192,7 @@ def test_two_runs_do_not_write_one_table(folder, monkeypatch):
     assert refused == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5] and table(out) == table(folder / "alone.csv")
 
 
+@pytest.mark.slow
 def test_where_there_is_no_room_one_line_says_so_and_what_is_noted_stays(folder, monkeypatch):
     monkeypatch.setattr(entry, "Pool", InProcess)
     monkeypatch.setattr("duhem.screening.table._PAUSE", 0.0)
@@ -278,6 +282,7 @@ def test_a_thread_or_a_library_that_does_not_fit_is_lack_of_memory(folder, monke
         resource.setrlimit(resource.RLIMIT_AS, before)
 
 
+@pytest.mark.slow
 def test_parquet_has_types_and_says_where_it_is_from(folder, monkeypatch):
     pytest.importorskip("pyarrow")
     from pyarrow import parquet
@@ -293,6 +298,7 @@ def test_parquet_has_types_and_says_where_it_is_from(folder, monkeypatch):
     assert as_csv == table(folder / "t.csv")
 
 
+@pytest.mark.slow
 def test_a_row_that_ends_its_process_is_a_row_and_harms_no_other():
     """Two real processes beside each other; what is asked elsewhere is asked here too."""
     campaign = Campaign((mu(range(1, 8)),), Poison(crash=3, fault=5))
@@ -313,6 +319,7 @@ def test_a_row_that_takes_too_much_is_ended(how, said):
     assert [json.loads(text)[0][4] for text in found] == ["proved", None, "proved", "proved"] and said in found[1]
 
 
+@pytest.mark.slow
 def test_a_row_that_waits_for_ever_is_ended_with_what_it_started(monkeypatch):
     monkeypatch.setattr(pool, "_WAITED", 1.0)
     campaign = Campaign((mu(range(1, 4)),), Poison(sleep=2), seconds=0.5)
@@ -388,6 +395,7 @@ def test_what_no_process_can_take_is_said(monkeypatch):
             list(processes.texts([range(1, 2)]))
 
 
+@pytest.mark.slow
 def test_a_row_has_what_verify_says():
     law = load("limacon").fix({"mu": "0.3", "e": "0.6"})
     claims = ("dissipation", "convexity")  # the first rests on others, which are not asked

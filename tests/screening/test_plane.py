@@ -92,6 +92,7 @@ def test_a_plane_needs_numbers_that_differ():
             seen(lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
 def test_a_finished_table_is_read_and_drawn(tmp_path, ending):
     if ending == "parquet":
@@ -121,6 +122,7 @@ def test_marks_and_hues_tell_verdicts_apart(verdicts):
     assert set(plane_plot._LOOKS) == set().union(*TOGETHER.values())
 
 
+@pytest.mark.slow
 def test_a_summary_draws_as_many_marks_as_there_are_verdicts():
     counts = Counts(file.reads(CAMPAIGN))
     axes = counts.summary(lines=tuple(counts.passing(iter(table())))).plot()

@@ -39,6 +39,7 @@ def test_blocks_follow_each_other_and_globs_are_sorted(tmp_path):
     assert values(found)[-1] == {"mu": "3/10", "e": "1/2"}
 
 
+@pytest.mark.slow
 def test_a_draw_keeps_the_constraints_and_each_point_comes_from_its_number(tmp_path, monkeypatch):
     monkeypatch.setattr("duhem.screening.rows._TRIES", 30)
     text = '[[rows]]\nlaw = "law.toml"\ndraw = { n = 10, seed = 3, mu = [0, 2] }\n'

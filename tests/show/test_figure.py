@@ -223,6 +223,7 @@ def test_a_spoiled_picture_is_caught(said: str, spoil: Callable[[Sheet], object]
     assert any(said in fault for fault in faults(sheet))
 
 
+@pytest.mark.slow
 def test_turned_words_are_judged_as_they_stand() -> None:
     """Turned labels side by side have boxes that overlap, and are legible; the same labels level are not."""
     for turn, clean in ((40, True), (0, False)):
@@ -254,6 +255,7 @@ def test_an_axis_counts_a_unit_by_its_prefixes_and_what_takes_none_by_powers_of_
     assert axis.get_label_text() == f"x [{said}]"
 
 
+@pytest.mark.slow
 def test_a_run_is_drawn_along_its_own_curve_with_marks_at_its_knots() -> None:
     history = scene()
     axes = history.plot()[0]
@@ -293,6 +295,7 @@ def test_heads_on_a_path_point_where_time_goes() -> None:
         assert ahead @ (tip - tail) > 0.9 * np.hypot(*ahead) * np.hypot(*(tip - tail))
 
 
+@pytest.mark.slow
 def test_axes_of_ones_own_are_drawn_on_and_returned(tmp_path) -> None:
     sheet = Sheet()
     FigureCanvasAgg(sheet)
@@ -319,6 +322,7 @@ def test_a_notebook_shows_a_new_sheet_and_not_one_that_its_reader_holds() -> Non
     assert not hasattr(figure.drawn(lambda axes: axes.plot([0, 1]), None, [held]), "_repr_png_")
 
 
+@pytest.mark.slow
 def test_nothing_of_the_readers_settings_changes_and_none_of_them_matters(tmp_path) -> None:
     import matplotlib
 
@@ -410,6 +414,7 @@ def test_a_picture_goes_into_a_name_in_bytes_or_letters_and_into_a_stream(name: 
     assert written.startswith(b"\x89PNG") and len(written) > 10_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -435,6 +440,7 @@ def test_options_that_do_not_fit_are_named(options: dict[str, Any], said: str) -
         scene().plot(**options)
 
 
+@pytest.mark.slow
 def test_a_law_given_by_its_name_is_drawn() -> None:
     axes = scene().plot(law="antoni2007", mu_a_plus=0.4, mu_a_minus=0.4, mu_b_plus=0.4, mu_b_minus=0.4)[0]
     edge = next(line for line in axes.lines if line.get_label().startswith("boundary"))
@@ -447,6 +453,7 @@ def test_a_title_breaks_between_values_and_not_within_one() -> None:
     assert len(said.splitlines()) > 1 and all(line.count("=") == line.count(" = ") for line in said.splitlines())
 
 
+@pytest.mark.slow
 def test_lines_of_many_knots_are_told_apart_without_colour() -> None:
     run = scene(method="implicit", substeps=100)
     assert len(run) > 200
@@ -457,6 +464,7 @@ def test_lines_of_many_knots_are_told_apart_without_colour() -> None:
     assert not [line for line in path.lines if line.get_marker() != "None" and len(line.get_xdata()) > 1]
 
 
+@pytest.mark.slow
 def test_where_the_pressure_varies_both_boundaries_are_seen_over_the_path() -> None:
     path = Path.linear([[0, 0], [3, 0], [3, 3]], pressure=[-1.0, -3.0, -2.0])
     run = simulate("coulomb", path, stiffness=1.0, parameters={"mu": 0.5}, substeps=4)
@@ -467,6 +475,7 @@ def test_where_the_pressure_varies_both_boundaries_are_seen_over_the_path() -> N
     assert faults(axes.figure) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["png", *(pytest.param(form, marks=pytest.mark.long) for form in ("pdf", "svg"))])
 def test_a_name_in_letters_that_the_font_lacks_is_drawn_without_a_warning(form: str, tmp_path) -> None:
     law = Criterion(name="naïve 摩擦 \N{GRINNING FACE} \N{EGYPTIAN HIEROGLYPH A001}", g="abs(摩)-1", forces=("摩",), pressure=None)

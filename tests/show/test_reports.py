@@ -180,6 +180,7 @@ def _read(terminal: int) -> bytes:
         return b""
 
 
+@pytest.mark.slow
 def test_what_programs_read_has_a_line_a_law() -> None:
     assert len(piped("list").splitlines()) == len({line.split()[0] for line in piped("list").splitlines()}) > 20
 

@@ -12,6 +12,7 @@ pytest.importorskip("matplotlib")
 from matplotlib.axes import Axes
 
 
+@pytest.mark.slow
 def test_rows_of_flat_axes_leave_no_blank_sheet() -> None:
     def paint(*places: Axes) -> None:
         for axes in places:

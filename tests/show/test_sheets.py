@@ -155,6 +155,7 @@ def test_of_many_points_the_first_are_shown_and_none_is_a_number_that_is_not() -
     json.dumps(broken.to_dict(), allow_nan=False)
 
 
+@pytest.mark.slow
 def test_a_history_shows_its_ends_and_what_it_left_out() -> None:
     path = duhem.Path.linear(np.outer(np.arange(41), [3.0, 4.0]), pressure=-1.0)
     done = duhem.simulate("coulomb", path, stiffness=1.0, parameters={"mu": 0.5})

@@ -48,6 +48,7 @@ def test_no_line_is_longer_than_the_width(rows: list[tuple[str, ...]], align: st
     assert all(word in shown for row in rows for cell in row for word in cell.split())
 
 
+@pytest.mark.slow
 @given(tables(), st.integers(40, 200))
 def test_a_wide_table_says_all_that_an_endless_one_says(drawn: tuple[list[list[str]], str], width: int) -> None:
     rows, align = drawn
@@ -63,6 +64,7 @@ def test_a_wide_table_says_all_that_an_endless_one_says(drawn: tuple[list[list[s
         assert narrow == wide
 
 
+@pytest.mark.slow
 @given(tables(), st.integers(40, 200))
 def test_text_of_short_words_always_fits(drawn: tuple[list[list[str]], str], width: int) -> None:
     rows = [row for row in drawn[0] if len(row) == len(drawn[0][0])]

@@ -77,6 +77,7 @@ def result(request: pytest.FixtureRequest) -> Any:
     return found
 
 
+@pytest.mark.slow
 def test_a_result_shows_itself(result: Any) -> None:
     line = repr(result)
     assert line.startswith("<") and line.endswith(">") and "\n" not in line and len(line) <= LONGEST
@@ -99,6 +100,7 @@ def test_what_a_user_wrote_is_shown_as_it_is() -> None:
     assert "<script>" in said and "claims=['origin', 'convexity'])" in said  # a call as it is pasted, of blanks that are blanks
 
 
+@pytest.mark.slow
 def test_laws_and_derivations_are_formulas() -> None:
     for shown in (LAW, CURVE):
         assert shown._repr_latex_().startswith(r"$\displaystyle ")

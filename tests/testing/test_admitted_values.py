@@ -34,6 +34,7 @@ THIN = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(THIN, "a slice"))
 def test_every_draw_is_admitted(name: str) -> None:
     order, constraints = THIN[name]
@@ -72,6 +73,7 @@ def _constrained(name: str) -> bool:
 CONSTRAINED = [name for of_group in groups().values() for name in of_group if _constrained(name)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(CONSTRAINED, "zmitrowicz"))
 def test_constrained_laws_of_the_atlas(name: str) -> None:
     known = duhem.load(name)

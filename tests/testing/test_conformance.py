@@ -88,6 +88,7 @@ def test_a_routine_in_displacements() -> None:
     assert {"slip", "energy"} <= set(report.passed)
 
 
+@pytest.mark.slow
 def test_a_routine_that_forgets_the_former_slip() -> None:
     def update(u: Array, u_in: Array, pressure: Array, stiffness: Array) -> Array:
         return u_in + duhem.project("orthotropic", u @ stiffness, pressure, stiffness, ELLIPSE).slip
@@ -96,6 +97,7 @@ def test_a_routine_that_forgets_the_former_slip() -> None:
     assert conformance("orthotropic", from_displacements(update), ELLIPSE, checks=asked, max_examples=10, tries=20).failed
 
 
+@pytest.mark.slow
 def test_what_is_not_returned_is_left_out_with_the_reason() -> None:
     report = conformance("orthotropic", ellipse, ELLIPSE, max_examples=1)
     assert {"slip", "energy", "multiplier", "tangent", "slope"} == set(report.left_out)
@@ -109,6 +111,7 @@ def test_there_is_no_routine_for_a_law_with_a_flow_of_its_own() -> None:
         projection("plesha")
 
 
+@pytest.mark.slow
 def test_flagged_points_are_counted_and_not_judged() -> None:
     def update(trial: Array, pressure: Array, stiffness: Array) -> Step:
         right = ellipse(trial, pressure, stiffness)
@@ -124,6 +127,7 @@ def test_flagged_points_are_counted_and_not_judged() -> None:
     assert [", more than a share 0.1" in str(each).splitlines()[0] for each in most] == [True, False]
 
 
+@pytest.mark.slow
 def test_a_mapping_with_the_names_of_a_step_is_one() -> None:
     def update(trial: Array, pressure: Array, stiffness: Array) -> dict[str, Array]:
         stress = ellipse(trial, pressure, stiffness)
@@ -172,6 +176,7 @@ UNANSWERED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("update", UNANSWERED, ids=lambda f: f.__name__)
 def test_what_never_saw_an_answer_has_not_passed(update: Callable[..., object]) -> None:
     report = conformance("orthotropic", update, ELLIPSE, pressure=-1.0, max_examples=2, tries=20)
@@ -184,6 +189,7 @@ def test_what_never_saw_an_answer_has_not_passed(update: Callable[..., object]) 
     assert said in report.left_out["feasibility"] and f"left out feasibility: {report.left_out['feasibility']}" in str(report)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("update", [raises, wrong_shape, no_numbers])
 @pytest.mark.parametrize("name", ["feasibility", "path"])
 def test_a_check_asked_for_alone_fails_where_there_is_no_answer(update: Callable[..., object], name: str) -> None:
@@ -193,6 +199,7 @@ def test_a_check_asked_for_alone_fails_where_there_is_no_answer(update: Callable
     assert violation(name, "orthotropic", update, failure.case, open_parameters=()) == failure.message
 
 
+@pytest.mark.slow
 def test_an_answer_now_and_then_is_judged() -> None:
     def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
         if stiffness[0, 0] > 1.0:
@@ -233,6 +240,7 @@ def test_the_reproducer_runs() -> None:
     assert done.stdout.strip() == failure.message
 
 
+@pytest.mark.slow
 def test_a_case_prints_to_the_last_bit() -> None:
     @settings(max_examples=20)
     @given(cases("hosford"))
@@ -259,6 +267,7 @@ def test_checks_are_described() -> None:
         check("convex")
 
 
+@pytest.mark.slow
 def test_the_package_and_its_command_do_not_import_hypothesis() -> None:
     code = "import sys, duhem, duhem.projection, duhem.path; from duhem.__main__ import main; sys.exit('hypothesis' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=60).returncode == 0

@@ -66,6 +66,7 @@ KEPT = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "seed"), mostly_long(EVERY, *KEPT))
 def test_a_dent_is_found_at_every_seed_and_told_by_stresses_that_show_it(name: str, seed: int) -> None:
     law = DENTED[name]
@@ -93,6 +94,7 @@ CONVEX = [(*law, 0) for law in (*ALWAYS, *AT_VALUES)] + [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "values", "seed"),
     mostly_long(
@@ -115,6 +117,7 @@ ROUND = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seed"), mostly_long([(name, seed) for name in ROUND for seed in range(5)], *((name, 0) for name in ROUND))
 )

@@ -195,6 +195,7 @@ def test_what_a_routine_does_instead_is_told(name: str, part: Part, update: Rout
     assert next(iter(found)) == name and said in found[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WITH_PARAMETERS)
 def test_which_coefficient_is_another_one_is_told(name: str) -> None:
     for part, update, said in WITH_PARAMETERS[name]:
@@ -247,6 +248,7 @@ SOMEWHERE: dict[str, tuple[float, Routine, str]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SOMEWHERE)
 def test_what_is_done_at_some_increments_is_not_said_of_all(name: str) -> None:
     pressure, update, what = SOMEWHERE[name]
@@ -263,6 +265,7 @@ def asked_without_pressure(update: Routine) -> Query:
     return query
 
 
+@pytest.mark.slow
 def test_a_failure_shows_stress_closest_point_and_what_the_routine_does_first() -> None:
     asked = ["variational-inequality", "firmness", "potential", "feasibility"]
     report = conformance("orthotropic", radial_return, ELLIPSE, checks=asked, max_examples=4, every=1, tries=20, seed=1)

@@ -151,6 +151,7 @@ def test_an_anisotropic_umat_in_axes_of_its_own(tmp_path: Path) -> None:
 ENDS = [("crash", "by SIGSEGV"), ("leaves", "with exit code 3")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("symbol", "how"), ENDS)
 def test_what_ends_its_process_is_told_and_the_next_call_is_answered(many: Path, symbol: str, how: str) -> None:
     update = shared_library(many, f"void {symbol}(const double *trial, double *stress)", isolated=True)
@@ -201,6 +202,7 @@ def test_a_umat_that_overwrites_what_it_is_given_is_told(tmp_path: Path) -> None
     assert after.variables.tolist() == [[0.0, 0.0]] * 2
 
 
+@pytest.mark.slow
 def test_a_call_without_end_is_an_error_that_names_its_increment(many: Path, tmp_path: Path) -> None:
     update = shared_library(many, "void endless(const double *trial, double *stress)", isolated=True, seconds=0.5)
     assert update(np.array([[1.0]]), None, np.eye(1)).stress.tolist() == [[1.0]]

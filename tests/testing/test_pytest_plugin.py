@@ -41,6 +41,7 @@ def tried(pytester: pytest.Pytester, *arguments: str) -> pytest.RunResult:
     return pytester.runpytest_inprocess(*given, plugins=[duhem_pytest])
 
 
+@pytest.mark.slow
 def test_a_routine_is_a_node_a_check(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         test_friction=HEAD
@@ -116,6 +117,7 @@ def properties(file: Path) -> dict[str, dict[str, str]]:
     return {case.get("name", ""): {p.get("name", ""): p.get("value", "") for p in case.iter("property")} for case in cases}
 
 
+@pytest.mark.slow
 def test_a_routine_expected_to_fail_fails_one_check_at_least(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         test_friction=HEAD
@@ -166,6 +168,7 @@ def pytest_collection_modifyitems(items):
     assert together.count("x") <= 2 * len(alone) + 2  # the answers to a case serve feasibility and idempotence, which asks one more
 
 
+@pytest.mark.slow
 def test_what_failed_is_kept_and_tried_first(pytester: pytest.Pytester) -> None:
     routine = """
 from pathlib import Path
@@ -231,6 +234,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", WRONG)
 def test_a_marker_that_cannot_be_used_is_one_line(pytester: pytest.Pytester, given: str) -> None:
     pytester.makepyfile(test_it=f"import pytest\n\n@pytest.mark.duhem({given})\ndef update(): ...\n")
@@ -242,6 +246,7 @@ def test_a_marker_that_cannot_be_used_is_one_line(pytester: pytest.Pytester, giv
     assert lines[at + 2].startswith("===")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("routine", "said"),
     [
@@ -346,6 +351,7 @@ def test_files_are_nodes_of_claims_and_runs(pytester: pytest.Pytester) -> None:
     assert set(json.loads(found["refuted"]["duhem_witness"])["points"]) == {"p", "q", "midpoint"}
 
 
+@pytest.mark.slow
 def test_an_undecided_claim_fails_or_is_expected_to(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> None:
     from dataclasses import replace
 
@@ -367,6 +373,7 @@ def test_an_undecided_claim_fails_or_is_expected_to(pytester: pytest.Pytester, m
     done.stdout.fnmatch_lines(["XFAIL oval.duhem.toml::origin - oval: origin is undecided: nobody knows*"])
 
 
+@pytest.mark.slow
 def test_files_that_cannot_be_used_and_a_run_that_is_stopped(pytester: pytest.Pytester) -> None:
     broken = {"a.duhem": LIMACON.replace("norm(", "nrm("), "b.duhem": "[tool]\n", "c.duhem": SCENE.replace("PRESSURE", "1.0")}
     written(pytester, broken)
@@ -420,6 +427,7 @@ def test_law(duhem_snapshot):
 """
 
 
+@pytest.mark.slow
 def test_snapshots_of_one_name_and_of_one_law_stay_apart(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(test_it=SHARED)
     tried(pytester, "--duhem-update").assert_outcomes(passed=3)
@@ -445,6 +453,7 @@ def test_the_tolerance_of_a_snapshot_is_its_owners(pytester: pytest.Pytester) ->
 # -- what it costs, and how it is shipped ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_run_that_does_not_use_it_imports_nothing_of_it(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(
         test_it="""

@@ -68,6 +68,7 @@ def failing(update: Callable[..., object], **options: object) -> Report:
     return report
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("routine", ROUTINES)
 def test_a_replay_fails_with_the_bug_and_passes_without(routine: str, friction: Callable[[float], object], tmp_path: Path) -> None:
     (file,) = failing(ROUTINES[routine](friction(2.0))).write_replays(tmp_path / "replays")

@@ -155,6 +155,7 @@ def test_what_is_no_snapshot_is_one_error(tmp_path: Path, text: str) -> None:
         SnapshotFile.read(tmp_path / "kept.json")
 
 
+@pytest.mark.slow
 def test_the_command_keeps_compares_and_tells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Callable[..., tuple[int, str, str]]
 ) -> None:

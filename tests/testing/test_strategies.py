@@ -36,6 +36,7 @@ def drawn(strategy: object, n: int = 400) -> list[object]:
     return found
 
 
+@pytest.mark.slow
 def test_every_decade_is_drawn() -> None:
     sizes = np.abs(np.array(drawn(decades(-6, 6, signed=True), 1000)))
     counts = np.bincount(np.floor(np.log10(sizes * (1 + 1e-15))).astype(int) + 6, minlength=13)
@@ -47,6 +48,7 @@ def test_pressures_are_compressive_and_sometimes_none() -> None:
     assert (found <= 0.0).all() and (found == 0.0).any() and found.min() < -1e5 and found[found < 0].max() > -1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("d", [1, 2, 3])
 def test_stiffnesses_are_positive_definite_in_three_forms(d: int) -> None:
     found = drawn(stiffnesses(d), 200)
@@ -78,6 +80,7 @@ def test_trials_lie_on_next_to_and_far_from_the_boundary() -> None:
     assert on.sum() > 20 and (beside & ~on).sum() > 20
 
 
+@pytest.mark.slow
 def test_loading_paths_start_at_rest_and_are_of_three_kinds() -> None:
     found = drawn(loadings(2), 200)
     assert all(path[0].tolist() == [0.0, 0.0] and np.abs(path).max() <= 3.0 for path in found)
@@ -105,6 +108,7 @@ def test_a_ray_along_which_powers_overflow_does_not_end_there() -> None:
 GIVEN = [(4.0, "stiffness 4"), ([4.0, 4.0, 4.0], "stiffness diag [4, 4, 4]")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("given_stiffness", "said"), mostly_long(GIVEN, GIVEN[0]), ids=str)
 def test_one_number_is_a_stiffness_of_the_tensors_as_increments_take_it(given_stiffness: object, said: str) -> None:
     law, seen = duhem.load("tresca-plane").fix({"s0": 1}), []

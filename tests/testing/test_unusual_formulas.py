@@ -29,6 +29,7 @@ def disk(share: float) -> Update:
     return update
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WRITTEN)
 def test_the_disk_of_coulomb_in_other_words(name: str) -> None:
     options = {"stiffness": 1e9, "max_examples": 4, "seed": 0, "tries": 5}

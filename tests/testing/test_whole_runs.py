@@ -112,6 +112,7 @@ def rows_share() -> Callable[..., object]:
     return update
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("made", [remembers_slip, rows_share])
 def test_a_routine_with_a_memory_is_told_to_have_one(made: Callable[[], Callable[..., object]]) -> None:
     asked = ["repeatability", "idempotence", "firmness", "variational-inequality"]
@@ -134,6 +135,7 @@ def other_alone(trial: Array, pressure: Array, stiffness: Array) -> Array:
     return ellipse(trial, pressure, stiffness) if len(trial) > 1 else trial
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("update", "said"),
     [
@@ -166,6 +168,7 @@ def test_what_fails_once_and_not_again_is_a_memory() -> None:
 # -- checks expected to fail -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_check_expected_to_fail_has_to() -> None:
     def put(update: Callable[..., object]) -> Report:
         expected = {"feasibility": "no projection yet", "slip": "none is returned"}
@@ -184,6 +187,7 @@ def test_a_check_expected_to_fail_has_to() -> None:
 # -- what is told ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_what_is_told_does_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     def told(**bound: float) -> tuple[str, int]:
         calls = []
@@ -201,6 +205,7 @@ def test_what_is_told_does_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPat
     assert told(seconds=1.0)[1] < quick[1] and told(tries=0)[1] < quick[1]
 
 
+@pytest.mark.slow
 def test_a_call_that_raises_is_told_by_the_increment_that_makes_it() -> None:
     def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
         if (pressure == 0.0).any():
@@ -237,6 +242,7 @@ def test_what_raises_beside_the_trial_is_told_by_its_own_increment(
     assert violation(name, "box", update, failure.case, open_parameters=()) == failure.message
 
 
+@pytest.mark.slow
 def test_a_routine_that_raises_is_asked_for_it_few_times(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each of those calls may cost a process."""
 
@@ -260,6 +266,7 @@ def test_a_routine_that_raises_is_asked_for_it_few_times(monkeypatch: pytest.Mon
     assert told()[1] < often
 
 
+@pytest.mark.slow
 def test_what_raises_at_answers_alone_is_no_answer() -> None:
     """No drawn trial stress is an answer to the last bit but those inside: what is asked again of answers tells."""
     found: set[bytes] = set()
@@ -275,6 +282,7 @@ def test_what_raises_at_answers_alone_is_no_answer() -> None:
     assert report.failed == {"answers"} and "on the boundary" in report.failures[0].message, str(report)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("when", [(2,), (2, 3)], ids=["together", "alone"])  # the third call asks an increment of the second alone
 def test_what_raises_once_and_not_again_is_a_memory(when: tuple[int, ...]) -> None:
     calls = []
@@ -292,6 +300,7 @@ def test_what_raises_once_and_not_again_is_a_memory(when: tuple[int, ...]) -> No
 # -- seeds -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_seed_draws_the_same_again() -> None:
     def put(seed: int | None) -> Report:
         return conformance("orthotropic", ellipse, ELLIPSE, checks="vacuity", max_examples=3, seed=seed)
@@ -340,6 +349,7 @@ def test_the_failure_with_a_diagnosis_is_the_cause() -> None:
     assert [(f.check.name, f.diagnosis, f.explains) for f in roots] == [("ray", "o", ("feasibility", "firmness"))]
 
 
+@pytest.mark.slow
 def test_two_bugs_are_two_causes() -> None:
     extras = with_extras(slip=np.negative)
 

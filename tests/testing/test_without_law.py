@@ -28,7 +28,7 @@ from tests.oracles.routines import Array
 from tests.testing.examples import BUGS, EXAMPLES, friction, interface
 
 MUTANTS = [(name, bug, first) for name, found in BUGS.items() for bug, first in enumerate(found, start=1)]
-QUICK = [case for case in MUTANTS if case[:2] in {("friction", 1), ("mises", 4), ("interface", 5)}]
+QUICK = [case for case in MUTANTS if case[:2] in {("friction", 1), ("mises", 5), ("interface", 4)}]
 
 
 @pytest.mark.slow
@@ -51,6 +51,7 @@ def test_nothing_is_said_of_a_good_example(name: str) -> None:
     assert len(report.passed) + len(report.left_out) == len(checks_for(None))
 
 
+@pytest.mark.slow
 def test_what_only_associated_laws_satisfy_is_asked_for_by_name() -> None:
     """The interface slips along itself whatever the pressure: its law is not associated, and good for all that."""
     by_name = [c for c in checks_for(None, associated=True) if not c.demanded]
@@ -78,6 +79,7 @@ def kinematic(hardening: float, back: float = 1.0) -> Material:
     return Material(advance, [[1.0]], [0.0], energies=True, name="kinematic")
 
 
+@pytest.mark.slow
 def test_kinematic_hardening_is_not_accused() -> None:
     report = conformance(None, kinematic(0.5), max_examples=3)
     assert report.ok and {"dissipation", "energy", "rest", "subdivision", "stored-energy"} <= set(report.passed), str(report)
@@ -119,10 +121,11 @@ def alternating(low: float) -> Material:
     return Material(advance, [[1.0]], [0.0])
 
 
+@pytest.mark.slow
 def test_steps_that_do_not_converge_are_told_by_dividing_them() -> None:
     report = conformance(None, alternating(0.2), checks="subdivision", max_examples=2, rows=10, tries=0)
     assert report.failed == {"subdivision"}, str(report)
-    assert conformance(None, alternating(1.0), checks="subdivision", max_examples=2).ok
+    assert conformance(None, alternating(1.0), checks="subdivision", max_examples=2, rows=10).ok
 
 
 def test_a_run_that_never_slips_fails() -> None:

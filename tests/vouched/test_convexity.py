@@ -59,6 +59,7 @@ def status(law: Criterion, e: Any, pressure: Any = -1.0) -> list[int]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [("0.3", "0.8", "0.3"), ("0.8", "0.3", "0.8")])
 def test_an_answer_holds_for_its_numbers_alone(order: tuple[str, ...]) -> None:
     law = oval()
@@ -68,6 +69,7 @@ def test_an_answer_holds_for_its_numbers_alone(order: tuple[str, ...]) -> None:
     assert status(law.fix({"e": "0.8"}), "0.8") == [Status.STATIONARY]
 
 
+@pytest.mark.slow
 def test_it_is_asked_once_for_a_law_and_its_numbers(laws: list[Criterion]) -> None:
     law = oval()
     for _ in range(3):
@@ -78,6 +80,7 @@ def test_it_is_asked_once_for_a_law_and_its_numbers(laws: list[Criterion]) -> No
     assert len(laws) == 3
 
 
+@pytest.mark.slow
 def test_what_is_proved_for_all_numbers_is_asked_once(laws: list[Criterion]) -> None:
     law = oval(parameters={"e": Domain.between(0, "1/4")})
     assert [status(law, e) for e in ("0.1", "0.2", "0.25")] == [[Status.SLIP]] * 3
@@ -112,6 +115,7 @@ def test_a_law_that_is_undefined_somewhere_is_not_shown_to_be_convex() -> None:
     assert duhem.project(law, [3.0, 3.0]).status[0] != Status.SLIP
 
 
+@pytest.mark.slow
 def test_no_pressure_is_a_question_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     pressure = np.array([-1.0, 0.0, -2.0])
     answering(monkeypatch, lambda law: Verdict.PROVED if law.pressure else Verdict.UNDECIDED)
@@ -130,6 +134,7 @@ def test_no_pressure_leaves_a_point() -> None:
     assert done.status.tolist() == [Status.SLIP] * 2 and not done.stress[1].any()
 
 
+@pytest.mark.slow
 def test_k_is_asked_about_beyond_the_ranges_of_forces(laws: list[Criterion]) -> None:
     """Two discs, of which the law claims one: the other is nearer to this trial."""
     two = Criterion(

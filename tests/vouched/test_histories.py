@@ -43,6 +43,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "extrapolated"])
 def test_a_run_over_stationary_points_says_so(method: str) -> None:
     found = duhem.simulate(OVAL, FRONT, stiffness=1.0, parameters=DENTED, method=method)
@@ -57,6 +58,7 @@ def test_a_nearer_point_ends_the_run() -> None:
         duhem.simulate(OVAL, DENT, stiffness=1.0, parameters=DENTED)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "extrapolated", "exact"])
 def test_require_refuses_every_integrator(method: str) -> None:
     with pytest.raises(InputError, match="is convex is refuted"):
@@ -100,6 +102,7 @@ def test_a_wrong_word_in_a_scene_is_a_fault_of_it(folder: Path) -> None:
         scene_file.reads(SCENE + 'convex = "maybe"\n', folder=folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["implicit", "extrapolated"])
 def test_many_points_are_asked_about_over_the_range_of_their_numbers(method: str) -> None:
     paths = duhem.Paths.linear([[[0, 0], [3, 0.5]], [[0, 0], [0.1, 0]]], pressure=-1.0)

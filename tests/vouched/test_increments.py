@@ -21,6 +21,7 @@ OVAL = Criterion(
 DENT, FRONT = [-3.0, 0.0], [3.0, 0.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", mostly_long(NOT_CONVEX, "discs", "ovals", "flowers"))
 def test_where_k_is_not_convex_no_slip_is_called_one(family: str) -> None:
     rng = np.random.default_rng(11)
