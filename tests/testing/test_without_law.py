@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -41,6 +44,10 @@ def test_each_bug_is_told_by_the_right_check_first(name: str, bug: int, first: s
         assert len(failure.case) == 1
         assert violation(failure.check.name, None, EXAMPLES[name](bug)["update"], failure.case)
         assert violation(failure.check.name, None, EXAMPLES[name]()["update"], failure.case) is None
+        replay: dict[str, Callable[[], None]] = {}
+        exec(failure.replay(), replay)
+        with pytest.raises(AssertionError, match=re.escape(failure.message)):
+            replay[f"test_{failure.check.name.replace('-', '_')}"]()
 
 
 @pytest.mark.slow

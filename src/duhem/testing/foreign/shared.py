@@ -56,6 +56,9 @@ def watched(
     return codes, overwritten(changed)
 
 
+_DEFAULTS = {"parameters": {}, "variables": (), "solved": (0,), "column_major": False, "isolated": False, "seconds": SECONDS}
+
+
 class _Call:
     """A function and the meaning of its arguments."""
 
@@ -93,7 +96,7 @@ def _line(function: str, path: str | Path, *arguments: Any, **options: Any) -> s
     said = [
         repr(str(Path(path).resolve())),
         *map(repr, arguments),
-        *(f"{name}={value!r}" for name, value in options.items() if value not in ({}, (0,), (), False, SECONDS)),
+        *(f"{name}={value!r}" for name, value in options.items() if value != _DEFAULTS[name]),
     ]
     return f"from duhem.testing.foreign import {function}\nupdate = {function}({', '.join(said)})"
 
