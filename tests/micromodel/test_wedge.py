@@ -251,10 +251,11 @@ TRUTH: dict[str, tuple[Verdict, ...]] = {
     "kinks": (PROVED, UNDECIDED, UNDECIDED, UNDECIDED, UNDECIDED),
     "pole": (UNDECIDED,) * 5,
 }
+DEAR = ("inner loop", "flow turned beyond a right angle")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", TRUTH)
+@pytest.mark.parametrize("name", mostly_long(TRUTH, *(name for name in TRUTH if name not in DEAR)))
 def test_mutants_get_their_verdict(name: str) -> None:
     assert dict(zip(CLAIMS, TRUTH[name], strict=True)) == {c: v for c, v in verdicts(found(name)).items() if c in CLAIMS}
 
@@ -265,7 +266,7 @@ def test_a_curve_that_jumps_with_a_parameter_is_not_proved_from_one_choice() -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*TRUTH, "specimen", "wedge"])
+@pytest.mark.parametrize("name", [*mostly_long(TRUTH, *(name for name in TRUTH if name not in DEAR)), "specimen", "wedge"])
 def test_witnesses_hold_in_another_arithmetic(name: str) -> None:
     law = CURVES.get(name) or load("wedge")
     for result in found(name).results:

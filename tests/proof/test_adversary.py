@@ -107,9 +107,10 @@ ROWS = (
     Row("half-plane-without-origin", "1 - a", "cs", "od"),
 )
 
-DEAR = (  # half of the time of all
+DEAR = (  # most of the time of all
     *("branch-by-another", "norm-with-branch-root", "cubic-switch", "odd-powers"),
     *("hidden-square-root", "pole-at-one-value", "redundant-minimum", "pole-against"),
+    *("redundant-maximum", "square-of-ramp", "quartic-under-pressure", "thin-flow"),
 )
 
 

@@ -54,7 +54,7 @@ SMOOTH = [
     law(f"sqrt({J2} + 1/100) + (a + b + c)/5 - 1"),  # a tip rounded off
     law("a**2 + b**2 + c**2 - 1"),
     law("max(a**2 + b**2 + c**2 - 1, a - 2)"),  # a face that K does not reach
-    law("max(norm(a, b, c), 1/2) - 1"),  # a kink inside K
+    long(law("max(norm(a, b, c), 1/2) - 1")),  # a kink inside K
     long(law("norm(a, b, c) + pos(norm(a, b, c) - 2) - 1")),  # outside it
     long(law("pos(a)**2 + 2*neg(a)**2 + b**2 + c**2 - 1")),  # the gradient is continuous
     long(law("norm(pos(a)/2 + neg(a)/3, b, c) - 1")),

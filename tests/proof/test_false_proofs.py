@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import tomllib
 from collections import Counter
+from itertools import islice
 
 import pytest
 
@@ -20,10 +21,10 @@ VERIFIED = 9
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", mostly_long((len(FAMILIES), BY_THE_KERNEL), len(FAMILIES)))
-def test_the_kernel_confirms_nothing_false(count: int) -> None:
+@pytest.mark.parametrize("first, last", mostly_long([(6, 12), (0, BY_THE_KERNEL)], (6, 12)))  # of the first six one takes nine seconds
+def test_the_kernel_confirms_nothing_false(first: int, last: int) -> None:
     shown: Counter[str] = Counter()
-    for family, trap in traps(count):
+    for family, trap in islice(traps(last), first, None):
         try:
             confirmed = kernel_confirms(trap.law())
         except InputError:

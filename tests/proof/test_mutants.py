@@ -175,7 +175,7 @@ INADMISSIBLE = [
 MUTANTS = [*EQUIVALENT, *INADMISSIBLE]
 DEAR = (  # half of the time of all; of their kind another stays
     *("the normal to another length", "coefficients exchanged in the flow", "one component of the flow left out"),
-    *("the flow along the boundary of a disk", "a flat g away from the origin"),
+    *("the flow along the boundary of a disk", "the flow reversed", "squares lost in the flow", "a flat g away from the origin"),
 )
 
 
