@@ -199,3 +199,5 @@ def test_python_rechecks_with_the_kernel_alone(folder: Path) -> None:
 def test_no_name_of_a_file_is_said_to_be_none(name: str) -> None:
     with pytest.raises(InputError, match="no file is named"):
         duhem.recheck(name)
+    with pytest.raises(InputError, match="no file is named"):
+        CliRunner().invoke(cli, ["recheck", name], standalone_mode=False, catch_exceptions=False)

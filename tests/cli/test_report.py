@@ -126,6 +126,7 @@ def test_on_a_phone_no_formula_is_wider_than_its_line(tab: Browser, tmp_path: Pa
     lines = "[...document.querySelectorAll('.mathematics')]"
     assert tab.of(f"{lines}.length") == len(rows)
     assert tab.of(f"{lines}.filter(e => e.scrollWidth > e.clientWidth).map(e => e.textContent)") == []
+    assert tab.of(f"Math.min(...{lines}.map(e => e.clientWidth))") > 0.9 * 390  # its number takes none of it
 
 
 def test_a_file_that_is_read_is_not_written_over(run: Run, tmp_path: Path) -> None:

@@ -41,6 +41,13 @@ def test_the_name_of_a_law_is_no_file(folder):
     check_places(["a.csv", None, "b.csv"], ["coulomb"])
 
 
+def test_no_name_is_no_place(folder):
+    for attempt in (check_place, lambda file: check_places([None, file]), lambda file: write(file, "x")):
+        with pytest.raises(InputError, match="no file is named"):
+            attempt("")
+    assert sorted(os.listdir()) == ["law.toml", "sub"]
+
+
 def test_two_results_have_two_places(folder):
     with pytest.raises(InputError, match="two results"):
         check_places(["a.png", "sub/../a.png"])

@@ -10,6 +10,7 @@ import click
 from duhem.cli.arguments import read_fixed_law, settings_option
 from duhem.cli.exit_code import HELD, REFUTED
 from duhem.cli.output import page, say
+from duhem.errors import InputError
 from duhem.proof import recheck as rechecking
 
 __all__ = ["recheck"]
@@ -26,6 +27,8 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     about.  The last line counts what is confirmed and what the kernel has no rule for.  Ends with 1 if a proof that the
     certificate calls checked is not confirmed, or if the law is another.
     """
+    if not certificate.strip():
+        raise InputError("no file is named", where="CERTIFICATE", remedy="make one with: duhem verify LAW --certificate FILE")
     done = rechecking.recheck(Path(certificate))
     if law is not None:
         from duhem.proof.law_text import law_as_text

@@ -16,9 +16,11 @@ AnyPath = str | os.PathLike[str]
 def check_place(file: AnyPath, inputs: Iterable[AnyPath] = ()) -> None:
     """Raises InputError for a place that is no place for a result.
 
-    That is one in a folder that is not there, a directory, a link, a device or a pipe, what may not be written, and one of the
+    That is no name, one in a folder that is not there, a directory, a link, a device or a pipe, what may not be written, and one of the
     ``inputs`` (names of laws among them are of no file), however spelled: nothing that is read is written over.
     """
+    if not os.fspath(file):
+        raise InputError("no file is named", remedy="name one")
     folder = os.path.dirname(os.path.abspath(file))
     try:
         os.lstat(file)
