@@ -30,7 +30,7 @@ from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array, Status
 from duhem.testing import checks_for, conformance, pressures
 from tests.campaigns.increments import at_simplest, pressure_of, trials
-from tests.export.shared_library import Compiled, compiled
+from tests.export.shared_library import OPTIMISED, Compiled, compiled
 
 __all__ = ["measured"]
 
@@ -48,7 +48,7 @@ def measured(name: str, suite: bool) -> tuple[list[str], bool]:
     try:
         law = at_simplest(name)
         routine(law)
-        run = compiled(law)
+        run = compiled(law, options=OPTIMISED)
     except DuhemError as reason:
         return [str(reason).partition(";")[0], "-", "-"], False
     asked, pressure = trials(law), pressure_of(law)
@@ -85,7 +85,7 @@ def _suite(name: str) -> str:
     """Every check, of the tangent those that duhem's own are put to: with a pressure, the slope where differences resolve it."""
     law = _open(name)
     try:
-        run = compiled(law)
+        run = compiled(law, options=OPTIMISED)
     except DuhemError as reason:
         return str(reason).partition(";")[0]
     rest = [check for check in checks_for(law) if check.name not in ("slope", "multiplier")]

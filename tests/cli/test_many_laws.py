@@ -12,6 +12,7 @@ from duhem.screening.lines import VerdictLine, as_text
 Run = Callable[..., tuple[int, str, str]]
 
 
+@pytest.mark.slow
 def test_several_laws_have_a_line_each(run: Run, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """In their order, from whichever process each comes; what is wrong with one is said in its line."""
     monkeypatch.chdir(tmp_path)

@@ -20,7 +20,7 @@ from duhem.export.routine import routine
 from duhem.proof.certificate import certificate
 from duhem.testing import checks_for, conformance, pressures
 from duhem.testing.foreign import shared_library, umat
-from tests.export.shared_library import compiled, compiler, shared
+from tests.export.shared_library import OPTIMISED, compiled, compiler, shared
 from tests.long import mostly_long
 
 LAWS: dict[str, dict[str, Any]] = {"antoni2007": {}, "coulomb": {}, "superellipse": {"p": 3}, "polygon": {}, "tresca": {}, "von-mises": {}}
@@ -32,7 +32,7 @@ EYE = np.eye(2)
 @pytest.mark.parametrize("name", mostly_long(LAWS, "antoni2007", "superellipse"))
 def test_the_suite_finds_nothing(name: str) -> None:
     law = duhem.load(name).fix(LAWS[name])
-    run = compiled(law)
+    run = compiled(law, options=OPTIMISED)
     report = conformance(law, run, checks=SUITE, max_examples=3, rows=20, every=1)
     assert report.ok, str(report)
     assert report.flagged_share < 0.25 and report.points > 200  # stiffness and friction over six decades each

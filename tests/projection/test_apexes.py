@@ -55,6 +55,7 @@ def test_bent_sides_meet_in_an_apex(name: str, values: dict, apex: float, wide: 
     np.testing.assert_allclose(found.slip, asked - apex, rtol=1e-6, atol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ottosen", "abaqus-linear", "argyris", "bigoni-piccolroaz", "van-eekelen", "willam-warnke-tensor"])
 def test_on_the_hydrostatic_axis_a_stress_inside_stays(name: str) -> None:
     law = duhem.load(name)

@@ -93,6 +93,7 @@ def test_a_result_shows_itself(result: Any) -> None:
         assert plain and json.loads(json.dumps(plain, allow_nan=False)) == plain
 
 
+@pytest.mark.slow
 def test_what_a_user_wrote_is_shown_as_it_is() -> None:
     for name in ("Criterion", "Verification", "Derivation", "Differences"):
         assert HOSTILE in Read(made(name).to_html()).said, name

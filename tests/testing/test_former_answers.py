@@ -113,6 +113,7 @@ BUFFERS: list[tuple[Callable[[], Routine], str]] = [
 PLACE = {"stiffness": [1.0, 1.0], "pressure": -1.0}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("made", "part"), mostly_long(BUFFERS, BUFFERS[2], BUFFERS[5], BUFFERS[6], BUFFERS[7]), ids=[made.__name__ for made, _ in BUFFERS]
 )

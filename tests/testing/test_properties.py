@@ -61,7 +61,7 @@ SMOOTH = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.PRO
 CORNERS = [name for name, _ in ALWAYS if KNOWN[name]["smoothness"] is Verdict.REFUTED]
 
 CASES = [(*law, method) for law in [*ALWAYS, *AT_VALUES] for method in METHODS]
-SELDOM = {"newton": 3, "cvxpy": 6}  # of so many laws each run asks a dear method about one; a method of ones own is asked about all
+SELDOM = {"newton": 4, "cvxpy": 13}  # of so many laws each run asks a dear method about one; a method of ones own is asked about all
 EVERY_RUN = [case for i, case in enumerate(CASES) if i // len(METHODS) % SELDOM.get(case[2], 1) == 0]
 TANGENT = [name for name, imported in METHODS.items() if imported().tangent is not None]
 
