@@ -30,6 +30,7 @@ def test_it_prints_or_writes_the_same(run: Run, tmp_path: Path) -> None:
     assert code == 0 and "subroutine fric(" in out and "mu = 3/10" in out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [

@@ -183,6 +183,7 @@ def test_where_zero_stress_is_no_inner_point_another_is_found() -> None:
         assert run.one([x + 0.1, 0.0], 0.0, EYE, [x])[0] == 0
 
 
+@pytest.mark.slow
 def test_results_may_take_the_places_of_what_is_given() -> None:
     run = compiled(duhem.load("coulomb"))
     trial, k, own = np.array([3.0, -4.0]), np.array([[3.0, 0.5], [0.5, 1.0]]), np.array([0.3])
@@ -192,6 +193,7 @@ def test_results_may_take_the_places_of_what_is_given() -> None:
     assert status == expected[0] and (trial == expected[1]).all() and (k == expected[4]).all()
 
 
+@pytest.mark.slow
 def test_no_state_and_no_memory_of_its_own() -> None:
     text = c_file(duhem.verify("antoni2007", claims=["convexity"]))
     code = re.sub(r"/\*.*?\*/", "", text, flags=re.S)
@@ -267,6 +269,7 @@ def test_a_user_puts_the_umat_to_the_suite(isolated: bool, tmp_path: Path) -> No
     assert report.ok and needed <= {*report.passed}, str(report)
 
 
+@pytest.mark.slow
 def test_a_set_that_is_not_convex_is_refused() -> None:
     done = duhem.verify("quartic", claims=["convexity"])
     for write in (c_file, fortran_file):
@@ -294,6 +297,7 @@ def call(subroutine: Any, *arguments: Any) -> None:
     subroutine(*(ctypes.c_void_p(x.ctypes.data) for x in kept))
 
 
+@pytest.mark.slow
 def test_fric_is_the_increment(tmp_path: Path) -> None:
     law = duhem.load("coulomb")
     library, run = fortran(law, tmp_path), compiled(law)

@@ -176,6 +176,7 @@ def test_orders_on_the_circle():
     assert fine[0] * 400 == pytest.approx(math.pi, rel=0.1)
 
 
+@pytest.mark.slow
 def test_constants_of_the_errors_at_the_end_of_three_quarters_of_a_turn():
     """k rho/a = 3: implicit 2.4/n, two implicit runs extrapolated 1.5/n^2, exact on each chord 5.9/n^2."""
     n, limit = 300, 0.2
@@ -277,6 +278,7 @@ def test_a_set_that_is_not_convex_is_said_to_be_none(waist: str, convex: bool) -
     assert ("K is not convex" in done.why) is not convex
 
 
+@pytest.mark.slow
 def test_slip_that_begins_at_a_tip_has_no_direction() -> None:
     with pytest.raises(DuhemError, match="K has no normal at the stress"):
         simulate("sap", Path.linear([[0, 0, 0], [1, 0, 0]]), stiffness=1.0, parameters={"mu": 1}, method="exact")

@@ -64,6 +64,7 @@ def test_along_an_axis_the_equation_is_the_elementary_solution():
     assert abs(equation.multiplier[3] - equation.multiplier[1] - slipped) < 1e-13
 
 
+@pytest.mark.slow
 def test_between_the_knots_the_stress_lies_on_the_boundary():
     history = simulate("coulomb", Path.linear(KNOTS[:5], pressure=LOAD[:5]), stiffness=1.0, parameters={"mu": 0.3}, method="exact")
     seen = trajectory(history, 8).states

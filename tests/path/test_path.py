@@ -103,6 +103,7 @@ def test_order_of_convergence(method, order):
 # -- one dimension ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("plus", "minus"), [(0.3, 0.3), (0.33, 0.29), (0.5, 0.1)])
 def test_area_of_a_hysteresis_loop(method, plus, minus):

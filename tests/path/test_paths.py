@@ -235,6 +235,7 @@ def test_the_table_holds_every_digit(tmp_path):
     assert np.array_equal(read, found.to_array()) and lines[5].startswith("1,0.0,")
 
 
+@pytest.mark.slow
 def test_blocks_are_whole_and_never_empty():
     for n, m in ((1, 2), (4031, 5), (8065, 5), (100, 300_000)):
         paths = Paths.scaled(Path.linear(np.zeros(m)), np.ones(n))

@@ -249,6 +249,7 @@ def test_a_signal_ends_a_process_as_ctrl_c_does(folder, sent):
     assert ran.returncode == 130 and "2 of 5 points" in ran.stderr
 
 
+@pytest.mark.slow
 def test_a_parquet_table_holds_the_same_numbers(folder, monkeypatch):
     parquet = pytest.importorskip("pyarrow.parquet")
     monkeypatch.setattr(growing_table, "_LINES", 3)

@@ -147,6 +147,7 @@ def test_steps_that_know_their_knots_only_have_no_rows_in_between(method):
     assert np.array_equal(np.flatnonzero(seen.slips), np.flatnonzero(np.diff(history.multiplier) > 0.0) + 1)
 
 
+@pytest.mark.slow
 def test_left_out_the_number_of_rows_is_bounded_and_a_wrong_one_is_named():
     history = run("line", substeps=1000)
     assert len(trajectory(history).states) == len(history) == 9001

@@ -34,6 +34,7 @@ def test_witnesses_are_legible(law: str) -> None:
     assert sum("refuted" in place.get_title() for place in places) >= 1 and faults(places[0].figure) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("letters", [pytest.param(12, marks=pytest.mark.long), 40], ids=str)
 def test_names_of_many_letters_keep_to_their_own_panel(letters: int) -> None:
     forces = ("s" * letters, "w" * letters)
@@ -43,6 +44,7 @@ def test_names_of_many_letters_keep_to_their_own_panel(letters: int) -> None:
     assert (sizes == {10.0}) == (letters == 12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wide", "high", "unit", "said"),
     [

@@ -70,6 +70,7 @@ def test_corners_are_where_they_are_with_the_normals_of_both_sides() -> None:
         assert {tuple(np.round(normal, 6) + 0.0) for normal in (corner.before, corner.after)} == wanted
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "count"), [("polygon", 12), ("tresca", 6), ("plesha", 1), ("coulomb", 0), ("antoni2007", 0), ("superellipse", 0)]
 )
@@ -268,6 +269,7 @@ def test_a_witness_is_drawn_where_it_is() -> None:
     assert drawn == stress and np.array_equal(shown.way, [stress["p"], stress["q"]])
 
 
+@pytest.mark.slow
 def test_sections_beside_a_witness_are_at_its_numbers() -> None:
     law = duhem.Criterion(
         name="dented",
@@ -288,6 +290,7 @@ def test_a_witness_at_other_numbers_than_its_sheet_says_them() -> None:
     assert _refuted(shown, given("quartic", mu=7, c=c)) == f"convexity refuted at mu = {shown.numbered.values()['mu']}"
 
 
+@pytest.mark.slow
 def test_a_witness_in_rays_of_k_is_not_said_to_lie_where_k_is_not() -> None:
     found = duhem.verify("matsuoka-nakai", claims="convexity", effort="quick")
     shown = violation(found.criterion, found["convexity"]).section

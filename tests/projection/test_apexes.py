@@ -151,9 +151,9 @@ def test_a_cone_about_the_hydrostatic_axis_in_six_stresses_is_that_of_its_princi
 @pytest.mark.parametrize(
     ("formula", "apex", "pull"),
     [
-        ("norm(sigma_a, sigma_b) - sigma_c", 0.0, (1.0, 1.0)),
+        pytest.param("norm(sigma_a, sigma_b) - sigma_c", 0.0, (1.0, 1.0), marks=pytest.mark.long),
         ("norm(2*sigma_a, sigma_b) - sigma_c", 0.0, (2.0, 1.0)),
-        ("norm(sigma_a, sigma_b) - sigma_c - 3", -3.0, (1.0, 1.0)),
+        pytest.param("norm(sigma_a, sigma_b) - sigma_c - 3", -3.0, (1.0, 1.0), marks=pytest.mark.long),
     ],
 )
 def test_slips_of_a_round_apex_are_told_from_those_beside(formula: str, apex: float, pull: tuple[float, float]) -> None:

@@ -179,6 +179,7 @@ def test_an_apex_is_met_by_what_supports_it(name: str, values: dict[str, Any], t
         assert found.multiplier * 3 * float(question.parameters["alpha"]) == pytest.approx(found.slip.sum(axis=1), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_where_the_search_from_the_boundary_fails_one_from_nearby_does_not() -> None:
     """Next to where a logarithm ends, and where a face is the greatest of the pieces inside but another one ends the way."""
     for name, trials in (

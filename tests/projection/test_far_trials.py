@@ -59,6 +59,7 @@ def test_what_is_vouched_for_is_right_however_far_the_trial(g: str, size: int) -
     assert (off[slips] <= ACCURACY * w).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("g", "trial", "w"),
     [

@@ -110,6 +110,7 @@ def test_a_stick_where_g_is_beyond_doubles_is_inaccurate(g: str, far: float) -> 
         assert not (found.worst() <= 1e-7).any()
 
 
+@pytest.mark.slow
 def test_corners_are_judged_by_their_cone(monkeypatch: pytest.MonkeyPatch) -> None:
     """At a corner of the box any slip between the two normals is right, and no other."""
     law = Criterion("corner", "max(abs(sigma_a), abs(sigma_b)) - abs(sigma_n)", {})
@@ -336,6 +337,7 @@ def test_multipliers_where_k_is_one_point() -> None:
         assert smooth.multiplier == pytest.approx(np.hypot(*trial.T) / 2, rel=1e-14)
 
 
+@pytest.mark.slow
 def test_a_wrong_point_at_no_pressure_is_inaccurate(monkeypatch: pytest.MonkeyPatch) -> None:
     """A line is no point: the origin is right for one slip only."""
     law = Criterion("line", "abs(sigma_a - 2*sigma_b) - abs(sigma_n)")

@@ -85,6 +85,7 @@ def test_a_second_process_computes_the_same_without_numba(script: str, through_n
     assert done.stdout == before
 
 
+@pytest.mark.slow
 def test_what_is_kept_is_run_where_numba_was_imported_too(through_numba: tuple[Path, bytes], monkeypatch: pytest.MonkeyPatch) -> None:
     _, before = through_numba
     run = kept_code.compiled_text.__wrapped__(TEXT, "run")

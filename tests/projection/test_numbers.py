@@ -64,6 +64,7 @@ def test_a_formula_that_cancels_vouches_for_nothing(load: float) -> None:
     assert (wrong.status[off > ACCURACY] == Status.INACCURATE).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [1e-290, 1e-80, 1.0, 1e150, 1e290])
 def test_powers_beyond_doubles(load: float) -> None:
     """The multiplier of a quartic law is of degree -2: where no double holds it, it is 0 or inf."""

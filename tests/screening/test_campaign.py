@@ -145,6 +145,7 @@ def test_a_finished_table_in_csv_is_asked_anew_as_it_says_not_what_was_asked(fol
     assert said == [(0, "proved", 0), (1, "refuted", 1)]
 
 
+@pytest.mark.slow
 def test_a_finished_campaign_in_parquet_has_nothing_left_to_do(folder, monkeypatch):
     pytest.importorskip("pyarrow")
     monkeypatch.setattr(entry, "Pool", InProcess)

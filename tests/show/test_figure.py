@@ -274,6 +274,7 @@ def test_a_run_is_drawn_along_its_own_curve_with_marks_at_its_knots() -> None:
     assert gauge(edge) == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_steps_whose_way_is_not_known_look_otherwise() -> None:
     def slips(history: duhem.History):
         (line,) = (line for line in history.plot(ax=Sheet().subplots()).lines if line.get_label().startswith("slips"))

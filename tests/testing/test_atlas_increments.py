@@ -88,6 +88,7 @@ def test_a_law_is_driven_along_a_path(name: str) -> None:
     assert np.abs(history.balance).max() < 1e-9 * (1 + history.work.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", mostly_long(OWN_FLOW, *OWN_FLOW[::4]))
 def test_a_law_with_a_flow_of_its_own_has_no_closest_point(name: str) -> None:
     law = fixed(name)

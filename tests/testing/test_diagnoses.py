@@ -235,6 +235,7 @@ UNLIKE: dict[str, tuple[Part, Routine]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", UNLIKE)
 def test_nothing_is_said_of_a_routine_that_does_none_of_these(name: str) -> None:
     part, update = UNLIKE[name]

@@ -393,6 +393,7 @@ def test_files_that_cannot_be_used_and_a_run_that_is_stopped(pytester: pytest.Py
 # -- snapshots ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_snapshot_is_kept_beside_the_test_and_compared(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(test_it='def test_law(duhem_snapshot):\n    duhem_snapshot("coulomb", {"mu": 0.5}, claims=["origin"])\n')
     done = tried(pytester)

@@ -128,6 +128,7 @@ def test_duhems_own_routine_is_made_again() -> None:
     assert found["update"](np.array([[1.0, 0.0]]), np.array([-1.0]), np.eye(2)).stress[0].tolist() == [0.3, 0.0]
 
 
+@pytest.mark.slow
 def test_a_law_of_a_file_is_read_from_it(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     file.write_text(

@@ -66,6 +66,7 @@ def test_require_refuses_every_integrator(method: str) -> None:
     duhem.simulate(OVAL, FRONT, stiffness=1.0, parameters=ROUND, method=method, convex="require")
 
 
+@pytest.mark.slow
 def test_an_open_contact_is_asked_about_too() -> None:
     lifted = duhem.Path.linear([[0, 0], [3, 0.5], [3, 1]], pressure=[-1.0, -0.5, 0.0])
     found = duhem.simulate(OVAL, lifted, stiffness=1.0, parameters=ROUND, convex="require")

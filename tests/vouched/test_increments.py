@@ -42,6 +42,7 @@ def test_where_k_is_not_convex_no_slip_is_called_one(family: str) -> None:
     assert farther > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("d", mostly_long([3, 4, 6], 3))
 @pytest.mark.parametrize("family", IN_SPACE)
 def test_the_same_in_more_forces(family: str, d: int) -> None:
@@ -57,6 +58,7 @@ def test_the_same_in_more_forces(family: str, d: int) -> None:
     assert (away[said] > nearest[said]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", CONVEX)
 def test_a_convex_neighbour_slips_or_is_open_and_is_never_inaccurate(family: str) -> None:
     g, edge = CONVEX[family](np.random.default_rng(5))
@@ -68,6 +70,7 @@ def test_a_convex_neighbour_slips_or_is_open_and_is_never_inaccurate(family: str
     assert slips.any() and (np.linalg.norm(trial - done.stress, axis=1)[slips] <= nearest + GRID).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pressure", [-1e-9, -1.0, -7.3, -1e12])
 @pytest.mark.parametrize("stiffness", [((1.0, 0.0), (0.0, 1.0)), ((1.0, 0.0), (0.0, 100.0)), ((2.0, 1.0), (1.0, 3.0))])
 def test_a_dent_is_told_at_every_pressure_and_stiffness(pressure: float, stiffness: tuple[tuple[float, float], ...]) -> None:
@@ -91,6 +94,7 @@ def test_far_and_near_trials_are_told_alike(far: float) -> None:
     assert done.status[0] == (Status.STATIONARY if far < 1.1 else Status.INACCURATE)
 
 
+@pytest.mark.slow
 def test_a_superellipse_with_hollow_sides() -> None:
     star = law("sqrt(abs(a)) + sqrt(abs(b)) - 1")
     t = np.linspace(0.0, 1.0, 4001)
@@ -105,6 +109,7 @@ def test_a_superellipse_with_hollow_sides() -> None:
     assert stationary.any() and (away[stationary] <= nearest[stationary] + 1e-3).all()
 
 
+@pytest.mark.slow
 def test_a_point_is_told_alike_alone_and_among_others() -> None:
     trial = np.random.default_rng(4).normal(size=(12, 2)) * 2.0
     pressure = -np.random.default_rng(5).uniform(0.5, 2.0, 12)
@@ -114,6 +119,7 @@ def test_a_point_is_told_alike_alone_and_among_others() -> None:
     assert together.tolist() == alone
 
 
+@pytest.mark.slow
 def test_require_refuses_and_assume_does_not_ask() -> None:
     dented, round_ = {"mu": 1, "e": "0.8"}, {"mu": 1, "e": "0.4"}
     with pytest.raises(duhem.InputError, match=r"^convex: that K of oval is convex is refuted"):
@@ -129,6 +135,7 @@ def test_another_word_is_refused(convex: object) -> None:
         duhem.project("coulomb", [1.0, 0.0], -1.0, parameters={"mu": 1}, convex=convex)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_nearer_point_is_no_more_than_rounding_at_the_closest_point() -> None:
     """On a K that is shown to be convex the search finds nothing either: what it calls nearer is nearer."""
     trial = np.random.default_rng(7).normal(size=(60, 2)) * np.logspace(-3, 6, 60)[:, None]

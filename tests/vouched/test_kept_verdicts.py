@@ -128,6 +128,7 @@ assert not [name for name in sys.modules if name.startswith("duhem.proof")], "a 
 """
 
 
+@pytest.mark.slow
 def test_a_second_process_loads_no_prover(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("DUHEM_CACHE_DIR", str(tmp_path))
     assert convexity._verdict.__wrapped__(duhem.load("von-mises")) == "proved"
