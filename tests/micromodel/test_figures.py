@@ -314,6 +314,18 @@ def test_every_figure_names_its_axes_and_its_source(name: str) -> None:
         assert [layer for layer in panel.layers if isinstance(layer, (Curve, Arrows)) and layer.label]
 
 
+@pytest.mark.parametrize("name", mostly_long(DRAWN, DRAWN[0]))
+def test_every_curve_is_told_from_the_others_without_colour(name: str) -> None:
+    pytest.importorskip("matplotlib")
+    from duhem.micromodel.figures.drawing import draw
+
+    figure = default(name)
+    assert isinstance(figure, Figure)
+    for axes in draw(figure).axes:
+        looks = [str(line._unscaled_dash_pattern) for line in axes.lines if line.get_marker() == "None" and line.get_label()[0] != "_"]
+        assert len({*looks}) == len(looks)
+
+
 # ---- the command
 
 

@@ -14,7 +14,7 @@ import duhem
 from duhem.errors import InputError, MissingExtraError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
-from duhem.portrait.lines import _turns
+from duhem.portrait.lines import _turns, traced
 from duhem.portrait.numbers import Numbered, numbered
 from duhem.portrait.plane import named, usual
 from duhem.portrait.section import View, section
@@ -80,6 +80,15 @@ def test_nothing_round_has_a_corner_and_no_corner_is_missed(law: str, count: int
     assert len(found.corners) == count
     turns = [np.degrees(np.abs(_turns(line.points))).max() for line in found.lines]
     assert max(turns) < 135.0  # no line runs back and forth
+
+
+def test_a_line_goes_round_a_polygon_without_going_back() -> None:
+    draw = np.random.default_rng(1)
+    for sides in (3, 4, 5, 6) * 4:
+        ways = (np.arange(sides) + draw.uniform(0.0, 0.45, sides)) * 2.0 * pi / sides
+        normals, reach = np.column_stack([np.cos(ways), np.sin(ways)]), draw.uniform(0.4, 1.0, sides)
+        (line,), _ = traced(lambda at, n=normals, r=reach: (at @ n.T - r).max(axis=-1), (-5.0, 5.1, -5.0, 5.1))
+        assert np.diff(np.unwrap(np.arctan2(*line.points.T[::-1]))).min() > 0.0
 
 
 @pytest.mark.parametrize("power", [1.5, 2.0, 4.0])

@@ -10,6 +10,9 @@ from duhem.show import figure
 pytest.importorskip("matplotlib")
 
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tests.oracles.legible import faults
 
 
 @pytest.mark.slow
@@ -29,6 +32,19 @@ def test_rows_of_flat_axes_leave_no_blank_sheet() -> None:
     assert blank < 0.1 * sheet.bbox.height  # once 0.6 of it
     widths = [box.width for box in axes]
     assert min(widths) > 0.4 * sheet.bbox.width
+
+
+def test_numbers_do_not_touch_where_another_resolution_gives_an_axis_a_little_more_room() -> None:
+    def paint(axes: Axes) -> None:
+        axes.set(xlim=(-0.62, -0.435), ylim=(0.456, 0.641))
+        figure.measure(axes.xaxis, "a")
+        figure.measure(axes.yaxis, "b")
+
+    sheet = figure.drawn(paint, size=(3.4, 3.0))[0].figure
+    assert isinstance(sheet, Figure)
+    sheet.set_figwidth(3.57)
+    with figure.style():
+        assert not faults(sheet)
 
 
 def test_a_note_keeps_clear_of_the_way_between_points() -> None:

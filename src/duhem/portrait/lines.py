@@ -200,6 +200,7 @@ def _zoomed(level: Level, before: Array, here: Array, after: Array) -> list[tupl
     first: list[Array] = [np.empty((0, 2)) for _ in before]
     a, b = before, after
     bulge = here
+    sharpest = np.zeros(len(a), dtype=int)
     good = np.ones(len(a), dtype=bool)
     fine = np.stack([before, here, after], axis=1)
     turned = []
@@ -210,6 +211,7 @@ def _zoomed(level: Level, before: Array, here: Array, after: Array) -> list[tupl
         if zoom == 0:
             first = list(fine[:, 1:-1])
         most = np.abs(_turns(fine)).argmax(axis=1)
+        sharpest = most if zoom == 0 else sharpest  # the tip is beside this point of the stretch
         row = np.arange(len(a))
         a, bulge, b = fine[row, most], fine[row, most + 1], fine[row, most + 2]
     fades = np.all([later < _FADES * sooner for sooner, later in pairwise(turned[1:])], axis=0)
@@ -230,11 +232,19 @@ def _zoomed(level: Level, before: Array, here: Array, after: Array) -> list[tupl
         if not _meets(level, tip, fine[i, 0], fine[i, -1], np.pi - float(abs(turn))):
             result.append((stretch, None))
             continue
-        chord = after[i] - before[i]
-        beside = int(((stretch - before[i]) @ chord < (tip - before[i]) @ chord).sum())
+        beside = int(sharpest[i]) + _comes_before(stretch[sharpest[i]] - tip, one, two)
         line = np.vstack([stretch[:beside], tip[None], stretch[beside:]])
         result.append((line, Vertex(tip, _right(one), _right(two))))
     return result
+
+
+def _comes_before(way: Array, one: Array, two: Array) -> bool:
+    """Whether what lies a ``way`` off a tip is on the side that leads to it along ``one``, not on that which leads away along ``two``."""
+    one, two = one / (np.hypot(*one) or 1.0), two / (np.hypot(*two) or 1.0)
+    if one @ two > 0.0:
+        return bool(way @ (one + two) < 0.0)
+    off = [abs(way[0] * side[1] - way[1] * side[0]) for side in (one, two)]  # of a sharp tip both sides lead the same way
+    return bool(off[0] < off[1])
 
 
 def _meets(level: Level, tip: Array, before: Array, after: Array, opening: float) -> bool:

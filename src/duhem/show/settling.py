@@ -36,6 +36,7 @@ def settle(sheet: Figure, places: tuple[Axes, ...]) -> None:
     _uncrowd(sheet, places)
     if _trimmed(sheet, places):
         _uncrowd(sheet, places)
+    _keep_counts(places)
     for axes in places:
         notes = [text for text in axes.texts if isinstance(text, Annotation) and text.get_gid() == NOTE]
         taken = [_mark(sheet, axes, note.xy) for note in notes]
@@ -118,6 +119,15 @@ def _uncrowd(sheet: Figure, places: tuple[Axes, ...], rounds: int = 6) -> None:
             fewer = max(2, len(axis.get_majorticklocs()) - 3)
             logarithmic = isinstance(axis.get_major_locator(), LogLocator)
             axis.set_major_locator(LogLocator(numticks=fewer) if logarithmic else MaxNLocator(fewer - 1, steps=[1, 2, 2.5, 5, 10]))
+
+
+def _keep_counts(places: tuple[Axes, ...]) -> None:
+    """As many numbers on each axis as it has now: at another resolution a little more room would bring others, which may touch."""
+    from matplotlib.ticker import AutoLocator, MaxNLocator
+
+    for axis in (axis for axes in places for axis in (axes.xaxis, axes.yaxis)):
+        if isinstance(axis.get_major_locator(), AutoLocator):
+            axis.set_major_locator(MaxNLocator(min(max(axis.get_tick_space(), 1), 9), steps=[1, 2, 2.5, 5, 10]))
 
 
 def _brought_in(axis: Axis) -> bool:

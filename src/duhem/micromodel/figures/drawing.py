@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = ["draw", "save"]
 
-_SIDES = {"left": ((-7, 0), "right", "center"), "above left": ((-4, 4), "right", "bottom"), "below right": ((4, -4), "left", "top")}
+_DOTS = show.pen(3)["linestyle"]  # grey is told from the first of the palette by its dots
+_SIDES = {"left": ((-7, 0), "right", "center"), "above left": ((-4, 4), "right", "bottom"), "below right": ((5, -2), "left", "top")}
 
 
 def draw(figure: Figure) -> Sheet:
@@ -81,7 +82,7 @@ def _draw(layer: Layer, axes: Axes, order: float) -> None:
 
 @_draw.register(Curve)
 def _(layer: Curve, axes: Axes, order: float) -> None:
-    dash = "-" if layer.hue is None else show.pen(layer.hue)["linestyle"]
+    dash = _DOTS if layer.hue is None else show.pen(layer.hue)["linestyle"]
     axes.plot(layer.x, layer.y, color=_colour(layer.hue), linestyle=dash, linewidth=1.8, label=layer.label or "_", zorder=order)
 
 
