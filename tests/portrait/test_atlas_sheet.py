@@ -29,8 +29,8 @@ def test_a_law_of_the_atlas_is_filled_by_its_verdict() -> None:
     (hill,) = (law for law in entries("metals") if law.name == "hill90")
     (place,) = atlas_sheet([hill])
     assert place.get_title() == "hill90\nnormality refuted"
-    (patch,) = place.patches
-    assert patch.get_label() == "$K$ convex: refuted" and patch.get_hatch() == "xxx"
+    area, lines = place.patches
+    assert area.get_label() == lines.get_label() == "$K$ convex: refuted" and lines.get_hatch() == "xxx"
     assert [patch.get_label() for patch in atlas_sheet([replace(hill, verdicts=dict.fromkeys(hill.verdicts, "proved"))])[0].patches] == [
         "$K$ convex: proved"
     ]

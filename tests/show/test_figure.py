@@ -3,6 +3,7 @@
 import io
 import math
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -26,6 +27,7 @@ pytest.importorskip("matplotlib")
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Sheet
+from matplotlib.patches import Rectangle
 
 from tests.long import mostly_long
 from tests.oracles.legible import faults
@@ -333,6 +335,17 @@ def test_nothing_of_the_readers_settings_changes_and_none_of_them_matters(tmp_pa
         scene().plot(tmp_path / "odd.svg")
         assert dict(matplotlib.rcParams) == before
     assert (tmp_path / "odd.svg").read_bytes() == (tmp_path / "plain.svg").read_bytes()
+
+
+def test_lines_over_an_area_are_as_faint_in_a_file_as_on_the_screen() -> None:
+    def paint(axes: Any) -> None:
+        figure.hatched(axes, Rectangle((0.2, 0.2), 0.5, 0.5, alpha=0.3, label="area"), "xx", "black")
+        figure.legend_below((axes,))
+
+    svg = figure.as_svg(figure.drawn(paint))
+    assert svg.count("fill: url(#") == 2 and 'stroke-opacity: 0.3"' in svg  # in the picture and in its one entry of the legend
+    assert svg.count("<!-- area -->") == 1
+    assert not re.search(r"fill: url\(#\w+\)[^\"]*opacity", svg)
 
 
 def test_colours_differ_in_grey_or_by_their_marks() -> None:

@@ -25,8 +25,8 @@ _COLUMNS = 8
 _TITLE = "The atlas: a section of each law at plain numbers, verdicts over the whole domain of its file"
 _LOOKS: dict[str, dict[str, Any]] = {
     "proved": {"facecolor": figure.palette(0), "alpha": 0.3, "label": "$K$ convex: proved"},
-    "refuted": {"facecolor": figure.palette(1), "alpha": 0.45, "hatch": "xxx", "edgecolor": "black", "label": "$K$ convex: refuted"},
-    "open": {"facecolor": "0.75", "alpha": 0.6, "hatch": "...", "edgecolor": "black", "label": "$K$ convex: open"},
+    "refuted": {"facecolor": figure.palette(1), "alpha": 0.45, "lines": "xxx", "label": "$K$ convex: refuted"},
+    "open": {"facecolor": "0.75", "alpha": 0.6, "lines": "...", "label": "$K$ convex: open"},
 }
 _TOLD = ("origin", "normality", "dissipation")
 

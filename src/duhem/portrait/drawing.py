@@ -82,8 +82,8 @@ def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
     axes.set_title("\n".join(line for line in lines if line))
 
 
-def fill(axes: Axes, found: View, **look: Any) -> None:
-    """The area of K: what its lines enclose, or where they leave the window, what the values on the grid say."""
+def fill(axes: Axes, found: View, lines: str = "", **look: Any) -> None:
+    """The area of K, perhaps with ``lines`` over it: what its boundary encloses, or where that leaves the window, what the grid says."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
 
@@ -101,8 +101,13 @@ def fill(axes: Axes, found: View, **look: Any) -> None:
         ]
     else:
         return
-    if paths:
-        axes.add_patch(PathPatch(Path.make_compound_path(*paths), **look))
+    if not paths:
+        return
+    area = PathPatch(Path.make_compound_path(*paths), **look)
+    if lines:
+        figure.hatched(axes, area, lines, "black")
+    else:
+        axes.add_patch(area)
 
 
 def _filled_edge(found: View) -> bool:
@@ -122,19 +127,9 @@ def _fans(axes: Axes, corners: Iterable[Vertex], size: float) -> None:
         angles = start + np.linspace(0.0, turn, 24)
         rim = corner.point + size * np.column_stack([np.cos(angles), np.sin(angles)])
         area = np.vstack([corner.point, rim])
-        axes.add_patch(
-            Polygon(
-                area,
-                closed=True,
-                facecolor=_ORANGE,
-                alpha=0.35,
-                hatch="///",
-                edgecolor=_DARK,
-                linewidth=0,
-                zorder=2.5,
-                label="_" if i else "normal cone at a corner",
-            )
-        )
+        label = "_" if i else "normal cone at a corner"
+        cone = Polygon(area, closed=True, facecolor=_ORANGE, alpha=0.35, linewidth=0, zorder=2.5, label=label)
+        figure.hatched(axes, cone, "///", _DARK)
         ways = start + np.linspace(0.0, turn, 2 + (_SPREAD if abs(turn) > 0.8 else 0))
         _arrows(axes, [Arrow(corner.point, np.array([np.cos(w), np.sin(w)])) for w in ways], size, _DARK, "", True)
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
 __all__ = [
     "EDGE",
@@ -28,6 +29,7 @@ __all__ = [
     "as_svg",
     "check",
     "drawn",
+    "hatched",
     "legend",
     "legend_below",
     "listed",
@@ -261,22 +263,40 @@ def snug(places: tuple[Axes, ...]) -> None:
 
 
 def legend_below(places: tuple[Axes, ...]) -> None:
-    """One legend for several axes, below them all; on the first of them where the sheet does not make room for it."""
+    """One legend for several axes, below them all; on the first of them where the sheet does not make room for it.
+
+    What has one label on the same axes is one entry, drawn over each other.
+    """
+    from matplotlib.legend_handler import HandlerTuple
+
     named: dict[str, Any] = {}
     for axes in places:
+        own: dict[str, tuple[Any, ...]] = {}
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            named.setdefault(_entry(label), handle)
+            own[_entry(label)] = (*own.get(_entry(label), ()), handle)
+        named = own | named
     if not named:
         return
+    entries = {"handles": [*named.values()], "labels": [*named], "handler_map": {tuple: HandlerTuple(ndivide=1)}}
     sheet = _sheet_of(places)
     if sheet.get_layout_engine() is None:
-        places[0].legend(list(named.values()), list(named), loc="best")
+        places[0].legend(**entries, loc="best")
         return
     for columns in range(len(named), 0, -1):
-        made = sheet.legend(list(named.values()), list(named), ncols=columns, loc="outside lower center")
+        made = sheet.legend(**entries, ncols=columns, loc="outside lower center")
         if made.get_window_extent().width <= sheet.bbox.width or columns == 1:
             return
         made.remove()
+
+
+def hatched(axes: Axes, area: Patch, lines: str, colour: str) -> None:
+    """Add an area with lines over it, as faint as it is: a patch of their own, for in one patch a file in SVG fades them twice."""
+    from matplotlib.colors import to_rgba
+    from matplotlib.patches import PathPatch
+
+    look = {"facecolor": "none", "edgecolor": to_rgba(colour, area.get_alpha()), "linewidth": 0.0, "hatch": lines}
+    axes.add_patch(area)
+    axes.add_patch(PathPatch(area.get_path(), **look, zorder=area.get_zorder(), label=str(area.get_label())))
 
 
 def note(axes: Axes, words: str, at: tuple[float, float]) -> None:
