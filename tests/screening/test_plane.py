@@ -130,6 +130,13 @@ def test_a_summary_draws_as_many_marks_as_there_are_verdicts():
     assert drawn == {"proved": 1, "refuted": 3, "undecided": 1, "no verdict": 1}
 
 
+def test_on_the_line_of_a_claim_no_verdict_hides_another():
+    counts = Counts(file.reads(CAMPAIGN))
+    axes = counts.summary(lines=tuple(counts.passing(iter(table())))).plot(axes=("mu",))
+    marks = [{*zip(one.get_xdata(), one.get_ydata(), strict=True)} for one in axes[0].lines]
+    assert len(set().union(*marks)) == sum(map(len, marks))
+
+
 def test_what_has_no_plane_is_not_asked_first(tmp_path):
     place = tmp_path / "campaign.toml"
     for text, options, word in (

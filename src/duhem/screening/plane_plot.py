@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["check", "plot", "plot_table"]
 
 _LOOKED_AT = 64  # rows, before a long run
+_RIM = 0.08  # of a mark, white: what lies below it ends where it begins, for an eye that takes their hues for one too
+_LANE = 0.1  # inches between the marks of two verdicts on the line of a claim
 _CROWD = 400  # points of one verdict in a panel; the marks of more are smaller, so that the few stand out
 
 
@@ -46,7 +48,7 @@ _LOOKS: Mapping[str, _Look] = {
     "flagged": _Look("X", figure.palette(1), 6.5),
     "wrong": _Look("P", figure.palette(3), 6.5),
     "xpassed": _Look("P", figure.palette(3), 6.5),
-    "undecided": _Look("D", figure.palette(4), 5.0),
+    "undecided": _Look("d", figure.palette(4), 6.5),
     NO_VERDICT: _Look("*", "black", 5.5),
 }
 _OTHER = _Look("P", figure.palette(3), 6.0)
@@ -92,7 +94,7 @@ def _plot(lines: Callable[[], Iterable[VerdictLine]], file: figure.Target | None
             _paint(place, panel, seen)
         figure.legend_below(places)
 
-    size = (4.2, 3.6) if len(seen.axes) == 2 else (6.4, 1.5 + 0.4 * len(seen.claims))
+    size = (4.2, 3.6) if len(seen.axes) == 2 else (6.4, 1.5 + _height(seen) * len(seen.claims))
     columns = 3 if len(seen.axes) == 2 else 1
     return figure.drawn(paint, file, panels=len(seen.panels), columns=columns, size=size, title=_title(seen))
 
@@ -109,17 +111,19 @@ def _title(seen: VerdictPlane) -> str:
 
 def _paint(axes: Axes, panel: VerdictPanel, seen: VerdictPlane) -> None:
     axes.set_title(figure.shortened(panel.title).replace("$", r"\$"))
-    order = {verdict: i for i, verdict in enumerate(_LOOKS)}
-    scale = [figure.outsize(_size(panel, i)) for i in range(len(seen.axes))]
-    for verdict in sorted(panel.points, key=lambda one: order.get(one, len(order))):
+    scale, order = [figure.outsize(_size(panel, i)) for i in range(len(seen.axes))], _ordered(seen)
+    for verdict in (one for one in order if one in panel.points):
+        aside = (order.index(verdict) - (len(order) - 1) / 2.0) * _LANE / _height(seen)
         look, (x, y) = _LOOKS.get(verdict, _OTHER), panel.points[verdict]
+        size = max(2.0, look.size * min(1.0, (_CROWD / len(x)) ** 0.5))
         axes.plot(
             [value / scale[0] for value in x],
-            [value / scale[-1] for value in y] if len(seen.axes) == 2 else y,
+            [value / scale[-1] for value in y] if len(seen.axes) == 2 else [value + aside for value in y],
             look.mark,
             color=look.colour,
-            markersize=max(2.0, look.size * min(1.0, (_CROWD / len(x)) ** 0.5)),
-            markeredgewidth=0.0,
+            markersize=size,
+            markeredgecolor="white",
+            markeredgewidth=_RIM * size,
             label=verdict.replace("_", " "),
             linestyle="none",
         )
@@ -128,6 +132,17 @@ def _paint(axes: Axes, panel: VerdictPanel, seen: VerdictPlane) -> None:
     if len(seen.axes) == 1:
         axes.set_yticks(range(len(seen.claims)), seen.claims)
         axes.set_ylim(len(seen.claims) - 0.5, -0.5)
+
+
+def _ordered(seen: VerdictPlane) -> list[str]:
+    """The verdicts there are, in the order in which they are drawn."""
+    order = {verdict: i for i, verdict in enumerate(_LOOKS)}
+    return sorted({verdict for panel in seen.panels for verdict in panel.points}, key=lambda one: (order.get(one, len(order)), one))
+
+
+def _height(seen: VerdictPlane) -> float:
+    """Inches of the line of a claim."""
+    return max(0.4, _LANE * (len(_ordered(seen)) + 1))
 
 
 def _axis(axis: Axis, name: str, panel: VerdictPanel, i: int) -> None:
