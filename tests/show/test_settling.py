@@ -69,6 +69,27 @@ def test_a_note_keeps_off_the_marks_of_other_points_and_off_the_boundary_where_i
     assert not first.contains(*axes.transData.transform(points["second"])) and all(text.get_visible() for text in axes.texts)
 
 
+def test_a_note_stands_on_its_own_axes() -> None:
+    def paint(axes: Any) -> None:
+        axes.set(xlim=(-1, 1), ylim=(-1, 1))
+        for x, y in ((-1.0, 0.9), (0.9, -1.0)):
+            axes.plot([-0.85, x], [-0.9, y], gid=figure.EDGE)
+        figure.note(axes, "many words of a note", (-0.9, -0.95))
+
+    (axes,) = figure.drawn(paint)
+    box, room = axes.texts[0].get_window_extent(), axes.bbox
+    assert axes.texts[0].get_visible() and room.x0 - 9.0 <= box.x0 and room.y0 - 9.0 <= box.y0
+
+
+def test_letters_a_little_too_large_for_a_flat_axis_are_read_still() -> None:
+    def paint(axes: Axes) -> None:
+        axes.set(xlim=(0.0, 10.0), ylim=(0.0, 1.3), aspect="equal")
+        figure.measure(axes.yaxis, "across it", "unit of stress")
+
+    (axes,) = figure.drawn(paint, size=(5.0, 4.0))
+    assert axes.yaxis.label.get_fontsize() == 6.0
+
+
 def test_a_note_keeps_off_arrows() -> None:
     def paint(axes: Any) -> None:
         axes.set(xlim=(-1, 1), ylim=(-1, 1))

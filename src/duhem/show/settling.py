@@ -24,7 +24,9 @@ SIDES: tuple[dict[str, Any], ...] = tuple(
     for x, y in ((1, 1), (-1, 1), (1, -1), (-1, -1))
 )
 _MARK = 7.0  # points
+_OVER = 9.0  # pixels that a note may stand over the side of its axes: as far as a tick and its pad
 _SMALLEST = 1.0  # points, of letters
+_READ = 6.0  # points that letters keep where they take a little more room than they have
 _BEFORE_UNIT = " ["
 _BLANK = 0.3  # inches that a sheet may leave free
 
@@ -42,10 +44,10 @@ def settle(sheet: Figure, places: tuple[Axes, ...]) -> None:
         taken = [_mark(sheet, axes, note.xy) for note in notes]
         lines = [_paths(axes, OPEN), [*_paths(axes, EDGE), *_shafts(axes)]]
         for text in notes:
-            for side, across in _sides(*lines):
+            for side, across, place in _sides(axes.bbox, *lines):
                 text.set(position=side["xytext"], ha=side["ha"], va=side["va"])
                 box = text.get_window_extent()
-                room = axes.bbox.containsx(box.x1) and axes.bbox.containsy(box.y1) and not box.count_overlaps(taken)
+                room = all(place.contains(*corner) for corner in box.corners()) and not box.count_overlaps(taken)
                 if room and not any(line.intersects_bbox(box, filled=False) for line in across):
                     taken.append(box)
                     break
@@ -94,10 +96,11 @@ def _shafts(axes: Axes) -> list[Path]:
     return [Path(axes.transData.transform([(x, y), (x + u, y + v)])) for arrows in every for x, y, u, v in arrows]
 
 
-def _sides(lines: list[Path], edges: list[Path]) -> Iterator[tuple[dict[str, Any], list[Path]]]:
-    """Where a note may stand and the lines it must not touch there: none of all, none of the first kind, or else any."""
+def _sides(room: Bbox, lines: list[Path], edges: list[Path]) -> Iterator[tuple[dict[str, Any], list[Path], Bbox]]:
+    """Where a note may stand, the lines it must not touch there, none of all, none of the first kind, or else any, and its room."""
     for free in ([*lines, *edges], lines, []):
-        yield from ((side, free) for side in SIDES)
+        for place in (room, room.padded(_OVER)):
+            yield from ((side, free, place) for side in SIDES)
 
 
 def _uncrowd(sheet: Figure, places: tuple[Axes, ...], rounds: int = 6) -> None:
@@ -155,8 +158,10 @@ def _set_smaller(words: Text, share: float) -> bool:
     size = float(words.get_fontsize())
     if share >= 1.0 or size <= _SMALLEST:
         return False
-    words.set_fontsize(max(_SMALLEST, 0.98 * share * size))
-    return True
+    smaller = max(_SMALLEST, 0.98 * share * size)
+    chosen = _READ if 0.8 * _READ < smaller < _READ else smaller
+    words.set_fontsize(chosen)
+    return chosen < size
 
 
 def _touching(axis: Axis) -> bool:
