@@ -168,6 +168,7 @@ def question(name: str, values: dict[str, Any]) -> Increment:
     return specimen.question(np.zeros((1, len(law.forces))), specimen.pressure)
 
 
+@pytest.mark.slow
 def test_what_does_not_apply_is_named_what_is_left_out_and_why() -> None:
     found, left_out = applicable(question("coulomb", {"mu": "1/4"}), (1e-6, None))
     names = [c.name for c in found]
@@ -317,6 +318,7 @@ def test_whole_calls_are_held_to_a_copy_in_the_same_run() -> None:
     assert "wall time a point" in text(result)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("points", "often"), [(5_000, 2), (20_000, 4), (500_000, 40)])
 def test_small_batches_are_taken_more_often(points: int, often: int) -> None:
     rows = list(whole_calls.rows(throughput.Load.of(Specimen.of(coulomb()), points), [], repeats=2))

@@ -153,6 +153,7 @@ def test_a_boundary_that_is_not_closed_is_an_error() -> None:
 # ---- 8
 
 
+@pytest.mark.slow
 def test_figure_8_puts_what_was_measured_beside_what_is_predicted() -> None:
     table = default("8")
     assert isinstance(table, Table)
