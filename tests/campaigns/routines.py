@@ -56,10 +56,10 @@ _MOST = 3.0  # times the cost of a bare test
 _Seeded = Callable[[int], object]
 
 
-def found(mutant: Mutant) -> Report:
-    """What the suite says of a wrong routine, on fewer than 200 increments."""
+def found(mutant: Mutant, routine: Update | None = None) -> Report:
+    """What the suite says of a wrong routine, or of another in its place, on fewer than 200 increments."""
     options = {"max_examples": _CASES, "rows": _ROWS, "seed": 0, **mutant.options}
-    return conformance(mutant.law, mutant.routine(), mutant.values, **options)
+    return conformance(mutant.law, routine or mutant.routine(), mutant.values, **options)
 
 
 def first_cause(report: Report) -> str:

@@ -29,6 +29,7 @@ from duhem.testing.failures.causes import by_cause, likeliest_first
 from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses
 from duhem.testing.failures.least_case import RAISED, LeastCase
+from duhem.testing.failures.replay import drawn_again
 from duhem.testing.failures.report import Failure, Report
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.origin import Origin, named, origin
@@ -91,6 +92,8 @@ class ConformanceRun:
         options: dict[str, Any] = {} if max_examples is None else {"max_examples": max_examples}
         self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **options)
         self.seed = seed if seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
+        given = {"parameters": parameters or None, "stiffness": None if own else stiffness, "pressure": pressure}
+        self.again = drawn_again(given, max_examples=self.profile.max_examples, rows=rows, every=self.every, seed=self.seed)
         self.found: list[Failure] = []
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
@@ -271,7 +274,8 @@ class ConformanceRun:
         return Query(region, case, self.update, self.passed, self.accuracy, self.every, self.examples, raised=self.raised)
 
     def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
-        return Failure(check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed)
+        drawn = self.again if check.whole or check.name == _MEMORY else ""
+        return Failure(check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed, drawn=drawn)
 
     def report(self) -> Report:
         """What was found so far."""

@@ -5,12 +5,18 @@ from __future__ import annotations
 import ast
 import os
 import re
+from collections.abc import Mapping
+from numbers import Real
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis.strategies import SearchStrategy
 
 from duhem.testing.drawn.case import Case
 from duhem.testing.routines.origin import Origin
 
-__all__ = ["test_file", "test_name"]
+__all__ = ["drawn_again", "test_file", "test_name"]
 
 
 def test_name(routine: str, check: str) -> str:
@@ -31,12 +37,13 @@ def test_file(
     accuracy: float,
     passed: tuple[str, ...],
     place: Path | None = None,
+    drawn: str = "",
 ) -> str:
     """The text of a file that fails with the bug and passes without; a stub where routine or law have to be filled in.
 
     The folder of the routine, and files that it or the law is made of, such as a shared library, are said from the folder ``place`` of
     the file, where they have one above them in common, so that all may move together.  Without a ``case`` no single increment shows
-    the failure, and the file draws them again.
+    the failure, and the file draws them again, with the arguments ``drawn`` of the run where these can be written.
     """
     making, law = (_moving(place, text) for text in (found.making, found.law))
     law = law or "None  # the law has no name that a file can import: put it here"
@@ -59,9 +66,10 @@ def test_file(
         f"LAW = {law}",
     ]
     if case is None:
+        lacking = [] if drawn else ["    # the parameters, the stiffness and the pressure of the run that failed go here"]
         run = [
-            "    # the parameters, the stiffness and the pressure of the run that failed go here",
-            f"    report = conformance(LAW, update, checks={[check]!r}, accuracy={accuracy!r})",
+            *lacking,
+            f"    report = conformance(LAW, update, checks={[check]!r}, accuracy={accuracy!r}{drawn and ', '}{drawn})",
             "    assert report.ok, str(report)",
         ]
     else:
@@ -71,6 +79,26 @@ def test_file(
             "    assert wrong is None, wrong",
         ]
     return "\n".join([*lines, "", "", f"def test_{_words(check)}() -> None:", *run, ""])
+
+
+def drawn_again(given: Mapping[str, Any], **counts: int) -> str:
+    """The arguments with which :func:`duhem.testing.conformance` draws the same cases, as Python; "" where one cannot be written."""
+    plain = {name: _plain(value) for name, value in given.items() if value is not None}
+    return "" if None in plain.values() else ", ".join(f"{name}={value!r}" for name, value in {**plain, **counts}.items())
+
+
+def _plain(value: Any) -> Any:
+    """Numbers, and lists and mappings of them; None for a strategy."""
+    if isinstance(value, Mapping):
+        parts = {name: _plain(part) for name, part in value.items()}
+        return None if None in parts.values() else parts
+    if isinstance(value, str):
+        return value
+    if isinstance(value, SearchStrategy):
+        return None
+    if isinstance(value, Real):
+        return float(value) if float(value) == value else str(value)
+    return np.asarray(value, dtype=np.float64).tolist()
 
 
 def _from(place: Path | None, folder: str) -> str:

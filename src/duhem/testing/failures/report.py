@@ -26,6 +26,7 @@ class Failure:
     ``departure`` is what the routine returned and the closest point; ``diagnoses`` what it does instead, by name, the likeliest
     first, where that is known (:mod:`duhem.testing.failures.diagnosis`);
     ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
+    ``drawn``, of what need not show at one increment alone: the arguments of the run that draws them all again, as Python.
     """
 
     check: Check
@@ -41,6 +42,7 @@ class Failure:
     departure: Departure | None = None
     diagnoses: Mapping[str, str] = field(default_factory=dict)
     origin: Origin = field(default_factory=Origin)
+    drawn: str = ""
 
     @property
     def title(self) -> str:
@@ -76,8 +78,9 @@ class Failure:
         Where the routine or the law has no name that a file can import, as one of ``__main__`` or a closure, it is a stub
         that says so.
         """
-        case = None if self.check.whole else self.case
-        return test_file(self.title, self.check.name, self.routine, self.origin, case, self.accuracy, self.open_parameters, place)
+        case = None if self.check.whole or self.drawn else self.case
+        told = self.title, self.check.name, self.routine, self.origin, case, self.accuracy, self.open_parameters
+        return test_file(*told, place, self.drawn)
 
     def __str__(self) -> str:
         said = [f"  {name:<11} {text}" for name, text in self._said()]
