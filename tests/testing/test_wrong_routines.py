@@ -347,6 +347,18 @@ def test_a_set_that_is_one_point_has_either_tangent_there(law: str, values: dict
         assert (violation("slope", law, update, case) is None) == right
 
 
+@pytest.mark.parametrize(("off", "accuracy", "right"), [(1e-6, 1e-9, True), (1e-6, 1e-15, False), (None, 1e-15, True)])
+def test_beside_a_far_trial_the_accuracy_says_what_the_answer_may_be_off_by(off: float | None, accuracy: float, right: bool) -> None:
+    """A trial 1e8 times as far out as K: the answer is off by a part of itself, or by what the trial less the slip is rounded to."""
+
+    def update(trial: np.ndarray, *_: object) -> np.ndarray:
+        answer = np.tile([0.3, 0.0], (len(trial), 1))
+        return trial - (trial - answer) if off is None else (1.0 + off) * answer
+
+    case = at({"mu": 0.3}, [3e7, 0.0], -1.0, [1.0, 1.0])
+    assert (violation("feasibility", "coulomb", update, case, open_parameters=(), accuracy=accuracy) is None) == right
+
+
 def test_a_complex_stress_is_no_answer() -> None:
     def update(trial: np.ndarray, *_: object) -> np.ndarray:
         return np.clip(trial, -0.3, 0.3) + 1e-3j

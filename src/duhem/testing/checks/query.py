@@ -6,7 +6,13 @@
 
 the second part being what a few roundings of the components of a stress, of the trial and of K, make in that length: a
 relative error eps of one component is eps cond(k)^1/2 of the whole.  |K| is the farthest point of K on the axes.  In the
-third, dg bounds what g, as the law's formula has it, may be off by in doubles: so far the boundary is not known.  The
+third, dg bounds what g, as the law's formula has it, may be off by in doubles: so far the boundary is not known.
+
+The first part counts the size of the trial, not that of the answer alone: beside a trial 1e8 times as far out as K goes, an accuracy
+of 1e-9 is a tenth of K.  A routine that stops where its slip is right to ``accuracy`` and answers sigma_tr - k slip is off by that
+much; so is one that answers exactly to a trial that is itself off by ``accuracy``, along a flat face, where |P(x) - P(y)| = |x - y|.
+Both keep what is promised, and no answer says whence its error comes, so that to ask for ``accuracy`` |sigma| would accuse them.
+Who means 1e-9 of the answer's own size promises an accuracy of 1e-9 |K|/|sigma_tr|; below 1e-15 rounding alone is left.  The
 tolerance of each check follows from u by the triangle inequality, and is written where the check is.
 """
 
