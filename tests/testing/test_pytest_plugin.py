@@ -93,7 +93,7 @@ class TestMethods:
         [
             f"PASSED {name}update[[]answers]",
             f"FAILED {name}update[[]idempotence]*",
-            f"XFAIL {name}update[[]variational-inequality] - the slip is reversed on purpose",
+            f"XFAIL {name}update[[]variational-inequality] - *the slip is reversed on purpose",
             f"FAILED {name}update[[]feasibility]*",
             "*feasibility passes, and was expected to fail: thought to fail; take it out of expected_failed_checks",
             f"PASSED {name}update[[]flagged]",
@@ -370,7 +370,7 @@ def test_an_undecided_claim_fails_or_is_expected_to(pytester: pytest.Pytester, m
     pytester.makeini("[pytest]\nduhem_undecided = xfail\n")
     done = tried(pytester, *asked)
     done.assert_outcomes(xfailed=1)
-    done.stdout.fnmatch_lines(["XFAIL oval.duhem.toml::origin - oval: origin is undecided: nobody knows*"])
+    done.stdout.fnmatch_lines(["XFAIL oval.duhem.toml::origin - *oval: origin is undecided: nobody knows*"])  # an old pytest says reason:
 
 
 @pytest.mark.slow

@@ -155,7 +155,7 @@ def _check_at_rest(problem: FitProblem, solved: Solved, robust: bool) -> None:
     columns = (solved.slope * problem.coordinates.stretch(solved.theta))[:, free]
     if not columns.size:
         return
-    step = np.abs(np.linalg.lstsq(columns, pull)[0])
+    step = np.abs(np.linalg.lstsq(columns, pull, rcond=None)[0])
     inverse = np.linalg.inv(np.linalg.qr(columns, mode="r"))
     error = np.linalg.norm(inverse, axis=1) * float(np.sqrt(np.mean(np.square(pull))))
     if np.any(moving := step > _SHARE * error + _NEAR):
