@@ -99,13 +99,15 @@ class Query:
     rows: NDArray[np.intp] = field(init=False)
     tried: Counter[tuple[str, str]] = field(init=False, default_factory=Counter)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
+    _lower: Array = field(init=False, repr=False)
+    _inverse: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self.rows = np.arange(len(self.case)) if self.whole is None else _some(len(self.whole.case), self.whole.every)
         self.sound = np.ones(len(self.case), dtype=np.bool_)
         self.unsaid = ~self.sound
         self.overwritten = np.full(len(self.case), "", dtype=object)
-        self._lower, self._inverse = factors(self.case.stiffness)
+        self._lower, self._inverse = factors(self.case.stiffness) if self.whole is None else (self.whole._lower, self.whole._inverse)
 
     @cached_property
     def some(self) -> Query:
@@ -249,6 +251,10 @@ class Query:
                 fault.row = int(self.rows[own])
             raise
         self.note_overwritten(step.overwritten, rows)
+        return self.read(step, trial)
+
+    def read(self, step: Step, trial: Array) -> Reply:
+        """What was answered to ``trial`` (N, d).  Raises NoReply where that has not the shapes it must have."""
         n, d = trial.shape
         shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
         parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}

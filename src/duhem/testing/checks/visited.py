@@ -64,9 +64,7 @@ class Visited:
         """Count the increments of a case that has been asked."""
         with np.errstate(all="ignore"):
             self._trials(query, query.here)
-            with suppress(NoReply):
-                for reply in query.some.first[1:]:
-                    self._trials(query.some, reply)
+            self._others(query)
             self._answers(query, query.here)
         case = query.case
         for name, values in (("stress", case.trial), ("pressure", case.pressure), ("stiffness", np.diag(case.stiffness))):
@@ -88,6 +86,11 @@ class Visited:
         for name, column in zip(self.forces, trial.T, strict=True):
             self._count(f"{name}+", (column > 0.0) & solved)
             self._count(f"{name}-", (column < 0.0) & solved)
+
+    def _others(self, query: Query) -> None:
+        with suppress(NoReply):
+            for reply in query.some.first[1:]:
+                self._trials(query.some, reply)
 
     def _answers(self, query: Query, reply: Reply) -> None:
         at = np.flatnonzero(reply.solved & np.isfinite(reply.stress).all(axis=1))

@@ -16,6 +16,7 @@ import weakref
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
@@ -104,32 +105,42 @@ def _loaded(path: str, symbol: str, kinds: str) -> Any:
 
 
 class _Guarded:
-    """Rows of an array, each between bytes that are nobody's to write to."""
+    """The arrays of each row, one behind the other, each between bytes that are nobody's to write to."""
 
-    def __init__(self, column: NDArray[Any]) -> None:
-        self.column, self.size = column, column[0].nbytes
-        width = 2 * _GUARD + -(-self.size // _GUARD) * _GUARD
-        self.whole = np.full((len(column), width), _NOBODYS, dtype=np.uint8)
-        self.inside = self.whole[:, _GUARD : _GUARD + self.size]
-        self.inside[...] = np.frombuffer(column.tobytes(), dtype=np.uint8).reshape(self.inside.shape)
-        self.places = range(start := self.whole.ctypes.data + _GUARD, start + self.whole.size, width)
+    def __init__(self, columns: list[NDArray[Any]]) -> None:
+        sizes = [column[0].nbytes for column in columns]
+        widths = [2 * _GUARD + -(-size // _GUARD) * _GUARD for size in sizes]
+        self.starts, rows = list(accumulate(widths[:-1], initial=0)), len(columns[0])
+        self.columns, self.whole = columns, np.empty((rows, sum(widths)), dtype=np.uint8)
+        self.whole.fill(_NOBODYS)
+        begins = [start + _GUARD for start in self.starts]
+        self.inside = [self.whole[:, begin : begin + size] for begin, size in zip(begins, sizes, strict=True)]
+        for inside, column in zip(self.inside, columns, strict=True):
+            typed = inside.view(column.dtype)
+            typed[...] = column.reshape(typed.shape)
+        first = self.whole.ctypes.data
+        self.places = [range(first + begin, first + begin + self.whole.size, self.whole.shape[1]) for begin in begins]
 
     def taken(self) -> NDArray[np.bool_]:
-        """Put what is inside back into the array; of which rows there is something outside."""
-        self.column[...] = np.frombuffer(self.inside.tobytes(), dtype=self.column.dtype).reshape(self.column.shape)
-        self.inside[...] = _NOBODYS
-        return np.asarray((self.whole != _NOBODYS).any(axis=1))
+        """Put what is inside back into the arrays; beside which of them there is something (rows, arrays)."""
+        for inside, column in zip(self.inside, self.columns, strict=True):
+            column[...] = inside.view(column.dtype).reshape(column.shape)
+            inside[...] = _NOBODYS
+        written = self.whole != _NOBODYS
+        if not written.any():
+            return np.zeros((len(written), len(self.columns)), dtype=np.bool_)
+        return np.asarray(np.logical_or.reduceat(written, self.starts, axis=1))
 
 
 def call_rows(function: Any, kinds: str, columns: list[NDArray[Any]], rows: int) -> Called:
     """Call a loaded function once a row."""
-    given = [_Guarded(c) if kind == "p" else c.tolist() for kind, c in zip(kinds, columns, strict=True)]
-    codes, beside = np.zeros(rows, dtype=np.int64), np.zeros((rows, len(kinds)), dtype=np.bool_)
-    for i, each in enumerate(zip(*(g.places if isinstance(g, _Guarded) else g for g in given), strict=True)):
-        codes[i] = function(*each)
-    for j, g in enumerate(given):
-        if isinstance(g, _Guarded):
-            beside[:, j] = g.taken()
+    pointers = [j for j, kind in enumerate(kinds) if kind == "p"]
+    guarded = _Guarded([columns[j] for j in pointers])
+    places = dict(zip(pointers, guarded.places, strict=True))
+    given = (places[j] if j in places else column.tolist() for j, column in enumerate(columns))
+    codes = np.array([function(*each) for each in zip(*given, strict=True)], dtype=np.int64)
+    beside = np.zeros((rows, len(kinds)), dtype=np.bool_)
+    beside[:, pointers] = guarded.taken()
     return codes, beside
 
 

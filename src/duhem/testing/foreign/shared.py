@@ -14,7 +14,7 @@ from duhem.projection.result import Array
 from duhem.testing.foreign.native import SECONDS, Native, NativeFault, OutOfTime
 from duhem.testing.foreign.prototype import RETURNED, Prototype
 from duhem.testing.routines.material import Material, MaterialState
-from duhem.testing.routines.overwritten import Overwritten, differs, overwritten
+from duhem.testing.routines.overwritten import Overwritten, changed, overwritten
 from duhem.testing.routines.routine import Step
 from duhem.testing.routines.unfinished import Unfinished
 
@@ -44,16 +44,15 @@ def watched(
 
     That is those of its arrays that it is only ``given``, and what lies before and behind any of them.  Raises Unfinished.
     """
-    before = {j: column.copy() for j, (name, column) in enumerate(zip(names, columns, strict=True)) if name in given}
+    before = {name: (column.copy(), column) for name, column in zip(names, columns, strict=True) if name in given}
     try:
         codes, beside = native(list(columns), rows)
     except OutOfTime as fault:
         remedy = "look where its loop ends, or give it more time with seconds=..."
         raise Unfinished(str(fault), where="the routine", remedy=remedy) from None
     every = n // rows
-    changed = {names[j]: np.repeat(differs(column, columns[j]), every) for j, column in before.items()}
-    changed |= {f"beside {name}": np.repeat(beside[:, j], every) for j, name in enumerate(names)}
-    return codes, overwritten(changed)
+    spoilt = changed(before) | {f"beside {names[j]}": beside[:, j] for j in np.flatnonzero(beside.any(axis=0)).tolist()}
+    return codes, overwritten({name: np.repeat(rows_, every) for name, rows_ in spoilt.items()})
 
 
 _DEFAULTS = {"parameters": {}, "variables": (), "solved": (0,), "column_major": False, "isolated": False, "seconds": SECONDS}
@@ -72,6 +71,7 @@ class _Call:
         What it has overwritten (n,) comes last.
         """
         n = len(next(iter(by_row.values())))
+        same = {"n": n, **same}
         filled = {"status": np.zeros(n, dtype=np.intc), **by_row}
         batched, columns = self.prototype.batched, []
         for a in self.prototype.arguments:
@@ -79,16 +79,16 @@ class _Call:
                 column = np.array(filled[a.name], dtype=_KEPT[a.number], order="C")
                 column = column[None] if batched else column
             else:
-                column = np.atleast_1d(np.array({"n": n, **same}[a.name], dtype=_KEPT[a.number])).ravel()
-                column = np.tile(column, (1 if batched else n, 1))
-                column = column if a.place else column[:, 0]
+                flat, rows = np.array(same[a.name], dtype=_KEPT[a.number]).ravel(), 1 if batched else n
+                column = np.repeat(flat[None], rows, axis=0) if a.place else np.repeat(flat[:1], rows)
             columns.append(column)
         names = [a.name for a in self.prototype.arguments]
-        codes, spoilt = watched(self.native, columns, 1 if batched else n, names, [x for x in names if x not in RETURNED], n)
+        given = [a.name for a in self.prototype.arguments if a.place and a.name not in RETURNED]  # a value is a copy
+        codes, spoilt = watched(self.native, columns, 1 if batched else n, names, given, n)
         named = zip(self.prototype.arguments, columns, strict=True)
         back = {a.name: c.reshape(np.shape(filled[a.name])) for a, c in named if a.name in filled}
         status = back.pop("status", np.repeat(codes, n // len(codes)) if self.prototype.returns else np.full(n, self.solved[0]))
-        return back, np.isin(status, self.solved), spoilt
+        return back, np.array([code in self.solved for code in status.tolist()], dtype=np.bool_), spoilt
 
 
 def _line(function: str, path: str | Path, *arguments: Any, **options: Any) -> str:
@@ -114,7 +114,8 @@ class SharedLibrary:
         self._call.prototype.covers(values)
         n, d = trial.shape
         sizes: dict[str, tuple[int, ...]] = {"stress": (d,), "slip": (d,), "multiplier": (), "dissipation": (), "tangent": (d, d)}
-        by_row = {name: np.full((n, *size), np.nan) for name, size in sizes.items()}
+        wanted = [a.name for a in self._call.prototype.arguments]
+        by_row = {name: np.full((n, *size), np.nan) for name, size in sizes.items() if name in wanted}
         by_row |= {"trial": trial, "pressure": np.zeros(n) if pressure is None else pressure}
         back, solved, spoilt = self._call(by_row, {"stiffness": stiffness, "parameters": [*values.values()], "d": d, **values})
         tangent = back.get("tangent")

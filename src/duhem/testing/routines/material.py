@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from duhem.errors import InputError
 from duhem.projection.result import Array
 from duhem.testing.routines.former_answers import FormerAnswers
-from duhem.testing.routines.overwritten import Overwritten, differs, overwritten
+from duhem.testing.routines.overwritten import Overwritten, changed, overwritten
 from duhem.testing.routines.routine import NoStep, Step, Update, called, named_after
 
 __all__ = ["Material", "MaterialState", "advanced", "from_material", "stateless"]
@@ -44,13 +44,17 @@ class MaterialState:
 
     def rows(self, index: Any) -> MaterialState:
         """Some of the points, or all several times."""
-        parts = (getattr(self, f.name) for f in fields(self))
-        return MaterialState(*(None if part is None else part[index] for part in parts))  # type: ignore[arg-type]
+        return MaterialState(*(None if part is None else part[index] for part in vars(self).values()))  # type: ignore[arg-type]
+
+    @staticmethod
+    def joined(states: Sequence[MaterialState]) -> MaterialState:
+        """The points of all, in their order; what one of them does not have is None."""
+        parts = list(zip(*(vars(state).values() for state in states), strict=True))
+        return MaterialState(*(None if any(x is None for x in part) else np.concatenate(part) for part in parts))  # type: ignore[arg-type]
 
     def copied(self) -> MaterialState:
         """The same in arrays of its own."""
-        parts = (getattr(self, f.name) for f in fields(self))
-        return MaterialState(*(None if part is None else np.array(part) for part in parts))  # type: ignore[arg-type]
+        return MaterialState(*(None if part is None else np.array(part) for part in vars(self).values()))  # type: ignore[arg-type]
 
 
 # advance(before (N points), increment (N, d), pressure (N,) or None, duration in s) -> the points after the step
@@ -110,14 +114,12 @@ def advanced(
     spoilt, after = answered.spoilt(len(increment), lambda: vars(answer)), _read(answer, before)
     if after.overwritten is not None:
         return after
-    parts = {name: (getattr(own, name), getattr(before, name)) for name in ("stress", "strain", "variables", "stored", "dissipated")}
-    parts = {f"{name} before the step": pair for name, pair in parts.items()} | {
-        "increment": (step, increment),
-        "pressure": (load, pressure),
-    }
-    changed = {name: differs(*pair) for name, pair in parts.items() if pair[1] is not None}
-    changed[spoilt] = np.full(len(increment), spoilt != "")
-    return after if (found := overwritten(changed)) is None else replace(after, overwritten=found)
+    names = ("stress", "strain", "variables", "stored", "dissipated")
+    pairs = {f"{name} before the step": (getattr(own, name), getattr(before, name)) for name in names}
+    pairs |= {"increment": (step, increment), "pressure": (load, pressure)}
+    found = changed({name: pair for name, pair in pairs.items() if pair[1] is not None})
+    found |= {spoilt: np.full(len(increment), True)} if spoilt else {}
+    return after if (said := overwritten(found)) is None else replace(after, overwritten=said)
 
 
 def _read(answer: MaterialState, before: MaterialState) -> MaterialState:
@@ -172,6 +174,8 @@ def shaped(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
     """
     if given is None and name != "stress":
         return None
+    if isinstance(given, np.ndarray) and given.dtype == np.float64 and given.shape == shape:
+        return np.array(given)
     try:
         whole = np.asarray(given)
         array = np.array(whole.real, dtype=np.float64)

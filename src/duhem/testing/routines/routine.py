@@ -18,7 +18,7 @@ from duhem.projection.result import Array, Status
 from duhem.projection.validation import check_associated
 from duhem.testing.routines.former_answers import FormerAnswers
 from duhem.testing.routines.origin import law_as_written, made_by
-from duhem.testing.routines.overwritten import differs, overwritten
+from duhem.testing.routines.overwritten import changed, overwritten
 
 __all__ = ["NoStep", "Step", "Update", "called", "from_displacements", "named_after", "pointwise", "projection"]
 
@@ -149,9 +149,11 @@ def called(
     given = trial.copy(), None if pressure is None else pressure.copy(), stiffness.copy()
     answer = update(*given, **values)
     step, spoilt = _as_step(answer), answered.spoilt(len(trial), partial(_parts, answer))
-    changed = {"trial": differs(given[0], trial)}
+    pairs = {"trial": (given[0], trial)}
     if pressure is not None and given[1] is not None:
-        changed["pressure"] = differs(given[1], pressure)
-    changed["stiffness"] = np.full(len(trial), differs(given[2], stiffness).any())
-    changed[spoilt] = np.full(len(trial), spoilt != "")
-    return step if (found := overwritten(changed)) is None else replace(step, overwritten=found)
+        pairs["pressure"] = given[1], pressure
+    found = changed(pairs | {"stiffness": (given[2], stiffness)})
+    if "stiffness" in found:
+        found["stiffness"] = np.full(len(trial), found["stiffness"].any())
+    found |= {spoilt: np.full(len(trial), True)} if spoilt else {}
+    return step if (said := overwritten(found)) is None else replace(step, overwritten=said)

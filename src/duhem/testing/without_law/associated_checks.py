@@ -80,11 +80,12 @@ def ray(h: HistoryQuery) -> Finding:
     demanded=False,
 )
 def plastic_work(h: HistoryQuery) -> Finding:
+    before, after = h.steps
+    asked = (after.strain - before.strain) @ h.case.stiffness
+    lost = -h.inner(after.stress, h.slip_of(before, after))
+    most = 2.0 * h.error(before.stress, after.stress, asked) * (h.length(after.stress) + h.length(asked))
     worst, bound = np.full(len(h.case), -np.inf), np.zeros(len(h.case))
-    for before, after in h.steps:
-        asked = (after.strain - before.strain) @ h.case.stiffness
-        loss = -h.inner(after.stress, h.slip_of(before, after))
-        allowed = 2.0 * h.error(before.stress, after.stress, asked) * (h.length(after.stress) + h.length(asked))
+    for loss, allowed in zip(lost.reshape(-1, len(h.case)), most.reshape(-1, len(h.case)), strict=True):
         more = ~(loss - allowed <= worst - bound)
         worst, bound = np.where(more, loss, worst), np.where(more, allowed, bound)
     return Finding(worst, bound)

@@ -35,23 +35,23 @@ def stored_energy(h: HistoryQuery) -> Finding:
         base = h.counted(base, base.stress * (1.0 - 0.1 * share), h.case.pressure)
     if base.stored is None:
         raise NothingToCheck("the routine returns no energy")
-    size = 1e-2 * (h.length(base.stress) + h.length(h.case.trial))
-    worst, bound, any_elastic = np.full(len(size), -1.0), np.ones(len(size)), np.zeros(len(size), dtype=np.bool_)
-    for axis in h.axes:
-        out = size[:, None] * axis
-        ends = [h.counted(base, base.stress + s * out, h.case.pressure) for s in (1.0, -1.0)]
-        elastic = (size > 0.0) & np.isfinite(base.stress).all(axis=1)
-        for s, end in zip((1.0, -1.0), ends, strict=True):
-            elastic &= h.length(end.stress - base.stress - s * out) <= 1e-6 * size
-        up, down = ends[0].stored, ends[1].stored
-        assert up is not None and down is not None
-        off = np.abs((up - down) / 2.0 - h.inner(base.stress, out))
-        rounding = 32.0 * np.finfo(np.float64).eps * (np.abs(up) + np.abs(down))
-        allowed = (h.error(base.stress, h.case.trial) + 1e-6 * h.length(base.stress)) * size + rounding
-        any_elastic |= elastic
-        more = elastic & ~(off / np.where(allowed > 0.0, allowed, 1.0) <= worst / bound)
-        worst, bound = np.where(more, off, worst), np.where(more, np.where(allowed > 0.0, allowed, 1.0), bound)
-    if not any_elastic.any():
+    size, d, n = 1e-2 * (h.length(base.stress) + h.length(h.case.trial)), len(h.axes), len(h.case)
+    ways = size[:, None] * h.axes[:, None, :]
+    around, stress = np.stack([ways, -ways], axis=1).reshape(2 * d * n, d), np.tile(base.stress, (2 * d, 1))
+    ends = h.counted(base, stress + around, h.case.pressure)
+    assert ends.stored is not None
+    near = (h.length(ends.stress - stress - around) <= np.tile(1e-6 * size, 2 * d)).reshape(d, 2, n).all(axis=1)
+    elastic = near & (size > 0.0) & np.isfinite(base.stress).all(axis=1)
+    up, down = np.swapaxes(ends.stored.reshape(d, 2, n), 0, 1)
+    off = np.abs((up - down) / 2.0 - h.inner(stress[: d * n], ways.reshape(d * n, d)).reshape(d, n))
+    rounding = 32.0 * np.finfo(np.float64).eps * (np.abs(up) + np.abs(down))
+    allowed = (h.error(base.stress, h.case.trial) + 1e-6 * h.length(base.stress)) * size + rounding
+    allowed = np.where(allowed > 0.0, allowed, 1.0)
+    worst, bound = np.full(n, -1.0), np.ones(n)
+    for i in range(d):
+        more = elastic[i] & ~(off[i] / allowed[i] <= worst / bound)
+        worst, bound = np.where(more, off[i], worst), np.where(more, allowed[i], bound)
+    if not elastic.any():
         raise NothingToCheck("no step was elastic")
     return Finding(worst, bound)
 
@@ -62,9 +62,9 @@ def _energies(state: MaterialState) -> tuple[Array, Array]:
     return state.stored, state.dissipated
 
 
-def _worst(measured: list[Array], allowed: list[Array]) -> Finding:
-    """Of several steps, for each row the one that exceeds most."""
-    many, may = np.array(measured), np.array(allowed)
+def _worst(h: HistoryQuery, measured: Array, allowed: Array) -> Finding:
+    """Of several steps of all rows, for each row the one that exceeds most."""
+    many, may = (x.reshape(-1, len(h.case)) for x in (measured, allowed))
     at = np.argmax(np.nan_to_num(many - may, nan=np.inf), axis=0), np.arange(many.shape[1])
     return Finding(many[at], may[at])
 
@@ -77,13 +77,10 @@ def _worst(measured: list[Array], allowed: list[Array]) -> Finding:
     tolerance="u (|sigma| + |k du|)",
 )
 def dissipation(h: HistoryQuery) -> Finding:
-    loss, allowed = [], []
-    for before, after in h.steps:
-        gained = _energies(after)[1] - _energies(before)[1]
-        step = h.length((after.strain - before.strain) @ h.case.stiffness)
-        loss.append(-gained)
-        allowed.append(h.error(before.stress, after.stress) * (h.length(after.stress) + step))
-    return _worst(loss, allowed)
+    before, after = h.steps
+    gained = _energies(after)[1] - _energies(before)[1]
+    step = h.length((after.strain - before.strain) @ h.case.stiffness)
+    return _worst(h, -gained, h.error(before.stress, after.stress) * (h.length(after.stress) + step))
 
 
 @register(
@@ -97,17 +94,15 @@ def dissipation(h: HistoryQuery) -> Finding:
 def energy(h: HistoryQuery) -> Finding:
     if not h.remembers and h.start.slip is None and h.here.slip is None:
         raise NothingToCheck("the routine returns no slip: k^-1 (sigma_tr - sigma) satisfies this by definition")
-    left, allowed = [], []
-    for before, after in h.steps:
-        (psi, lost), (psi_0, lost_0) = _energies(after), _energies(before)
-        asked = (after.strain - before.strain) @ h.case.stiffness
-        work = h.inner(0.5 * (before.stress + after.stress), asked)
-        left.append(np.abs(work - (psi - psi_0) - (lost - lost_0)))
-        open_ = h.length(after.stress - before.stress) * h.length(h.slip_of(before, after))
-        size = h.length(before.stress) + h.length(after.stress) + h.length(asked)
-        rounding = 32.0 * np.finfo(np.float64).eps * (np.abs(psi) + np.abs(psi_0) + np.abs(lost) + np.abs(lost_0))
-        allowed.append(open_ + 2.0 * h.error(before.stress, after.stress, asked) * size + rounding)
-    return _worst(left, allowed)
+    before, after = h.steps
+    (psi, lost), (psi_0, lost_0) = _energies(after), _energies(before)
+    asked = (after.strain - before.strain) @ h.case.stiffness
+    work = h.inner(0.5 * (before.stress + after.stress), asked)
+    left = np.abs(work - (psi - psi_0) - (lost - lost_0))
+    open_ = h.length(after.stress - before.stress) * h.length(h.slip_of(before, after))
+    size = h.length(before.stress) + h.length(after.stress) + h.length(asked)
+    rounding = 32.0 * np.finfo(np.float64).eps * (np.abs(psi) + np.abs(psi_0) + np.abs(lost) + np.abs(lost_0))
+    return _worst(h, left, open_ + 2.0 * h.error(before.stress, after.stress, asked) * size + rounding)
 
 
 def slipped(h: HistoryQuery) -> NDArray[np.bool_]:

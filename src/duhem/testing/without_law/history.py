@@ -82,8 +82,7 @@ class HistoryQuery(Query):
 
     def error(self, *stresses: Array) -> Array:
         """What the routine may be off by in a step between such stresses (N,)."""
-        rounding = 8.0 * float(np.finfo(np.float64).eps * np.sqrt(np.linalg.cond(self.case.stiffness)))
-        return np.asarray((self.accuracy + rounding) * sum(self.length(s) for s in stresses))
+        return np.asarray((self.accuracy + self._rounding) * sum(self.length(s) for s in stresses))
 
     @property
     def lonely(self) -> bool:
@@ -106,8 +105,13 @@ class HistoryQuery(Query):
     def counted(
         self, before: MaterialState, trial: Array, pressure: Array | None, duration: float = 1.0, rows: NDArray[np.intp] | None = None
     ) -> MaterialState:
-        """:meth:`step` of all the rows, in the order of ``rows``; those that the routine flags are not judged.  Raises NoReply."""
-        rows = np.arange(len(self.case)) if rows is None else rows
+        """:meth:`step` of all the rows, in the order of ``rows``; those that the routine flags are not judged.  Raises NoReply.
+
+        Of M trial stresses, a multiple of N, all the rows are asked several times in one call, ``before`` and ``pressure`` over again.
+        """
+        rows, many = np.arange(len(trial)) % len(self.case) if rows is None else rows, np.arange(len(trial))
+        before = before if len(before) == len(trial) else before.rows(many % len(before))
+        pressure = pressure if pressure is None or len(pressure) == len(trial) else pressure[many % len(pressure)]
 
         def ask(at: slice) -> MaterialState:
             return self.step(before.rows(at), trial[at], None if pressure is None else pressure[at], duration)
@@ -125,7 +129,8 @@ class HistoryQuery(Query):
         self.note_overwritten(after.overwritten, rows)
         if after.solved is not None:
             self.flagged += int((~after.solved).sum())
-            self.sound = self.sound & after.solved[np.argsort(rows)]
+            self.sound = self.sound.copy()
+            self.sound[rows[~after.solved]] = False
         return after
 
     def _from_start(self, trial: Array, pressure: Array | None, stiffness: Array) -> Step:
@@ -154,6 +159,19 @@ class HistoryQuery(Query):
         return self.along(1) if self.before is None else [state.rows(self.rows) for state in self.before.course]
 
     @cached_property
+    def beyond(self) -> MaterialState:
+        """The points after the step beyond the path, to the trial stress."""
+        return self.counted(self.start, self.case.trial, self.case.pressure) if self.before is None else self.before.beyond.rows(self.rows)
+
+    @cached_property
+    def here(self) -> Reply:
+        """:attr:`beyond` as a reply to ``trial``."""
+        if self.before is not None:
+            return self.heeded(self.before.here.part(self.rows))
+        found = self.beyond
+        return self.heeded(self.read(Step(found.stress, found.slip, None, found.tangent, found.solved), self.case.trial))
+
+    @cached_property
     def fine(self) -> list[MaterialState]:
         """The points along the path, each leg in ``FINER`` steps."""
         return self.along(FINER) if self.before is None else [state.rows(self.rows) for state in self.before.fine]
@@ -178,10 +196,9 @@ class HistoryQuery(Query):
         return found
 
     @cached_property
-    def steps(self) -> list[tuple[MaterialState, MaterialState]]:
-        """The steps of the path followed closely, and the one beyond it."""
-        pairs = list(zip(self.fine[:-1], self.fine[1:], strict=True))
-        return [*pairs, (self.start, self.counted(self.start, self.case.trial, self.case.pressure))]
+    def steps(self) -> tuple[MaterialState, MaterialState]:
+        """The points before and after the steps of the path followed closely and the one beyond it, all rows a step."""
+        return MaterialState.joined([*self.fine[:-1], self.start]), MaterialState.joined([*self.fine[1:], self.beyond])
 
     def slip_of(self, before: MaterialState, after: MaterialState) -> Array:
         """k times what of the increment is not elastic (N, d), a stress."""

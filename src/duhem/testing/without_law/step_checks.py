@@ -7,6 +7,7 @@ import numpy as np
 from duhem.testing.checks import routine_checks, run_checks, tangent_checks
 from duhem.testing.checks.query import NothingToCheck
 from duhem.testing.checks.registry import Finding
+from duhem.testing.routines.material import MaterialState
 from duhem.testing.without_law.history import FINER, HistoryQuery
 from duhem.testing.without_law.registry import register
 
@@ -26,8 +27,7 @@ _SMALL = (1e-3, 1e-6, 1e-9)  # shares of a step that are taken to be small
 )
 def answers(h: HistoryQuery) -> Finding:
     bad = np.zeros(len(h.case), dtype=np.bool_)
-    after = h.counted(h.start, h.case.trial, h.case.pressure)
-    for state in (*h.course, after):
+    for state in (*h.course, h.beyond):
         for part in (state.stress, state.variables, state.stored, state.dissipated):
             if part is not None:
                 bad |= ~np.isfinite(part.reshape(len(bad), -1)).all(axis=1)
@@ -43,8 +43,7 @@ def answers(h: HistoryQuery) -> Finding:
 )
 def repeatability(h: HistoryQuery) -> Finding:
     case = h.case
-    here = h.counted(h.start, case.trial, case.pressure)
-    back = np.arange(len(case))[::-1]
+    here, back = h.beyond, np.arange(len(case))[::-1]
     load = None if case.pressure is None else case.pressure[back]
     again = h.counted(h.start.rows(back), case.trial[back], load, rows=back).rows(back)
     return run_checks.compared(h, here.stress, again.stress, 2.0 * h.error(h.start.stress, case.trial, here.stress))
@@ -59,18 +58,18 @@ def repeatability(h: HistoryQuery) -> Finding:
     again=True,
 )
 def elasticity(h: HistoryQuery) -> Finding:
-    asked, worst = h.case.trial, np.full(len(h.case), np.inf)
-    for share in _SMALL:
-        trial = share * asked
-        there, opposite = (h.counted(h.virgin, way, h.case.pressure) for way in (trial, -trial))
-        size, met = h.length(trial), h.length(there.stress)
-        near = _PER_MILLE * np.minimum(size, met)
-        undone = (near > 0.0) & (h.length(there.stress + opposite.stress) <= near)  # not so of an interface that opens or closes
-        for part in (0.5, 1.0):  # at the tip of a cone what has slipped comes back to no stress too, but not by way of the half
-            back = h.counted(there, there.stress - part * trial, h.case.pressure)
-            undone &= h.length(back.stress - (1.0 - part) * there.stress) <= near
-        off = h.length(there.stress - trial) / np.where(size > 0.0, size, 1.0)
-        worst = np.minimum(worst, np.where(undone, off, 0.0))
+    trial = np.concatenate([share * h.case.trial for share in _SMALL])
+    both = h.counted(h.virgin, np.concatenate([trial, -trial]), h.case.pressure)
+    there, opposite = both.rows(slice(len(trial))), both.rows(slice(len(trial), None))
+    size, met = h.length(trial), h.length(there.stress)
+    near = _PER_MILLE * np.minimum(size, met)
+    undone = (near > 0.0) & (h.length(there.stress + opposite.stress) <= near)  # not so of an interface that opens or closes
+    parts = (0.5, 1.0)  # at the tip of a cone what has slipped comes back to no stress too, but not by way of the half
+    back = h.counted(there, np.concatenate([there.stress - part * trial for part in parts]), h.case.pressure)
+    for part, stress in zip(parts, np.split(back.stress, len(parts)), strict=True):
+        undone &= h.length(stress - (1.0 - part) * there.stress) <= near
+    off = h.length(there.stress - trial) / np.where(size > 0.0, size, 1.0)
+    worst = np.where(undone, off, 0.0).reshape(len(_SMALL), -1).min(axis=0)
     return Finding(worst, np.full(len(worst), _PER_MILLE))
 
 
@@ -84,13 +83,14 @@ def elasticity(h: HistoryQuery) -> Finding:
 )
 def rest(h: HistoryQuery) -> Finding:
     case = h.case
-    here = h.counted(h.start, case.trial, case.pressure)
+    here = h.beyond
     still = h.counted(here, here.stress.copy(), case.pressure)
     still = h.counted(still, still.stress.copy(), case.pressure)
     moved, allowed = h.length(still.stress - here.stress), 2.0 * h.error(here.stress, case.trial)
     trial = here.stress + (case.other - case.trial)
-    one, two = (h.counted(state, trial + (state.stress - here.stress), case.pressure) for state in (here, still))
-    after, may = h.length(two.stress - one.stress), 4.0 * h.error(here.stress, case.trial, trial, one.stress)
+    ends = h.counted(MaterialState.joined([here, still]), np.concatenate([trial, trial + (still.stress - here.stress)]), case.pressure)
+    one, two = np.split(ends.stress, 2)
+    after, may = h.length(two - one), 4.0 * h.error(here.stress, case.trial, trial, one)
     at_rest = ~(moved <= allowed)
     return Finding(np.where(at_rest, moved, after), np.where(at_rest, allowed, may))
 

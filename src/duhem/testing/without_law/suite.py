@@ -95,8 +95,6 @@ class _Answered(Visited):
             del self._counts[name]
 
     def _trials(self, query: Query, reply: Reply) -> None:
-        if reply is not query.here:
-            return
         history = cast(HistoryQuery, query)
         solved, out, trial = reply.solved, slipped(history), reply.trial
         near = history.length(reply.trial - reply.stress) <= 1e-6 * history.length(reply.trial)
@@ -111,6 +109,9 @@ class _Answered(Visited):
         for i, column in enumerate(trial.T, start=1):
             self._count(f"{i}+", (column > 0.0) & solved)
             self._count(f"{i}-", (column < 0.0) & solved)
+
+    def _others(self, query: Query) -> None:
+        """What is asked beside the trial stress is asked for the checks of associated laws alone."""
 
     def _answers(self, query: Query, reply: Reply) -> None:
         """What is said of answers is said of seams and corners."""
