@@ -81,6 +81,7 @@ def test_a_way_along_a_ray_is_written_once_an_arithmetic() -> None:
 # -- tests mirror the rooms ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", PACKAGE.rooms())
 def test_every_room_has_tests_and_quick_ones_among_them(room: str) -> None:
     found = [

@@ -149,6 +149,7 @@ def test_poor_and_not_flagged_is_silently_wrong(doctored: ExtremeCases) -> None:
     assert all(row.flagged == row.points for row in said)
 
 
+@pytest.mark.slow
 def test_numbers_that_are_not_finite_and_errors(doctored: ExtremeCases) -> None:
     rows = [row for row in doctored.rows if row.method == "lost"]
     assert all((row.finite, row.stress_digits, row.wrong_stress) == (0, 0.0, row.points) for row in rows)

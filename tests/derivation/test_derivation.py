@@ -118,6 +118,7 @@ def test_state_laws_are_slopes_of_the_free_energy(name: str, kind: str) -> None:
     assert all(abs(at(a, point) - at(b, point | elastic)) < 1e-35 for a, b in both)
 
 
+@pytest.mark.slow
 def test_stiffness_kinds_differ_as_they_say() -> None:
     assert {len(derived("antoni2007", kind).names.stiffness.free_symbols) for kind in ("isotropic", "orthotropic", "full")} == {1, 2, 3}
     minors = derived("antoni2007", "full")["free_energy_convex"].relation
@@ -218,6 +219,7 @@ def test_dissipation_is_the_power_of_the_flow_on_the_boundary(name: str) -> None
         assert abs(at(d["dissipation"].rhs, point) - power) < 1e-25 * (1 + abs(power))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["antoni2007", "capped", "cohesive", "coulomb", "orthotropic"])
 def test_dissipation_of_a_gauge_needs_no_stress(name: str) -> None:
     assert not derived(name)["dissipation"].rhs.has(*load(name).force_symbols())
@@ -309,6 +311,7 @@ def test_a_law_undefined_far_from_its_set_is_derived(g: str) -> None:
     assert "jumps where" in said and "sigma_b = 0" in said
 
 
+@pytest.mark.slow
 def test_tip_is_where_the_set_shrinks_to_a_point() -> None:
     assert list(derived("antoni2007")["tip"].rhs) == [0, 0]
     assert "tip" not in derived("cohesive") and "tip" not in derived("tresca")

@@ -220,6 +220,7 @@ def test_conditions_are_stated() -> None:
     assert plain is not None and plain.requires == ()
 
 
+@pytest.mark.slow
 def test_steps_name_their_theorems() -> None:
     for name in CLOSED:
         found = closed(name)[1]

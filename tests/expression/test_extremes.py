@@ -61,6 +61,7 @@ def test_it_is_what_sympy_builds(ours, theirs, given):
     assert _alike(ours(*given), theirs(*given))
 
 
+@pytest.mark.slow
 @BOTH
 def test_drawn_arguments_give_what_sympy_builds(ours, theirs):
     """Many of the drawn pairs are such that one is always the greater."""

@@ -244,6 +244,7 @@ TOKENS = st.sampled_from(
 SOUP = st.lists(TOKENS, max_size=14).map("".join) | st.lists(TOKENS, max_size=14).map(" ".join)
 
 
+@pytest.mark.slow
 @given(st.text(max_size=60) | SOUP)
 def test_random_text_meets_nothing_but_input_errors(text: str) -> None:
     try:

@@ -43,6 +43,7 @@ def test_predictions_against_rational_arithmetic():
         assert [float(x) for x in double] == pytest.approx([float(x) for x in exact], rel=1e-15 if mu < 0.5 else 1e-13)
 
 
+@pytest.mark.slow
 def test_brackets_hold_the_roots():
     """Signs by Fractions at both ends; the root itself from mpmath."""
     for side, target in ((0, "0.33"), (0, "0.32"), (1, "0.29"), (1, "0.229")):

@@ -273,6 +273,7 @@ def test_witnesses_hold_in_another_arithmetic(name: str) -> None:
         assert result.witness is None or holds(law, result.claim, result.witness), result.claim
 
 
+@pytest.mark.slow
 def test_witnesses_do_not_hold_of_another_law() -> None:
     """The checks above can fail."""
     witness = found("dent")["convexity"].witness
