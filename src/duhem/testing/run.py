@@ -210,7 +210,7 @@ class ConformanceRun:
 
     def failures(self, query: Query, checks: Sequence[Check]) -> Iterator[Failure]:
         """The failures of some checks on a case, as they are found."""
-        silent = any(f.check.name == _ANSWERS for f in self.found)
+        silent = any(f.check.name == _ANSWERS for f in self.found) and [*checks] != [self.answers]  # asked alone, to be made short
         try:
             for asked in checks:
                 try:
