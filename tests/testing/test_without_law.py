@@ -70,6 +70,20 @@ def test_what_only_associated_laws_satisfy_is_asked_for_by_name() -> None:
     assert conformance(None, max_examples=1, rows=20, checks=by_name, **friction()).ok
 
 
+def test_what_can_be_asked_in_one_call_is() -> None:
+    """Most of what the suite costs are its calls: of a first case 21 to draw it, 72 along the path in small steps, and few others."""
+    calls = []
+
+    def once(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        calls.append(len(trial))
+        share = -0.3 * pressure / np.maximum(np.hypot(*trial.T), -0.3 * pressure)
+        return share[:, None] * trial
+
+    report = conformance(None, once, stiffness=[2.0, 2.0], pressure=-1.0, max_examples=1, rows=12, seed=1)
+    assert report.ok and {"elasticity", "rest", "subdivision"} <= set(report.passed), str(report)
+    assert len(calls) <= 112, len(calls)
+
+
 def kinematic(hardening: float, back: float = 1.0) -> Material:
     """One dimension, modulus 1, yield 1, linear kinematic hardening: the stress may be driven against itself, sigma d eps_p < 0."""
 

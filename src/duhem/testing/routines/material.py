@@ -48,8 +48,8 @@ class MaterialState:
 
     @staticmethod
     def joined(states: Sequence[MaterialState]) -> MaterialState:
-        """The points of all, in their order; what one of them does not have is None."""
-        parts = list(zip(*(vars(state).values() for state in states), strict=True))
+        """The points of all, in their order, without what is of the last step alone; an energy that one of them does not have is None."""
+        parts = [[getattr(state, name) for state in states] for name in ("strain", "stress", "variables", "stored", "dissipated")]
         return MaterialState(*(None if any(x is None for x in part) else np.concatenate(part) for part in parts))  # type: ignore[arg-type]
 
     def copied(self) -> MaterialState:
