@@ -47,6 +47,21 @@ def test_numbers_do_not_touch_where_another_resolution_gives_an_axis_a_little_mo
         assert not faults(sheet)
 
 
+def test_a_title_wider_than_its_axes_does_not_reach_into_those_beside_it() -> None:
+    def paint(*places: Axes) -> None:
+        for axes in places:
+            axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.0), aspect="equal")
+            figure.measure(axes.xaxis, "a")
+            figure.measure(axes.yaxis, "b")
+        places[1].set(ylim=(0.0, 0.2), title="what is said of the plane in the middle")
+        figure.snug(places)
+
+    places = figure.drawn(paint, panels=3, size=(3.5, 2.0))
+    sheet = places[0].figure
+    assert isinstance(sheet, Figure) and not faults(sheet)
+    assert places[1].title.get_fontsize() == 10.0
+
+
 def test_a_note_keeps_clear_of_the_way_between_points() -> None:
     (axes,) = figure.drawn(_noted)
     line, words = axes.lines[0], axes.texts[0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import pairwise, permutations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ SIDES: tuple[dict[str, Any], ...] = tuple(
 )
 _MARK = 7.0  # points
 _OVER = 9.0  # pixels that a note may stand over the side of its axes: as far as a tick and its pad
+_APART = 8.0  # pixels between a title and the axes beside it
 _SMALLEST = 1.0  # points, of letters
 _READ = 6.0  # points that letters keep where they take a little more room than they have
 _BEFORE_UNIT = " ["
@@ -116,6 +117,7 @@ def _uncrowd(sheet: Figure, places: tuple[Axes, ...], rounds: int = 6) -> None:
         long += [
             _set_smaller(axes.title, sheet.bbox.width / _columns(axes) / (axes.title.get_window_extent().width or 1.0)) for axes in places
         ]
+        long.append(_moved_apart(sheet, places))
         if not crowded and not any(long):
             return
         for axis in crowded:
@@ -145,6 +147,21 @@ def _brought_in(axis: Axis) -> bool:
     if _BEFORE_UNIT not in text:
         return _set_smaller(axis.label, share)
     axis.set_label_text(text.replace(_BEFORE_UNIT, "\n["))
+    return True
+
+
+def _moved_apart(sheet: Figure, places: tuple[Axes, ...]) -> bool:
+    """Whether a title reached into the axes beside it, for a layout gives axes no room for the width of their titles: columns get it."""
+    over = 0.0
+    for axes, other in permutations(places, 2):
+        title = axes.title.get_window_extent()
+        taken = [other.bbox, other.title.get_window_extent(), other.yaxis.get_tightbbox()]
+        for box in (box for box in taken if box is not None and title.overlaps(box)):
+            over = max(over, min(title.x1 - box.x0, box.x1 - title.x0))
+    layout = sheet.get_layout_engine()
+    if over == 0.0 or layout is None:
+        return False
+    layout.set(w_pad=layout.get()["w_pad"] + (over + _APART) / 2.0 / sheet.dpi)  # type: ignore[call-arg]
     return True
 
 
