@@ -119,7 +119,8 @@ def rate(h: HistoryQuery) -> Finding:
     statement="a path in twice as many steps ends, in the limit, at the same stress",
     formula="sigma_2n - sigma_n -> 0 as each leg is taken in n steps",
     source="Moreau (1977), J. Differ. Equ. 26, 347-374: the catching-up algorithm converges",
-    tolerance=f"the elastic length of the path over n, at n = {FINER}, or else at n = {4 * FINER}",
+    tolerance=f"the elastic length of the path over {FINER}, between n = {FINER // 2} and {FINER}, or else over {4 * FINER}, between "
+    f"n = {4 * FINER} and {8 * FINER}",
     again=True,
 )
 def subdivision(h: HistoryQuery) -> Finding:
@@ -127,7 +128,7 @@ def subdivision(h: HistoryQuery) -> Finding:
         raise NothingToCheck(f"asked in one of {_DIVIDED} cases")
     legs = np.diff(h.case.path, axis=1)
     whole = np.sum([h.length(legs[:, i]) for i in range(legs.shape[1])], axis=0)
-    ends = [h.fine[-1], h.along(2 * FINER)[-1]]
+    ends = [h.along(FINER // 2)[-1], h.fine[-1]]
     apart, allowed = h.length(ends[1].stress - ends[0].stress), whole / FINER + h.error(*(e.stress for e in ends), h.case.path[:, -1])
     if (~(apart <= allowed) & h.sound).any():
         ends = [h.along(4 * FINER)[-1], h.along(8 * FINER)[-1]]
