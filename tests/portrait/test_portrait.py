@@ -23,7 +23,7 @@ from duhem.portrait.step import step
 pytest.importorskip("matplotlib")
 
 from duhem.portrait.plot import _refuted, cut, plot, stated
-from duhem.portrait.violation import violation
+from duhem.portrait.violation import _around, violation
 from tests.oracles.legible import faults
 
 MU = {"mu_a_plus": 0.2, "mu_a_minus": 0.08, "mu_b_plus": 0.12, "mu_b_minus": 0.15}
@@ -360,6 +360,14 @@ def test_a_witness_in_a_thin_section_is_seen_beside_its_width() -> None:
     shown = violation(found.criterion, found["normality"]).section
     a, b, c, d = shown.window
     assert shown.slender and not shown.remark and (b - a) / (d - c) == pytest.approx(1e-3, rel=0.2)
+
+
+def test_a_witness_in_a_narrow_section_has_room_for_numbers_and_notes() -> None:
+    narrow = seen(duhem.Criterion(name="k", g="norm(6*sigma_a, sigma_b) - 1", pressure=None), "sigma_a,sigma_b")
+    a, b, c, d = narrow.window
+    assert b - a < 0.5 * (d - c) and not narrow.slender
+    wide = _around(narrow, np.array([[0.0, -1.0], [0.0, 1.0]]), None)
+    assert wide is not None and wide[1] - wide[0] == pytest.approx(0.6 * (wide[3] - wide[2])) and abs(wide[0] + wide[1]) < 1e-6
 
 
 def test_a_section_lost_in_rounding_is_a_point_and_another_is_shown_if_none_was_asked() -> None:

@@ -30,6 +30,7 @@ _ASIDE = ("opposite", "corner")
 _INSIDE = ("p", "q", "inside", "tau")
 """Roles of points that lie in K."""
 _FREE = 0.05  # of the window's size that is left free around a point
+_NARROWEST = 0.6  # side of a window by the other, where the axes have one scale: narrower, numbers and notes find no room
 _SMALL = 0.08  # share of the window below which a way is drawn larger, in a window of its own
 
 
@@ -88,8 +89,12 @@ def _around(section_of_all: View, points: Iterable[Array], way: Array | None) ->
         return (middle[0] - 1.1 * long, middle[0] + 1.1 * long, middle[1] - 1.1 * long, middle[1] + 1.1 * long)
     sides = np.maximum(high, whole[1::2]) - np.minimum(low, whole[::2])
     free = _FREE * (sides if section_of_all.slender else np.full(2, sides.max()))  # not to scale: each axis has its own
-    (a, c), (b, d) = (low - free).tolist(), (high + free).tolist()
-    box = (min(whole[0], a), max(whole[1], b), min(whole[2], c), max(whole[3], d))
+    low, high = np.minimum(low - free, whole[::2]), np.maximum(high + free, whole[1::2])
+    if not section_of_all.slender:
+        more = np.maximum(_NARROWEST * (high - low).max() - (high - low), 0.0) / 2.0
+        low, high = low - more, high + more
+    (a, c), (b, d) = low.tolist(), high.tolist()
+    box = (a, b, c, d)
     return None if box == whole else box
 
 
