@@ -93,9 +93,9 @@ def test_a_line_goes_round_a_polygon_without_going_back() -> None:
 
 @pytest.mark.parametrize("power", [1.5, 2.0, 4.0])
 def test_a_corner_that_leans_has_the_normals_of_its_sides(power: float) -> None:
-    """|sigma_b| <= sigma_a^p up to sigma_a = 1: sharp at (1, ±1), and at 0 a cusp that no picture follows to its end."""
+    """|sigma_b| <= sigma_a^p up to sigma_a = 1: sharp at (1, ±1); at 0 the ray sigma_a < 0 of K begins, and no corner is."""
     law = duhem.Criterion(name="thorn", g=f"max(abs(sigma_b) - pos(sigma_a)**{power}, sigma_a - 1)", pressure=None)
-    sharp = sorted((c for c in seen(law, "sigma_a,sigma_b").corners if c.point[0] > 0.5), key=lambda c: c.point[1])
+    sharp = sorted(seen(law, "sigma_a,sigma_b").corners, key=lambda c: c.point[1])
     for corner, side in zip(sharp, (-1, 1), strict=True):
         assert corner.point == pytest.approx([1.0, side], abs=1e-6)
         leaning = np.array([-power, side]) / np.hypot(power, 1.0)
@@ -225,6 +225,15 @@ def test_normals_are_the_gradient_of_an_ellipse() -> None:
     for arrow in found.normals:
         slope = arrow.at / np.array([0.09, 0.01])
         assert arrow.along == pytest.approx(slope / np.hypot(*slope), abs=2e-3)
+
+
+def test_where_a_line_turns_back_before_a_tip_it_has_no_normal() -> None:
+    """sqrt|sigma_a| + sqrt|sigma_b| = 1: its four tips are thinner than the picture follows."""
+    found = seen(duhem.Criterion(name="star", g="sqrt(abs(sigma_a)) + sqrt(abs(sigma_b)) - 1", pressure=None), "sigma_a,sigma_b")
+    assert len(found.normals) >= 12
+    for arrow in found.normals:
+        slope = np.sign(arrow.at) / np.sqrt(np.abs(arrow.at))
+        assert arrow.along == pytest.approx(slope / np.hypot(*slope), abs=0.02)
 
 
 def test_a_flow_of_its_own_is_drawn_as_it_is() -> None:

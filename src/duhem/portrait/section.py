@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 NOTHING = "no point of $K$ is found here"
 _ARROWS = 18
+_ASIDE = 0.03  # of the window's size, from a corner
+_SMOOTH = 0.94  # cosine between the normals beside a point, below which it has none
 _POINT = 1e-12  # of the law's stresses: K that is no larger is drawn as a point
 _SLENDER = 12.0  # times as long as wide, from where a section is not drawn to scale
 _STEPS = 721  # angles at which a boundary curve is computed
@@ -127,6 +129,7 @@ def section(given: Numbered, plane: Plane, window: Window | None = None, *, need
     x, y, _ = region(lambda points: points[..., 0], window)
     found = View(plane, window, lines, (x, y, value), _seams(formula, plane, (x, y, value)), whole=seen.whole)
     found = replace(found, **_unseen(level, found, seen.points))
+    found = replace(found, lines=tuple(_without_beginnings(found)))
     if not plane.slips:
         return found
     found = replace(found, normals=tuple(_normals(found)))
@@ -158,6 +161,16 @@ def _unseen(level: Callable[[Array], Array], found: View, points: Array) -> dict
     return {} if held else {"remark": NOTHING}
 
 
+def _without_beginnings(found: View) -> Iterator[Line]:
+    """The lines with the corners that are some: none is where a piece of K begins that is too thin for lines."""
+    for line in found.lines:
+        yield replace(line, corners=tuple(at for at in line.corners if not _within(found.points, at.point, _ASIDE * found.size)))
+
+
+def _within(points: Array, of: Array, distance: float) -> bool:
+    return bool((np.hypot(*(points - of).T) < distance).any())
+
+
 def _seams(formula: Formula, plane: Plane, grid: tuple[Array, Array, Array]) -> tuple[Array, ...]:
     """Lines inside K on which g changes its piece."""
     x, y, _ = grid
@@ -184,7 +197,7 @@ def _seams(formula: Formula, plane: Plane, grid: tuple[Array, Array, Array]) -> 
 
 
 def _normals(found: View) -> list[Arrow]:
-    """Evenly along the boundary, aside from corners, whose normals are a fan."""
+    """Evenly along the boundary, aside from corners, whose normals are a fan, and from where a line that ends turns back."""
     step = sum(_length(line.points) for line in found.lines) / _ARROWS
     arrows: list[Arrow] = []
     for line in found.lines:
@@ -192,12 +205,14 @@ def _normals(found: View) -> list[Arrow]:
         passed = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
         count = max(1, round(passed[-1] / step))
         ways = normals(points)
-        tips = [corner.point for corner in line.corners]
+        tips = np.array([corner.point for corner in line.corners]).reshape(-1, 2)
+        around = len(points) - closed(points)
         for place in (np.arange(count) + 0.5) * passed[-1] / count:
             i = min(int(np.searchsorted(passed, place)), len(points) - 1)
             if i in (0, len(points) - 1) and not closed(points):
                 continue
-            if all(np.hypot(*(points[i] - tip)) > 0.03 * found.size for tip in tips):
+            smooth = ways[(i - 1) % around] @ ways[(i + 1) % around] > _SMOOTH
+            if smooth and not _within(tips, points[i], _ASIDE * found.size):
                 arrows.append(Arrow(points[i], ways[i]))
     return arrows
 
