@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,20 @@ def test_on_a_phone_no_formula_is_wider_than_its_line(tab: Browser, tmp_path: Pa
     assert tab.of(f"{lines}.length") == len(rows)
     assert tab.of(f"{lines}.filter(e => e.scrollWidth > e.clientWidth).map(e => e.textContent)") == []
     assert tab.of(f"Math.min(...{lines}.map(e => e.clientWidth))") > 0.9 * 390  # its number takes none of it
+
+
+@pytest.mark.slow
+def test_on_a_phone_no_row_of_a_formula_runs_into_the_row_above_it(tab: Browser, tmp_path: Path) -> None:
+    row = " + ".join([r"\frac{s_{2}^{2}}{\mathrm{Yt}^{2}}"] * 30)
+    file = tmp_path / "page.html"
+    file.write_text(as_page([Article("a", "", (Chapter("c", (Display("D1", "", "", (row,)),)),))]), "utf-8")
+    tab.emulate(390)
+    tab.open(file)
+    fractions = "[...document.querySelectorAll('.mathematics mfrac')].map(e => e.getBoundingClientRect())"
+    places = tab.of(f"{fractions}.map(box => [box.top, box.bottom])")
+    rows = sorted({(round(top), round(bottom)) for top, bottom in places})
+    assert len(places) == 30 and len(rows) > 2
+    assert min(below[0] - above[1] for above, below in pairwise(rows)) >= 2
 
 
 def test_a_file_that_is_read_is_not_written_over(run: Run, tmp_path: Path) -> None:

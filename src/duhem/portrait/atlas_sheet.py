@@ -72,10 +72,10 @@ def _small(axes: Axes, law: AtlasEntry, view: View) -> None:
         axes.plot(*line.points.T, color="black", linewidth=0.9, zorder=3)
     axes.set(xlim=(a, b), ylim=(c, d), xticks=[], yticks=[])
     axes.set_aspect("equal" if 0.125 < (b - a) / (d - c) < 8.0 else "auto", adjustable="box")
-    axes.set_xlabel(view.plane.x_symbol, fontsize=7, labelpad=2)
-    axes.set_ylabel(view.plane.y_symbol, fontsize=7, labelpad=2)
+    axes.set_xlabel(view.plane.x_symbol, fontsize=8.6, labelpad=2)
+    axes.set_ylabel(view.plane.y_symbol, fontsize=8.6, labelpad=2)
     others = [f"{claim} {_word(law.verdicts[claim])}" for claim in _TOLD if law.verdicts[claim] not in ("proved", "not_applicable")]
-    axes.set_title("\n".join([figure.shortened(law.name, 24), *others]), fontsize=6.5)
+    axes.set_title("\n".join([figure.shortened(law.name, 24), *others]), fontsize=7.5)
 
 
 def _word(verdict: str) -> str:
