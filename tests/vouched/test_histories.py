@@ -86,6 +86,23 @@ def test_a_scene_says_what_it_asks_of_k(folder: Path, line: str, code: int, said
         assert isinstance(done.exception, InputError) and said in str(done.exception)
     else:
         assert done.return_value == 0 and done.output.startswith("time,")
+        assert done.stderr == (
+            "" if line else f"duhem: in 1 of 1 steps {NOT_SHOWN}: the point is stationary, and not shown to be the closest one\n"
+        )
+        assert (NOT_SHOWN in CliRunner().invoke(cli, ["simulate", str(folder / "scene.toml"), "--explain"]).stdout) is not bool(line)
+
+
+def test_stationary_steps_and_points_are_counted(folder: Path) -> None:
+    path = duhem.Path.linear([[0, 0], [0.1, 0], [3, 0.5], [3.1, 0.5], [3, 0.5]], pressure=-1.0)
+    found = duhem.simulate(OVAL, path, stiffness=1.0, parameters=DENTED)
+    assert found.stationary() == 2 and "2 stationary" in repr(found) and str(found.remark()).startswith(f"in 2 of 4 steps {NOT_SHOWN}")
+    assert duhem.simulate(OVAL, path, stiffness=1.0, parameters=DENTED, convex="assume").remark() is None
+
+    (folder / "points.csv").write_text("scale\n1\n0.01\n", "utf-8")
+    (folder / "many.toml").write_text(SCENE + '[points]\ntable = "points.csv"\n', "utf-8")
+    for out in ([], ["--out", str(folder / "h.csv")]):
+        done = CliRunner().invoke(cli, ["simulate", str(folder / "many.toml"), *out], standalone_mode=False)
+        assert done.return_value == 0 and done.stderr.startswith(f"duhem: in the slips of 1 of 2 points {NOT_SHOWN}")
 
 
 def test_a_scene_that_requires_is_not_run_unasked(folder: Path) -> None:

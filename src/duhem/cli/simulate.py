@@ -22,9 +22,10 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     """Drive a law along the loading path of SCENE, a TOML file.
 
     A step whose closest point of K cannot be vouched for ends the run: on a K that is not shown to be convex, where a nearer point
-    of K is found; convex = "require" in [method] refuses such a K.  The exact integrator follows the slip along the boundary and
-    asks for no closest point; --explain says where K is not convex.  A pressure outside the range that the law declares is
-    refused; a stress that leaves one ends the run, and what came before is kept as after an interruption.
+    of K is found; elsewhere a line says in how many steps the slip is stationary and no more, and convex = "require" in [method]
+    refuses such a K.  The exact integrator follows the slip along the boundary and asks for no closest point; --explain says where
+    K is not convex.  A pressure outside the range that the law declares is refused; a stress that leaves one ends the run, and what
+    came before is kept as after an interruption.
 
     A run that is interrupted (Ctrl-C, SIGTERM) keeps what is done in FILE.partial, and --resume goes on from there.  So it does after a
     run that was killed, from what was kept last: every minute, or as often as the scene says, and of many points after each share
@@ -32,6 +33,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     """
     from duhem.left_out import LeftOut
     from duhem.path import scene_file, scene_run
+    from duhem.projection.result import NOT_SHOWN
     from duhem.vouched.histories import looked_into
 
     try:
@@ -45,6 +47,7 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
     many = chosen.many
     scene_run.check_outputs(table, figure, resume, [scene, *chosen.inputs], many)
     if explain:
+        chosen = looked_into(chosen)
         for part in chosen.parts(table, figure):
             say(f"{'left out' if isinstance(part, LeftOut) else 'needed'}: {part.part} ({part.reason})")
         return HELD
@@ -60,11 +63,13 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
         try:
             chosen = looked_into(chosen)
             if many:
-                ended = scene_run.perform_many(chosen, table, resume, say, on_step)
+                came = scene_run.perform_many(chosen, table, resume, say, on_step)
                 progress.show("")
-                if ended:
-                    click.echo(f"duhem: {ended} points end early, at a step that cannot be vouched for or leaves a range", err=True)
-                return FAILED if ended else HELD
+                if came.stationary:
+                    click.echo(f"duhem: in the slips of {came.stationary} of {came.points} points {NOT_SHOWN}", err=True)
+                if came.ended:
+                    click.echo(f"duhem: {came.ended} points end early, at a step that cannot be vouched for or leaves a range", err=True)
+                return FAILED if came.ended else HELD
             history = scene_run.perform(chosen, table, resume, on_step)
         except scene_run.Stopped as stop:
             progress.show("")
@@ -74,4 +79,6 @@ def simulate(scene: str, out: str | None, plot: str | None, explain: bool, resum
         say(history.to_text().removesuffix("\n"))
     if figure is not None:
         history.plot(figure)
+    if (remark := history.remark()) is not None:
+        click.echo(f"duhem: {remark}", err=True)
     return HELD

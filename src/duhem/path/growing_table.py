@@ -1,4 +1,4 @@
-"""A table of many points that grows on disk as they are done: how many are, and how many of them ended early, is noted beside it."""
+"""A table of many points that grows on disk as they are done: how many are, and how they came out, is noted beside it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ _LINES = 65_536  # of a table, turned into Parquet together
 
 
 class GrowingTable:
-    """The table ``file`` of the run ``fingerprint`` with these ``columns``; ``points`` are done, ``ended`` of them early.
+    """The table ``file`` of the run ``fingerprint`` with these ``columns``; ``points`` are done.
+
+    Of these ``ended`` ended early, and ``stationary`` slip to stationary points, of which no more is shown.
 
     ``resume`` goes on with what is there; InputError if that is of another run or damaged.  Use it as a context: what is whole
     stays, and :meth:`finish` puts the table in its place.
@@ -27,8 +29,8 @@ class GrowingTable:
 
     def __init__(self, file: AnyPath, fingerprint: str, columns: tuple[str, ...], resume: bool) -> None:
         self.file = os.fspath(file)
-        self._growing = GrowingFile(file, fingerprint, (0, 0), resume)
-        self.points, self.ended = self._growing.counts
+        self._growing = GrowingFile(file, fingerprint, (0, 0, 0), resume)
+        self.points, self.ended, self.stationary = self._growing.counts
         if not self._growing.size:
             self._growing.write(",".join(columns) + "\n")
 
@@ -44,7 +46,8 @@ class GrowingTable:
             self._growing.write(text)
         self.points += len(part)
         self.ended += part.ended_early()
-        self._growing.note(self.points, self.ended)
+        self.stationary += part.stationary()
+        self._growing.note(self.points, self.ended, self.stationary)
 
     def finish(self) -> None:
         """The table in its place, as Parquet where its name says so; nothing is left beside it."""

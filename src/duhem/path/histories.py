@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.path.history import STATES, History, Recorded
-from duhem.projection.result import Array, Status
+from duhem.projection.result import NOT_SHOWN, Array, Status
 from duhem.show.place import AnyPath, written
 from duhem.show.shown import Shown
 
@@ -49,6 +49,10 @@ class Histories(Recorded, Shown):
     def ended_early(self) -> int:
         """How many points did not come to the end of their path."""
         return int(np.isin(self.status, (Status.INACCURATE, Status.FAILED, Status.OUTSIDE)).sum())
+
+    def stationary(self) -> int:
+        """How many points slip, at a kept knot or before, where K was asked about and not shown to be convex under all their pressures."""
+        return int((self.multiplier > 0.0).any(axis=1).sum()) if NOT_SHOWN in self.why else 0
 
     def history(self, point: int) -> History:
         """One point by itself, by its place among ``points``: the kept knots that it reached."""

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from duhem.path.plan import Plan
-from duhem.projection.result import Array
+from duhem.projection.result import NOT_SHOWN, Array
 from duhem.show import parquet_package
 from duhem.show.place import write, written
 from duhem.show.printing import draw
@@ -74,10 +74,25 @@ class History(Recorded, Shown):
     plan: Plan | None = field(default=None)
 
     def __repr__(self) -> str:
-        return f"<History of {self.law}: {len(self)} knots; {self.method}>"
+        stationary = f", {self.stationary()} stationary" if self.stationary() else ""
+        return f"<History of {self.law}: {len(self)} knots{stationary}; {self.method}>"
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def stationary(self) -> int:
+        """How many steps slip to a stationary point, on a K that was asked about and not shown to be convex under their pressure."""
+        if NOT_SHOWN not in self.why:
+            return 0
+        slips = (np.diff(self.slip, axis=0) != 0.0).any(axis=1) | (np.diff(self.multiplier) > 0.0)
+        if self.plan is not None:
+            slips &= ~self.plan.increment.shown_convex()[1 : len(self)]
+        return int(slips.sum())
+
+    def remark(self) -> str | None:
+        """What nobody vouches for in it, in words; None where there is nothing of the kind."""
+        count = self.stationary()
+        return f"in {count} of {len(self) - 1} steps {NOT_SHOWN}" if count else None
 
     def to_array(self) -> Array:
         """The table as one array (m, columns)."""

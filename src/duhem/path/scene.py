@@ -19,6 +19,7 @@ from duhem.path.paths import Paths
 from duhem.path.plan import Plan
 from duhem.path.run import Run
 from duhem.path.simulate import driven
+from duhem.projection.result import NOT_SHOWN
 
 __all__ = ["Needed", "Scene"]
 
@@ -125,7 +126,9 @@ def _integration(scene: Scene, plan: Plan) -> Needed | LeftOut:
     if plan.path.control == "stress":
         return LeftOut(name, "stress path: the displacement follows from it")
     if scene.method != "exact":
-        return LeftOut(name, f"{scene.method} steps: closest points only")
+        question = plan.increment
+        shown = question.convexity is None or question.shown_convex().all()
+        return LeftOut(name, f"{scene.method} steps: {'closest points only' if shown else f'stationary points only; {NOT_SHOWN}'}")
     from duhem.path.exact import elementary, why
 
     reason = elementary(plan)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import NamedTuple
 
 from duhem.errors import InputError
 from duhem.path import kept_part
@@ -17,7 +18,15 @@ from duhem.show import figure, parquet_package
 from duhem.show.growing_file import beside, check_growing, check_kept
 from duhem.show.place import check_places
 
-__all__ = ["Stopped", "check_outputs", "perform", "perform_many"]
+__all__ = ["PointCounts", "Stopped", "check_outputs", "perform", "perform_many"]
+
+
+class PointCounts(NamedTuple):
+    """What came of many ``points``: how many ``ended`` early, and how many slip to ``stationary`` points and no more is shown of them."""
+
+    points: int
+    ended: int
+    stationary: int
 
 
 class Stopped(KeyboardInterrupt):
@@ -79,19 +88,20 @@ def _keep(table: str, fingerprint: str, done: History) -> None:
 
 def perform_many(
     scene: Scene, table: str | None, resume: bool, say: Callable[[str], None], on_step: Callable[[int, int], None] | None = None
-) -> int:
-    """Run the scene of many points, whose ``table`` grows as they are done; the number of points that ended early.
+) -> PointCounts:
+    """Run the scene of many points, whose ``table`` grows as they are done; how many of them came out how.
 
     Without a table the rows are said, some at a time.  Stopped if interrupted: the points that are done are kept.
     """
     batch = scene.batch()
-    n, ended = len(batch.own), 0
+    n, ended, stationary = len(batch.own), 0, 0
     if table is None:
         for part in parts(batch, scene.method, scene.threads):
             text = "".join(part.rows())
             say((text if part.points[0] else ",".join(part.columns()) + "\n" + text).removesuffix("\n"))
             ended += part.ended_early()
-        return ended
+            stationary += part.stationary()
+        return PointCounts(n, ended, stationary)
     with GrowingTable(table, scene.fingerprint, ("point", *columns(batch.law.forces, batch.law.pressure)), resume) as growing:
         try:
             for part in parts(batch, scene.method, scene.threads, first=growing.points):
@@ -102,4 +112,4 @@ def perform_many(
             kept = beside(table)
             raise Stopped(f"interrupted after {growing.points} of {n} points, kept in {kept}; go on with --resume") from None
         growing.finish()
-        return growing.ended
+        return PointCounts(n, growing.ended, growing.stationary)

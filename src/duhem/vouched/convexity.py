@@ -27,7 +27,7 @@ __all__ = ["asked"]
 Ranges = tuple[tuple[str, Domain], ...]
 
 _EFFORT = "quick"
-_REMEDY = 'take numbers for which duhem verify proves convexity, or convex="ask" and look at the statuses'
+_REMEDY = 'take numbers for which duhem verify proves convexity, or convex="ask" and heed what is said of stationary points'
 
 
 def asked(law: Criterion, parameters: Mapping[str, Any] | None, convex: str, *, unloaded: bool) -> Convexity | None:
