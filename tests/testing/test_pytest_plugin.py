@@ -117,6 +117,20 @@ def properties(file: Path) -> dict[str, dict[str, str]]:
     return {case.get("name", ""): {p.get("name", ""): p.get("value", "") for p in case.iter("property")} for case in cases}
 
 
+def test_what_an_expected_failure_explains_is_expected_whatever_is_selected(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        test_friction=HEAD
+        + """
+@pytest.mark.duhem(checks=["feasibility", "variational-inequality"], expected_failed_checks={"feasibility": "no return"}, **MARK)
+def update(trial, pressure, stiffness):
+    return trial * 2.0
+"""
+    )
+    done = tried(pytester, "-k", "inequality")
+    done.assert_outcomes(xfailed=1, deselected=2)
+    done.stdout.fnmatch_lines(["XFAIL *update[[]variational-inequality] - likely for the same reason as [[]feasibility]"])
+
+
 @pytest.mark.slow
 def test_a_routine_expected_to_fail_fails_one_check_at_least(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import count
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,10 +17,12 @@ from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import registered
 from duhem.testing.checks.visited import Visited
+from duhem.testing.conformance import every_check
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.causes import CAUSES, by_cause
 from duhem.testing.routines.unfinished import Unfinished
 from duhem.testing.run import ConformanceRun
+from duhem.testing.without_law import FreeRun, free_checks
 from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
 # -- visited -----------------------------------------------------------------------------------------------------------
@@ -178,10 +181,49 @@ def test_a_check_expected_to_fail_has_to() -> None:
     failing, passing = put(nothing), put(ellipse)
     assert failing.ok and failing.failures == () and failing.expected == {"feasibility": "no projection yet"}
     assert failing.failed == {"feasibility"} and "feasibility failed, as expected: no projection yet" in str(failing)
+    assert "left out slip: the routine returns no slip" in str(failing) and "; so it is expected to fail in vain" in str(failing)
     assert not passing.ok and passing.failures == () and passing.unexpected == {"feasibility": "no projection yet"}
     assert "feasibility passed, and was expected to fail" in str(passing)
     with pytest.raises(InputError, match="unknown check 'feasible'"):
         conformance("orthotropic", ellipse, ELLIPSE, expected_failed_checks={"feasible": "?"})
+
+
+@pytest.mark.parametrize(
+    ("law", "cause", "consequence", "other"),
+    [
+        ("box", "variational-inequality", "firmness", "feasibility"),
+        ("box", "variational-inequality", "tangent", "feasibility"),
+        (None, "rate", "subdivision", "dissipation"),
+    ],
+)
+def test_what_an_expected_failure_explains_may_fail_or_pass(
+    law: str | None, cause: str, consequence: str, other: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kind = FreeRun if law is None else ConformanceRun
+    monkeypatch.setattr(kind, "_told", lambda self, failures: list(failures))
+    monkeypatch.setattr(kind, "_short", lambda self, failure: failure)
+
+    def report(*expected: str, failing: tuple[str, ...]) -> Report:
+        options: dict[str, Any] = {"stiffness": [1.0, 1.0], "pressure": None, "accuracy": 1e-9, "max_examples": 1, "rows": 1}
+        options["expected"] = dict.fromkeys(expected, "known")
+        run = (
+            FreeRun(box, {}, free_checks(), **options)
+            if law is None
+            else ConformanceRun(duhem.load(law), box, BOX, every_check(), **options)
+        )
+        found = {each.name: each for each in run.asked}
+        case = failed("firmness")[0].case
+        run.found = [run._failure(found[name], "", case, 1.0, 0.0) for name in failing]
+        run.judged = {cause, consequence, other}
+        return run.report()
+
+    both = report(cause, failing=(consequence, cause))
+    assert both.ok and both.expected == {cause: "known", consequence: f"likely for the same reason as [{cause}]"}
+    assert report(cause, consequence, failing=(cause,)).ok
+    assert report(cause, consequence, failing=(consequence,)).unexpected == {cause: "known"}  # the cause is held to it
+    assert [f.check.name for f in report(cause, failing=(consequence,)).failures] == [consequence]
+    assert [f.check.name for f in report(cause, failing=(cause, other)).failures] == [other]
+    assert [f.check.name for f in report(consequence, failing=(cause, consequence)).failures] == [cause]
 
 
 # -- what is told ------------------------------------------------------------------------------------------------------

@@ -152,9 +152,11 @@ def conformance(
     more than being told the same by a busy machine.
     ``seed`` is that of the cases, drawn anew where left out unless the profile is derandomised; the report names it.
     ``expected_failed_checks`` gives the checks that are known to fail, each with the reason: one of them that passes makes
-    the report not ``ok``.  ``first`` are cases that are tried before any is drawn, such as those that failed before; one that
-    does not fit the law and its parameters is passed over.  The law is taken to be associated.  The report is not ``ok`` either where the
-    routine flags more than the share ``most_flagged`` of the increments as not solved; left out, any share may be.
+    the report not ``ok``.  The cause alone need be named: what a check explains that is expected and fails
+    (:mod:`duhem.testing.failures.causes`) may fail with it or pass.  ``first`` are cases that are tried before any is drawn,
+    such as those that failed before; one that does not fit the law and its parameters is passed over.  The law is taken to be
+    associated.  The report is not ``ok`` either where the routine flags more than the share ``most_flagged`` of the increments
+    as not solved; left out, any share may be.
 
     Without a law (None), ``update`` is such a routine, with ``stiffness`` (d,), (d, d) or a strategy, ``parameters`` that are
     numbers or strategies, all passed by name, and ``pressure``, None for a routine that is given none; or a

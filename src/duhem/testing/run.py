@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from random import Random
 from typing import Any
@@ -25,7 +25,7 @@ from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.simplified import simplified
 from duhem.testing.drawn.strategies import cases
 from duhem.testing.drawn.usable_options import check_options
-from duhem.testing.failures.causes import by_cause, likeliest_first
+from duhem.testing.failures.causes import by_cause, explained_by, likeliest_first
 from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses
 from duhem.testing.failures.least_case import RAISED, LeastCase
@@ -121,6 +121,9 @@ class ConformanceRun:
 
     def _causes(self, failures: Sequence[Failure]) -> tuple[tuple[Failure, ...], tuple[Failure, ...]]:
         return by_cause(failures)
+
+    def _explained_by(self, check: str, failed: Collection[str]) -> Collection[str]:
+        return explained_by(check, failed)
 
     def try_first(self, cases: Iterable[Case]) -> None:
         """Note what fails on cases that are known already, one increment each; those that do not fit are passed over."""
@@ -281,19 +284,25 @@ class ConformanceRun:
         """What was found so far."""
         bad = {f.check.name for f in self.found}
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
-        causes, explained = self._causes(self._told(f for f in self.found if f.check.name not in self.expected))
+        explaining = [(name, self._explained_by(name, bad)) for name in self.expected if name in bad]
+        likely = {name: f"likely for the same reason as [{cause}]" for cause, names in explaining[::-1] for name in names}
+        expected = {name: why for name, why in (likely | self.expected).items() if name in bad}
+        vain = {
+            name: "" if name in likely or name not in self.expected else "; so it is expected to fail in vain" for name in self.left_out
+        }
+        causes, explained = self._causes(self._told(f for f in self.found if f.check.name not in expected))
         causes = tuple(map(self._short, causes))
         return Report(
             law=self._title(),
             passed=passed,
             failures=causes,
-            left_out={name: why for name, why in self.left_out.items() if name not in self.judged},
+            left_out={name: why + vain[name] for name, why in self.left_out.items() if name not in self.judged},
             points=self.points,
             flagged=self.flagged,
             undefined=self.undefined,
             explained=explained,
-            expected={name: why for name, why in self.expected.items() if name in bad},
-            unexpected={name: why for name, why in self.expected.items() if name in passed},
+            expected=expected,
+            unexpected={name: why for name, why in self.expected.items() if name in passed and name not in likely},
             visited=self.visited.shares,
             decades=self.visited.decades,
             examples=self.examples,

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from duhem.testing.failures.report import Failure
 
-__all__ = ["CAUSES", "Cause", "by_cause", "likeliest_first"]
+__all__ = ["CAUSES", "Cause", "by_cause", "explained_by", "likeliest_first"]
 
 
 @dataclass(frozen=True)
@@ -91,6 +91,13 @@ def _groups(left: list[Failure], failed: set[str]) -> list[tuple[Failure, list[F
         gone = {root.check.name, *(f.check.name for f in names)}
         left = [f for f in left if f.check.name not in gone]
     return groups
+
+
+def explained_by(check: str, failed: Collection[str]) -> frozenset[str]:
+    """The checks that may fail for the reason for which ``check`` does, by the table alone; those that ``failed`` are with it."""
+    behind = _TABLE.get(check, frozenset())
+    turned = _UNSYMMETRIC & {check, *behind} & set(failed)
+    return behind | {"tangent"} if check in _STRESS and turned and "slope" not in failed else behind
 
 
 def likeliest_first(failure: Failure) -> tuple[int, int]:

@@ -79,15 +79,16 @@ class Trial:
     def report(self, update: Update) -> Report:
         """The report of all checks that are selected; the routine is run once."""
         if self._outcome is None:
-            checks = [self.asked[name] for name in self.selected if name in self.asked] or list(self.asked.values())
-            expected = {each.name: self.expected[each.name] for each in checks if each.name in self.expected}
+            if asked := {*self.selected} & {*self.asked}:
+                asked |= {*self.expected}  # one that fails explains others, though its node be left out
+            checks = [each for name, each in self.asked.items() if name in asked] or list(self.asked.values())
             try:
                 self._outcome = conformance(
                     self.law,
                     update,
                     self.parameters,
                     checks=checks,
-                    expected_failed_checks=expected,
+                    expected_failed_checks=self.expected,
                     first=list(self._kept.values()),
                     **self.options,
                 )
@@ -104,7 +105,8 @@ class Trial:
     def fails(self, update: Update) -> bool:
         """Whether one of the selected nodes does."""
         report = self.report(update)
-        return not report.ok or (FLAGGED in self.selected and report.flagged_share > self.most_flagged)
+        unexpected = any(name in self.selected for name in report.unexpected)
+        return bool(report.failures) or unexpected or (FLAGGED in self.selected and report.flagged_share > self.most_flagged)
 
     def judge(self, node: str, update: Update, properties: list[tuple[str, object]]) -> Report:
         """Pass, fail, skip or xfail as one node says."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any, cast
@@ -185,6 +185,9 @@ class FreeRun(ConformanceRun):
                 roots[root][1].append(name)
                 explained.append(failure)
         return tuple(replace(failure, explains=tuple(names)) for failure, names in roots.values()), tuple(explained)
+
+    def _explained_by(self, check: str, failed: Collection[str]) -> Collection[str]:
+        return _EXPLAINS.get(check, ())
 
     def _origin(self) -> Origin:
         return origin(self.routine, None, None)
