@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from duhem.projection.result import Array
+from duhem.testing.checks.leaning import leaning
 from duhem.testing.checks.query import NothingToCheck, Query, Reply
 from duhem.testing.checks.registry import Finding, register
 
@@ -130,13 +131,14 @@ def potential(q: Query) -> Finding:
     statement="no admissible stress dissipates more with this slip",
     formula="(sigma_tr - sigma) . k^-1 (tau - sigma) <= 0 for all tau in K",
     source=f"{_LAW}; Moreau (1977), J. Differ. Equ. 26, 347-374",
-    tolerance="u (|sigma_tr - sigma| + |tau - sigma| + u) + 8 eps |sigma_tr - sigma| (|tau| + |sigma|); tau is in K in 60 digits",
+    tolerance="u (|sigma_tr - sigma| + |tau - sigma| + u) + 8 eps |sigma_tr - sigma| (|tau| + |sigma|); tau is in K in 60 digits: two "
+    "points drawn, and points beside the answer where the slip leans off the normal",
 )
 def variational_inequality(q: Query) -> Finding:
     found = q.here
     slip, u = _slip(q, found), q.unit(found)
     worst, bound = np.full(len(slip), -np.inf), np.zeros(len(slip))
-    for tau in (q.case.inside, q.case.beside):
+    for tau in (q.case.inside, q.case.beside, *leaning(q, found.stress, slip, u)):
         way = tau - found.stress
         size = q.length(slip)
         value = q.inner(slip, way)
