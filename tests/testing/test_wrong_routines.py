@@ -380,3 +380,40 @@ def test_a_routine_leaves_what_it_is_given(spoilt: int | None) -> None:
     case = at({"mu": 0.3}, [0.0, 1.0], -1.0, [1.0, 1.0])
     assert (violation("inputs", "coulomb", update, case) is None) == (spoilt is None)
     assert violation("feasibility", "coulomb", update, case) is None
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_slip_that_leans_a_little_is_found_at_every_seed(seed: int) -> None:
+    """Radial return to a disk under stiffnesses a fifth apart: two points drawn saw it at one seed in three."""
+
+    def disk(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        size = np.hypot(*trial.T)
+        return trial * np.divide(-0.3 * pressure, size, out=np.ones_like(size), where=size > -0.3 * pressure)[:, None]
+
+    asked = {"stiffness": [1e9, 1.2e9], "checks": "variational-inequality", "max_examples": 3, "tries": 0, "seed": seed}
+    assert conformance("coulomb", disk, {"mu": 0.3}, **asked).failed == {"variational-inequality"}
+    assert conformance("coulomb", disk, {"mu": 0.3}, **asked | {"stiffness": 1e9}).ok
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_an_open_contact_at_rest_is_asked(seed: int) -> None:
+    """No stress under no pressure is 0/0 to many a radial return."""
+
+    def open_(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        with np.errstate(all="ignore"):
+            return trial / np.maximum(1.0, np.hypot(*trial.T) / (-0.3 * pressure))[:, None]
+
+    assert "answers" in conformance("coulomb", open_, {"mu": 0.3}, stiffness=1e9, checks="answers", tries=0, seed=seed).failed
+
+
+def test_slips_go_all_round() -> None:
+    """Of 72 sectors of five degrees at most a few are empty in a run of the usual length."""
+    asked: list[Array] = []
+
+    def kept(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        asked.append(trial[np.hypot(*trial.T) > -0.3 * pressure])
+        return trial
+
+    conformance("coulomb", kept, {"mu": 0.3}, stiffness=1e9, checks="answers", seed=1)
+    angles = np.degrees(np.arctan2(*np.concatenate(asked).T))
+    assert (np.histogram(angles, np.arange(-180, 181, 5))[0] == 0).sum() < 8
