@@ -119,7 +119,7 @@ def test_one_number_is_a_stiffness_of_the_tensors_as_increments_take_it(given_st
         seen.append(stiffness)
         return trial
 
-    report = conformance(law, elastic, stiffness=given_stiffness, checks=["feasibility"], max_examples=1, rows=2, tries=0, seed=0)
+    report = conformance(law, elastic, stiffness=given_stiffness, checks=["feasibility"], max_examples=1, rows=12, tries=0, seed=0)
     taken = setting(law, given_stiffness, None).stiffness
     assert all(np.array_equal(k, taken) for k in seen)
     assert np.array_equal(np.diag(taken), 4.0 / np.array([1.0, 1.0, 2.0 if given_stiffness == 4.0 else 1.0]))
