@@ -14,6 +14,9 @@ import numpy as np
 import pytest
 
 import duhem
+from duhem.expression import Norm
+from duhem.law import registry
+from duhem.law.shapes import Disk
 from duhem.testing import Report, conformance, pointwise, projection
 from tests.long import mostly_long
 from tests.oracles.routines import DISK, nothing
@@ -120,6 +123,61 @@ def test_a_law_made_in_python_is_written_out(tmp_path: Path) -> None:
     exec(text.replace("raise NotImplementedError", "return trial\n    raise NotImplementedError"), found)
     with pytest.raises(AssertionError, match="measured"):
         found["test_feasibility"]()
+
+
+COULOMB = """[criterion]
+name = "coulomb"
+g = "norm(2*sigma_a, sigma_b) - mu*abs(sigma_n)"
+[parameters]
+mu = { positive = true }
+"""
+
+
+def ellipse_of_its_own(sigma_a, sigma_b, sigma_n, mu):
+    """What the file says too: not the disk of that name."""
+    return Norm(2 * sigma_a, sigma_b) - mu * abs(sigma_n)
+
+
+@pytest.mark.parametrize("kind", ["a file", "a value", "fixed", "registered", "closed form"])
+def test_what_is_printed_takes_the_law_that_was_tested(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "own.toml").write_text(COULOMB, "utf-8")
+    law = duhem.load(tmp_path / "own.toml")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(registry, "_registered", dict(registry.registered()))
+    if kind == "registered":
+        duhem.criterion(name="coulomb")(ellipse_of_its_own)
+    given = {
+        "a file": "own.toml",
+        "a value": law,
+        "fixed": law.fix({"mu": "3/10"}),
+        "registered": "coulomb",
+        "closed form": duhem.Criterion("coulomb", "norm(sigma_a, sigma_b) - mu*abs(sigma_n)/2", law.parameters, closed_form=Disk("mu/2")),
+    }[kind]
+    (failure,) = conformance(given, within_the_disk, DISK, checks=["feasibility"], stiffness=1.0, max_examples=5, tries=20).failures
+    monkeypatch.undo()  # as in another process, in another folder
+    lines = failure.reproducer()
+    if kind == "closed form":
+        assert "law = ...  # no file, name or formula gives this law again: put it here" in lines
+        with pytest.raises(duhem.InputError, match="ellipsis is no law"):
+            exec(lines, {})
+    else:
+        exec(lines, {})
+        assert capsys.readouterr().out.strip() == failure.message
+
+
+def within_the_disk(trial, pressure, stiffness):
+    size, limit = np.hypot(*trial.T), -0.3 * pressure
+    return trial * np.where(size > limit, limit / np.maximum(size, 1e-300), 1.0)[:, None]
+
+
+def test_a_replay_has_no_marked_routine_that_pytest_would_collect(friction: Callable[[float], object], tmp_path: Path) -> None:
+    routine = friction(2.0).disk
+    routine.pytestmark = ["as the marker leaves it"]
+    (file,) = failing(routine).write_replays(tmp_path / "replays")
+    found = runpy.run_path(str(file))
+    assert callable(found["test_feasibility"]) and not [name for name, value in found.items() if hasattr(value, "pytestmark")]
 
 
 def test_duhems_own_routine_is_made_again() -> None:

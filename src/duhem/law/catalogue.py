@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
 from collections.abc import Mapping
 from difflib import get_close_matches
 from importlib import import_module
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from duhem.law.curve_law import Law, ParametricCriterion
     from duhem.law.formula_law import Criterion
 
-__all__ = ["attribute", "load", "load_formula", "load_named", "names", "shipped", "summary", "template"]
+__all__ = ["attribute", "file_read", "installed", "load", "load_formula", "load_named", "names", "shipped", "summary", "template"]
 
 _PACKAGE = "duhem.law.builtin"
 _GROUP = "duhem.criteria"
@@ -41,6 +42,14 @@ def names() -> tuple[str, ...]:
 def shipped(name: str) -> bool:
     """Whether duhem has a law of that name in every process, whatever was registered in this one."""
     return name in _built_in() or file_of(name) is not None
+
+
+def installed(name: str) -> bool:
+    """Whether another process has the law by that name too: duhem's own, or that of a distribution, and none registered in its place."""
+    if (known := registered().get(name)) is None:
+        return shipped(name) or name in _added()
+    module = _built_in().get(name) or (_added()[name].value.partition(":")[0] if name in _added() else "")
+    return module in sys.modules and any(each is known for each in vars(sys.modules[module]).values())
 
 
 @overload

@@ -1,4 +1,4 @@
-"""A failure as a test file of its own."""
+"""A failure as Python that shows it again: a few lines, or a test file of its own."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from hypothesis.strategies import SearchStrategy
 from duhem.testing.drawn.case import Case
 from duhem.testing.routines.origin import Origin
 
-__all__ = ["drawn_again", "test_file", "test_name"]
+__all__ = ["drawn_again", "lines_again", "test_file", "test_name"]
+
+_NO_LAW = "...  # no file, name or formula gives this law again: put it here"
 
 
 def test_name(routine: str, check: str) -> str:
@@ -43,11 +45,11 @@ def test_file(
 
     The folder of the routine, and files that it or the law is made of, such as a shared library, are said from the folder ``place`` of
     the file, where they have one above them in common, so that all may move together.  Without a ``case`` no single increment shows
-    the failure, and the file draws them again, with the arguments ``drawn`` of the run where these can be written.
+    the failure, and the file draws them again, with the arguments ``drawn`` of the run where these can be written.  The routine is
+    bound inside the test: pytest would collect one that carries the marker, or its class, from the module.
     """
     making, law = (_moving(place, text) for text in (found.making, found.law))
-    law = law or "None  # the law has no name that a file can import: put it here"
-    names = [name for name in ("Criterion", "Domain", "load") if f"{name}(" in law or f"{name}." in law]
+    law = law or _NO_LAW
     what = "Case, violation" if case is not None else "conformance"
     beside = _from(place, found.folder)
     paths = [f"sys.path.append({beside or repr(found.folder)})  # where the routine is", ""] if making and found.folder else []
@@ -57,14 +59,14 @@ def test_file(
         f'"""{title} (of {routine})."""',
         "",
         *([*imports, ""] if imports else []),
-        *([f"from duhem import {', '.join(names)}"] if names else []),
+        *_imports(law),
         f"from duhem.testing import {what}",
         "",
         *paths,
-        *(making or _stub(routine)).splitlines(),
-        "",
+        *([] if making else [*_stub(routine).splitlines(), ""]),
         f"LAW = {law}",
     ]
+    bound = [f"    {line}".rstrip() for line in making.splitlines()] + ([""] if making else [])
     if case is None:
         lacking = [] if drawn else ["    # the parameters, the stiffness and the pressure of the run that failed go here"]
         run = [
@@ -78,7 +80,44 @@ def test_file(
             f"    wrong = violation({check!r}, LAW, update, CASE, open_parameters={passed!r}, accuracy={accuracy!r})",
             "    assert wrong is None, wrong",
         ]
-    return "\n".join([*lines, "", "", f"def test_{_words(check)}() -> None:", *run, ""])
+    return "\n".join([*lines, "", "", f"def test_{_words(check)}() -> None:", *bound, *run, ""])
+
+
+def lines_again(check: str, routine: str, found: Origin, case: Case, accuracy: float, passed: tuple[str, ...], drawn: str = "") -> str:
+    """Lines that print the failure again wherever they are run; ``...`` for a routine or a law that has to be filled in, which is said.
+
+    ``drawn``, of what need not show at one increment alone: the arguments of the run that draws them all again.
+    """
+    paths = ["import sys"], [f"sys.path.append({found.folder!r})"]
+    imported, appended = paths if found.making and found.folder else ([], [])
+    making = found.making or f"update = ...  # {routine} has no name that can be imported: put it here"
+    free = "" if passed == tuple(case.parameters) else f", open_parameters={passed!r}"
+    what, asked = (
+        "Case, violation",
+        [
+            f"case = {case!r}",
+            f"print(violation({check!r}, law, update, case, accuracy={accuracy!r}{free}))",
+        ],
+    )
+    if drawn:
+        what, asked = "conformance", [f"print(conformance(law, update, checks={[check]!r}, accuracy={accuracy!r}, {drawn}))"]
+    return "\n".join(
+        [
+            *imported,
+            *_imports(found.law),
+            f"from duhem.testing import {what}",
+            *appended,
+            *filter(None, making.splitlines()),
+            f"law = {found.law or _NO_LAW}",
+            *asked,
+        ]
+    )
+
+
+def _imports(law: str) -> list[str]:
+    """The line that imports what the Python for a law is made of."""
+    names = [name for name in ("Criterion", "Domain", "load") if f"{name}(" in law or f"{name}." in law]
+    return [f"from duhem import {', '.join(names)}"] if names else []
 
 
 def drawn_again(given: Mapping[str, Any], **counts: int) -> str:

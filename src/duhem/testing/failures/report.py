@@ -13,7 +13,7 @@ from duhem.show.shown import Shown
 from duhem.testing.checks.registry import Check
 from duhem.testing.drawn.case import Case
 from duhem.testing.failures.departure import Departure
-from duhem.testing.failures.replay import test_file, test_name
+from duhem.testing.failures.replay import lines_again, test_file, test_name
 from duhem.testing.routines.origin import Origin
 
 __all__ = ["Failure", "Report", "write_replays"]
@@ -60,17 +60,9 @@ class Failure:
         return next(iter(self.diagnoses.values()), "")
 
     def reproducer(self) -> str:
-        """A few lines of Python that show the failure again; ``update`` is the routine."""
-        there = self.origin.making or f"update = ...  # {self.routine}"
-        free = "" if self.open_parameters == tuple(self.case.parameters) else f", open_parameters={self.open_parameters!r}"
-        law = None if self.law is None else self.law.name
-        lines = [
-            "from duhem.testing import Case, violation",
-            there,
-            f"case = {self.case!r}",
-            f"print(violation({self.check.name!r}, {law!r}, update, case, accuracy={self.accuracy!r}{free}))",
-        ]
-        return "\n".join(lines)
+        """A few lines of Python that print the failure again; ``...`` stands for a routine or a law that has no name to import."""
+        told = self.check.name, self.routine, self.origin, self.case, self.accuracy, self.open_parameters
+        return lines_again(*told, self.drawn)
 
     def replay(self, place: Path | None = None) -> str:
         """The text of a test file that fails as long as the routine does, for the folder ``place``, from which it finds the routine.

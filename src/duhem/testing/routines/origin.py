@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from duhem.errors import InputError
-from duhem.law.catalogue import load, load_named, shipped
+from duhem.expression.text import formula
+from duhem.law.catalogue import file_read, installed, load, load_named, shipped
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
+from duhem.law.registry import registered
 
 __all__ = ["Origin", "law_as_written", "made_by", "named", "origin"]
 
@@ -67,18 +69,32 @@ def _folder(update: Any) -> str:
 
 def law_as_written(law: Criterion, given: Any = None) -> str:
     """Python for a law: its name or file, with the values it fixes, or its formula where that reads as the same law; else ''."""
-    named = str(Path(given).resolve()) if isinstance(given, Path) or str(given).endswith(".toml") else str(given)
     with suppress(InputError):
-        if isinstance(given, str | Path):
-            return _fixed(named, load(named), law)
-        if shipped(law.name) and _same(known := load_named(law.name), law):
+        if (known_by := _known_by(given)) is not None:
+            return _fixed(known_by, load(known_by), law)
+        if shipped(law.name) and installed(law.name) and _same(known := load_named(law.name), law):
             return _fixed(law.name, known, law)
     with suppress(InputError):
-        again = Criterion(name=law.name, g=law.written or str(law.g), forces=law.forces, pressure=law.pressure, parameters=law.parameters)
+        again = Criterion(
+            name=law.name, g=law.written or formula(law.g), forces=law.forces, pressure=law.pressure, parameters=law.parameters
+        )
         if _same(again, law) and law.closed_form is None:
             domains = ", ".join(f"{name!r}: {_domain(domain)}" for name, domain in law.parameters.items())
             return f"Criterion({law.name!r}, {again.written!r}, {{{domains}}}, {law.forces!r}, {law.pressure!r})"
     return ""
+
+
+def _known_by(given: Any) -> str | None:
+    """What another process loads a law by: a name, ``module:attribute``, or the whole path of a file; None where there is no such thing."""
+    if isinstance(given, Path):
+        return str(given.resolve())
+    if not isinstance(given, str):
+        return None
+    name = given.strip().replace("_", "-")
+    if not given.endswith(".toml") and (installed(name) or name in registered()):
+        return given if installed(name) else None  # else this process alone knows the name
+    file = file_read(given)
+    return given if file is None else str(file.resolve())
 
 
 def _fixed(name: str, known: Any, law: Criterion) -> str:
@@ -95,7 +111,8 @@ def _domain(domain: Domain) -> str:
 
 def _same(known: Any, law: Criterion) -> bool:
     same = isinstance(known, Criterion) and (known.forces, known.pressure) == (law.forces, law.pressure)
-    return same and str(known.g) == str(law.g)
+    own, other = law.parameters, known.parameters
+    return same and str(known.g) == str(law.g) and {*own} == {*other} and all(other[n].value in (None, own[n].value) for n in own)
 
 
 def named(update: Any) -> str:
