@@ -61,7 +61,7 @@ def test_a_routine_named_on_the_command_line_is_put_to_its_checks(folder, monkey
     found = json.loads(lines[5]["witness"])
     assert found["increment"].startswith("coulomb, mu = 0.1; trial [") and "measured" in found["violated"]
     words = " ".join(done.stdout.split())
-    assert "feasibility 1 1 0" in words and "open: row 2, feasibility" in words
+    assert "feasibility 1 1 0" in words and "failed: row 2, feasibility" in words and "open" not in words
     assert "duhem campaign c.toml --row=2 --routine=mine_of_rows:update" in words
 
 

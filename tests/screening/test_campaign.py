@@ -93,7 +93,7 @@ def test_the_table_is_sorted_whatever_was_done_first(folder, monkeypatch):
     alone = CliRunner().invoke(cli, ["campaign", str(folder / "campaign.toml"), "--row", "5"], standalone_mode=False)
     assert alone.return_value == 1 and [line["witness"] for line in json.loads(alone.stdout)] == [lines[8]["witness"], None]
     assert "5 rows" in words and "convexity 3 1 1" in words and "origin 4 0 1" in words
-    assert "duhem verify limacon --set=mu=3/10" in words and "failed: row 2" in words
+    assert "duhem verify limacon --set=mu=3/10" in words and "no verdict: row 2" in words
     assert [p.name for p in folder.glob("table.csv.*")] == []
 
 
@@ -227,7 +227,7 @@ def test_what_repeats_a_row_asks_what_the_row_asked(folder, monkeypatch):
     (folder / "c.toml").write_text(f'{head}[[rows]]\nlaw = "limacon"\ntable = "v.csv"\n')
     summary = duhem.campaign(folder / "c.toml")
     assert summary.commands == {1: "duhem verify limacon --set=mu=3/10 --set=e=1/10 --claims origin --effort=quick"}
-    assert "failed: row 2, origin, 0.000 s, which has no values" in " ".join(text(summary).split())
+    assert "no verdict: row 2, origin, 0.000 s, which has no values" in " ".join(text(summary).split())
 
 
 def test_a_campaign_without_any_verdict_has_a_summary(folder, monkeypatch):

@@ -18,7 +18,7 @@ from duhem.show.shown import Shown
 __all__ = ["Counts", "Summary", "alone"]
 
 AGAINST = ("refuted", "flagged", "failed", "xpassed", "wrong")
-_OPEN = ("undecided", "tested", *AGAINST[1:])
+_OPEN = ("undecided", "tested")
 _NAMED = 3  # rows of a kind
 _REASONS = 50  # that are counted each by itself
 _WORDS = 160  # characters of one
@@ -28,7 +28,8 @@ _WORDS = 160  # characters of one
 class Summary(Shown):
     """Of ``rows`` rows: how many lines have which (claim, verdict), and (claim, method) with the number of lines, seconds and the most.
 
-    ``errors`` counts rows by reason; ``slowest``, ``open`` and ``failed`` are a few lines of such rows, ``commands`` what repeats each of
+    ``errors`` counts rows by reason; ``slowest`` are a few lines of such rows, ``open`` of what is undecided or only tested,
+    ``against`` of failed checks and of flagged or wrong increments, ``failed`` of rows without a verdict; ``commands`` what repeats each of
     them alone, by its number, but for rows without values to be asked with.  ``table`` is where the lines are, or None; ``lines`` holds
     them where there is no table.  ``stood`` says that the table was there, whole, and nothing was asked.
     """
@@ -42,6 +43,7 @@ class Summary(Shown):
     errors: Mapping[str, int]
     slowest: tuple[VerdictLine, ...]
     open: tuple[VerdictLine, ...]
+    against: tuple[VerdictLine, ...]
     failed: tuple[VerdictLine, ...]
     commands: Mapping[int, str]
     table: str | None = None
@@ -80,7 +82,7 @@ class Counts:
         self._methods = dict[tuple[str, str], tuple[int, float, float]]()
         self._errors = Counter[str]()
         self._slowest = list[VerdictLine]()  # of each row the slowest line
-        self._open, self._failed = list[VerdictLine](), list[VerdictLine]()
+        self._open, self._against, self._failed = list[VerdictLine](), list[VerdictLine](), list[VerdictLine]()
         self._seconds, self._last = 0.0, 0
 
     def passing(self, lines: Iterator[VerdictLine]) -> Iterator[VerdictLine]:
@@ -101,6 +103,8 @@ class Counts:
             self._failed += [line] if len(self._failed) < _NAMED and line.row != self._last else []
         elif line.verdict in _OPEN:
             self._open += [line] if len(self._open) < _NAMED else []
+        elif line.verdict in AGAINST[1:]:  # what is refuted is of the law, and the table has it
+            self._against += [line] if len(self._against) < _NAMED else []
         if len(self._slowest) < _NAMED or line.seconds > self._slowest[-1].seconds:
             self._keep_slowest(line)
         self._last = line.row
@@ -117,7 +121,7 @@ class Counts:
         return reason if reason in self._errors or len(self._errors) < _REASONS else "other reasons"
 
     def summary(self, table: str | None = None, lines: tuple[VerdictLine, ...] = (), stood: bool = False) -> Summary:
-        named = {line.row for line in (*self._slowest, *self._open, *self._failed)}
+        named = {line.row for line in (*self._slowest, *self._open, *self._against, *self._failed)}
         return Summary(
             rows=len(self.campaign),
             seconds=self._seconds,
@@ -126,6 +130,7 @@ class Counts:
             errors=dict(self._errors),
             slowest=tuple(self._slowest),
             open=tuple(self._open),
+            against=tuple(self._against),
             failed=tuple(self._failed),
             commands={number: alone(self.campaign, number) for number in sorted(named) if not self.campaign.row(number).fault},
             table=table,

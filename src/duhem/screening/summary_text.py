@@ -74,7 +74,7 @@ def as_dict(summary: Summary) -> dict[str, Any]:
         "verdicts": verdicts,
         "methods": methods,
         "errors": dict(summary.errors),
-        **{name: list(map(_line, getattr(summary, name))) for name in ("slowest", "open", "failed", "lines")},
+        **{name: list(map(_line, getattr(summary, name))) for name in ("slowest", "open", "against", "failed", "lines")},
         "commands": {str(row): command for row, command in summary.commands.items()},
     }
 
@@ -91,9 +91,13 @@ def _title(summary: Summary) -> str:
     )
 
 
+def _said(verdict: str | None) -> str:
+    return "no verdict" if verdict in (None, "none") else str(verdict).replace("_", " ")
+
+
 def _verdicts(summary: Summary) -> Iterator[Sequence[str]]:
     met = [v for v in _ORDER if any(verdict == v for _, verdict in summary.verdicts)]
-    yield ["claim", *(v.replace("_", " ") if v != "none" else "no verdict" for v in met)]
+    yield ["claim", *map(_said, met)]
     claims = tuple(dict.fromkeys(claim for claim, _ in summary.verdicts))
     told = {claim for claim, verdict in summary.verdicts if verdict not in _QUIET} if len(claims) > _CLAIMS else set(claims)
     for claim in (claim for claim in claims if claim in told):
@@ -116,8 +120,9 @@ def _reasons(summary: Summary) -> Iterator[str]:
 
 
 def _named(summary: Summary, written: Callable[[str], str]) -> Iterator[str]:
-    """Some rows with the command that repeats each, as ``written`` writes it."""
-    for why, lines in (("slowest", summary.slowest), ("open", summary.open), ("failed", summary.failed)):
-        for line in lines:
-            once = f": {written(summary.commands[line.row])}" if line.row in summary.commands else ", which has no values to be asked with"
-            yield f"{why}: row {line.row}, {line.claim}, {line.seconds:.3f} s{once}"
+    """Some rows with the command that repeats each, as ``written`` writes it; what came out is said in the words of the table's head."""
+    slowest = [("slowest", line) for line in summary.slowest]
+    others = [(_said(line.verdict), line) for line in (*summary.open, *summary.against, *summary.failed)]
+    for why, line in slowest + others:
+        once = f": {written(summary.commands[line.row])}" if line.row in summary.commands else ", which has no values to be asked with"
+        yield f"{why}: row {line.row}, {line.claim}, {line.seconds:.3f} s{once}"
