@@ -291,12 +291,13 @@ def test_the_sign_at_zero_force() -> None:
 
 
 EULER = "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary"
+SEAMS = "and gamma' never jumps down where two meet"
 POLAR: dict[str, tuple[str | None, str | None, bool]] = {  # convexity and smoothness, and whether there is a gauge at all
-    "norm(a, b) - 1": ("polar-curvature (composition): the circle", "no seam", True),
-    "norm(a, b) + a*b/norm(a, b)/4 - 1": ("polar-curvature (sturm): the circle", "no seam", True),
-    "norm(a, b)**2 - a*b/3 - norm(a, b)": ("polar-curvature (sturm): the circle", "no seam", True),
-    "norm(a, b) + abs(a)/2 - 1": ("polar-curvature (composition): 2 arcs, no downward jump of gamma' at the seams", None, True),
-    "max(norm(a, b), 2*abs(a)) - 1": ("polar-curvature (composition): 4 arcs, no downward jump of gamma' at the seams", None, True),
+    "norm(a, b) - 1": ("polar-curvature (composition): all round", "no seam", True),
+    "norm(a, b) + a*b/norm(a, b)/4 - 1": ("polar-curvature (sturm): all round", "no seam", True),
+    "norm(a, b)**2 - a*b/3 - norm(a, b)": ("polar-curvature (sturm): all round", "no seam", True),
+    "norm(a, b) + abs(a)/2 - 1": (f"polar-curvature (composition): on each of 2 arcs, {SEAMS}", None, True),
+    "max(norm(a, b), 2*abs(a)) - 1": (f"polar-curvature (composition): on each of 4 arcs, {SEAMS}", None, True),
     "norm(a, b) - abs(a)/2 - 1": (None, None, True),
     "min(norm(a, b), 2*abs(a)) - 1": (None, None, False),
     "norm(a, b) - 9*a*b/norm(a, b)/10 - 1": (None, "no seam", True),
@@ -313,7 +314,8 @@ def test_the_polar_form(g: str) -> None:
     found = polar.convexity(law)
     if convex != "?":
         method, _, arcs = (convex or "").partition(": ")
-        expected = ("proved", method, f"gamma'' + gamma >= 0 as a measure: {arcs}", "polar-curvature")
+        detail = f"the boundary r = 1/gamma(theta) bends inwards nowhere: gamma'' + gamma >= 0 {arcs}"
+        expected = ("proved", method, detail, "polar-curvature")
         assert told(found) == (expected if convex else None)
     seams = ("proved", "polar-seams", f"gamma > 0 is smooth on each arc, {smooth}", "polar-seams")
     assert told(polar.smoothness(law)) == (seams if smooth else None)

@@ -415,6 +415,7 @@ def test_a_snapshot_is_kept_beside_the_test_and_compared(pytester: pytest.Pytest
     done.stdout.fnmatch_lines(
         ["coulomb, mu = 0.5, claims origin: snapshots/test_it/test_law.json: there is no such file; * keep it with --duhem-update"]
     )
+    done.stdout.no_fnmatch_line("* --update*")  # an option of the command, not of pytest
     tried(pytester, "--duhem-update").assert_outcomes(passed=1)
     tried(pytester).assert_outcomes(passed=1)
     file = pytester.path / "snapshots" / "test_it" / "test_law.json"

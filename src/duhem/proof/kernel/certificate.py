@@ -48,8 +48,10 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     """Every claim of a certificate.  Raises NotWritten where it is none: another schema, hash or law, or an empty domain."""
     try:
         without_more(document, {"schema", "law", "inhabited", "claims", "sha256"})
-        if document["schema"] != SCHEMA or document["sha256"] != digest(document):
-            raise NotWritten("the schema or the hash is another")
+        if document["schema"] != SCHEMA:
+            raise NotWritten(f"its schema is not {SCHEMA!r}")
+        if document["sha256"] != digest(document):
+            raise NotWritten("its hash, sha256, is not that of its content: something was changed after it was made")
         law = stated(document["law"])
         if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
             raise NotWritten("no point of the parameters' domain is given")

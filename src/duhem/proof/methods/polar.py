@@ -12,7 +12,7 @@ __all__ = ["convexity", "dissipation", "origin", "smoothness"]
 
 
 def convexity(subject: FormulaSubject) -> Evidence | None:
-    """gamma'' + gamma >= 0 as a measure on the circle."""
+    """gamma'' + gamma >= 0 as a measure on the circle: the boundary r = 1/gamma(theta) bends inwards nowhere."""
     form = polar_form(subject)
     if form is None:
         return None
@@ -27,9 +27,10 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         used.add(answer.method)
     if not _jumps(form, Sense.NONNEGATIVE):
         return None
-    arcs = "the circle" if len(form.arcs) == 1 else f"{len(form.arcs)} arcs, no downward jump of gamma' at the seams"
+    arcs = "all round" if len(form.arcs) == 1 else f"on each of {len(form.arcs)} arcs, and gamma' never jumps down where two meet"
     method, proof = f"polar-curvature ({', '.join(sorted(used))})", Proof("polar-curvature")
-    return Evidence(Verdict.PROVED, method, f"gamma'' + gamma >= 0 as a measure: {arcs}", proof=proof)
+    detail = f"the boundary r = 1/gamma(theta) bends inwards nowhere: gamma'' + gamma >= 0 {arcs}"
+    return Evidence(Verdict.PROVED, method, detail, proof=proof)
 
 
 def smoothness(subject: FormulaSubject) -> Evidence | None:
