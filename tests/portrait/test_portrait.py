@@ -331,6 +331,21 @@ def test_a_slip_does_not_hide_the_way_from_the_trial() -> None:
 
 
 @pytest.mark.slow
+def test_sections_along_the_pressure_reach_past_the_one_that_is_given_in_one_unit() -> None:
+    first, *along = plot("coulomb", parameters={"mu": "3/10"}, pressure=-2e6, unit="Pa")
+    assert first.get_title().endswith("10^{6}$ Pa") and all(place.get_title().endswith(" = 0$") for place in along)
+    for place in along:
+        assert place.get_xlim()[0] < -2e6 and place.get_ylim()[1] > 6e5
+    assert all("[MPa]" in axis.label.get_text() for place in (first, *along) for axis in (place.xaxis, place.yaxis))
+
+
+@pytest.mark.parametrize(("slope", "high"), [(1.1, 2.75), (1.9, 4.75)])
+def test_a_cone_is_not_cut_off_along_its_axis(slope: float, high: float) -> None:
+    law = duhem.Criterion(name="l", g=f"norm(sigma_a, sigma_b) - {slope}*abs(sigma_n)")
+    window = seen(law, "sigma_n,sigma_a").window
+    assert window[:2] == (-2.5, 0.0) and window[2] < -high and high < window[3] < 1.5 * high
+
+
 def test_axes_that_are_given_take_the_first_sections() -> None:
     from matplotlib.figure import Figure
 

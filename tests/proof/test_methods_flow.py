@@ -92,7 +92,9 @@ def test_the_normal_where_a_chord_leaves_the_set(turn: int) -> None:
     leaning = sum(n * (t - x) for n, t, x in zip(normal, floats(shown.points["tau"]), (a, b), strict=True))
     low, high = map(float, shown.values["grad g . (tau - sigma)"])
     assert 0 < low <= high and abs(leaning - low) < 1e-3
-    assert shown.statement.startswith("on the way from `inside` to the midpoint of a chord of K the boundary is crossed outward")
+    assert shown.statement.startswith(
+        "the way from `inside` to the midpoint of a chord of K crosses the boundary outward, at a sigma between"
+    )
 
 
 def test_a_chord_says_nothing_of_another_flow() -> None:

@@ -27,7 +27,7 @@ __all__ = ["plot"]
 @click.option("--trial", metavar="STRESS", help="Draw one increment from this trial stress, a number per force.")
 @click.option("--stiffness", metavar="K", default="1", show_default=True, help="Of the increment: one number, or one per force.")
 @click.option("--witness", is_flag=True, help="Verify the law, and draw the witness of each claim that is refuted.")
-@click.option("--unit", metavar="UNIT", default="", help="The unit of stresses on the axes, such as MPa; with Pa, prefixes suit the size.")
+@click.option("--unit", metavar="UNIT", default="", help="Any text, written as the unit of stresses; Pa is given the prefix that suits.")
 @click.option("--to", "file", metavar="FILE", help="Where to (.png, .svg, .pdf, ...); left out, NAME.png in the working folder.")
 def plot(
     law: str,

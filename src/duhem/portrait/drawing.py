@@ -30,9 +30,9 @@ _SPREAD = 3  # normals of a fan beside its two sides
 _ROLES = {"sigma": r"$\sigma$", "inside": r"$\sigma$", "tau": r"$\tau$", "midpoint": "midpoint", "origin": "$0$"}
 
 
-def paint_section(axes: Axes, found: View, unit: str = "", title: str = "", *, fans: bool = True) -> None:
-    """K, its boundary, normals with fans at corners, seams, and slips that are not normal."""
-    frame(axes, found, unit, title)
+def paint_section(axes: Axes, found: View, unit: str = "", title: str = "", *, fans: bool = True, size: float = 0.0) -> None:
+    """K, its boundary, normals with fans at corners, seams, and slips that are not normal; ``size`` as in :func:`frame`."""
+    frame(axes, found, unit, title, size)
     fill(axes, found)
     for i, seam in enumerate(found.seams):
         axes.plot(*seam.T, color=figure.GREY, linestyle=(0, (1, 2)), linewidth=1.2, label="_" if i else "seam of $g$", zorder=2)
@@ -45,17 +45,17 @@ def paint_section(axes: Axes, found: View, unit: str = "", title: str = "", *, f
         axes.plot(*shown.T, ".", color=_BLUE, markersize=4, label="points of $K$", zorder=3)
     if found.slender:
         return  # a normal would not look like one
-    size = _ARROW * found.size
+    long = _ARROW * found.size
     if found.plane.slips and found.plane.y_symbol:
         if fans:
-            _fans(axes, [corner for corner in found.corners if corner.convex], size)
-        _arrows(axes, _whole(found, found.normals, size), size, _DARK, "normal", found.slips == ())
+            _fans(axes, [corner for corner in found.corners if corner.convex], long)
+        _arrows(axes, _whole(found, found.normals, long), long, _DARK, "normal", found.slips == ())
     if found.slips:
-        _arrows(axes, _whole(found, found.slips, 1.25 * size), 1.25 * size, _RED, "slip by its own rule", True)
+        _arrows(axes, _whole(found, found.slips, 1.25 * long), 1.25 * long, _RED, "slip by its own rule", True)
 
 
-def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
-    """The window with its axes through 0, to scale, and what is measured on them."""
+def frame(axes: Axes, found: View, unit: str, title: str = "", size: float = 0.0) -> None:
+    """The window with its axes through 0, to scale, and what is measured on them, in a unit that suits the ``size`` of a whole sheet."""
     a, b, c, d = found.window
     for rule, ends in ((axes.axhline, (c, d)), (axes.axvline, (a, b))):
         if ends[0] < 0.0 < ends[1]:
@@ -72,13 +72,13 @@ def frame(axes: Axes, found: View, unit: str, title: str = "") -> None:
         axes.set_aspect("equal", adjustable="box")
     wide, high = max(abs(a), abs(b)), max(abs(c), abs(d))
     if not found.slender:
-        wide = high = max(wide, high)  # one scale, one unit
+        wide = high = max(wide, high, size)  # one scale, one unit
     figure.measure(axes.xaxis, found.plane.x_symbol, unit or UNIT, wide)
     figure.measure(axes.yaxis, found.plane.y_symbol, unit or UNIT, high)
     if not found.plane.y_symbol:
         axes.yaxis.set_visible(False)
     said, remark = (figure.wrapped(text, _REMARK) for text in (title, found.remark))
-    lines = [said, found.plane.caption, "axes not to one scale" if found.slender else "", remark]
+    lines = [said, found.plane.told(unit), "axes not to one scale" if found.slender else "", remark]
     axes.set_title("\n".join(line for line in lines if line))
 
 

@@ -23,6 +23,7 @@ _FAR = (-30.0, 30.0)  # decades where these say nothing, or only that all is K
 _PER_DECADE = 10
 _GUIDED = 0.26  # and where the names of axes stand beyond them
 _ENDLESS = 2.5  # how much more than what ends is shown of a K that does not end
+_BEYOND = 1.25  # times what it is to reach
 _FEW = 5  # rays, of which the ends of so many tell how large a K is that does not end
 _THIN = 30.0  # times as long as wide, from where each side has a margin of its own
 _DESCENTS = 90  # rings around a point whose value falls
@@ -51,8 +52,11 @@ class Framed:
     points: Array
 
 
-def framed(level: Level, plane: Plane, scale: float) -> Framed:
-    """A window around K, seen from the plane's 0 along rays of many lengths, or from a point to which the level falls."""
+def framed(level: Level, plane: Plane, scale: float, reach: float = 0.0) -> Framed:
+    """A window around K, seen from the plane's 0 along rays of many lengths, or from a point to which the level falls.
+
+    Of a K that does not end it shows what is up to ``reach``, and beyond.
+    """
     if not plane.y_symbol:
         return _on_line(level, scale)
     start = np.zeros(2)
@@ -72,19 +76,25 @@ def framed(level: Level, plane: Plane, scale: float) -> Framed:
     if not ends.any():
         x, y = known.T
         return Framed(_closer(level, plane, (float(x.min()), float(x.max()), float(y.min()), float(y.max()))), True, known)
-    reach = np.where(inside, radii[:, None], 0.0).max(axis=0)[~ends]
-    reach = reach[(reach > radii[0]) & (reach < radii[-_PER_DECADE])]
+    lengths = np.where(inside, radii[:, None], 0.0).max(axis=0)[~ends]
+    lengths = lengths[(lengths > radii[0]) & (lengths < radii[-_PER_DECADE])]
     first = inside[0].any()
     near = radii[inside.any(axis=1)][0]
-    size = _ENDLESS * (float(np.median(reach)) if len(reach) >= _FEW else max(scale if first else 0.0, 1.5 * near))
+    size = _ENDLESS * (float(np.median(lengths)) if len(lengths) >= _FEW else max(scale if first else 0.0, 1.5 * near))
+    size = max(size, _BEYOND * reach)
     box = _pressed(plane, (-size, size, -size, size))
     if not plane.pressed:
         return Framed(box, False, known)
-    _, y, value = region(level, box, 121)
+    x, y, value = region(level, box, 121)
+    high = size
+    if (value[[0, -1]][:, x > -0.98 * size] <= 0).any():  # cut off along the pressure: shown whole where twice the height does it
+        _, above, more = region(level, (*box[:2], -2.0 * size, 2.0 * size), 241)
+        if not (more[[0, -1]] <= 0).any():
+            y, value, high = above, more, 2.0 * size
     rows = y[(value <= 0).any(axis=1)]
     if len(rows):
         free = MARGIN * max(size, rows[-1] - rows[0]) / 2.0
-        box = (*box[:2], float(max(rows[0] - free, -size)), float(min(rows[-1] + free, size)))
+        box = (*box[:2], float(max(rows[0] - free, -high)), float(min(rows[-1] + free, high)))
     return Framed(box, False, known)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
@@ -58,6 +59,12 @@ class Plane:
         along = [name for name, x, y in zip(self.names, self.x, self.y, strict=True) if x or y]
         kept = [f"{name} = {at:g}" for name, x, y, at in zip(self.names, self.x, self.y, self.base, strict=True) if not x and not y]
         return f"the {'plane' if len(along) > 1 else 'line'} of {', '.join(along)}" + (f" at {', '.join(kept)}" if kept else "")
+
+    def told(self, unit: str) -> str:
+        """Where the plane lies, its stresses in their ``unit``."""
+        return re.sub(
+            r"\$[^$]* = [^$]*[^$ ]\$", lambda said: said[0] if said[0].endswith(" = 0$") else f"{said[0]} {unit}".rstrip(), self.caption
+        )
 
     def shares(self, directions: Array) -> Array:
         """Slips (..., n) by the force that does work along X and along Y: their parts (..., 2) in the plane."""

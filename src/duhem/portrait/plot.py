@@ -71,16 +71,17 @@ def plot(
     if given_axes is not None and not asked:
         shown = shown[: max(1, len(given_axes) - len(refuted))]
     painters: list[Painter] = []
-    for i, plane in enumerate(shown):
-        seen = cut(given, plane, moves=pressure is None)
+    every = [cut(given, plane, moves=pressure is None, reach=abs(pressure or 0.0) if plane.pressed else 0.0) for plane in shown]
+    size = max((seen.outermost for seen in every if not seen.slender), default=0.0)
+    for i, seen in enumerate(every):
         plane = seen.plane
         if seen.remark:
             on_remark(f"{plane.plain}: {seen.remark.replace('$', '')}")
         if trial is not None and i == 0:
             taken = step(given, trial, stiffness, plane, 0.22 * seen.size, -1.0 if pressure is None else pressure)
-            painters.append(partial(_increment, seen=_reaching(given, seen, taken), taken=taken, unit=unit))
+            painters.append(partial(_increment, seen=_reaching(given, seen, taken), taken=taken, unit=unit, size=size))
         else:
-            painters.append(partial(paint_section, found=seen, unit=unit))
+            painters.append(partial(paint_section, found=seen, unit=unit, size=size))
     for each in refuted:
         if each.section.remark:
             on_remark(f"{each.claim} refuted, {each.section.plane.plain}: {each.section.remark.replace('$', '')}")
@@ -98,13 +99,13 @@ def plot(
     return figure.drawn(paint, file, given_axes, panels=many, columns=columns, size=(4.9, 4.7), title=stated(given))
 
 
-def cut(given: Numbered, plane: Plane, *, moves: bool = True) -> View:
-    """The section by a plane, or where K has none there and the plane ``moves``, by one beside it."""
+def cut(given: Numbered, plane: Plane, *, moves: bool = True, reach: float = 0.0) -> View:
+    """The section by a plane, or where K has none there and the plane ``moves``, by one beside it; ``reach`` is :func:`section`'s."""
     every = [plane, *(elsewhere(given.law, plane, given.size) if moves else ())]
     for each in every[:-1]:
-        if (found := section(given, each, needed=False)).lines:
+        if (found := section(given, each, needed=False, reach=reach)).lines:
             return found
-    return section(given, every[-1])
+    return section(given, every[-1], reach=reach)
 
 
 def stated(given: Numbered) -> str:
@@ -152,6 +153,6 @@ def _reaching(given: Numbered, seen: View, taken: TrialStep) -> View:
     return seen if box == seen.window else section(given, seen.plane, tuple(map(float, box)))  # type: ignore[arg-type]
 
 
-def _increment(axes: Axes, seen: View, taken: TrialStep, unit: str) -> None:
-    paint_section(axes, seen, unit)
+def _increment(axes: Axes, seen: View, taken: TrialStep, unit: str, size: float) -> None:
+    paint_section(axes, seen, unit, size=size)
     paint_step(axes, taken)

@@ -76,6 +76,11 @@ class View:
         return tuple(corner for line in self.lines for corner in line.corners)
 
     @property
+    def outermost(self) -> float:
+        """The greatest number on the axes."""
+        return max(map(abs, self.window))
+
+    @property
     def size(self) -> float:
         """The greater side of the window."""
         return _width(self.window)
@@ -108,8 +113,8 @@ class Formula:
         return value
 
 
-def section(given: Numbered, plane: Plane, window: Window | None = None, *, needed: bool = True) -> View:
-    """The section of K by a plane, in a window that shows all of it where that can be.
+def section(given: Numbered, plane: Plane, window: Window | None = None, *, needed: bool = True, reach: float = 0.0) -> View:
+    """The section of K by a plane, in a window that shows all of it where that can be, and else what is up to ``reach``.
 
     InputError where it has no point of K and one is ``needed``.
     """
@@ -117,7 +122,8 @@ def section(given: Numbered, plane: Plane, window: Window | None = None, *, need
         return _of_curve(given.law, plane, window)
     formula = Formula(given.law)
     level = formula.level(plane)
-    seen = Framed(window, True, np.empty((0, 2))) if window else framed(level, plane, max(given.size, float(np.abs(plane.base).max())))
+    scale = max(given.size, float(np.abs(plane.base).max()), reach)
+    seen = Framed(window, True, np.empty((0, 2))) if window else framed(level, plane, scale, reach)
     if window is None and needed and not len(seen.points):
         tried = "0, along rays from it and where g falls to from there"
         remedy = "name another plane or pressure, or set other parameters"

@@ -72,8 +72,8 @@ def normality_refuted_by_chord(subject: FormulaSubject, chord: Witness) -> Evide
         return None
     parameters, p, q, middle = _read(subject, chord)
     statement = (
-        "on the way from `inside` to the midpoint of a chord of K the boundary is crossed outward, so grad g . (tau - sigma) > 0 there "
-        "for one end tau of the chord: the normal is not in the normal cone of K"
+        "the way from `inside` to the midpoint of a chord of K crosses the boundary outward, at a sigma between `inside` and `outside`, "
+        "so grad g . (tau - sigma) > 0 there for one end tau of the chord: the normal is not in the normal cone of K"
     )
     # n . (midpoint - sigma) > 0 where a segment to the midpoint leaves K, whatever it comes from; so for p or q as well
     starts = [p, q, [Fraction(0)] * len(p), *([c * s for c in end] for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
