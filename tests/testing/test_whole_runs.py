@@ -226,6 +226,27 @@ def test_what_an_expected_failure_explains_may_fail_or_pass(
     assert [f.check.name for f in report(consequence, failing=(cause, consequence)).failures] == [cause]
 
 
+# -- sizes of which the squares are no doubles ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("asked", ["feasibility", "convexity"])
+def test_what_cannot_be_judged_does_not_pass(asked: str) -> None:
+    with pytest.raises(InputError, match="none of 10 increments can be judged: squares of the stresses, or K itself, leave double"):
+        conformance("coulomb", nothing, DISK, checks=asked, stiffness=1e9, pressure=-1e200, max_examples=2, rows=5)
+
+
+def test_what_can_be_judged_beside_it_is() -> None:
+    def disk(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        share = DISK["mu"] * np.abs(pressure) / np.maximum(np.hypot(*trial.T), 1e-300)
+        return trial * np.minimum(share, 1.0)[:, None]
+
+    loads = st.sampled_from([-1.0, -1e200])
+    report = conformance("coulomb", disk, DISK, checks="feasibility", stiffness=1e9, pressure=loads, max_examples=2, rows=20)
+    assert report.ok and 0 < report.unmeasured < 40 and f", {report.unmeasured} drawn and not judged" in str(report)
+    wild = conformance("coulomb", lambda trial, p, k: 1e200 * trial, DISK, checks="feasibility", stiffness=1.0, max_examples=2, tries=0)
+    assert wild.failed == {"feasibility"} and "so large that its square overflows" in wild.failures[0].message
+
+
 # -- what is told ------------------------------------------------------------------------------------------------------
 
 

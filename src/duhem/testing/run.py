@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
+from duhem.testing.checks.asked_for import AskedFor
 from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.raised import NoReply, Raised
@@ -28,6 +29,7 @@ from duhem.testing.drawn.usable_options import check_options
 from duhem.testing.failures.causes import by_cause, explained_by, likeliest_first
 from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses
+from duhem.testing.failures.expectation import Expectation
 from duhem.testing.failures.least_case import RAISED, LeastCase
 from duhem.testing.failures.replay import drawn_again
 from duhem.testing.failures.report import Failure, Report
@@ -97,12 +99,11 @@ class ConformanceRun:
         self.found: list[Failure] = []
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
-        self.points = self.flagged = self.undefined = self.examples = 0
-        self.tried: Counter[tuple[str, str]] = Counter()
+        self.asked_for = AskedFor()
         self.raised = Raised()
         self.last: Case | None = None
         self.shortened: dict[str, Failure] = {}
-        self.visited = self._nothing_visited()
+        self.visited, self.examples = self._nothing_visited(), 0
 
     @property
     def known(self) -> Criterion:
@@ -137,11 +138,11 @@ class ConformanceRun:
         while self.pending:
             self.visited, self.examples = self._nothing_visited(), 0
             search = self._search(self.pending, self._drawn)
-            first = search.among(drawn, settings(self.profile, phases=(Phase.generate,)), self.seed)
-            if first is None:
+            if (first := search.among(drawn, settings(self.profile, phases=(Phase.generate,)), self.seed)) is None:
                 self._look_at_the_whole()
                 break
             self._note(first, search.checks, search.said)
+        self.visited.demand_measured(self._title())
         return self
 
     def _cases(self, parameters: Mapping[str, Any] | None, stiffness: ArrayLike | Strategy | None, rows: int = 1) -> Strategy:
@@ -158,6 +159,7 @@ class ConformanceRun:
 
     def _drawn(self, query: Query) -> None:
         self.examples += 1
+        self.visited.measure(query)
         if "here" in query.__dict__:  # the routine was asked
             self.visited.add(query)
         if self.on_case is not None:
@@ -205,7 +207,7 @@ class ConformanceRun:
     def _look_at_the_whole(self) -> None:
         """The checks that no case alone can fail."""
         for asked in self.pending:
-            if asked.whole is None or self.last is None or not (asked.name in self.judged or self.flagged):
+            if asked.whole is None or self.last is None or not (asked.name in self.judged or self.asked_for.flagged):
                 continue
             if (message := asked.whole(self.visited)) is not None:
                 self.judged.add(asked.name)
@@ -238,10 +240,7 @@ class ConformanceRun:
                     case, message, measured, allowed = found
                     yield self._failure(asked, message, case, measured, allowed)
         finally:
-            for part in query.parts:
-                self.points, self.flagged = self.points + part.points, self.flagged + part.flagged
-                self.undefined += int(part.unsaid.sum())
-                self.tried.update(part.tried)
+            self.asked_for.add(query.parts)
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """The same with the increment, and what shows it again."""
@@ -284,31 +283,23 @@ class ConformanceRun:
         """What was found so far."""
         bad = {f.check.name for f in self.found}
         passed = tuple(c.name for c in self.asked if c.name in self.judged - bad)
-        explaining = [(name, self._explained_by(name, bad)) for name in self.expected if name in bad]
-        likely = {name: f"likely for the same reason as [{cause}]" for cause, names in explaining[::-1] for name in names}
-        expected = {name: why for name, why in (likely | self.expected).items() if name in bad}
-        vain = {
-            name: "" if name in likely or name not in self.expected else "; so it is expected to fail in vain" for name in self.left_out
-        }
-        causes, explained = self._causes(self._told(f for f in self.found if f.check.name not in expected))
-        causes = tuple(map(self._short, causes))
+        known = Expectation(self.expected, bad, self._explained_by)
+        causes, explained = self._causes(self._told(f for f in self.found if f.check.name not in known.met))
         return Report(
             law=self._title(),
             passed=passed,
-            failures=causes,
-            left_out={name: why + vain[name] for name, why in self.left_out.items() if name not in self.judged},
-            points=self.points,
-            flagged=self.flagged,
-            undefined=self.undefined,
+            failures=tuple(map(self._short, causes)),
+            left_out=known.told({name: why for name, why in self.left_out.items() if name not in self.judged}),
             explained=explained,
-            expected=expected,
-            unexpected={name: why for name, why in self.expected.items() if name in passed and name not in likely},
+            expected=known.met,
+            unexpected=known.unmet(passed),
             visited=self.visited.shares,
             decades=self.visited.decades,
             examples=self.examples,
             seed=self.seed,
-            tried={name: {what: n for (by, what), n in self.tried.items() if by == name} for name, _ in self.tried},
+            unmeasured=self.visited.unmeasured,
             needs={c.name: c.needs for c in self.asked if c.needs},
+            **self.asked_for.told(),
         )
 
     def _short(self, failure: Failure) -> Failure:

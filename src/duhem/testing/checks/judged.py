@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from duhem.testing.checks.query import NothingToCheck, Query
+from duhem.testing.checks.query import UNMEASURED, NothingToCheck, Query
 from duhem.testing.checks.registry import Check
 from duhem.testing.drawn.case import Case
 
@@ -30,12 +30,22 @@ def judged(asked: Check, query: Query) -> tuple[Case, str, float, float] | None:
         counts &= ~finding.unknown
         if not counts.any():
             raise NothingToCheck("g of the law has no value at any of the stresses to be judged")
-    bad = finding.violated & counts
+    counts = counts & query.measurable
+    if not counts.any():
+        raise NothingToCheck(UNMEASURED)
+    boundless = counts & ~np.isfinite(finding.allowed) & (not asked.law_only)
+    if boundless.any():
+        stress = query.here.stress
+        with np.errstate(all="ignore"):
+            boundless &= np.isfinite(stress).all(axis=1) & ~np.isfinite(query.length(stress))
+    bad = (finding.violated & counts) | boundless
     if not bad.any():
         return None
     with np.errstate(all="ignore"):
         excess = np.where(bad, np.nan_to_num(finding.measured - finding.allowed, nan=np.inf, posinf=1e300), -np.inf)
     i = int(np.argmax(excess))
     measured, allowed = float(finding.measured[i]), float(finding.allowed[i])
+    if boundless[i]:
+        return query.case.row(i), "the stress returned is so large that its square overflows", measured, allowed
     said = f"measured {measured:.3g}, allowed {allowed:.3g}" if finding.said is None else str(finding.said[i])
     return (query.case if finding.case is None else finding.case).row(i), said, measured, allowed

@@ -41,9 +41,11 @@ from duhem.testing.routines.overwritten import Overwritten
 from duhem.testing.routines.routine import NoStep, Step, Update, called
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["Asked", "NothingToCheck", "Query", "Reply"]
+__all__ = ["UNMEASURED", "Asked", "NothingToCheck", "Query", "Reply"]
 
 _PATHS = 3  # cases, in one of which some rows follow their paths to the end
+UNMEASURED = "squares of the stresses, or K itself, leave double precision"
+_LEAST, _MOST = 2.0**-480, 2.0**495  # lengths whose squares, and those of what is asked besides, are doubles
 _SIZE = 20  # bits: the size of K to a part in a thousand
 
 Asked: TypeAlias = tuple[Array, Array | None]  # trial stresses (N, d) and their pressures (N,)
@@ -189,6 +191,18 @@ class Query:
         n, d = self.case.trial.shape
         ways = np.vstack([np.eye(d), -np.eye(d)])
         return self.region.reach(np.tile(ways, (n, 1)), np.repeat(self.pressure, 2 * d), _SIZE).reshape(n, 2 * d)
+
+    @cached_property
+    def measurable(self) -> NDArray[np.bool_]:
+        """The rows (N,) whose stresses have lengths with squares in double precision, and whose K ends where they have.
+
+        A K without an end on any axis may end in overflow where a number of the law is huge.
+        """
+        if self.whole is not None:
+            return self.whole.measurable[self.rows]
+        size, huge = self.case.longest(self._inverse), self.region.huge(self.pressure)
+        lost = ~np.isfinite(self.reaches).any(axis=1) if huge.any() else huge
+        return np.asarray(((size == 0.0) | ((size >= _LEAST) & (size <= _MOST))) & ~(huge & lost))
 
     # -- the law -------------------------------------------------------------------------------------------------------
 

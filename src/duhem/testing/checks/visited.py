@@ -12,8 +12,9 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
+from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.query import UNMEASURED, Query, Reply
 from duhem.testing.checks.raised import NoReply
 
 __all__ = ["Visited"]
@@ -28,12 +29,14 @@ class Visited:
     ``stick`` and ``slip`` go by the law: whether the trial stress lies in K; ``boundary``: within 1e-6 of its end on the ray
     to it; ``tip``: without pressure; ``NAME+`` and ``NAME-``: the sign of a force.  ``seam``: slip that ends within 1e-6 of
     where the formula changes its piece; ``corner``: where the normal jumps there; both are shares of the answers looked at.
+    ``unmeasured``: how many of the drawn increments cannot be judged, whatever is answered (:attr:`Query.measurable`).
     """
 
     def __init__(self, forces: tuple[str, ...], pressed: bool) -> None:
         self.forces = forces
         self._counts = Counter(dict.fromkeys(["stick", "slip", "boundary", *(["tip"] if pressed else []), "seam", "corner"], 0))
         self._counts.update({f"{name}{sign}": 0 for name in forces for sign in "+-"})
+        self.unmeasured = self._drawn = 0
         self._asked = self._looked = self._slipping = self._given_up = 0
         self._decades: dict[str, tuple[int, int]] = {}
 
@@ -59,6 +62,17 @@ class Visited:
     def decades(self) -> Mapping[str, tuple[int, int]]:
         """First and last power of ten of stresses, pressures and stiffnesses that are not zero."""
         return dict(self._decades)
+
+    def measure(self, query: Query) -> None:
+        """Count the increments of a case that has been drawn, and those that cannot be judged."""
+        self._drawn += len(query.case)
+        self.unmeasured += int((~query.measurable).sum())
+
+    def demand_measured(self, where: str) -> None:
+        """InputError where increments were drawn, and none of them could be judged."""
+        if self._drawn and self.unmeasured == self._drawn:
+            remedy = "give pressure, stiffness and parameters in other units"
+            raise InputError(f"none of {self._drawn} increments can be judged: {UNMEASURED}", where=where, remedy=remedy)
 
     def add(self, query: Query) -> None:
         """Count the increments of a case that has been asked."""

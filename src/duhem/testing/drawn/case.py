@@ -58,6 +58,12 @@ class Case:
         rows: dict[str, Any] = {name: None if part is None else part[which] for name, part in parts.items()}
         return replace(self, **rows)
 
+    def longest(self, inverse: Array) -> Array:
+        """The length |L^-1 s| of the longest stress of each increment (N,), ``inverse`` that of L; inf where its square overflows."""
+        stresses = np.stack([self.trial, self.other, self.third, self.inside, self.beside], axis=1)
+        with np.errstate(all="ignore"):
+            return np.asarray(np.linalg.norm(np.concatenate([stresses, self.path], axis=1) @ inverse.T, axis=2).max(axis=1))
+
     def fits(self, law: Criterion) -> bool:
         """Whether its parameters, forces and pressure are those of a law, and the values in its domains."""
         domains, values = law.parameters, self.parameters

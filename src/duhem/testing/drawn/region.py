@@ -52,6 +52,10 @@ class Region:
         assert jet.gradient is not None
         return jet.gradient, taken
 
+    def huge(self, pressure: Array) -> NDArray[np.bool_]:
+        """Whether the pressure (N,) or a parameter is so large that K may end where the law overflows."""
+        return np.asarray(np.maximum(np.abs(pressure), max(map(abs, self.parameters.values()), default=0.0)) > _FAR)
+
     def outside(self, stress: Array, pressure: Array) -> NDArray[np.bool_]:
         """Whether g > 0 (N,), in 60 digits: the stresses count as exact."""
         return np.array([self._exactly(s, p) for s, p in zip(stress.tolist(), pressure.tolist(), strict=True)], dtype=np.bool_)

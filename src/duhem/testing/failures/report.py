@@ -145,7 +145,8 @@ class Report(Shown):
 
     A check passed only if it judged an answer of the routine (or looks at the law alone).
     ``points`` increments were asked of the routine, of which it flagged ``flagged`` as not solved: they are not judged.
-    At ``undefined`` increments g has no value where a check needs it, which does not judge them.
+    At ``undefined`` increments g has no value where a check needs it, which does not judge them; of ``unmeasured`` ones no check does,
+    since squares of their stresses leave double precision.
 
     ``failures`` are likely causes, the likeliest first; ``explained`` are those of the checks that a cause explains.
     ``expected``: the checks that failed as was expected, with the reason given, or with the expected one that explains them;
@@ -172,6 +173,7 @@ class Report(Shown):
     examples: int = 0
     seed: int | None = None
     undefined: int = 0
+    unmeasured: int = 0
     tried: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
     needs: Mapping[str, str] = field(default_factory=dict)
     most_flagged: float | None = None
@@ -207,6 +209,7 @@ class Report(Shown):
         counts = f"{len(self.passed)} checks passed, {len(self.failed)} failed"
         counts += f", {len(self.left_out)} left out" if self.left_out else ""
         unsaid = f", {self.undefined} not judged where g has no value" if self.undefined else ""
+        unsaid += f", {self.unmeasured} drawn and not judged where squares leave double precision" if self.unmeasured else ""
         return f"{self.law}: {counts}; {self.flags()}{unsaid}"
 
     def flags(self) -> str:

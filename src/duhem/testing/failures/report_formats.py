@@ -30,6 +30,7 @@ def as_dict(report: Report) -> dict[str, Any]:
         "flagged": report.flagged,
         "most_flagged": report.most_flagged,
         "undefined": report.undefined,
+        "unmeasured": report.unmeasured,
         "tried": {name: dict(counts) for name, counts in report.tried.items()},
         "examples": report.examples,
         "seed": report.seed,

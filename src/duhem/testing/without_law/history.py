@@ -41,6 +41,9 @@ class _Unknown(Region):
     def level(self, stress: Array, pressure: Array) -> Array:
         return np.full(len(stress), np.nan)
 
+    def huge(self, pressure: Array) -> NDArray[np.bool_]:
+        return np.zeros(len(pressure), dtype=np.bool_)
+
     def slope(self, stress: Array, pressure: Array, choices: Choices | None = None) -> tuple[Array, Choices]:
         return np.zeros_like(stress), np.zeros((len(stress), 0), dtype=np.int64)
 
