@@ -95,7 +95,7 @@ def squared(trial: Array, pressure: Array, stiffness: Array) -> Step:
 # suggestion: part, routine, what is said
 INSTEAD: dict[str, list[tuple[Part, Routine, str]]] = {
     "trial_stress": [("stress", nothing, "returns the trial stress")],
-    "no_stress": [("stress", lambda t, p, k: 0.0 * t, "no stress at all")],
+    "no_stress": [("stress", lambda t, p, k: 0.0 * t, "every stress returned is zero")],
     "radial_return": [
         ("stress", radial_return, "radial return"),
         ("stress", radial_when_far, "radial return of trial stresses that lie 3."),
@@ -209,7 +209,7 @@ def test_the_multiplier_of_a_formula_over_its_pressure_is_told() -> None:
 
 
 def test_every_suggestion_has_a_routine_that_does_so() -> None:
-    unshown = {"slip_of_the_closest_point"}  # below: with a stress that is wrong too
+    unshown = {"slip_of_the_closest_point", "far_trials"}  # below: with a stress that is wrong too, and far out
     assert registered_suggestions() == {*INSTEAD, *WITH_PARAMETERS} | unshown
 
 
@@ -219,6 +219,45 @@ def test_a_slip_that_belongs_to_the_right_stress() -> None:
         return Step(0.7 * found.stress, found.slip)
 
     assert "slip_of_the_closest_point" in told("slip", asked(update))
+
+
+def far_out(change: Callable[[Array], Array], least: float) -> Query:
+    """A routine that changes the answers to trial stresses so many times as far out as the boundary, asked at one of 2e5 times."""
+
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        found = projected(trial, pressure, stiffness)
+        far = np.hypot(trial[:, 0] / 0.5, trial[:, 1] / 0.1) > -least * pressure
+        return np.where(far[:, None], change(found), found)
+
+    query = asked(update)
+    query.case = replace(query.case, trial=5e4 * query.case.trial)
+    return query
+
+
+def test_an_error_of_far_trials_is_a_share_of_the_stress_and_no_lack_of_digits() -> None:
+    turned = told("stress", far_out(lambda s: s @ np.array([[1.0, 0.01], [-0.01, 1.0]]), 1e4))
+    assert [*turned] == ["far_trials"] and "up to 1.02 times as far rightly" in turned["far_trials"]
+    shorter = told("stress", far_out(lambda s: 0.999 * s, 100.0))
+    assert "imprecise" not in shorter and "0.999 times the closest point" in shorter["multiple_of_the_answer"]
+    assert "right to 1e-05 of the stress" in told("stress", far_out(lambda s: (1.0 - 1e-5) * s, 0.0))["imprecise"]
+
+
+def test_what_corrects_far_out_does_not_correct_nothing() -> None:
+    late = asked(lambda t, p, k: np.where(np.abs(t).max(axis=1, keepdims=True) < 1e3, t, projected(t, p, k)))
+    assert told("stress", late)["trial_stress"].endswith("of these, but farther out it does")
+    assert told("stress", asked(nothing))["trial_stress"].endswith("it corrects nothing")
+
+
+def test_a_tangent_of_a_stress_that_is_not_the_closest_point_says_so_first() -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Step:
+        size, limit = np.hypot(*trial.T), -0.3 * pressure
+        share, n = np.minimum(1.0, limit / np.maximum(size, 1e-300)), trial / np.maximum(size, 1e-300)[:, None]
+        along = np.where((size > limit)[:, None, None], n[:, :, None] * n[:, None, :], 0.0)
+        return Step(share[:, None] * trial, tangent=share[:, None, None] * (np.eye(2) - along) @ stiffness)
+
+    place = {"stiffness": [1.0, 2.0], "pressure": -1.0}
+    report = conformance("coulomb", update, {"mu": 0.3}, checks=["tangent"], max_examples=4, tries=20, seed=1, **place)
+    assert report.failures[0].diagnosis.startswith("the stress is not the closest point: radial return"), str(report)
 
 
 UNLIKE: dict[str, tuple[Part, Routine]] = {

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from random import Random
 from typing import Any
@@ -16,7 +16,7 @@ from duhem.law.formula_law import Criterion
 from duhem.testing.checks.asked_for import AskedFor
 from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NothingToCheck, Query
-from duhem.testing.checks.raised import NoReply, Raised
+from duhem.testing.checks.raised import NoReply, Raised, named_by
 from duhem.testing.checks.registry import Check
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.admitted_values import admitted
@@ -26,9 +26,9 @@ from duhem.testing.drawn.region import Region
 from duhem.testing.drawn.simplified import simplified
 from duhem.testing.drawn.strategies import cases
 from duhem.testing.drawn.usable_options import check_options
-from duhem.testing.failures.causes import by_cause, explained_by, likeliest_first
+from duhem.testing.failures.causes import by_cause, explained_by, of_stress
 from duhem.testing.failures.departure import departure
-from duhem.testing.failures.diagnosis import Part, diagnoses
+from duhem.testing.failures.diagnosed import diagnosed, instead
 from duhem.testing.failures.expectation import Expectation
 from duhem.testing.failures.least_case import RAISED, LeastCase
 from duhem.testing.failures.replay import drawn_again
@@ -40,8 +40,6 @@ from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["TRIES", "ConformanceRun"]
 
-_PARTS: dict[str, Part] = {"slip": "slip", "energy": "slip", "multiplier": "multiplier", "tangent": "tangent", "slope": "tangent"}
-_TRIED = 3  # failures of a part of the answer that are diagnosed, until one of them is
 _ANSWERS, _MEMORY = "answers", "repeatability"
 _EVERY = 7  # so many increments, of which one is asked what the checks ask again: an odd number, as seams have two sides by turns
 TRIES = 200  # to make a failing case smaller, counted, so that what is told does not depend on the load of the machine
@@ -244,7 +242,7 @@ class ConformanceRun:
 
     def _placed(self, fault: Unfinished, asked: Check, case: Case) -> Unfinished:
         """The same with the increment, and what shows it again."""
-        failure = replace(self._failure(asked, fault.what, _named_by(fault, case), float("nan"), 0.0), origin=self._origin())
+        failure = replace(self._failure(asked, fault.what, named_by(fault, case), float("nan"), 0.0), origin=self._origin())
         placed = Unfinished(fault.what, where=f"{failure.increment}, asked by the check {asked.name}", remedy=fault.remedy)
         placed.failure = failure
         return placed
@@ -255,18 +253,17 @@ class ConformanceRun:
     def _silent(self, asked: Check, case: Case, fault: NoReply) -> Case:
         """The first increment to which the routine gives no answer alone; the first one where it is silent about several at once only."""
         if fault.row is not None:
-            named = _named_by(fault, case)
+            named = named_by(fault, case)
             return named if self._is_silent(asked, named) else case.row(fault.row)
         rows = range(len(case)) if len(case) > 1 else ()
         return case.row(next((i for i in rows if self._is_silent(asked, case.row(i))), 0))
 
     def _is_silent(self, asked: Check, case: Case) -> bool:
         try:
-            judged(asked, self.query(case))
+            with suppress(NothingToCheck):
+                judged(asked, self.query(case))
         except NoReply:
             return True
-        except NothingToCheck:
-            pass
         return False
 
     def query(self, case: Case) -> Query:
@@ -302,6 +299,13 @@ class ConformanceRun:
             **self.asked_for.told(),
         )
 
+    def _told(self, failures: Iterable[Failure]) -> list[Failure]:
+        return diagnosed(failures, self.query, self._origin(), self._accused)
+
+    @property
+    def _accused(self) -> bool:
+        return any(map(of_stress, self.found))
+
     def _short(self, failure: Failure) -> Failure:
         """With a case that is short to read; looked for once."""
         name = failure.check.name
@@ -330,26 +334,7 @@ class ConformanceRun:
         found = next(self.failures(self.query(short), [failure.check]), None)
         if found is None:
             return failure
-        beside = None if failure.departure is None else departure(self.query(short))
-        return replace(found, origin=failure.origin, departure=beside, diagnoses=failure.diagnoses)
-
-    def _told(self, failures: Iterable[Failure]) -> list[Failure]:
-        """With what the routine returned, asked again; of those that speak of one part of it the likeliest causes are diagnosed."""
-        told: list[Failure] = []
-        tried: Counter[Part] = Counter()
-        made = self._origin()
-        for failure in sorted(failures, key=likeliest_first):
-            now = replace(failure, origin=made)
-            if not (failure.check.law_only or failure.check.whole) and len(failure.case) == 1:
-                query, part = self.query(failure.case), _PARTS.get(failure.check.name, "stress")
-                now = replace(now, departure=departure(query))
-                if now.departure is not None and (now.departure.apart or part != "stress") and tried[part] < _TRIED:
-                    now = replace(now, diagnoses=diagnoses(part, query, now.departure))
-                    tried[part] += _TRIED if now.diagnoses else 1
-            told.append(now)
-        return told
-
-
-def _named_by(fault: NoReply | Unfinished, case: Case) -> Case:
-    """The increment of a case at which the routine gives no answer alone, as the one that is tried."""
-    return case.row(fault.row or 0) if fault.case is None else fault.case
+        found = replace(found, origin=failure.origin, departure=failure.departure and departure(self.query(short)))
+        told = instead(found, self.query, self._accused) if failure.diagnoses else {}  # it has to hold of what is shown
+        kept = {name: told[name] for name in failure.diagnoses if name in told}
+        return failure if failure.diagnoses and not kept else replace(found, diagnoses=kept)

@@ -356,10 +356,17 @@ class Query:
         """Whether the reply to the trial is one to a call of one increment."""
         return False
 
-    def ask_apart(self) -> None:
-        """Ask three times for as many increments each, and others each time: what was answered first has to stay as it is."""
-        for trial in (self.case.other, self.case.third, self.case.trial):
-            self.ask(trial)
+    @cached_property
+    def apart(self) -> tuple[Reply, ...]:
+        """The replies to ``other``, ``trial``, ``trial``, ``third`` and ``trial`` in calls of one size, one after the other.
+
+        The trial after others and after itself, and none four calls after itself: of four buffers each is written over.
+        """
+        return tuple(self.ask(trial)[0] for trial in (self.case.other, self.case.trial, self.case.trial, self.case.third, self.case.trial))
+
+    def crowded(self, many: int) -> list[Reply]:
+        """The replies to ``trial``, so many increments and more in one call."""
+        return self.ask(*[self.case.trial] * -(-many // len(self.case)))
 
     def along_the_path(self) -> Iterator[Reply]:
         """The replies to the increments of ``path``, from no stress on, each from where the one before has ended."""

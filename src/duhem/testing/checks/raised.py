@@ -9,7 +9,7 @@ from typing import TypeVar
 from duhem.testing.drawn.case import Case
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["NoReply", "Raised"]
+__all__ = ["NoReply", "Raised", "named_by"]
 
 _FEW = 8  # increments that are asked one by one once the routine has raised, so that a call costs one process at most
 _Answer = TypeVar("_Answer")
@@ -80,3 +80,8 @@ class Raised:
         fault = NoReply(said)
         fault.row, fault.together = row, row is None
         return fault
+
+
+def named_by(fault: NoReply | Unfinished, case: Case) -> Case:
+    """The increment of a case at which the routine gives no answer alone, as the one that is tried."""
+    return case.row(fault.row or 0) if fault.case is None else fault.case

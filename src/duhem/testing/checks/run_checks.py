@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 
 from duhem.projection.result import Array
@@ -14,6 +16,7 @@ __all__: list[str] = []
 
 _MOST = 0.75  # of the increments that slip: who gives up more has shown what is left, not the rule
 _APART = 4  # cases, in one of which some rows are asked in calls of one size, one after the other
+_CROWD, _MANY = 5, 300  # the case of a run in which some rows are asked so often in one call: more than the 256 of a block
 
 
 def _visited(visited: Visited) -> str | None:
@@ -49,20 +52,34 @@ def vacuity(q: Query) -> Finding:
     again=True,
 )
 def repeatability(q: Query) -> Finding:
-    return compared(q, q.here.stress, q.again.stress, 2.0 * q.unit(q.here))
+    return compared(q, q.here.stress, q.again.stress, 2.0 * q.unit(q.here), _asked_otherwise(q))
 
 
-def compared(q: Query, here: Array, again: Array, allowed: Array) -> Finding:
-    """The stresses answered to the trial, and those when asked again; of one row that asked alone too."""
-    apart = q.length(_apart(again, here))
+def _asked_otherwise(q: Query) -> Iterator[tuple[Array, str]]:
+    """Further answers to the trial, and how it was asked."""
+    if q.by_turns(_APART):
+        _, *trials, _, last = q.apart
+        for found in (*trials, last):
+            yield found.stress, " when asked in calls of one size, one after the other"
+    if q.turn == _CROWD and len(q.case) > 1:  # copies of one increment do not tell one row from another
+        crowd = q.crowded(_MANY)
+        for found in crowd:
+            yield found.stress, f" when asked in a call of {len(crowd) * len(q.case)} increments"
+
+
+def compared(q: Query, here: Array, again: Array, allowed: Array, otherwise: Iterable[tuple[Array, str]] = ()) -> Finding:
+    """The stresses answered to the trial, and those when asked again and ``otherwise``; of one row that asked alone too."""
+    apart, how = q.length(_apart(again, here)), np.full(len(here), "", dtype=object)
     row, alone = q.alone
-    at, how = slice(row, row + 1), np.full(len(apart), "", dtype=object)
+    at = slice(row, row + 1)
     if isinstance(alone, str):
-        apart[row], how[row] = np.inf, f"; asked as one increment alone, {alone}"
-    else:
-        off = q.length(_apart(alone.stress, here[at]))[0]
-        if not off <= apart[row]:
-            apart[row], how[row] = off, " between the answer among others and that to the increment alone"
+        apart[row], how[row], otherwise = np.inf, f"; asked as one increment alone, {alone}", ()
+    elif not (off := q.length(_apart(alone.stress, here[at]))[0]) <= apart[row]:
+        apart[row], how[row] = off, " between the answer among others and that to the increment alone"
+    for stress, asked in otherwise:
+        farther = q.length(_apart(stress, here))
+        worse = ~(farther <= apart)
+        apart, how = np.where(worse, farther, apart), np.where(worse, asked, how)
     said = [f"measured {x:.3g}, allowed {most:.3g}{more}" for x, most, more in zip(apart, allowed, how, strict=True)]
     return Finding(apart, allowed, np.array(said, dtype=object))
 
@@ -83,5 +100,5 @@ def _apart(one: Array, other: Array) -> Array:
 def inputs(q: Query) -> Finding:
     none = np.zeros(len(q.here.trial))
     if q.some.by_turns(_APART):
-        q.some.ask_apart()
+        _ = q.some.apart
     return Finding((q.overwritten != "").astype(np.float64), none, "overwritten: " + q.overwritten)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from duhem.testing.failures.report import Failure
 
-__all__ = ["CAUSES", "Cause", "by_cause", "explained_by", "likeliest_first"]
+__all__ = ["CAUSES", "Cause", "by_cause", "explained_by", "likeliest_first", "of_stress"]
 
 
 @dataclass(frozen=True)
@@ -105,10 +105,15 @@ def likeliest_first(failure: Failure) -> tuple[int, int]:
     return _kind(failure), _RANK.get(failure.check.name, len(CAUSES))
 
 
+def of_stress(failure: Failure) -> bool:
+    """Whether it is one of the stress itself, not of what is returned beside it or of the calls."""
+    return failure.check.name in _STRESS
+
+
 def _kind(failure: Failure) -> int:
     """Causes of all, then of stresses, then of what is returned beside them."""
     name = failure.check.name
-    return 1 if name in _STRESS else 0 if name in _TABLE and name not in _OUTPUTS else 2
+    return 1 if of_stress(failure) else 0 if name in _TABLE and name not in _OUTPUTS else 2
 
 
 def _explains(root: Failure, other: Failure, failed: set[str]) -> bool:

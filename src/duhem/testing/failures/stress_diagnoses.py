@@ -3,29 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from duhem.projection.result import Array
+from duhem.testing.checks.raised import NoReply
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.diagnosis import Probe, constant, suggests
 
 __all__: list[str] = []
 
+_FAR = 10.0  # times as far out as others: trial stresses of which that may be why they are answered otherwise
+_FAR_OUT = 1e4  # times the trial stresses: where it is seen whether a routine corrects anything at all
+_CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 _SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pressure: where another one is looked for
 
 
 @suggests("stress")
 def trial_stress(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the routine returns the trial stress: it corrects nothing", p.trial
+    far, corrected = _FAR_OUT * p.trial, False
+    with suppress(NoReply):
+        corrected = bool((p.query.ask(far)[0].stress != far).any())
+    yield f"the routine returns the trial stress: it corrects nothing{' of these, but farther out it does' if corrected else ''}", p.trial
 
 
 @suggests("stress")
 def no_stress(p: Probe) -> Iterator[tuple[str, Array]]:
-    yield "the routine returns no stress at all", np.zeros_like(p.trial)
+    yield "every stress returned is zero", np.zeros_like(p.trial)
 
 
 @suggests("stress")
@@ -135,7 +144,7 @@ def too_far(p: Probe) -> Iterator[tuple[str, Array]]:
 @suggests("stress")
 def multiple_of_the_answer(p: Probe) -> Iterator[tuple[str, Array]]:
     q, slips = p.query, _slipping(p)
-    factor = constant(np.where(slips, q.inner(p.returned, p.closest) / q.inner(p.closest, p.closest), np.nan))
+    factor = constant(np.where(slips & _wrong(p), q.inner(p.returned, p.closest) / q.inner(p.closest, p.closest), np.nan))
     if factor == 0.0:
         yield "all stress is gone where there is slip", np.where(slips[:, None], 0.0, p.trial)
     elif factor is not None:
@@ -168,13 +177,28 @@ def forgotten_slip(p: Probe) -> Iterator[tuple[str, Array]]:
 
 @suggests("stress")
 def imprecise(p: Probe) -> Iterator[tuple[str, Array]]:
-    q = p.query
-    off = (q.length(p.returned - p.closest) / np.maximum(q.length(p.trial), q.length(p.closest))).max()
-    if off <= 1e-4:
+    q, wrong = p.query, _wrong(p)
+    off = (q.length(p.returned - p.closest) / q.length(p.closest))[wrong].max(initial=0.0)
+    if 0.0 < off <= 1e-4:
         yield f"the answer is right to {off:.1g} of the stress only: single precision, a loose tolerance, or too much promised", p.returned
 
 
-def _slipping(p: Probe) -> Array:
+@suggests("stress")
+def far_trials(p: Probe) -> Iterator[tuple[str, Array]]:
+    reach, wrong = p.query.region.reach(p.trial, p.pressure), _wrong(p)
+    right = ~wrong & (reach < 1.0) & np.isfinite(p.closest).all(axis=1)
+    if not wrong.any() or not right.any() or not (nearest := reach[wrong].max()) > 0.0 or not _FAR * nearest <= reach[right].min():
+        return
+    said = f"trial stresses {1.0 / nearest:.3g} times as far out as the boundary are answered wrongly, and some "
+    said += f"up to {1.0 / reach[right].min():.3g} times as far rightly"
+    yield said, np.where((reach <= nearest)[:, None], p.returned, np.nan)  # no cause: what says what is done there comes first
+
+
+def _wrong(p: Probe) -> NDArray[np.bool_]:
+    return np.asarray(p.query.length(p.returned - p.closest) > _CLEAR * p.query.unit(p.reply))
+
+
+def _slipping(p: Probe) -> NDArray[np.bool_]:
     return np.asarray(p.query.length(p.closest - p.trial) > 1e-6 * p.query.length(p.trial))
 
 

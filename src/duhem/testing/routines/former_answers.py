@@ -10,7 +10,7 @@ import numpy as np
 
 __all__ = ["FormerAnswers"]
 
-_KEPT = 2  # answers to so many increments: buffers that are taken by turns are two
+_KEPT = 4  # answers to so many increments: as many buffers may be taken by turns
 _Parts: TypeAlias = Callable[[], Mapping[str, Any]]
 _Answer: TypeAlias = tuple[_Parts, dict[str, bytes]]
 
@@ -32,17 +32,21 @@ class FormerAnswers:
         """
         changed: dict[str, None] = {}
         for number in {count, self._last} & self._kept.keys():
-            same: deque[_Answer] = deque(maxlen=_KEPT)
-            for read, said in self._kept[number]:
-                now = _said(read)
+            kept, same = self._kept[number], _none()
+            for i, (read, said) in enumerate(kept):
+                now = _said(read) if i in (0, len(kept) - 2, len(kept) - 1) else said  # each is looked at early, and once more at last
                 differs = [name for name in said if said[name] != now.get(name)]
                 changed |= dict.fromkeys(differs)
                 if not differs:
                     same.append((read, said))
             self._kept[number] = same
-        self._kept.setdefault(count, deque(maxlen=_KEPT)).append((parts, _said(parts)))
+        self._kept.setdefault(count, _none()).append((parts, _said(parts)))
         self._last = count
         return ", ".join(f"{name} of an earlier answer" for name in changed)
+
+
+def _none() -> deque[_Answer]:
+    return deque(maxlen=_KEPT)
 
 
 def _said(parts: _Parts) -> dict[str, bytes]:
