@@ -8,8 +8,9 @@
 
 The marker takes the arguments of :func:`duhem.testing.conformance`, and ``most_flagged``, the share of increments that the
 routine may flag as not solved (0 if left out; the node ``[flagged]``).  ``expected_failed_checks`` maps the name of a check to the
-reason why it fails: one that passes is a failure.  ``pytest.mark.xfail`` on a routine says that one node of it fails, whichever: it is
-told as expected, the others as they are.  A routine that fixtures make is handed to ``duhem_check``:
+reason why it fails: one that passes is a failure, and what it explains may fail with it.  ``pytest.mark.xfail`` on a routine says
+that one node of it fails, whichever: it is told as expected, the others as they are.  A routine that fixtures make is handed to
+``duhem_check``:
 
     @pytest.mark.duhem(law="coulomb")
     def test_friction_in_c(duhem_check, compiled):

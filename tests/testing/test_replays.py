@@ -167,6 +167,15 @@ def test_what_is_printed_takes_the_law_that_was_tested(
         assert capsys.readouterr().out.strip() == failure.message
 
 
+def test_a_routine_made_in_a_test_is_told_by_what_makes_it() -> None:
+    def upd(trial, pressure, stiffness):
+        return trial
+
+    (failure,) = conformance("coulomb", upd, DISK, checks="feasibility", stiffness=1.0, pressure=-1.0, max_examples=2, tries=0).failures
+    maker = f"{__name__}.test_a_routine_made_in_a_test_is_told_by_what_makes_it"
+    assert f"update = ...  # made by {maker}: put here the lines that make it" in failure.reproducer()
+
+
 def within_the_disk(trial, pressure, stiffness):
     size, limit = np.hypot(*trial.T), -0.3 * pressure
     return trial * np.where(size > limit, limit / np.maximum(size, 1e-300), 1.0)[:, None]

@@ -90,7 +90,7 @@ def lines_again(check: str, routine: str, found: Origin, case: Case, accuracy: f
     """
     paths = ["import sys"], [f"sys.path.append({found.folder!r})"]
     imported, appended = paths if found.making and found.folder else ([], [])
-    making = found.making or f"update = ...  # {routine} has no name that can be imported: put it here"
+    making = found.making or f"update = ...  # {_nameless(routine)}"
     free = "" if passed == tuple(case.parameters) else f", open_parameters={passed!r}"
     what, asked = (
         "Case, violation",
@@ -112,6 +112,12 @@ def lines_again(check: str, routine: str, found: Origin, case: Case, accuracy: f
             *asked,
         ]
     )
+
+
+def _nameless(routine: str) -> str:
+    """What to put in the place of a routine that has no name to import."""
+    maker, inner, _ = routine.rpartition(".<locals>.")
+    return f"made by {maker}: put here the lines that make it" if inner else f"{routine} has no name that can be imported: put it here"
 
 
 def _imports(law: str) -> list[str]:
