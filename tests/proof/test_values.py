@@ -15,7 +15,6 @@ import pytest
 
 from duhem import Verdict, Verification, verify
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.proof.in_words import sentences
 from duhem.proof.verdict import Evidence, Witness
 
 WITNESS = Witness({"mu": "3/10"}, {"p": {"sigma_a": "1"}}, {"g(p)": ("-1", "0")}, "made up", {"degrees": 1.5})
@@ -72,9 +71,3 @@ def test_a_frozen_mapping_does_what_a_mapping_proxy_does(content: dict[str, int]
             nothing | frozen
     missing = {name for name in dir(proxy) if not name.startswith("_")} - set(dir(frozen))
     assert not missing
-
-
-def test_a_long_coordinate_is_broken_before_its_exact_number_alone() -> None:
-    witness = Witness({}, {"tau": {"sigma_a": "503191/2621440", "sigma_b": "-4/5"}}, {}, "made up")
-    said = next(sentences(witness))
-    assert said.replace("\N{NO-BREAK SPACE}", "_") == "tau: sigma_a_~_0.19195213 =_503191/2621440, sigma_b_=_-0.8_=_-4/5"

@@ -12,7 +12,6 @@ from duhem.show.page import tied
 __all__ = ["HEAD", "conclusion", "row", "sentences", "words"]
 
 HEAD = ("claim", "verdict", "trust", "method", "scope", "time")
-_NARROW = 30  # characters that fit on a line of a phone
 _STANDARD = ("origin", "convexity", "normality")
 
 
@@ -55,13 +54,7 @@ def conclusion(verification: Verification) -> tuple[str, ...]:
 
 
 def _coordinates(point: Mapping[str, str]) -> str:
-    return ", ".join(_held(f"{name} {number_in_words(value)}") for name, value in point.items())
-
-
-def _held(words: str) -> str:
-    """A coordinate as one word, or where that is longer than a narrow line, as one up to its exact number and one with it."""
-    near, _, exact = words.rpartition(" = ")
-    return tied(words) if len(words) <= _NARROW else f"{tied(near)} {tied(f'= {exact}')}"
+    return ", ".join(tied(f"{name} {number_in_words(value)}") for name, value in point.items())
 
 
 def _answer(title: str, answer: bool | None, found: Mapping[str, ClaimResult], claims: Sequence[str]) -> str:
