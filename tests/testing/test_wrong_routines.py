@@ -395,6 +395,7 @@ def test_a_slip_that_leans_a_little_is_found_at_every_seed(seed: int) -> None:
     assert conformance("coulomb", disk, {"mu": 0.3}, **asked | {"stiffness": 1e9}).ok
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_an_open_contact_at_rest_is_asked(seed: int) -> None:
     """No stress under no pressure is 0/0 to many a radial return."""
@@ -406,6 +407,7 @@ def test_an_open_contact_at_rest_is_asked(seed: int) -> None:
     assert "answers" in conformance("coulomb", open_, {"mu": 0.3}, stiffness=1e9, checks="answers", tries=0, seed=seed).failed
 
 
+@pytest.mark.slow
 def test_slips_go_all_round() -> None:
     """Of 72 sectors of five degrees at most a few are empty in a run of the usual length."""
     asked: list[Array] = []
