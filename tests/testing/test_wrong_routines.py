@@ -383,7 +383,7 @@ def test_a_routine_leaves_what_it_is_given(spoilt: int | None) -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_slip_that_leans_a_little_is_found_at_every_seed(seed: int) -> None:
+def test_a_slip_that_leans_a_little_is_found_at_each_seed(seed: int) -> None:
     """Radial return to a disk under stiffnesses a fifth apart: two points drawn saw it at one seed in three."""
 
     def disk(trial: Array, pressure: Array, stiffness: Array) -> Array:

@@ -74,7 +74,7 @@ class History(Recorded, Shown):
     plan: Plan | None = field(default=None)
 
     def __repr__(self) -> str:
-        stationary = f", {self.stationary()} stationary" if self.stationary() else ""
+        stationary = f", {count} stationary" if (count := self.stationary()) else ""
         return f"<History of {self.law}: {len(self)} knots{stationary}; {self.method}>"
 
     def __len__(self) -> int:

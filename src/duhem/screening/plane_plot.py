@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from duhem.screening.campaign import Campaign
 from duhem.screening.lines import VerdictLine
 from duhem.screening.plane import NO_VERDICT, VerdictPanel, VerdictPlane, chosen, plane, varying
+from duhem.screening.rows import counted
 from duhem.screening.summary import Summary
 from duhem.screening.table import read_lines
 from duhem.show import figure
@@ -100,7 +101,7 @@ def _plot(lines: Callable[[], Iterable[VerdictLine]], file: figure.Target | None
 
 
 def _title(seen: VerdictPlane) -> str:
-    said = f"{seen.rows} {'row' if seen.rows == 1 else 'rows'}"
+    said = counted(seen.rows, "row")
     if seen.unplaced:
         said += f", {seen.unplaced} of them without a number for {' and '.join(seen.axes)}"
     if seen.beside:

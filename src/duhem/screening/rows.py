@@ -24,7 +24,7 @@ from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
 from duhem.law.placed_toml import text_of
 
-__all__ = ["AsStated", "Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "given"]
+__all__ = ["AsStated", "Draw", "Given", "Grid", "LawName", "Row", "RowBlock", "Span", "TableRows", "counted", "given"]
 
 _FINENESS = 10**6  # equal parts of a range, at whose ends values are drawn
 _TRIES = 1_000
@@ -220,12 +220,8 @@ class TableRows:
     def row(self, i: int, number: int) -> Row:
         cells = self.text[self._ends[i - 1] if i else 0 : self._ends[i] - 1].decode().split("\t")
         if len(cells) != len(self.columns):
-            return Row(
-                number,
-                self.name,
-                dict(self.values),
-                f"the row has {_counted(len(cells), 'cell')} for {_counted(len(self.columns), 'column')}",
-            )
+            fault = f"the row has {counted(len(cells), 'cell')} for {counted(len(self.columns), 'column')}"
+            return Row(number, self.name, dict(self.values), fault)
         read = {name: _exact(cell) for name, cell in zip(self.columns, cells, strict=True) if name is not None}
         return Row(number, self.name, {**dict(self.values), **read})
 
@@ -241,7 +237,8 @@ def _exact(cell: str) -> str:
         return cell
 
 
-def _counted(count: int, name: str) -> str:
+def counted(count: int, name: str) -> str:
+    """A number of things in words: 1 row, 2 rows."""
     return f"{count} {name}" if count == 1 else f"{count} {name}s"
 
 

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 from duhem.screening.campaign import Campaign
 from duhem.screening.inquiries import Claimed
 from duhem.screening.lines import VerdictLine
+from duhem.screening.rows import counted
 from duhem.show.shown import Shown
 
 __all__ = ["Counts", "Summary", "alone"]
@@ -54,8 +55,7 @@ class Summary(Shown):
         said = Counter[str]()
         for (_, verdict), count in self.verdicts.items():
             said[verdict] += count
-        rows = "1 row" if self.rows == 1 else f"{self.rows} rows"
-        return f"<Summary of {rows}: {', '.join(f'{count} {verdict}' for verdict, count in said.items()) or 'none'}>"
+        return f"<Summary of {counted(self.rows, 'row')}: {', '.join(f'{count} {verdict}' for verdict, count in said.items()) or 'none'}>"
 
     def plot(self, file: Any = None, *, axes: Sequence[str] | None = None) -> Any:
         """Draw verdicts over one or two parameters, a panel a claim, into ``file``, a name or stream; matplotlib's axes (extra ``plot``).
@@ -100,11 +100,11 @@ class Counts:
         if line.error is not None:
             if line.row != self._last:
                 self._errors[self._reason(line.error)] += 1
-            self._failed += [line] if len(self._failed) < _NAMED and line.row != self._last else []
+                _keep(self._failed, line)
         elif line.verdict in _OPEN:
-            self._open += [line] if len(self._open) < _NAMED else []
+            _keep(self._open, line)
         elif line.verdict in AGAINST[1:]:  # what is refuted is of the law, and the table has it
-            self._against += [line] if len(self._against) < _NAMED else []
+            _keep(self._against, line)
         if len(self._slowest) < _NAMED or line.seconds > self._slowest[-1].seconds:
             self._keep_slowest(line)
         self._last = line.row
@@ -137,6 +137,12 @@ class Counts:
             lines=lines,
             stood=stood,
         )
+
+
+def _keep(lines: list[VerdictLine], line: VerdictLine) -> None:
+    """Among the first few of its kind."""
+    if len(lines) < _NAMED:
+        lines.append(line)
 
 
 def alone(campaign: Campaign, number: int) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from duhem.screening.lines import VerdictLine
+from duhem.screening.rows import counted
 from duhem.screening.summary import Summary
 from duhem.show.page import PAGE, Page, tied
 from duhem.show.printing import plain, sheet, text
@@ -86,9 +87,8 @@ def _line(line: VerdictLine) -> dict[str, Any]:
 
 def _title(summary: Summary) -> str:
     finished = ", which is finished: nothing left to do" if summary.stood else ""
-    return f"{summary.rows} {'row' if summary.rows == 1 else 'rows'}, {summary.seconds:.1f} s in all" + (
-        f"; {summary.table}{finished}" if summary.table else ""
-    )
+    table = f"; {summary.table}{finished}" if summary.table else ""
+    return f"{counted(summary.rows, 'row')}, {summary.seconds:.1f} s in all{table}"
 
 
 def _said(verdict: str | None) -> str:
@@ -116,7 +116,7 @@ def _methods(summary: Summary) -> Iterator[Sequence[str]]:
 
 def _reasons(summary: Summary) -> Iterator[str]:
     for reason, count in sorted(summary.errors.items(), key=lambda item: (-item[1], item[0]))[:_MOST]:
-        yield f"{count} {'row' if count == 1 else 'rows'}: {reason}"
+        yield f"{counted(count, 'row')}: {reason}"
 
 
 def _named(summary: Summary, written: Callable[[str], str]) -> Iterator[str]:

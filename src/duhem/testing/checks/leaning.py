@@ -12,22 +12,22 @@ from collections.abc import Iterator
 import numpy as np
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Query
+from duhem.testing.checks.query import Query, Reply
 
 __all__ = ["leaning"]
 
 _WAYS = 1.0, 0.1, 0.01  # of the stress's length times the sine of the lean, which is best where K is round about the origin
 
 
-def leaning(q: Query, stress: Array, slip: Array, unit: Array) -> Iterator[Array]:
-    """Points of K (N, d), where k ``slip`` (N, d) leans off the normal by more than ``unit`` (N,); elsewhere the ``stress`` itself.
+def leaning(q: Query, found: Reply, slip: Array, unit: Array) -> Iterator[Array]:
+    """Points of K (N, d), where k ``slip`` (N, d) leans off the normal by more than ``unit`` (N,); elsewhere the stress itself.
 
     With L^-1 the shadow of a stress in the metric of k^-1 and n = L^T grad g, the slip's shadow less its part along n says which
     way; a point outside K is drawn back to it on its ray from the origin.
     """
-    gradient, _ = q.region.slope(stress, q.pressure)
+    stress = found.stress
     with np.errstate(all="ignore"):
-        normal, shadow = gradient @ q.axes.T, q.shadow(slip)
+        normal, shadow = q.gradient(found) @ q.axes.T, q.shadow(slip)
         normal = normal / np.linalg.norm(normal, axis=1)[:, None]
         lean = shadow - np.einsum("ij,ij->i", shadow, normal)[:, None] * normal
         size = np.linalg.norm(lean, axis=1)
@@ -36,6 +36,6 @@ def leaning(q: Query, stress: Array, slip: Array, unit: Array) -> Iterator[Array
     for share in _WAYS if rows.size else ():
         there = stress[rows] + share * way[rows]
         reach = q.region.reach(there, q.pressure[rows])
-        found = stress.copy()
-        found[rows] = np.minimum(reach, 1.0)[:, None] * there
-        yield found
+        points = stress.copy()
+        points[rows] = np.minimum(reach, 1.0)[:, None] * there
+        yield points

@@ -32,7 +32,7 @@ def multiplier(q: Query) -> Finding:
     if given is None:
         raise NothingToCheck("the routine returns no multiplier")
     amount = np.where(given >= 0.0, given, np.inf)
-    gradient, _ = q.region.slope(found.stress, q.pressure)
+    gradient = q.gradient(found)
     with np.errstate(all="ignore"):
         size = np.where(amount == 0.0, 0.0, amount * q.dual_length(gradient))
     allowed = 2.0 * q.unit(found)
@@ -68,7 +68,7 @@ def _lacking(q: Query, found: Reply, amount: Array) -> Array:
                 break
             low, high, _ = _slopes(q, found.stress, way, share * u)
             least, most = np.where(kink, np.minimum(least, low), least), np.where(kink, np.maximum(most, high), most)
-        steep = q.dual_length(q.region.slope(found.stress, q.pressure)[0])
+        steep = q.dual_length(q.gradient(found))
         there = np.abs(q.region.level(found.stress, q.pressure)) <= _BESIDE[0] * u * np.maximum(steep, most)
         normal = kink | (least >= _ALONG * steep)
         off = np.maximum(length - amount * most, amount * least - length)

@@ -101,6 +101,7 @@ class Query:
     rows: NDArray[np.intp] = field(init=False)
     tried: Counter[tuple[str, str]] = field(init=False, default_factory=Counter)
     _units: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
+    _gradients: dict[int, tuple[Reply, Array]] = field(init=False, default_factory=dict)
     _lower: Array = field(init=False, repr=False)
     _inverse: Array = field(init=False, repr=False)
 
@@ -166,12 +167,19 @@ class Query:
             return self.whole.unit(self.whole.here)[self.rows]
         if id(reply) not in self._units:
             size = self.length(reply.trial) + self.length(reply.stress)
-            gradient, _ = self.region.slope(reply.stress, self.pressure)
-            steep = self.dual_length(gradient)
+            steep = self.dual_length(self.gradient(reply))
             blur = self.region.rounding(reply.stress, self.pressure) / np.where(steep > 0.0, steep, np.inf)
             unit = self.accuracy * size + self._rounding * (size + self._extent) + 2.0 * blur
             self._units[id(reply)] = reply, unit  # the reply is kept, so that no other can have its identity
         return self._units[id(reply)][1]
+
+    def gradient(self, reply: Reply) -> Array:
+        """grad g (N, d) at the stresses of a reply, found once for all checks."""
+        if self.whole is not None and reply is self.here:
+            return self.whole.gradient(self.whole.here)[self.rows]
+        if id(reply) not in self._gradients:
+            self._gradients[id(reply)] = reply, self.region.slope(reply.stress, self.pressure)[0]
+        return self._gradients[id(reply)][1]
 
     @cached_property
     def _rounding(self) -> float:
@@ -424,10 +432,8 @@ class Query:
         return case.trial[::-1], None if case.pressure is None else case.pressure[::-1]
 
     def _step(self, i: int, stress: Array) -> Asked:
-        case = self.case
-        return np.where(np.isfinite(stress), stress, 0.0) + (
-            case.path[:, i] - case.path[:, i - 1]
-        ), None if case.loads is None else case.loads[:, i]
+        case, known = self.case, np.where(np.isfinite(stress), stress, 0.0)
+        return known + (case.path[:, i] - case.path[:, i - 1]), None if case.loads is None else case.loads[:, i]
 
     def _at_once(self, asked: Mapping[str, Asked], more: Mapping[str, Asked]) -> Mapping[str, Reply]:
         """The replies to what is ``asked``, and to ``more`` where the routine can answer all of it."""

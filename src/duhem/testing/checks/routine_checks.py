@@ -51,7 +51,7 @@ def answers(q: Query) -> Finding:
 )
 def feasibility(q: Query) -> Finding:
     found = q.here
-    gradient, _ = q.region.slope(found.stress, q.pressure)
+    gradient = q.gradient(found)
     with np.errstate(all="ignore"):
         allowed = q.unit(found) * q.dual_length(gradient)
     level = q.region.level(found.stress, q.pressure)
@@ -138,7 +138,7 @@ def variational_inequality(q: Query) -> Finding:
     found = q.here
     slip, u = _slip(q, found), q.unit(found)
     worst, bound = np.full(len(slip), -np.inf), np.zeros(len(slip))
-    for tau in (q.case.inside, q.case.beside, *leaning(q, found.stress, slip, u)):
+    for tau in (q.case.inside, q.case.beside, *leaning(q, found, slip, u)):
         way = tau - found.stress
         size = q.length(slip)
         value = q.inner(slip, way)
@@ -164,7 +164,7 @@ def complementarity(q: Query) -> Finding:
         ahead = found.stress + (3.0 * u / size)[:, None] * slip
     may = (size > 3.0 * u) & np.isfinite(ahead).all(axis=1)
     ahead = np.where(may[:, None], ahead, 0.0)
-    steep = q.dual_length(q.region.slope(found.stress, q.pressure)[0])
+    steep = q.dual_length(q.gradient(found))
     may &= q.region.level(found.stress, q.pressure) < -u * np.where(np.isfinite(steep), steep, 0.0)
     clear = q.certainly(may & (q.region.level(ahead, q.pressure) <= 0.0), ahead, outside=False)
     return Finding(np.where(clear, 3.0 * u, 0.0), 2.0 * u)

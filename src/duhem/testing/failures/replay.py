@@ -92,15 +92,11 @@ def lines_again(check: str, routine: str, found: Origin, case: Case, accuracy: f
     imported, appended = paths if found.making and found.folder else ([], [])
     making = found.making or f"update = ...  # {_nameless(routine)}"
     free = "" if passed == tuple(case.parameters) else f", open_parameters={passed!r}"
-    what, asked = (
-        "Case, violation",
-        [
-            f"case = {case!r}",
-            f"print(violation({check!r}, law, update, case, accuracy={accuracy!r}{free}))",
-        ],
-    )
     if drawn:
         what, asked = "conformance", [f"print(conformance(law, update, checks={[check]!r}, accuracy={accuracy!r}, {drawn}))"]
+    else:
+        shown = f"print(violation({check!r}, law, update, case, accuracy={accuracy!r}{free}))"
+        what, asked = "Case, violation", [f"case = {case!r}", shown]
     return "\n".join(
         [
             *imported,
