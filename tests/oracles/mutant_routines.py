@@ -274,6 +274,11 @@ def first_pressure(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]
     return right(trial, np.full(len(trial), first), k)
 
 
+def first_stiffness(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Array:
+    """A factor of the stiffness is made once."""
+    return right(trial, pressure, kept.setdefault("stiffness", k))
+
+
 def now_and_then(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Array:
     """Every third call answers with half of the stress."""
     kept["calls"] = kept.get("calls", 0) + 1
@@ -306,7 +311,9 @@ for name, answer in [("one buffer for all answers", one_buffer), ("one tangent f
 for name, answer in [("an answer mixed with the last", last_added), ("every third call another", now_and_then)]:
     MUTANTS.append(Mutant("state", name, "orthotropic", ELLIPSE, remembering(answer), frozenset(["repeatability"])))
 kept_pressure = frozenset(["feasibility", "complementarity", "repeatability"])
+kept_stiffness = frozenset(["variational-inequality", "repeatability"])
 MUTANTS.append(Mutant("state", "the first pressure kept", "orthotropic", ELLIPSE, remembering(first_pressure), kept_pressure))
+MUTANTS.append(Mutant("state", "the first stiffness kept", "orthotropic", ELLIPSE, remembering(first_stiffness), kept_stiffness))
 wrong("state", "small beside the largest of the call", "orthotropic", ELLIPSE, largest, "repeatability")
 
 # -- energy: slip and multiplier beside a right stress -----------------------------------------------------------------

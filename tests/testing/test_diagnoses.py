@@ -209,7 +209,7 @@ def test_the_multiplier_of_a_formula_over_its_pressure_is_told() -> None:
 
 
 def test_every_suggestion_has_a_routine_that_does_so() -> None:
-    unshown = {"slip_of_the_closest_point", "far_trials"}  # below: with a stress that is wrong too, and far out
+    unshown = {"slip_of_the_closest_point", "far_trials", "first_call"}  # below: with a stress that is wrong too, far out, with a memory
     assert registered_suggestions() == {*INSTEAD, *WITH_PARAMETERS} | unshown
 
 
@@ -219,6 +219,36 @@ def test_a_slip_that_belongs_to_the_right_stress() -> None:
         return Step(0.7 * found.stress, found.slip)
 
     assert "slip_of_the_closest_point" in told("slip", asked(update))
+
+
+def remembers(what: str) -> Routine:
+    """Right, but for what it keeps of its first call."""
+    kept: dict[str, object] = {}
+
+    def update(trial: Array, pressure: Array, stiffness: Array, mu_a: float, mu_b: float) -> Array:
+        now = {"pressure": pressure[0], "stiffness": stiffness, "parameters": {"mu_a": mu_a, "mu_b": mu_b}}
+        now[what] = kept.setdefault(what, now[what])
+        load = np.full(len(trial), now["pressure"]) if what == "pressure" else pressure
+        return duhem.project("orthotropic", trial, load, now["stiffness"], now["parameters"]).stress  # type: ignore[arg-type]
+
+    return update
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", ["pressure", "stiffness", "parameters"])
+@pytest.mark.parametrize("seed", mostly_long(range(6), 0))
+def test_what_is_kept_of_the_first_call_is_told_and_shown_by_the_whole_run(what: str, seed: int) -> None:
+    run = {"checks": ["feasibility", "variational-inequality", "complementarity"], "max_examples": 7, "rows": 12, "seed": seed}
+    report = conformance("orthotropic", remembers(what), tries=40, **run)  # type: ignore[arg-type]
+    failure = report.failures[0]
+    said = failure.diagnosis.replace("mu_a", "parameters")
+    assert said.startswith((what, f"the {what}")) and "of the first call of the run is kept" in said, str(report)
+    assert "conformance(LAW" in failure.replay() and f"seed={seed}" in failure.reproducer()
+    again = {**run, "checks": [failure.check.name]}
+    assert not conformance("orthotropic", remembers(what), **again).ok  # type: ignore[arg-type]
+    opening = asked(lambda t, p, k: t)  # which does nothing, as one that keeps a large K seems to
+    opening.opening = replace(opening.case, pressure=1e6 * opening.pressure)
+    assert "first_call" not in told("stress", opening)
 
 
 def far_out(change: Callable[[Array], Array], least: float) -> Query:

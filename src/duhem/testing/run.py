@@ -33,6 +33,7 @@ from duhem.testing.failures.expectation import Expectation
 from duhem.testing.failures.least_case import RAISED, LeastCase
 from duhem.testing.failures.replay import drawn_again
 from duhem.testing.failures.report import Failure, Report
+from duhem.testing.failures.stress_diagnoses import needs_the_run
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.origin import Origin, named, origin
 from duhem.testing.routines.routine import Update
@@ -100,6 +101,7 @@ class ConformanceRun:
         self.asked_for = AskedFor()
         self.raised = Raised()
         self.last: Case | None = None
+        self.opening: Case | None = None
         self.shortened: dict[str, Failure] = {}
         self.visited, self.examples = self._nothing_visited(), 0
 
@@ -268,9 +270,10 @@ class ConformanceRun:
 
     def query(self, case: Case) -> Query:
         """The routine asked about one case."""
-        self.last = case
-        region = Region(self.known, case.parameters)
-        return Query(region, case, self.update, self.passed, self.accuracy, self.every, self.examples, raised=self.raised)
+        self.last, former = case, self.opening
+        self.opening = case.row(0) if former is None else former
+        region, asked = Region(self.known, case.parameters), (self.update, self.passed, self.accuracy, self.every, self.examples)
+        return Query(region, case, *asked, raised=self.raised, opening=former)
 
     def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
         drawn = self.again if check.whole or check.name == _MEMORY else ""
@@ -311,7 +314,8 @@ class ConformanceRun:
         name = failure.check.name
         if name not in self.shortened:
             self.shortened[name] = self._simplified(failure)
-        return replace(self.shortened[name], explains=failure.explains)
+        short = self.shortened[name]
+        return replace(short, explains=failure.explains, drawn=self.again if needs_the_run(short.diagnoses) else short.drawn)
 
     def _simplified(self, failure: Failure) -> Failure:
         enough = self.raised.times + RAISED

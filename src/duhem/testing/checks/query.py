@@ -81,7 +81,8 @@ class Query:
     Of one row in ``every`` more is asked than the trial, and those are a query of their own, :attr:`some`; ``whole`` is the one that
     has them among its own, and ``rows`` (N,) which they are there.  ``turn`` counts the cases of a run: what takes calls of its own
     is asked of some rows in some of the cases only (:meth:`by_turns`).  ``raised`` is what the routine has raised so far, of several
-    queries where it is theirs, ``answered`` what it has answered, of this query and its parts."""
+    queries where it is theirs, ``answered`` what it has answered, of this query and its parts; ``opening`` the increment that the
+    routine was asked before all others of the run, None where that is this one."""
 
     region: Region
     case: Case
@@ -93,6 +94,7 @@ class Query:
     whole: Query | None = None
     raised: Raised = field(default_factory=Raised)
     answered: FormerAnswers = field(default_factory=FormerAnswers)
+    opening: Case | None = None
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)

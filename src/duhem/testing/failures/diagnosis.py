@@ -199,7 +199,7 @@ def _probe(query: Query, found: Departure) -> Probe:
         query.case, stiffness=np.array(found.stiffness), pressure=pressure, trial=stacked, other=zero, third=zero, inside=zero, beside=zero,
         stretch=np.ones(n), path=path, loads=None if pressure is None else pressure[:, None],
     )  # fmt: skip
-    asked = Query(query.region, case, query.update, query.passed, query.accuracy)
+    asked = Query(query.region, case, query.update, query.passed, query.accuracy, opening=query.opening)
     return Probe(asked, asked.ask(stacked)[0])
 
 

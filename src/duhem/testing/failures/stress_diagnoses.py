@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from itertools import combinations
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,25 @@ from duhem.testing.checks.raised import NoReply
 from duhem.testing.drawn.region import Region
 from duhem.testing.failures.diagnosis import Probe, constant, suggests
 
-__all__: list[str] = []
+__all__ = ["needs_the_run"]
 
 _FAR = 10.0  # times as far out as others: trial stresses of which that may be why they are answered otherwise
 _FAR_OUT = 1e4  # times the trial stresses: where it is seen whether a routine corrects anything at all
+_BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it is seen whether that is where it goes back to
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 _SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pressure: where another one is looked for
+
+
+@suggests("stress")
+def first_call(p: Probe) -> Iterator[tuple[str, Array]]:
+    for what, given in _of_the_first_call(p):
+        if _goes_back_to(p, given):
+            yield f"{what} of the first call of the run is kept for all others", p.projected(**given)
+
+
+def needs_the_run(diagnoses: Mapping[str, str]) -> bool:
+    """Whether what was told first shows only after other calls, and so not by one increment alone."""
+    return next(iter(diagnoses), "") == first_call.__name__
 
 
 @suggests("stress")
@@ -192,6 +205,33 @@ def far_trials(p: Probe) -> Iterator[tuple[str, Array]]:
     said = f"trial stresses {1.0 / nearest:.3g} times as far out as the boundary are answered wrongly, and some "
     said += f"up to {1.0 / reach[right].min():.3g} times as far rightly"
     yield said, np.where((reach <= nearest)[:, None], p.returned, np.nan)  # no cause: what says what is done there comes first
+
+
+def _of_the_first_call(p: Probe) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """What may be kept of it, in words and as :meth:`Probe.projected` takes it."""
+    first = p.query.opening
+    if first is None:
+        return
+    if first.pressure is not None:
+        yield f"the pressure {first.pressure[0]:.6g}", {"pressure": np.full_like(p.pressure, first.pressure[0])}
+    yield "the stiffness", {"stiffness": first.stiffness}
+    values = {name: first.parameters[name] for name in p.query.passed}
+    if values:
+        yield ", ".join(f"{name} = {value:.6g}" for name, value in values.items()), {"parameters": values}
+
+
+def _goes_back_to(p: Probe, given: Mapping[str, Any]) -> bool:
+    """Whether trial stresses outside the set that is kept come back to it: one inside is answered as by a routine that does nothing."""
+    q, values = p.query, {**p.query.region.parameters, **given.get("parameters", {})}
+    reach = Region(q.region.law, values).reach(p.trial, given.get("pressure", p.pressure))
+    known = np.isfinite(reach) & (reach > 0.0)
+    beyond = np.where(known, _BEYOND * reach, 1.0)[:, None] * p.trial
+    with suppress(NoReply):
+        reply, meant = q.ask(beyond)[0], p.projected(beyond, **given)
+        allowed = _CLEAR * q.unit(reply)
+        same, moved = q.length(reply.stress - meant) <= allowed, q.length(meant - beyond) > allowed
+        return bool(same[known].all() and (moved & known).any())
+    return False
 
 
 def _wrong(p: Probe) -> NDArray[np.bool_]:
