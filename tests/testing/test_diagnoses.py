@@ -12,6 +12,7 @@ import duhem
 from duhem.testing import Case, Step, conformance, from_displacements
 from duhem.testing.checks.query import Query
 from duhem.testing.drawn.region import Region
+from duhem.testing.drawn.simplified import unrounded
 from duhem.testing.failures.departure import departure
 from duhem.testing.failures.diagnosis import Part, diagnoses, registered_suggestions
 from tests.long import mostly_long
@@ -249,6 +250,27 @@ def test_what_is_kept_of_the_first_call_is_told_and_shown_by_the_whole_run(what:
     opening = asked(lambda t, p, k: t)  # which does nothing, as one that keeps a large K seems to
     opening.opening = replace(opening.case, pressure=1e6 * opening.pressure)
     assert "first_call" not in told("stress", opening)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("factor", [0.9, -1.0, 0.0, 2.0])
+def test_what_is_wrong_without_stress_too_is_shown_where_its_cause_can_be_told(factor: float) -> None:
+    update = with_extras(tangent=lambda c: factor * c)
+    report = conformance("orthotropic", update, ELLIPSE, checks=["slope"], max_examples=4, rows=12, tries=40, seed=0)
+    failure = report.failures[0]
+    assert failure.diagnosis and failure.case.trial.any() and unrounded(failure.case) <= 1, str(report)
+
+
+def test_an_answer_that_is_no_number_is_shown_where_it_is_none() -> None:
+    def update(trial: Array, pressure: Array, stiffness: Array) -> Array:
+        with np.errstate(all="ignore"):
+            size = np.hypot(trial[:, 0] / 0.5, trial[:, 1] / 0.1)
+            return trial * (np.minimum(size, -pressure) / size)[:, None]  # 0/0
+
+    report = conformance("orthotropic", update, ELLIPSE, max_examples=4, rows=12, tries=40, seed=0)
+    failure = report.failures[0]
+    assert failure.check.name == "answers" and failure.departure is not None
+    assert not np.isfinite(failure.departure.returned).any() and not failure.diagnosis, str(report)
 
 
 def far_out(change: Callable[[Array], Array], least: float) -> Query:

@@ -326,6 +326,14 @@ class ConformanceRun:
         law = self.law
         if law is None or failure.check.whole or failure.check.name == "repeatability" or len(failure.case) != 1 or not fails(failure.case):
             return failure
+        short = self._shortest(failure, law, fails)
+        lost = failure.diagnoses and not short.diagnoses  # as where no trial stress is left to tell it by
+        if lost and failure.check.name != _ANSWERS:
+            return self._shortest(failure, law, lambda case: bool(case.trial.any()) and fails(case), otherwise=failure)
+        return short
+
+    def _shortest(self, failure: Failure, law: Criterion, fails: Callable[[Case], bool], otherwise: Failure | None = None) -> Failure:
+        """The failure in round numbers, with what holds there of its diagnoses; ``otherwise`` where of these none does, if given."""
         own = law.domain.get(law.pressure or "")
         short = simplified(
             failure.case,
@@ -341,4 +349,4 @@ class ConformanceRun:
         found = replace(found, origin=failure.origin, departure=failure.departure and departure(self.query(short)))
         told = instead(found, self.query, self._accused) if failure.diagnoses else {}  # it has to hold of what is shown
         kept = {name: told[name] for name in failure.diagnoses if name in told}
-        return failure if failure.diagnoses and not kept else replace(found, diagnoses=kept)
+        return otherwise if otherwise is not None and not kept else replace(found, diagnoses=kept)
