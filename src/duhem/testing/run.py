@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from random import Random
 from typing import Any
 
@@ -27,12 +28,12 @@ from duhem.testing.drawn.simplified import simplified
 from duhem.testing.drawn.strategies import cases
 from duhem.testing.drawn.usable_options import check_options
 from duhem.testing.failures.causes import by_cause, explained_by, of_stress
-from duhem.testing.failures.departure import departure
-from duhem.testing.failures.diagnosed import diagnosed, instead
+from duhem.testing.failures.diagnosed import diagnosed
 from duhem.testing.failures.expectation import Expectation
 from duhem.testing.failures.least_case import RAISED, LeastCase
 from duhem.testing.failures.replay import drawn_again
 from duhem.testing.failures.report import Failure, Report
+from duhem.testing.failures.short_failure import short_failure
 from duhem.testing.failures.stress_diagnoses import needs_the_run
 from duhem.testing.routines.material import Material
 from duhem.testing.routines.origin import Origin, named, origin
@@ -326,27 +327,16 @@ class ConformanceRun:
         law = self.law
         if law is None or failure.check.whole or failure.check.name == "repeatability" or len(failure.case) != 1 or not fails(failure.case):
             return failure
-        short = self._shortest(failure, law, fails)
-        lost = failure.diagnoses and not short.diagnoses  # as where no trial stress is left to tell it by
-        if lost and failure.check.name != _ANSWERS:
-            return self._shortest(failure, law, lambda case: bool(case.trial.any()) and fails(case), otherwise=failure)
-        return short
-
-    def _shortest(self, failure: Failure, law: Criterion, fails: Callable[[Case], bool], otherwise: Failure | None = None) -> Failure:
-        """The failure in round numbers, with what holds there of its diagnoses; ``otherwise`` where of these none does, if given."""
         own = law.domain.get(law.pressure or "")
-        short = simplified(
-            failure.case,
-            fails,
-            admitted(law.fix(self.parameters)).holds,
+        shorter = partial(
+            simplified,
+            admitted=admitted(law.fix(self.parameters)).holds,
             free=self.passed,
             stiffness=self.stiffness is None,
             pressure=None if self.pressure is not None else lambda p: p <= 0.0 and (own is None or p in own),
         )
-        found = next(self.failures(self.query(short), [failure.check]), None)
-        if found is None:
-            return failure
-        found = replace(found, origin=failure.origin, departure=failure.departure and departure(self.query(short)))
-        told = instead(found, self.query, self._accused) if failure.diagnoses else {}  # it has to hold of what is shown
-        kept = {name: told[name] for name in failure.diagnoses if name in told}
-        return otherwise if otherwise is not None and not kept else replace(found, diagnoses=kept)
+
+        def again(case: Case) -> Failure | None:
+            return next(self.failures(self.query(case), [failure.check]), None)
+
+        return short_failure(failure, fails, shorter, again, self.query, self._accused)

@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 from duhem.errors import words_of
 from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
+from duhem.testing.checks.lengths import Lengths
 from duhem.testing.checks.raised import NoReply, Raised
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
@@ -72,7 +73,7 @@ class Reply:
 
 
 @dataclass
-class Query:
+class Query(Lengths):
     """``sound`` (N,): the rows whose every reply so far the routine stands by; ``points`` and ``flagged`` count replies;
     ``overwritten`` (N,): the names of what the routine was only given and has changed, "" where nothing; ``unsaid`` (N,): the
     rows of which a check could not judge, since g has no value there; ``tried`` counts what checks looked at more than the
@@ -137,31 +138,6 @@ class Query:
         return (self,) if self.some is self else (self, self.some)
 
     # -- measures ------------------------------------------------------------------------------------------------------
-
-    def inner(self, a: Array, b: Array) -> Array:
-        """a . k^-1 b (N,)."""
-        return np.einsum("ij,ij->i", a @ self._inverse.T, b @ self._inverse.T)
-
-    def length(self, a: Array) -> Array:
-        """(a . k^-1 a)^1/2 (N,)."""
-        return np.asarray(np.linalg.norm(a @ self._inverse.T, axis=1))
-
-    def dual_length(self, slip: Array) -> Array:
-        """(slip . k slip)^1/2 (N,), the dual length, of gradients of g too."""
-        return np.asarray(np.linalg.norm(slip @ self._lower, axis=1))
-
-    def whitened(self, matrices: Array) -> Array:
-        """L^-1 C L^-T (N, d, d) of tangents C, k = L L^T."""
-        return self._inverse @ matrices @ self._inverse.T
-
-    @property
-    def axes(self) -> Array:
-        """d stresses of length 1 (d, d), orthogonal in the energy: the columns of L."""
-        return self._lower.T
-
-    def shadow(self, a: Array) -> Array:
-        """L^-1 a, whose plain length is |a|."""
-        return a @ self._inverse.T
 
     def unit(self, reply: Reply) -> Array:
         """The error u in stress the routine is held to (N,)."""
