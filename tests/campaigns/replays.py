@@ -80,7 +80,7 @@ def main(names: Sequence[str]) -> int:
     bad = 0
     print("| routine | check | numbers not round | with the bug | without |\n|---|---|---|---|---|")
     for name, failure, file in rows:
-        count = None if failure.check.whole or failure.drawn or failure.law is None else unrounded(failure.case)
+        count = None if not failure.alone or failure.law is None else unrounded(failure.case)
         good = (wrong.get(file), right.get(file)) == ("FAILED", "PASSED") and (count is None or count <= _MOST)
         bad += not good
         numbers = "-" if count is None else count

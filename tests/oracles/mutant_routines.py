@@ -279,6 +279,43 @@ def first_stiffness(trial: Array, pressure: Array, k: Array, kept: dict[str, Any
     return right(trial, pressure, kept.setdefault("stiffness", k))
 
 
+def former_pressure(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Array:
+    """The pressure of the call before, if that had as many rows."""
+    former = kept.get("pressure", pressure)
+    kept["pressure"] = pressure.copy()
+    return right(trial, former if former.shape == pressure.shape else pressure, k)
+
+
+def first_sign(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Array:
+    """Forces along a go one way, as the first one does."""
+    sign = kept.setdefault("sign", 1.0 if trial[0, 0] >= 0.0 else -1.0)
+    found = right(trial, pressure, k)
+    return np.stack([np.where(sign * found[:, 0] < 0.0, 0.0, found[:, 0]), found[:, 1]], axis=1)
+
+
+def remembered(key: Callable[[Array, float, Array], object]) -> Callable[..., Array]:
+    """An answer that is looked up first, by a key that forgets something."""
+
+    def answer(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Array:
+        for t, p in zip(trial, pressure, strict=True):
+            if (name := key(t, p, k)) not in kept:
+                kept[name] = right(t[None], np.array([p]), k)[0]  # type: ignore[index]
+        return np.array([kept[key(t, p, k)] for t, p in zip(trial, pressure, strict=True)])  # type: ignore[index]
+
+    return answer
+
+
+def warm_start(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Array:
+    """The answer before is believed where it is right to a thousandth."""
+    found = right(trial, pressure, k)
+    for i, own in enumerate(found.copy()):
+        last = kept.get("last", own)
+        if np.linalg.norm(last - own) <= 1e-3 * np.linalg.norm(own):
+            found[i] = last
+        kept["last"] = found[i].copy()
+    return found
+
+
 def now_and_then(trial: Array, pressure: Array, k: Array, kept: dict[str, Any]) -> Array:
     """Every third call answers with half of the stress."""
     kept["calls"] = kept.get("calls", 0) + 1
@@ -313,6 +350,14 @@ for name, answer in [("an answer mixed with the last", last_added), ("every thir
 kept_pressure = frozenset(["feasibility", "complementarity", "repeatability"])
 kept_stiffness = frozenset(["variational-inequality", "repeatability"])
 MUTANTS.append(Mutant("state", "the first pressure kept", "orthotropic", ELLIPSE, remembering(first_pressure), kept_pressure))
+for name, answer, also in [
+    ("the pressure of the call before", former_pressure, ["feasibility", "complementarity"]),
+    ("one sign, that of the first trial", first_sign, ["idempotence", "variational-inequality", "complementarity"]),
+    ("a memory of six digits", remembered(lambda t, p, k: (*(f"{x:.5e}" for x in t), p, k.tobytes())), []),
+    ("a memory without the stiffness", remembered(lambda t, p, k: (t.tobytes(), p)), ["variational-inequality", "stiffness-scale"]),
+    ("a start that is believed", warm_start, []),
+]:
+    MUTANTS.append(Mutant("state", name, "orthotropic", ELLIPSE, remembering(answer), frozenset(["repeatability", *also])))
 MUTANTS.append(Mutant("state", "the first stiffness kept", "orthotropic", ELLIPSE, remembering(first_stiffness), kept_stiffness))
 wrong("state", "small beside the largest of the call", "orthotropic", ELLIPSE, largest, "repeatability")
 

@@ -242,14 +242,33 @@ def test_what_is_kept_of_the_first_call_is_told_and_shown_by_the_whole_run(what:
     run = {"checks": ["feasibility", "variational-inequality", "complementarity"], "max_examples": 7, "rows": 12, "seed": seed}
     report = conformance("orthotropic", remembers(what), tries=40, **run)  # type: ignore[arg-type]
     failure = report.failures[0]
-    said = failure.diagnosis.replace("mu_a", "parameters")
-    assert said.startswith((what, f"the {what}")) and "of the first call of the run is kept" in said, str(report)
+    said = failure.diagnosis
+    assert said.startswith("mu_" if what == "parameters" else f"the {what}") and "of the first call of the run is kept" in said, str(report)
     assert "conformance(LAW" in failure.replay() and f"seed={seed}" in failure.reproducer()
     again = {**run, "checks": [failure.check.name]}
     assert not conformance("orthotropic", remembers(what), **again).ok  # type: ignore[arg-type]
     opening = asked(lambda t, p, k: t)  # which does nothing, as one that keeps a large K seems to
     opening.opening = replace(opening.case, pressure=1e6 * opening.pressure)
     assert "first_call" not in told("stress", opening)
+
+
+@pytest.mark.slow
+def test_of_the_first_call_what_is_kept_alone_is_named() -> None:
+    def only(key: Callable[[Array, float], object]) -> Routine:
+        kept: dict[object, float] = {}
+
+        def update(trial: Array, pressure: Array, stiffness: Array, mu_a: float, mu_b: float) -> Array:
+            values = {"mu_a": mu_a, "mu_b": kept.setdefault(key(stiffness, mu_a), mu_b)}
+            return duhem.project("orthotropic", trial, pressure, stiffness, values).stress
+
+        return update
+
+    run = {"checks": ["feasibility", "complementarity"], "max_examples": 9, "rows": 12, "seed": 0, "tries": 40}
+    first = conformance("orthotropic", only(lambda k, mu_a: 0), **run).failures[0].diagnosis  # type: ignore[arg-type]
+    assert first.startswith("mu_b = ") and first.endswith(" of the first call of the run is kept for all others")
+    for key in (lambda k, mu_a: k.tobytes(), lambda k, mu_a: mu_a):
+        report = conformance("orthotropic", only(key), **run)  # type: ignore[arg-type]
+        assert not any("first call" in failure.diagnosis for failure in report.failures), str(report)
 
 
 @pytest.mark.slow

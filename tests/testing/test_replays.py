@@ -39,6 +39,17 @@ class Friction:
     @staticmethod
     def disk(trial, pressure, stiffness, mu):
         return disk(trial, pressure, stiffness, mu)
+
+    def __call__(self, trial, pressure, stiffness, mu):
+        return disk(trial, pressure, stiffness, mu)
+
+friction = Friction()
+kept = []
+
+def with_a_memory(trial, pressure, stiffness, mu):
+    kept.append(1.0 if trial[0, 0] >= 0.0 else -1.0)  # of the first trial of all
+    found = np.clip(trial, mu * pressure[:, None], -mu * pressure[:, None])
+    return found if FACTOR == 1.0 else np.where(kept[0] * found < 0.0, 0.0, found)
 """
 
 
@@ -62,6 +73,7 @@ ROUTINES = {
     "a function": lambda module: module.disk,
     "a method": lambda module: module.Friction.disk,
     "for one point": lambda module: pointwise(module.one),
+    "a value of its module": lambda module: module.friction,
 }
 
 
@@ -80,6 +92,20 @@ def test_a_replay_fails_with_the_bug_and_passes_without(routine: str, friction: 
         runpy.run_path(str(file))["test_feasibility"]()
     friction(1.0)
     runpy.run_path(str(file))["test_feasibility"]()
+
+
+@pytest.mark.slow
+def test_what_shows_after_other_calls_alone_is_drawn_again(friction: Callable[[float], object], tmp_path: Path) -> None:
+    box = duhem.Criterion("box", "max(abs(sigma_a), abs(sigma_b)) + mu*sigma_n", {"mu": duhem.Domain(positive=True)})
+    asked = {"checks": ["variational-inequality", "repeatability"], "stiffness": 1.0, "max_examples": 5, "tries": 20, "seed": 3}
+    report = conformance(box, friction(2.0).with_a_memory, **asked)
+    assert report.failures[0].alone and "violation(" in report.failures[0].replay()
+    file = report.write_replays(tmp_path / "replays")[0]
+    for factor, wrong in ((2.0, True), (1.0, False)):
+        friction(factor)
+        (test,) = (value for name, value in runpy.run_path(str(file)).items() if name.startswith("test_"))
+        with pytest.raises(AssertionError, match="box: ") if wrong else nullcontext():
+            test()
 
 
 def test_a_replay_moves_with_the_project(friction: Callable[[float], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,6 +23,7 @@ from duhem.testing.failures.causes import CAUSES, by_cause
 from duhem.testing.routines.unfinished import Unfinished
 from duhem.testing.run import ConformanceRun
 from duhem.testing.without_law import FreeRun, free_checks
+from tests.long import mostly_long
 from tests.oracles.routines import DISK, ELLIPSE, Array, ellipse, nothing, over_projection, with_extras
 
 # -- visited -----------------------------------------------------------------------------------------------------------
@@ -79,7 +80,7 @@ def test_a_run_that_visits_one_side_alone_fails(update: Callable[..., Step], sai
     (failure,) = report.failures
     assert report.failed == {"vacuity"} and report.passed == ("feasibility",)
     assert said in failure.message and "visited: stick" in failure.message and said in str(report)
-    assert "draws them again" not in str(report) and "conformance(LAW, update, checks=['vacuity']" in failure.replay()
+    assert "draws them again" not in str(report) and "checks=['vacuity', 'feasibility']" in failure.replay()
 
 
 def test_a_run_that_visits_both_passes() -> None:
@@ -122,6 +123,18 @@ def test_a_routine_with_a_memory_is_told_to_have_one(made: Callable[[], Callable
     report = conformance("orthotropic", made(), ELLIPSE, checks=asked, max_examples=2, rows=8, every=1, tries=5, seed=1)
     assert report.failures[0].check.name == "repeatability" and {"repeatability"} < report.failed
     assert {*report.failures[0].explains} == report.failed - {"repeatability"}
+
+
+def knows_its_pressure(trial: Array, pressure: Array, stiffness: Array) -> Array:
+    """Right where the pressure is -2.5."""
+    return ellipse(trial, np.full(len(trial), -2.5), stiffness)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", mostly_long(range(10), 0, 1))
+def test_a_routine_of_one_pressure_is_asked_for_no_other(seed: int) -> None:
+    report = conformance("orthotropic", knows_its_pressure, ELLIPSE, pressure=-2.5, max_examples=8, rows=12, seed=seed)
+    assert report.ok and report.left_out["homogeneity"].startswith("the pressure is given as a number"), str(report)
 
 
 def raises_alone(trial: Array, pressure: Array, stiffness: Array) -> Array:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from numbers import Real
 from random import Random
 from typing import Any
 
@@ -18,7 +19,7 @@ from duhem.testing.checks.asked_for import AskedFor
 from duhem.testing.checks.judged import judged
 from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.raised import NoReply, Raised, named_by
-from duhem.testing.checks.registry import Check
+from duhem.testing.checks.registry import Check, registered
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.admitted_values import admitted
 from duhem.testing.drawn.case import Case
@@ -95,7 +96,8 @@ class ConformanceRun:
         self.profile = settings(settings.default, database=None, deadline=None, verbosity=Verbosity.quiet, print_blob=False, **options)
         self.seed = seed if seed is not None else 0 if self.profile.derandomize else Random().getrandbits(32)
         given = {"parameters": parameters or None, "stiffness": None if own else stiffness, "pressure": pressure}
-        self.again = drawn_again(given, max_examples=self.profile.max_examples, rows=rows, every=self.every, seed=self.seed)
+        chosen = {"checks": [c.name for c in asked]} if {*asked} != {*self._demanded()} else {}
+        self.again = drawn_again(given, **chosen, max_examples=self.profile.max_examples, rows=rows, every=self.every, seed=self.seed)
         self.found: list[Failure] = []
         self.left_out: dict[str, str] = {}
         self.judged: set[str] = set()
@@ -114,6 +116,9 @@ class ConformanceRun:
 
     def _open(self) -> tuple[str, ...]:
         return tuple(name for name, domain in self.known.fix(self.parameters).parameters.items() if domain.value is None)
+
+    def _demanded(self) -> Iterable[Check]:
+        return [c for c in registered() if c.demanded]
 
     def _nothing_visited(self) -> Visited:
         return Visited(tuple(self.known.forces), self.known.pressure is not None)
@@ -181,7 +186,7 @@ class ConformanceRun:
         again = list(self.failures(self.query(least), self.pending))
         if not again:  # a check passes over rows that the routine has flagged for one before it: here each is on its own
             again = list(self.failures(self.query(least), checks))
-        self._note_all(again or self._unrepeatable(least, checks[0], said))
+        self._note_all(again or self._unrepeatable(first, checks[0], said))
 
     def _note_all(self, failures: Sequence[Failure]) -> None:
         self.found += failures
@@ -274,11 +279,11 @@ class ConformanceRun:
         self.last, former = case, self.opening
         self.opening = case.row(0) if former is None else former
         region, asked = Region(self.known, case.parameters), (self.update, self.passed, self.accuracy, self.every, self.examples)
-        return Query(region, case, *asked, raised=self.raised, opening=former)
+        return Query(region, case, *asked, raised=self.raised, opening=former, fixed_pressure=isinstance(self.pressure, Real))
 
     def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
-        drawn = self.again if check.whole or check.name == _MEMORY else ""
-        return Failure(check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed, drawn=drawn)
+        told = check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed
+        return Failure(*told, drawn=self.again, alone=not check.whole and check.name != _MEMORY)
 
     def report(self) -> Report:
         """What was found so far."""
@@ -316,7 +321,7 @@ class ConformanceRun:
         if name not in self.shortened:
             self.shortened[name] = self._simplified(failure)
         short = self.shortened[name]
-        return replace(short, explains=failure.explains, drawn=self.again if needs_the_run(short.diagnoses) else short.drawn)
+        return replace(short, explains=failure.explains, alone=short.alone and not needs_the_run(short.diagnoses))
 
     def _simplified(self, failure: Failure) -> Failure:
         enough = self.raised.times + RAISED

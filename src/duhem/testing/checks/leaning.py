@@ -12,7 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.query import Query
+from duhem.testing.checks.reply import Reply
 
 __all__ = ["leaning"]
 

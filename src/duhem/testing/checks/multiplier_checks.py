@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from duhem.projection.result import Array
-from duhem.testing.checks.query import NothingToCheck, Query, Reply
+from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import Finding, register
+from duhem.testing.checks.reply import Reply
 
 __all__: list[str] = []
 

@@ -34,19 +34,20 @@ from duhem.projection.result import Array
 from duhem.projection.stiffness_factors import factors
 from duhem.testing.checks.lengths import Lengths
 from duhem.testing.checks.raised import NoReply, Raised
+from duhem.testing.checks.reply import Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.former_answers import FormerAnswers
-from duhem.testing.routines.material import shaped
 from duhem.testing.routines.overwritten import Overwritten
 from duhem.testing.routines.routine import NoStep, Step, Update, called
 from duhem.testing.routines.unfinished import Unfinished
 
-__all__ = ["UNMEASURED", "Asked", "NothingToCheck", "Query", "Reply"]
+__all__ = ["UNMEASURED", "Asked", "NothingToCheck", "Query"]
 
 _PATHS = 3  # cases, in one of which some rows follow their paths to the end
 UNMEASURED = "squares of the stresses, or K itself, leave double precision"
 _LEAST, _MOST = 2.0**-480, 2.0**495  # lengths whose squares, and those of what is asked besides, are doubles
+_CLOSE, _ASIDE = 1e-7, 0.01  # of a trial stress: closer than six digits tell, and no farther than it may be called close
 _SIZE = 20  # bits: the size of K to a part in a thousand
 
 Asked: TypeAlias = tuple[Array, Array | None]  # trial stresses (N, d) and their pressures (N,)
@@ -54,22 +55,6 @@ Asked: TypeAlias = tuple[Array, Array | None]  # trial stresses (N, d) and their
 
 class NothingToCheck(Exception):
     """A check has nothing to look at, and why."""
-
-
-@dataclass(frozen=True)
-class Reply:
-    """What the routine returned for ``trial`` (N, d), as arrays; ``solved`` (N,) as it says itself."""
-
-    trial: Array
-    stress: Array
-    slip: Array | None
-    multiplier: Array | None
-    tangent: Array | None
-    solved: NDArray[np.bool_]
-
-    def part(self, rows: slice | NDArray[np.intp]) -> Reply:
-        """Some of the rows."""
-        return Reply(*(None if x is None else x[rows] for x in (getattr(self, name) for name in self.__dataclass_fields__)))  # type: ignore[arg-type]
 
 
 @dataclass
@@ -83,7 +68,8 @@ class Query(Lengths):
     has them among its own, and ``rows`` (N,) which they are there.  ``turn`` counts the cases of a run: what takes calls of its own
     is asked of some rows in some of the cases only (:meth:`by_turns`).  ``raised`` is what the routine has raised so far, of several
     queries where it is theirs, ``answered`` what it has answered, of this query and its parts; ``opening`` the increment that the
-    routine was asked before all others of the run, None where that is this one."""
+    routine was asked before all others of the run, None where that is this one; ``fixed_pressure``: there is one pressure, as the
+    routine may know, and no other is asked."""
 
     region: Region
     case: Case
@@ -96,6 +82,7 @@ class Query(Lengths):
     raised: Raised = field(default_factory=Raised)
     answered: FormerAnswers = field(default_factory=FormerAnswers)
     opening: Case | None = None
+    fixed_pressure: bool = False
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
@@ -125,7 +112,7 @@ class Query(Lengths):
 
     def part(self, case: Case) -> Query:
         """A query of some of the rows, which this one has among its own."""
-        shared = {"turn": self.turn, "whole": self, "raised": self.raised, "answered": self.answered}
+        shared = {"turn": self.turn, "whole": self, "raised": self.raised, "answered": self.answered, "fixed_pressure": self.fixed_pressure}
         return Query(self.region, case, self.update, self.passed, self.accuracy, **shared)  # type: ignore[arg-type]
 
     def by_turns(self, cases: int) -> bool:
@@ -251,15 +238,7 @@ class Query(Lengths):
                 fault.row = int(self.rows[own])
             raise
         self.note_overwritten(step.overwritten, rows)
-        return self.read(step, trial)
-
-    def read(self, step: Step, trial: Array) -> Reply:
-        """What was answered to ``trial`` (N, d).  Raises NoReply where that has not the shapes it must have."""
-        n, d = trial.shape
-        shapes = {"stress": (n, d), "slip": (n, d), "multiplier": (n,), "tangent": (n, d, d)}
-        parts = {name: _array(getattr(step, name), name, shape) for name, shape in shapes.items()}
-        solved = np.ones(n, dtype=np.bool_) if step.solved is None else np.array(step.solved, dtype=np.bool_).reshape(n)
-        return Reply(trial, **parts, solved=solved)  # type: ignore[arg-type]
+        return Reply.read(step, trial)
 
     def answer(self, trial: Array, pressure: Array | None, stiffness: Array, rows: NDArray[np.intp]) -> Step:
         """What the routine answers to some increments of these ``rows``.  What it raises passes."""
@@ -344,11 +323,25 @@ class Query(Lengths):
 
     @cached_property
     def apart(self) -> tuple[Reply, ...]:
-        """The replies to ``other``, ``trial``, ``trial``, ``third`` and ``trial`` in calls of one size, one after the other.
+        """Replies in calls of one size one after the other: to ``other``, close to ``trial``, ``trial``, ``trial``, ``third``, ``trial``.
 
-        The trial after others and after itself, and none four calls after itself: of four buffers each is written over.
+        The trial after others, after itself, and after what a routine may take for it, the last row first, so that the first follows
+        upon its like; ``third`` under another pressure, if there is one.  None but itself comes four calls after: of four buffers each is
+        written over.
         """
-        return tuple(self.ask(trial)[0] for trial in (self.case.other, self.case.trial, self.case.trial, self.case.third, self.case.trial))
+        case = self.case
+        close = (1.0 - min(max(_CLOSE, 100.0 * self.accuracy), _ASIDE)) * case.trial
+        back, load = self.turned, case.pressure
+        first = self.ask(case.other)[0]
+        beside = self.heeded(self.together([(close[back], None if load is None else load[back])], case.stiffness)[0].part(back))
+        trials = self.ask(case.trial)[0], self.ask(case.trial)[0]
+        third = self.ask(case.third, pressure=None if case.loads is None else case.loads[:, -1])[0]
+        return first, beside, *trials, third, self.ask(case.trial)[0]
+
+    @property
+    def turned(self) -> slice:
+        """The order in which rows may be asked: the last first."""
+        return slice(None, None, -1)
 
     def crowded(self, many: int) -> list[Reply]:
         """The replies to ``trial``, so many increments and more in one call."""
@@ -396,8 +389,13 @@ class Query(Lengths):
 
     def ahead(self) -> Mapping[str, Asked]:
         """What may be asked with the first, and is needed later, if at all."""
-        larger = {"larger": self._enlarged} if self.region.homogeneous else {}
+        larger = {"larger": self._enlarged} if self.scales else {}
         return larger | ({"step": self._step(1, np.zeros_like(self.case.trial))} if self.case.path.shape[1] > 1 else {})
+
+    @property
+    def scales(self) -> bool:
+        """Whether a multiple of the stresses is asked under that multiple of the pressure."""
+        return self.region.homogeneous and not self.fixed_pressure
 
     @property
     def _enlarged(self) -> Asked:
@@ -430,10 +428,3 @@ class Query(Lengths):
 def _some(rows: int, every: int) -> NDArray[np.intp]:
     """One row in ``every`` of so many, from the middle of the first ones on."""
     return np.arange(min(rows, every) // 2, rows, every)
-
-
-def _array(given: Any, name: str, shape: tuple[int, ...]) -> Array | None:
-    try:
-        return shaped(given, name, shape)
-    except ValueError as fault:
-        raise NoReply(str(fault)) from None

@@ -11,8 +11,9 @@ import numpy as np
 
 from duhem.projection.result import Array
 from duhem.testing.checks.leaning import leaning
-from duhem.testing.checks.query import NothingToCheck, Query, Reply
+from duhem.testing.checks.query import NothingToCheck, Query
 from duhem.testing.checks.registry import Finding, register
+from duhem.testing.checks.reply import Reply
 
 __all__: list[str] = []
 
@@ -268,6 +269,8 @@ def stiffness_scale(q: Query) -> Finding:
 def homogeneity(q: Query) -> Finding:
     if not q.region.homogeneous:
         raise NothingToCheck(f"K of {q.region.law.name} has a size of its own")
+    if not q.scales:
+        raise NothingToCheck("the pressure is given as a number, and no other is asked")
     here, there = q.here, q.larger
     return Finding(q.length(there.stress / q.case.factor - here.stress), 2.0 * q.unit(here))
 

@@ -15,7 +15,7 @@ __all__: list[str] = []
 
 
 _MOST = 0.75  # of the increments that slip: who gives up more has shown what is left, not the rule
-_APART = 4  # cases, in one of which some rows are asked in calls of one size, one after the other
+_APART = 5  # cases, in one of which some rows are asked in calls of one size, one after the other
 _CROWD, _MANY = 5, 300  # the case of a run in which some rows are asked so often in one call: more than the 256 of a block
 
 
@@ -58,7 +58,10 @@ def repeatability(q: Query) -> Finding:
 def _asked_otherwise(q: Query) -> Iterator[tuple[Array, str]]:
     """Further answers to the trial, and how it was asked."""
     if q.by_turns(_APART):
-        _, *trials, _, last = q.apart
+        _, close, *trials, _, last = q.apart
+        here = q.here
+        sticks = q.region.surely_inside(close.trial, q.pressure) & (q.length(here.stress - here.trial) <= q.unit(here))
+        yield here.stress + np.where(sticks[:, None], close.stress - close.trial, 0.0), " of a trial stress close by, which sticks as well"
         for found in (*trials, last):
             yield found.stress, " when asked in calls of one size, one after the other"
     if q.turn == _CROWD and len(q.case) > 1:  # copies of one increment do not tell one row from another

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.checks.query import UNMEASURED, Query, Reply
+from duhem.testing.checks.query import UNMEASURED, Query
 from duhem.testing.checks.raised import NoReply
+from duhem.testing.checks.reply import Reply
 
 __all__ = ["Visited"]
 

@@ -12,8 +12,9 @@ from duhem.errors import InputError
 from duhem.law.formula_law import Criterion
 from duhem.projection.projector import Projector
 from duhem.projection.result import Array, Status
-from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.query import Query
 from duhem.testing.checks.raised import NoReply
+from duhem.testing.checks.reply import Reply
 
 __all__ = ["Departure", "closest", "departure"]
 
@@ -85,6 +86,7 @@ def _increments(query: Query) -> Iterator[tuple[Array, Array, Reply]]:
     for reply in query.second:
         yield p, k, reply
     yield p, k * case.factor, query.ask(case.trial, stiffness=k * case.factor)[0]
-    yield p * case.factor, k, query.larger
+    if query.scales:
+        yield p * case.factor, k, query.larger
     for i, reply in enumerate(query.along_the_path(), 1):
         yield p if case.loads is None else case.loads[:, i], k, reply

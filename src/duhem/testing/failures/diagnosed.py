@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from math import isnan
 
 from duhem.testing.checks.query import Query
 from duhem.testing.drawn.case import Case
@@ -29,7 +30,8 @@ def diagnosed(failures: Iterable[Failure], asked: Callable[[Case], Query], made:
     tried: Counter[Part] = Counter()
     for failure in sorted(failures, key=likeliest_first):
         now = replace(failure, origin=made)
-        if not (failure.check.law_only or failure.check.whole) and len(failure.case) == 1:
+        gone = not failure.alone and isnan(failure.measured)  # it did not show when asked again, and would not here
+        if not (failure.check.law_only or failure.check.whole or gone) and len(failure.case) == 1:
             part = _part(failure)
             now = replace(now, departure=departure(asked(failure.case)))
             if now.departure is not None and (now.departure.apart or part != "stress") and tried[part] < _TRIED:

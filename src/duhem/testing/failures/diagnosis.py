@@ -18,8 +18,9 @@ import numpy as np
 
 from duhem.errors import InputError
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.query import Query
 from duhem.testing.checks.raised import NoReply
+from duhem.testing.checks.reply import Reply
 from duhem.testing.failures.departure import Departure, closest
 
 __all__ = ["Part", "Probe", "constant", "diagnoses", "registered_suggestions", "suggests"]
@@ -183,7 +184,9 @@ def _probe(query: Query, found: Departure) -> Probe:
     mirrors = [-np.ones(d), *(1.0 - 2.0 * np.eye(d))] if d > 1 else [-np.ones(d)]
     rows, loads = [*rows, *(m * rows[3] for m in mirrors)], [*loads, *[1.0] * len(mirrors)]
     at_rest = np.zeros(len(rows))
-    if found.pressure is not None and size > 0.0:
+    if query.fixed_pressure:
+        loads = [1.0] * len(rows)
+    elif found.pressure is not None and size > 0.0:
         own, p = query.region.law.domain.get(query.region.law.pressure or ""), found.pressure
         far_off = [(rows[2], 0.1 * p), (10.3 * rows[3], 10.0 * p)] if p else [(rows[2], -0.1 * size)]
         unit = abs(p) or 0.1 * size
@@ -199,7 +202,9 @@ def _probe(query: Query, found: Departure) -> Probe:
         query.case, stiffness=np.array(found.stiffness), pressure=pressure, trial=stacked, other=zero, third=zero, inside=zero, beside=zero,
         stretch=np.ones(n), path=path, loads=None if pressure is None else pressure[:, None],
     )  # fmt: skip
-    asked = Query(query.region, case, query.update, query.passed, query.accuracy, opening=query.opening)
+    asked = Query(
+        query.region, case, query.update, query.passed, query.accuracy, opening=query.opening, fixed_pressure=query.fixed_pressure
+    )
     return Probe(asked, asked.ask(stacked)[0])
 
 

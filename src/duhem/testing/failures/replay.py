@@ -44,13 +44,13 @@ def test_file(
     """The text of a file that fails with the bug and passes without; a stub where routine or law have to be filled in.
 
     The folder of the routine, and files that it or the law is made of, such as a shared library, are said from the folder ``place`` of
-    the file, where they have one above them in common, so that all may move together.  Without a ``case`` no single increment shows
-    the failure, and the file draws them again, with the arguments ``drawn`` of the run where these can be written.  The routine is
-    bound inside the test: pytest would collect one that carries the marker, or its class, from the module.
+    the file, where they have one above them in common, so that all may move together.  Where the ``case`` passes, or there is none
+    because no single increment shows the failure, the file draws them again, with the arguments ``drawn`` of the run where these can
+    be written.  The routine is bound inside the test: pytest would collect one that carries the marker, or its class, from the module.
     """
     making, law = (_moving(place, text) for text in (found.making, found.law))
     law = law or _NO_LAW
-    what = "Case, violation" if case is not None else "conformance"
+    what = "conformance" if case is None else f"Case, {'conformance, ' if drawn else ''}violation"
     beside = _from(place, found.folder)
     paths = [f"sys.path.append({beside or repr(found.folder)})  # where the routine is", ""] if making and found.folder else []
     imports = ["import sys"] if paths else []
@@ -67,18 +67,19 @@ def test_file(
         f"LAW = {law}",
     ]
     bound = [f"    {line}".rstrip() for line in making.splitlines()] + ([""] if making else [])
-    if case is None:
-        lacking = [] if drawn else ["    # the parameters, the stiffness and the pressure of the run that failed go here"]
-        run = [
-            *lacking,
-            f"    report = conformance(LAW, update, checks={[check]!r}, accuracy={accuracy!r}{drawn and ', '}{drawn})",
-            "    assert report.ok, str(report)",
-        ]
-    else:
+    run = []
+    if case is not None:
         lines += ["CASE = Case(", *(f"    {line}," for line in case.arguments()), ")"]
-        run = [
+        run += [
             f"    wrong = violation({check!r}, LAW, update, CASE, open_parameters={passed!r}, accuracy={accuracy!r})",
             "    assert wrong is None, wrong",
+        ]
+    if drawn or case is None:
+        lacking = "    # the parameters, the stiffness and the pressure of the run that failed go here"
+        run += [lacking] if not drawn else [] if case is None else ["    # what a routine keeps of other calls shows only after them"]
+        run += [
+            f"    report = conformance(LAW, update, {drawn}{drawn and ', '}accuracy={accuracy!r})",
+            f"    assert report.failure_of({check!r}) is None, str(report)",
         ]
     return "\n".join([*lines, "", "", f"def test_{_words(check)}() -> None:", *bound, *run, ""])
 
@@ -93,7 +94,7 @@ def lines_again(check: str, routine: str, found: Origin, case: Case, accuracy: f
     making = found.making or f"update = ...  # {_nameless(routine)}"
     free = "" if passed == tuple(case.parameters) else f", open_parameters={passed!r}"
     if drawn:
-        what, asked = "conformance", [f"print(conformance(law, update, checks={[check]!r}, accuracy={accuracy!r}, {drawn}))"]
+        what, asked = "conformance", [f"print(conformance(law, update, {drawn}, accuracy={accuracy!r}))"]
     else:
         shown = f"print(violation({check!r}, law, update, case, accuracy={accuracy!r}{free}))"
         what, asked = "Case, violation", [f"case = {case!r}", shown]
@@ -122,7 +123,7 @@ def _imports(law: str) -> list[str]:
     return [f"from duhem import {', '.join(names)}"] if names else []
 
 
-def drawn_again(given: Mapping[str, Any], **counts: int) -> str:
+def drawn_again(given: Mapping[str, Any], **counts: Any) -> str:
     """The arguments with which :func:`duhem.testing.conformance` draws the same cases, as Python; "" where one cannot be written."""
     plain = {name: _plain(value) for name, value in given.items() if value is not None}
     return "" if None in plain.values() else ", ".join(f"{name}={value!r}" for name, value in {**plain, **counts}.items())

@@ -26,7 +26,8 @@ class Failure:
     ``departure`` is what the routine returned and the closest point; ``diagnoses`` what it does instead, by name, the likeliest
     first, where that is known (:mod:`duhem.testing.failures.diagnosis`);
     ``explains`` the checks that failed too, likely for the same reason.  ``law`` is None for a routine tested without one.
-    ``drawn``, of what need not show at one increment alone: the arguments of the run that draws them all again, as Python.
+    ``drawn`` are the arguments of the run that draws all increments again, as Python, "" where these cannot be written; ``alone``: one
+    increment may show it by itself, as it need not where a routine keeps something between calls.
     """
 
     check: Check
@@ -43,6 +44,7 @@ class Failure:
     diagnoses: Mapping[str, str] = field(default_factory=dict)
     origin: Origin = field(default_factory=Origin)
     drawn: str = ""
+    alone: bool = True
 
     @property
     def title(self) -> str:
@@ -62,15 +64,16 @@ class Failure:
     def reproducer(self) -> str:
         """A few lines of Python that print the failure again; ``...`` stands for a routine or a law that has no name to import."""
         told = self.check.name, self.routine, self.origin, self.case, self.accuracy, self.open_parameters
-        return lines_again(*told, self.drawn)
+        return lines_again(*told, "" if self.alone else self.drawn)
 
     def replay(self, place: Path | None = None) -> str:
         """The text of a test file that fails as long as the routine does, for the folder ``place``, from which it finds the routine.
 
+        By one increment, and by the run that found it where that one passes: what a routine keeps of other calls shows only after them.
         Where the routine or the law has no name that a file can import, as one of ``__main__`` or a closure, it is a stub
         that says so.
         """
-        case = None if self.check.whole or self.drawn else self.case
+        case = self.case if self.alone else None
         told = self.title, self.check.name, self.routine, self.origin, case, self.accuracy, self.open_parameters
         return test_file(*told, place, self.drawn)
 

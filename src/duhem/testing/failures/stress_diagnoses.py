@@ -22,6 +22,7 @@ _FAR = 10.0  # times as far out as others: trial stresses of which that may be w
 _FAR_OUT = 1e4  # times the trial stresses: where it is seen whether a routine corrects anything at all
 _BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it is seen whether that is where it goes back to
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
+_ALIKE = 1e-4  # of its value: what is closer is no other
 _SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pressure: where another one is looked for
 
 
@@ -113,6 +114,8 @@ def another_parameter(p: Probe) -> Iterator[tuple[str, Array]]:
     region = p.query.region
     for name, value in region.parameters.items():
         for other in (x for i in _moved(p)[:1] for x in _roots(_levels(p, i, name), value or 1.0)):
+            if value and abs(other / value - 1.0) < _ALIKE:
+                continue  # digits are lost, and no other value is taken
             factor = f", {other / value:.4g} times its value" if value else ""
             yield f"{name} is taken as {other:.6g}, not {value:.6g}{factor}", p.projected(parameters={name: other})
 
@@ -216,21 +219,28 @@ def _of_the_first_call(p: Probe) -> Iterator[tuple[str, Mapping[str, Any]]]:
         yield f"the pressure {first.pressure[0]:.6g}", {"pressure": np.full_like(p.pressure, first.pressure[0])}
     yield "the stiffness", {"stiffness": first.stiffness}
     values = {name: first.parameters[name] for name in p.query.passed}
-    if values:
-        yield ", ".join(f"{name} = {value:.6g}" for name, value in values.items()), {"parameters": values}
+    for kept in (*({name: value} for name, value in values.items()), *([values] if len(values) > 1 else [])):
+        yield ", ".join(f"{name} = {value:.6g}" for name, value in kept.items()), {"parameters": kept}
 
 
 def _goes_back_to(p: Probe, given: Mapping[str, Any]) -> bool:
-    """Whether trial stresses outside the set that is kept come back to it: one inside is answered as by a routine that does nothing."""
+    """Whether trial stresses outside the set that is kept come back to it, under another stiffness too.
+
+    One inside is answered as by a routine that does nothing; another stiffness may have a first call of its own.
+    """
     q, values = p.query, {**p.query.region.parameters, **given.get("parameters", {})}
     reach = Region(q.region.law, values).reach(p.trial, given.get("pressure", p.pressure))
     known = np.isfinite(reach) & (reach > 0.0)
     beyond = np.where(known, _BEYOND * reach, 1.0)[:, None] * p.trial
+    k = p.stiffness
     with suppress(NoReply):
-        reply, meant = q.ask(beyond)[0], p.projected(beyond, **given)
-        allowed = _CLEAR * q.unit(reply)
-        same, moved = q.length(reply.stress - meant) <= allowed, q.length(meant - beyond) > allowed
-        return bool(same[known].all() and (moved & known).any())
+        for stiffness in (k, 1.37 * k + 0.61 * np.diag(np.diag(k)) * np.arange(len(k))):
+            reply, meant = q.ask(beyond, stiffness=stiffness)[0], p.projected(beyond, **{"stiffness": stiffness, **given})
+            allowed = _CLEAR * q.unit(reply)
+            same, moved = q.length(reply.stress - meant) <= allowed, q.length(meant - beyond) > allowed
+            if not (same[known].all() and (moved & known).any()):
+                return False
+        return True
     return False
 
 

@@ -45,15 +45,16 @@ def made_by(update: Any) -> str:
     if said is not None:
         return str(said)
     module, name = getattr(update, "__module__", None), getattr(update, "__qualname__", "")
-    if not module or module == "__main__" or not all(part.isidentifier() for part in name.split(".")):
+    if not module or module == "__main__" or module not in sys.modules:
         return ""
-    found: Any = sys.modules.get(module)
+    found: Any = sys.modules[module]
     for part in name.split("."):
         found = getattr(found, part, None)
-    if found is not update:
-        return ""
-    first, _, rest = name.partition(".")
-    return f"from {module} import {first}\n\nupdate = {name}" if rest else f"from {module} import {name} as update"
+    if name and found is update:
+        first, _, rest = name.partition(".")
+        return f"from {module} import {first}\n\nupdate = {name}" if rest else f"from {module} import {name} as update"
+    bound = (name for name, value in vars(sys.modules[module]).items() if value is update and name.isidentifier())
+    return next((f"from {module} import {name} as update" for name in bound), "")
 
 
 def _folder(update: Any) -> str:

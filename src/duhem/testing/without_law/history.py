@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from duhem.expression.jets import Choices
 from duhem.projection.result import Array
-from duhem.testing.checks.query import Asked, Query, Reply
+from duhem.testing.checks.query import Asked, Query
 from duhem.testing.checks.raised import NoReply, Raised
+from duhem.testing.checks.reply import Reply
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.region import Region
 from duhem.testing.routines.material import Material, MaterialState, advanced
@@ -90,6 +91,11 @@ class HistoryQuery(Query):
     @property
     def lonely(self) -> bool:
         return len(self.case) == 1
+
+    @property
+    def turned(self) -> slice:
+        """Each has a state of its own to start from."""
+        return slice(None)
 
     @property
     def remembers(self) -> bool:
@@ -174,7 +180,7 @@ class HistoryQuery(Query):
         if self.before is not None:
             return self.heeded(self.before.here.part(self.rows))
         found = self.beyond
-        return self.heeded(self.read(Step(found.stress, found.slip, None, found.tangent, found.solved), self.case.trial))
+        return self.heeded(Reply.read(Step(found.stress, found.slip, None, found.tangent, found.solved), self.case.trial))
 
     @cached_property
     def fine(self) -> list[MaterialState]:

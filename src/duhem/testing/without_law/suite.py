@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
 from duhem.testing.checks.judged import judged
-from duhem.testing.checks.query import Query, Reply
+from duhem.testing.checks.query import Query
 from duhem.testing.checks.raised import NoReply
 from duhem.testing.checks.registry import Check
+from duhem.testing.checks.reply import Reply
 from duhem.testing.checks.visited import Visited
 from duhem.testing.drawn.case import Case
 from duhem.testing.drawn.decades import Strategy
@@ -152,6 +153,9 @@ class FreeRun(ConformanceRun):
 
     def _open(self) -> tuple[str, ...]:
         return tuple(self.parameters or {})
+
+    def _demanded(self) -> Iterable[Check]:
+        return free_checks()
 
     def _nothing_visited(self) -> Visited:
         return _Answered(self.pressure is not None)
