@@ -44,7 +44,7 @@ from duhem.testing.routines.unfinished import Unfinished
 
 __all__ = ["UNMEASURED", "Asked", "NothingToCheck", "Query"]
 
-_PATHS = 3  # cases, in one of which some rows follow their paths to the end
+_PATHS = 4  # cases, in one of which some rows follow their paths to the end
 UNMEASURED = "squares of the stresses, or K itself, leave double precision"
 _LEAST, _MOST = 2.0**-480, 2.0**495  # lengths whose squares, and those of what is asked besides, are doubles
 _CLOSE, _ASIDE = 1e-7, 0.01  # of a trial stress: closer than six digits tell, and no farther than it may be called close

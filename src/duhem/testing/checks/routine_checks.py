@@ -18,7 +18,7 @@ from duhem.testing.checks.reply import Reply
 __all__: list[str] = []
 
 _EPS = float(np.finfo(np.float64).eps)
-_SCALES = 2  # cases, in one of which some rows are asked with another stiffness
+_SCALES = 3  # cases, in one of which some rows are asked with another stiffness
 _MOREAU = "Moreau (1965), Bull. Soc. Math. France 93, 273-299"
 _LAW = "Antoni et al. (2007), Eq. 36"
 

@@ -15,6 +15,7 @@ __all__: list[str] = []
 
 
 _MOST = 0.75  # of the increments that slip: who gives up more has shown what is left, not the rule
+_ALONE = 3  # cases, in one of which a row is asked in a call of its own
 _APART = 5  # cases, in one of which some rows are asked in calls of one size, one after the other
 _CROWD, _MANY = 5, 300  # the case of a run in which some rows are asked so often in one call: more than the 256 of a block
 
@@ -73,12 +74,13 @@ def _asked_otherwise(q: Query) -> Iterator[tuple[Array, str]]:
 def compared(q: Query, here: Array, again: Array, allowed: Array, otherwise: Iterable[tuple[Array, str]] = ()) -> Finding:
     """The stresses answered to the trial, and those when asked again and ``otherwise``; of one row that asked alone too."""
     apart, how = q.length(_apart(again, here)), np.full(len(here), "", dtype=object)
-    row, alone = q.alone
-    at = slice(row, row + 1)
-    if isinstance(alone, str):
-        apart[row], how[row], otherwise = np.inf, f"; asked as one increment alone, {alone}", ()
-    elif not (off := q.length(_apart(alone.stress, here[at]))[0]) <= apart[row]:
-        apart[row], how[row] = off, " between the answer among others and that to the increment alone"
+    if q.by_turns(_ALONE):
+        row, alone = q.alone
+        at = slice(row, row + 1)
+        if isinstance(alone, str):
+            apart[row], how[row], otherwise = np.inf, f"; asked as one increment alone, {alone}", ()
+        elif not (off := q.length(_apart(alone.stress, here[at]))[0]) <= apart[row]:
+            apart[row], how[row] = off, " between the answer among others and that to the increment alone"
     for stress, asked in otherwise:
         farther = q.length(_apart(stress, here))
         worse = ~(farther <= apart)
