@@ -22,6 +22,8 @@ from tests.long import mostly_long
 from tests.oracles.routines import DISK, nothing
 
 WRONG = """
+import functools
+
 import numpy as np
 from duhem.testing import Step
 
@@ -44,6 +46,7 @@ class Friction:
         return disk(trial, pressure, stiffness, mu)
 
 friction = Friction()
+half = functools.partial(disk, mu=0.5)
 kept = []
 
 def with_a_memory(trial, pressure, stiffness, mu):
@@ -74,6 +77,7 @@ ROUTINES = {
     "a method": lambda module: module.Friction.disk,
     "for one point": lambda module: pointwise(module.one),
     "a value of its module": lambda module: module.friction,
+    "partly applied": lambda module: module.half,
 }
 
 

@@ -130,6 +130,20 @@ def knows_its_pressure(trial: Array, pressure: Array, stiffness: Array) -> Array
     return ellipse(trial, np.full(len(trial), -2.5), stiffness)
 
 
+def knows_its_stiffness(trial: Array, pressure: Array, stiffness: Array) -> Array:
+    if stiffness.tolist() != [[3.0, 1.0], [1.0, 2.0]]:
+        raise ValueError("another stiffness")
+    return ellipse(trial, pressure, stiffness)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", mostly_long(range(10), 0))
+def test_a_routine_of_one_stiffness_is_asked_for_no_other(seed: int) -> None:
+    k = [[3.0, 1.0], [1.0, 2.0]]
+    report = conformance("orthotropic", knows_its_stiffness, ELLIPSE, stiffness=k, max_examples=8, rows=12, seed=seed)
+    assert report.ok and report.left_out["stiffness-scale"].startswith("the stiffness is given"), str(report)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", mostly_long(range(10), 0, 1))
 def test_a_routine_of_one_pressure_is_asked_for_no_other(seed: int) -> None:

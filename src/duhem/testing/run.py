@@ -11,6 +11,7 @@ from random import Random
 from typing import Any
 
 from hypothesis import Phase, Verbosity, settings
+from hypothesis.strategies import SearchStrategy
 from numpy.typing import ArrayLike
 
 from duhem.errors import InputError
@@ -105,6 +106,8 @@ class ConformanceRun:
         self.raised = Raised()
         self.last: Case | None = None
         self.opening: Case | None = None
+        free = {"pressure": not isinstance(pressure, Real), "stiffness": stiffness is None or isinstance(stiffness, SearchStrategy)}
+        self.fixed = frozenset(name for name, may_change in free.items() if not may_change)
         self.shortened: dict[str, Failure] = {}
         self.visited, self.examples = self._nothing_visited(), 0
 
@@ -279,7 +282,7 @@ class ConformanceRun:
         self.last, former = case, self.opening
         self.opening = case.row(0) if former is None else former
         region, asked = Region(self.known, case.parameters), (self.update, self.passed, self.accuracy, self.every, self.examples)
-        return Query(region, case, *asked, raised=self.raised, opening=former, fixed_pressure=isinstance(self.pressure, Real))
+        return Query(region, case, *asked, raised=self.raised, opening=former, fixed=self.fixed)
 
     def _failure(self, check: Check, message: str, case: Case, measured: float, allowed: float) -> Failure:
         told = check, self.law, message, case, measured, allowed, self.accuracy, named(self.update), self.passed

@@ -68,8 +68,8 @@ class Query(Lengths):
     has them among its own, and ``rows`` (N,) which they are there.  ``turn`` counts the cases of a run: what takes calls of its own
     is asked of some rows in some of the cases only (:meth:`by_turns`).  ``raised`` is what the routine has raised so far, of several
     queries where it is theirs, ``answered`` what it has answered, of this query and its parts; ``opening`` the increment that the
-    routine was asked before all others of the run, None where that is this one; ``fixed_pressure``: there is one pressure, as the
-    routine may know, and no other is asked."""
+    routine was asked before all others of the run, None where that is this one; ``fixed``: of "pressure" and "stiffness" what is
+    one and the same for all, as the routine may know; no other is asked."""
 
     region: Region
     case: Case
@@ -82,7 +82,7 @@ class Query(Lengths):
     raised: Raised = field(default_factory=Raised)
     answered: FormerAnswers = field(default_factory=FormerAnswers)
     opening: Case | None = None
-    fixed_pressure: bool = False
+    fixed: frozenset[str] = frozenset()
     points: int = 0
     flagged: int = 0
     sound: NDArray[np.bool_] = field(init=False)
@@ -112,7 +112,7 @@ class Query(Lengths):
 
     def part(self, case: Case) -> Query:
         """A query of some of the rows, which this one has among its own."""
-        shared = {"turn": self.turn, "whole": self, "raised": self.raised, "answered": self.answered, "fixed_pressure": self.fixed_pressure}
+        shared = {"turn": self.turn, "whole": self, "raised": self.raised, "answered": self.answered, "fixed": self.fixed}
         return Query(self.region, case, self.update, self.passed, self.accuracy, **shared)  # type: ignore[arg-type]
 
     def by_turns(self, cases: int) -> bool:
@@ -395,7 +395,7 @@ class Query(Lengths):
     @property
     def scales(self) -> bool:
         """Whether a multiple of the stresses is asked under that multiple of the pressure."""
-        return self.region.homogeneous and not self.fixed_pressure
+        return self.region.homogeneous and "pressure" not in self.fixed
 
     @property
     def _enlarged(self) -> Asked:

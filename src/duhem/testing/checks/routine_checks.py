@@ -251,6 +251,8 @@ def ray(q: Query) -> Finding:
     again=True,
 )
 def stiffness_scale(q: Query) -> Finding:
+    if "stiffness" in q.fixed:
+        raise NothingToCheck("the stiffness is given, and no other is asked")
     if not q.by_turns(_SCALES):
         raise NothingToCheck(f"asked in one of {_SCALES} cases")
     here = q.here

@@ -85,7 +85,8 @@ def _increments(query: Query) -> Iterator[tuple[Array, Array, Reply]]:
         yield p, k, reply
     for reply in query.second:
         yield p, k, reply
-    yield p, k * case.factor, query.ask(case.trial, stiffness=k * case.factor)[0]
+    if "stiffness" not in query.fixed:
+        yield p, k * case.factor, query.ask(case.trial, stiffness=k * case.factor)[0]
     if query.scales:
         yield p * case.factor, k, query.larger
     for i, reply in enumerate(query.along_the_path(), 1):

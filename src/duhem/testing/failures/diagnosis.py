@@ -184,7 +184,7 @@ def _probe(query: Query, found: Departure) -> Probe:
     mirrors = [-np.ones(d), *(1.0 - 2.0 * np.eye(d))] if d > 1 else [-np.ones(d)]
     rows, loads = [*rows, *(m * rows[3] for m in mirrors)], [*loads, *[1.0] * len(mirrors)]
     at_rest = np.zeros(len(rows))
-    if query.fixed_pressure:
+    if "pressure" in query.fixed:
         loads = [1.0] * len(rows)
     elif found.pressure is not None and size > 0.0:
         own, p = query.region.law.domain.get(query.region.law.pressure or ""), found.pressure
@@ -202,9 +202,7 @@ def _probe(query: Query, found: Departure) -> Probe:
         query.case, stiffness=np.array(found.stiffness), pressure=pressure, trial=stacked, other=zero, third=zero, inside=zero, beside=zero,
         stretch=np.ones(n), path=path, loads=None if pressure is None else pressure[:, None],
     )  # fmt: skip
-    asked = Query(
-        query.region, case, query.update, query.passed, query.accuracy, opening=query.opening, fixed_pressure=query.fixed_pressure
-    )
+    asked = Query(query.region, case, query.update, query.passed, query.accuracy, opening=query.opening, fixed=query.fixed)
     return Probe(asked, asked.ask(stacked)[0])
 
 

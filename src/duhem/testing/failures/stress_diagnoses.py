@@ -27,19 +27,9 @@ _SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pres
 
 
 @suggests("stress")
-def first_call(p: Probe) -> Iterator[tuple[str, Array]]:
-    for what, given in _of_the_first_call(p):
-        if _goes_back_to(p, given):
-            yield f"{what} of the first call of the run is kept for all others", p.projected(**given)
-
-
-def needs_the_run(diagnoses: Mapping[str, str]) -> bool:
-    """Whether what was told first shows only after other calls, and so not by one increment alone."""
-    return next(iter(diagnoses), "") == first_call.__name__
-
-
-@suggests("stress")
 def trial_stress(p: Probe) -> Iterator[tuple[str, Array]]:
+    if any(_goes_back_to(p, given) for _, given in _of_the_first_call(p)):
+        return
     far, corrected = _FAR_OUT * p.trial, False
     with suppress(NoReply):
         corrected = bool((p.query.ask(far)[0].stress != far).any())
@@ -110,6 +100,18 @@ def exchanged_components(p: Probe) -> Iterator[tuple[str, Array]]:
 
 
 @suggests("stress")
+def first_call(p: Probe) -> Iterator[tuple[str, Array]]:
+    for what, given in _of_the_first_call(p):
+        if _goes_back_to(p, given):
+            yield f"{what} of the first call of the run, whatever it is", p.projected(**given)
+
+
+def needs_the_run(diagnoses: Mapping[str, str]) -> bool:
+    """Whether what was told first shows only after other calls, and so not by one increment alone."""
+    return next(iter(diagnoses), "") == first_call.__name__
+
+
+@suggests("stress")
 def another_parameter(p: Probe) -> Iterator[tuple[str, Array]]:
     region = p.query.region
     for name, value in region.parameters.items():
@@ -127,8 +129,10 @@ def another_pressure(p: Probe) -> Iterator[tuple[str, Array]]:
     given = p.pressure
     at = _moved(p)
     taken = np.array([next(_roots(_levels(p, i), -max(abs(given[i]), np.abs(p.returned[i]).max())), np.nan) for i in at])
-    if (same := constant(taken)) is not None and np.ptp(given[at]) > 0.0:
-        yield f"the pressure is taken as {same:.6g}, whatever it is", p.projected(pressure=np.full_like(given, min(same, 0.0)))
+    if (same := constant(taken)) is not None:
+        known = np.ptp(given[at]) > 0.0  # else it may be what another one becomes
+        told = "whatever it is" if known else f"not {given[at[0]]:.6g}"
+        yield f"the pressure is taken as {same:.6g}, {told}", p.projected(pressure=np.full_like(given, min(same, 0.0)))
     if (factor := constant(taken / given[at])) is not None and factor > 0.0:
         yield f"the pressure is taken {factor:.6g} times as large", p.projected(pressure=factor * given)
     if (shift := constant(taken - given[at])) is not None:
@@ -216,11 +220,12 @@ def _of_the_first_call(p: Probe) -> Iterator[tuple[str, Mapping[str, Any]]]:
     if first is None:
         return
     if first.pressure is not None:
-        yield f"the pressure {first.pressure[0]:.6g}", {"pressure": np.full_like(p.pressure, first.pressure[0])}
-    yield "the stiffness", {"stiffness": first.stiffness}
+        yield f"the pressure is taken as {first.pressure[0]:.6g}, that", {"pressure": np.full_like(p.pressure, first.pressure[0])}
+    yield "the stiffness is taken as that", {"stiffness": first.stiffness}
     values = {name: first.parameters[name] for name in p.query.passed}
     for kept in (*({name: value} for name, value in values.items()), *([values] if len(values) > 1 else [])):
-        yield ", ".join(f"{name} = {value:.6g}" for name, value in kept.items()), {"parameters": kept}
+        told = " and ".join(f"{name} is taken as {value:.6g}" for name, value in kept.items())
+        yield f"{told}, {'that' if len(kept) == 1 else 'those'}", {"parameters": kept}
 
 
 def _goes_back_to(p: Probe, given: Mapping[str, Any]) -> bool:
@@ -234,7 +239,7 @@ def _goes_back_to(p: Probe, given: Mapping[str, Any]) -> bool:
     beyond = np.where(known, _BEYOND * reach, 1.0)[:, None] * p.trial
     k = p.stiffness
     with suppress(NoReply):
-        for stiffness in (k, 1.37 * k + 0.61 * np.diag(np.diag(k)) * np.arange(len(k))):
+        for stiffness in (k,) if "stiffness" in q.fixed else (k, 1.37 * k + 0.61 * np.diag(np.diag(k)) * np.arange(len(k))):
             reply, meant = q.ask(beyond, stiffness=stiffness)[0], p.projected(beyond, **{"stiffness": stiffness, **given})
             allowed = _CLEAR * q.unit(reply)
             same, moved = q.length(reply.stress - meant) <= allowed, q.length(meant - beyond) > allowed

@@ -6,6 +6,7 @@ import sys
 import sysconfig
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -33,10 +34,7 @@ class Origin:
 
 def origin(update: Any, law: Criterion | None, given: Any) -> Origin:
     """That of a routine and of the law it was tested with, as it was ``given``."""
-    inner = update
-    while hasattr(inner, "__wrapped__"):
-        inner = inner.__wrapped__
-    return Origin(made_by(update), _folder(inner), "None" if law is None else law_as_written(law, given))
+    return Origin(made_by(update), _folder(_defined(update)), "None" if law is None else law_as_written(law, given))
 
 
 def made_by(update: Any) -> str:
@@ -44,7 +42,7 @@ def made_by(update: Any) -> str:
     said = getattr(update, "__duhem_import__", None)
     if said is not None:
         return str(said)
-    module, name = getattr(update, "__module__", None), getattr(update, "__qualname__", "")
+    module, name = getattr(_called(update), "__module__", None), getattr(update, "__qualname__", "")
     if not module or module == "__main__" or module not in sys.modules:
         return ""
     found: Any = sys.modules[module]
@@ -55,6 +53,20 @@ def made_by(update: Any) -> str:
         return f"from {module} import {first}\n\nupdate = {name}" if rest else f"from {module} import {name} as update"
     bound = (name for name, value in vars(sys.modules[module]).items() if value is update and name.isidentifier())
     return next((f"from {module} import {name} as update" for name in bound), "")
+
+
+def _called(update: Any) -> Any:
+    """What a partial application calls; else the routine itself."""
+    while isinstance(update, partial):
+        update = update.func
+    return update
+
+
+def _defined(update: Any) -> Any:
+    """The routine inside, where it is wrapped or partly applied."""
+    while hasattr(inner := _called(update), "__wrapped__"):
+        update = inner.__wrapped__
+    return inner
 
 
 def _folder(update: Any) -> str:
@@ -118,7 +130,6 @@ def _same(known: Any, law: Criterion) -> bool:
 
 def named(update: Any) -> str:
     """Module and name of a routine, as it says itself; of the routine inside, where it is wrapped."""
-    while hasattr(update, "__wrapped__"):
-        update = update.__wrapped__
+    update = _defined(update)
     name = getattr(update, "__qualname__", type(update).__qualname__)
     return f"{getattr(update, '__module__', '')}.{name}"
