@@ -144,8 +144,8 @@ def conformance(
     ``update(trial (N, d), pressure (N,), stiffness (d, d), **open)`` returns the stress (N, d) in Pa or a :class:`Step`;
     the pressure is None for a law without, and ``open`` are the parameters ``parameters`` leaves open, drawn over their
     domain.  :func:`pointwise` and :func:`from_displacements` adapt other shapes of routine.  ``stiffness`` and
-    ``pressure`` are fixed values, then no other is asked, or strategies, drawn where left out.  ``accuracy`` is the relative error in stress the
-    routine promises; every tolerance follows from it (:attr:`Check.tolerance`).  ``max_examples`` cases of about ``rows``
+    ``pressure`` are fixed values, then no other is asked, or strategies, drawn where left out.  ``accuracy`` is the relative error
+    in stress the routine promises; every tolerance follows from it (:attr:`Check.tolerance`).  ``max_examples`` cases of about ``rows``
     increments are drawn, as the Hypothesis profile says where left out; of one in ``every`` more is asked than the answer to its
     trial, such as the answer to that answer, or to what lies beside it (:attr:`Check.again`): in 7 where left out, in 2 without a
     law, and 1 asks it of all.  ``tries`` bounds the shrinking of each failure, and ``seconds`` its time too, if that is worth
