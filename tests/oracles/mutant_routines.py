@@ -1,6 +1,7 @@
 """Wrong update routines, each with the check that says what is wrong with it.
 
-Known by construction, but of two of them: that a reflected or swapped stress fails to come back was seen when they had been run.
+Known by construction, but of three of them: that a reflected or swapped stress fails to come back, and what a memory without the
+stiffness violates first, was seen when they had been run.
 """
 
 from __future__ import annotations

@@ -333,7 +333,7 @@ class ConformanceRun:
             return self.raised.times <= enough and any(True for _ in self.failures(self.query(case), [failure.check]))
 
         law = self.law
-        if law is None or failure.check.whole or failure.check.name == "repeatability" or len(failure.case) != 1 or not fails(failure.case):
+        if law is None or not failure.alone or len(failure.case) != 1 or not fails(failure.case):
             return failure
         own = law.domain.get(law.pressure or "")
         shorter = partial(

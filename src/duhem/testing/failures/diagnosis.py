@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -21,12 +21,14 @@ from duhem.projection.result import Array
 from duhem.testing.checks.query import Query
 from duhem.testing.checks.raised import NoReply
 from duhem.testing.checks.reply import Reply
+from duhem.testing.drawn.region import Region
 from duhem.testing.failures.departure import Departure, closest
 
 __all__ = ["Part", "Probe", "constant", "diagnoses", "registered_suggestions", "suggests"]
 
 Part: TypeAlias = Literal["stress", "slip", "multiplier", "tangent"]
 
+_BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it is seen whether that is where it goes back to
 _LEAST = 3  # increments that a suggestion has to explain
 _ONLY = "; at such increments only, others beside them are answered right"
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
@@ -91,6 +93,43 @@ class Probe:
         values = {**region.parameters, **(parameters or {})}
         k = self.stiffness if stiffness is None else stiffness
         return closest(region.law, values, self.trial if trial is None else trial, loads, k)
+
+    @cached_property
+    def kept(self) -> list[tuple[str, Mapping[str, Any]]]:
+        """What the routine seems to have kept of the first call of the run, in words and as :meth:`projected` takes it."""
+        return [(said, given) for said, given in self._of_the_first_call() if self._goes_back_to(given)]
+
+    def _of_the_first_call(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
+        first = self.query.opening
+        if first is None:
+            return
+        if first.pressure is not None:
+            yield f"the pressure is taken as {first.pressure[0]:.6g}, that", {"pressure": np.full_like(self.pressure, first.pressure[0])}
+        yield "the stiffness is taken as that", {"stiffness": first.stiffness}
+        values = {name: first.parameters[name] for name in self.query.passed}
+        for kept in (*({name: value} for name, value in values.items()), *([values] if len(values) > 1 else [])):
+            told = " and ".join(f"{name} is taken as {value:.6g}" for name, value in kept.items())
+            yield f"{told}, {'that' if len(kept) == 1 else 'those'}", {"parameters": kept}
+
+    def _goes_back_to(self, given: Mapping[str, Any]) -> bool:
+        """Whether trial stresses outside the set that is kept come back to it, under another stiffness too.
+
+        One inside is answered as by a routine that does nothing; another stiffness may have a first call of its own.
+        """
+        q, k = self.query, self.stiffness
+        region = Region(q.region.law, {**q.region.parameters, **given.get("parameters", {})})
+        reach = region.reach(self.trial, given.get("pressure", self.pressure))
+        known = np.isfinite(reach) & (reach > 0.0)
+        beyond = np.where(known, _BEYOND * reach, 1.0)[:, None] * self.trial
+        with suppress(NoReply):
+            for stiffness in (k,) if "stiffness" in q.fixed else (k, 1.37 * k + 0.61 * np.diag(np.diag(k)) * np.arange(len(k))):
+                reply, meant = q.ask(beyond, stiffness=stiffness)[0], self.projected(beyond, **{"stiffness": stiffness, **given})
+                allowed = _CLEAR * q.unit(reply)
+                same, moved = q.length(reply.stress - meant) <= allowed, q.length(meant - beyond) > allowed
+                if not (same[known].all() and (moved & known).any()):
+                    return False
+            return True
+        return False
 
 
 # What a routine may be doing, and the answers (N, ...) it would give then.

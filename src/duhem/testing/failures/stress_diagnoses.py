@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from itertools import combinations
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,6 @@ __all__ = ["needs_the_run"]
 
 _FAR = 10.0  # times as far out as others: trial stresses of which that may be why they are answered otherwise
 _FAR_OUT = 1e4  # times the trial stresses: where it is seen whether a routine corrects anything at all
-_BEYOND = 1.7  # times as far out as the boundary that a routine would keep: it is seen whether that is where it goes back to
 _CLEAR = 2.0  # times the error that is allowed: farther apart, and two answers are different
 _ALIKE = 1e-4  # of its value: what is closer is no other
 _SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pressure: where another one is looked for
@@ -28,7 +27,7 @@ _SPREAD = np.logspace(-2.0, 2.0, 81)  # times the value of a parameter or a pres
 
 @suggests("stress")
 def trial_stress(p: Probe) -> Iterator[tuple[str, Array]]:
-    if any(_goes_back_to(p, given) for _, given in _of_the_first_call(p)):
+    if p.kept:
         return
     far, corrected = _FAR_OUT * p.trial, False
     with suppress(NoReply):
@@ -101,9 +100,8 @@ def exchanged_components(p: Probe) -> Iterator[tuple[str, Array]]:
 
 @suggests("stress")
 def first_call(p: Probe) -> Iterator[tuple[str, Array]]:
-    for what, given in _of_the_first_call(p):
-        if _goes_back_to(p, given):
-            yield f"{what} of the first call of the run, whatever it is", p.projected(**given)
+    for what, given in p.kept:
+        yield f"{what} of the first call of the run, whatever it is", p.projected(**given)
 
 
 def needs_the_run(diagnoses: Mapping[str, str]) -> bool:
@@ -212,41 +210,6 @@ def far_trials(p: Probe) -> Iterator[tuple[str, Array]]:
     said = f"trial stresses {1.0 / nearest:.3g} times as far out as the boundary are answered wrongly, and some "
     said += f"up to {1.0 / reach[right].min():.3g} times as far rightly"
     yield said, np.where((reach <= nearest)[:, None], p.returned, np.nan)  # no cause: what says what is done there comes first
-
-
-def _of_the_first_call(p: Probe) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """What may be kept of it, in words and as :meth:`Probe.projected` takes it."""
-    first = p.query.opening
-    if first is None:
-        return
-    if first.pressure is not None:
-        yield f"the pressure is taken as {first.pressure[0]:.6g}, that", {"pressure": np.full_like(p.pressure, first.pressure[0])}
-    yield "the stiffness is taken as that", {"stiffness": first.stiffness}
-    values = {name: first.parameters[name] for name in p.query.passed}
-    for kept in (*({name: value} for name, value in values.items()), *([values] if len(values) > 1 else [])):
-        told = " and ".join(f"{name} is taken as {value:.6g}" for name, value in kept.items())
-        yield f"{told}, {'that' if len(kept) == 1 else 'those'}", {"parameters": kept}
-
-
-def _goes_back_to(p: Probe, given: Mapping[str, Any]) -> bool:
-    """Whether trial stresses outside the set that is kept come back to it, under another stiffness too.
-
-    One inside is answered as by a routine that does nothing; another stiffness may have a first call of its own.
-    """
-    q, values = p.query, {**p.query.region.parameters, **given.get("parameters", {})}
-    reach = Region(q.region.law, values).reach(p.trial, given.get("pressure", p.pressure))
-    known = np.isfinite(reach) & (reach > 0.0)
-    beyond = np.where(known, _BEYOND * reach, 1.0)[:, None] * p.trial
-    k = p.stiffness
-    with suppress(NoReply):
-        for stiffness in (k,) if "stiffness" in q.fixed else (k, 1.37 * k + 0.61 * np.diag(np.diag(k)) * np.arange(len(k))):
-            reply, meant = q.ask(beyond, stiffness=stiffness)[0], p.projected(beyond, **{"stiffness": stiffness, **given})
-            allowed = _CLEAR * q.unit(reply)
-            same, moved = q.length(reply.stress - meant) <= allowed, q.length(meant - beyond) > allowed
-            if not (same[known].all() and (moved & known).any()):
-                return False
-        return True
-    return False
 
 
 def _wrong(p: Probe) -> NDArray[np.bool_]:
