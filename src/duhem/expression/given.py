@@ -14,7 +14,7 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression.build import unacceptable
-from duhem.expression.inert_number import inert_exponent
+from duhem.expression.inert_number import inert_exponent, reckoned
 from duhem.expression.number import exact_number
 from duhem.expression.vocabulary import adopted
 
@@ -64,6 +64,7 @@ def _formula(given: Any, known: set[sp.Symbol]) -> sp.Expr:
     if expr.has(sp.Float):
         expr = expr.replace(_has_float_exponent, lambda x: sp.Pow(x.base, inert_exponent(exact_number(x.exp))))
         expr = expr.xreplace({x: exact_number(x) for x in expr.atoms(sp.Float)})
+    expr = reckoned(expr)
     if fault := unacceptable(expr, known):
         raise fault
     return expr

@@ -6,8 +6,9 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 import sympy as sp
+from sympy.printing.precedence import precedence
 
-__all__ = ["MOST_ROOT", "InertNumber", "inert_exponent", "plain_exponent"]
+__all__ = ["MOST_ROOT", "InertNumber", "inert_exponent", "plain_exponent", "reckoned"]
 
 # 0.3**3.0012 has SymPy write out 3**30012; up to this denominator the integers stay small and the algebra is worth having.
 MOST_ROOT = 12
@@ -17,11 +18,11 @@ class InertNumber(sp.NumberSymbol):
     """The rational ``value`` as a number that is never combined with others, as pi is; every interpreter reads the value."""
 
     is_real = True
-    is_rational = True
-    is_irrational = False
+    is_rational = None
+    is_irrational = None
     is_integer = False
-    is_algebraic = True
-    is_transcendental = False
+    is_algebraic = None
+    is_transcendental = None
 
     value: sp.Rational
 
@@ -50,6 +51,11 @@ class InertNumber(sp.NumberSymbol):
     def approximation_interval(self, number_cls: Any) -> tuple[Any, Any]:
         return (self.value, self.value)
 
+    @property
+    def precedence(self) -> int:
+        """How closely its text holds together, by which SymPy's printers set brackets: 13/20 is a quotient, -3 has a sign."""
+        return int(precedence(self.value))
+
     def _sympystr(self, printer: Any) -> str:
         return str(printer._print(self.value))
 
@@ -71,3 +77,24 @@ def inert_exponent(value: Any) -> Any:
 def plain_exponent(exponent: sp.Expr) -> sp.Expr:
     """An exponent with the rationals that its inert numbers stand for, to reckon with."""
     return exponent.xreplace({x: x.value for x in exponent.atoms(InertNumber)})
+
+
+def reckoned(expr: Any) -> Any:
+    """The expression with inert numbers as whole exponents alone, as :func:`duhem.expression.parse.parse_expression` has them.
+
+    A derivative brings an exponent down to the factors, and a product adds exponents up: ``101/100/(-1 + 101/100)`` is 101.
+    """
+    while expr.has(InertNumber) and (found := _reckoned_once(expr)) != expr:
+        expr = found
+    return expr
+
+
+def _reckoned_once(expr: sp.Basic) -> sp.Basic:
+    if not expr.args or not expr.has(InertNumber):
+        return expr.value if isinstance(expr, InertNumber) else expr
+    if isinstance(expr, sp.Pow):
+        exponent = plain_exponent(expr.exp)
+        changed = _reckoned_once(expr.base), inert_exponent(exponent)
+    else:
+        changed = tuple(map(_reckoned_once, expr.args))
+    return expr if changed == expr.args else expr.func(*changed)

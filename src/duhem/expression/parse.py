@@ -20,6 +20,7 @@ from duhem.errors import InputError
 from duhem.expression.abbreviations import NONE, Abbreviations, WrittenOut
 from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, unacceptable
 from duhem.expression.fold import fold
+from duhem.expression.inert_number import reckoned
 from duhem.expression.invariants import INVARIANTS
 from duhem.expression.number import DECIMAL, exact_number, ratio
 from duhem.expression.spelling import spelled
@@ -67,7 +68,7 @@ def parse_expression(
     """
     reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
     tree = reader.syntax()
-    value = reader.value(tree, 0)
+    value = reckoned(reader.value(tree, 0))
     if fault := unacceptable(value, set(known.values())):
         raise reader.place.error(fault.what, remedy=fault.remedy)
     return value
@@ -96,6 +97,7 @@ def parse_relation(
     if not isinstance(tree, ast.Compare):
         raise reader.place.error(f"{reader.quote(tree)} is no comparison", remedy="compare two expressions with < <= > or >=")
     left, right, kind = reader.sides(tree, 0)
+    left, right = reckoned(left), reckoned(right)
     for side in (left, right):
         if fault := unacceptable(side, set(known.values())):
             raise reader.place.error(fault.what, remedy=fault.remedy)

@@ -7,6 +7,7 @@ from typing import Any
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+from duhem.expression.inert_number import reckoned
 from duhem.expression.vocabulary import Where
 
 __all__ = ["formula"]
@@ -14,7 +15,7 @@ __all__ = ["formula"]
 
 def formula(expr: sp.Basic) -> str:
     """``expr`` as text: ``norm(sigma_a/mu_a, sigma_b/mu_b) + sigma_n``."""
-    return str(_Printer().doprint(expr))
+    return str(_Printer().doprint(reckoned(expr)))
 
 
 class _Printer(StrPrinter):
