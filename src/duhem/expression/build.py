@@ -15,15 +15,16 @@ from sympy.core.relational import Relational
 from duhem.errors import InputError
 from duhem.expression.extremes import greatest, least
 from duhem.expression.floats import approximate
-from duhem.expression.inert_number import InertNumber, inert_exponent
+from duhem.expression.inert_number import InertNumber, inert_exponent, reckoned
 from duhem.expression.vocabulary import NODES, WORDS, Atan2
 
-__all__ = ["AS_WRITTEN", "EVALUATED", "Building", "unacceptable"]
+__all__ = ["AS_WRITTEN", "EVALUATED", "Building", "settled", "unacceptable"]
 
 MOST_BITS = 8192
 MOST_EXPONENT = 1000
 MOST_NUMERIC_EXPONENT = 64
 MOST_ARGUMENTS = 32
+MOST_PASSES = 8
 _BUILT = {"max": greatest, "min": least}
 _INFINITE = tuple(map(type, (sp.nan, sp.zoo, sp.oo, -sp.oo)))
 _REWRITE = "write it with real numbers, declared names, + - * / ** and the words of the language"
@@ -79,6 +80,29 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
 def relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:
     """A comparison, or SymPy's true or false where the signs of the symbols decide it."""
     return kind(left, right)
+
+
+def settled(expr: sp.Expr) -> sp.Expr:
+    """The expression built anew from its parts until it stays what it is.
+
+    What SymPy makes of abs(m/b) it makes otherwise of its own answer, m*abs(1/b); a formula that is settled is read back from its
+    text (:func:`duhem.expression.text.formula`) as it was.
+    """
+    for _ in range(MOST_PASSES):
+        again = reckoned(_rebuilt(expr))
+        if again == expr:
+            break
+        expr = again
+    return expr
+
+
+def _rebuilt(expr: sp.Basic) -> sp.Basic:
+    done: dict[sp.Basic, sp.Basic] = {}
+    for node in sp.postorder_traversal(expr):
+        if node not in done:
+            build = {sp.Max: greatest, sp.Min: least}.get(type(node), node.func)
+            done[node] = build(*(done[x] for x in node.args)) if node.args else node
+    return done[expr]
 
 
 class Building(NamedTuple):

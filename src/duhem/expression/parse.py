@@ -8,19 +8,19 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from keyword import iskeyword
+from typing import Any
 
 import sympy as sp
 from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression.abbreviations import NONE, Abbreviations, WrittenOut
-from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, unacceptable
+from duhem.expression.build import AS_WRITTEN, EVALUATED, Building, settled, unacceptable
 from duhem.expression.fold import fold
-from duhem.expression.inert_number import reckoned
 from duhem.expression.invariants import INVARIANTS
 from duhem.expression.number import DECIMAL, exact_number, ratio
 from duhem.expression.spelling import spelled
@@ -68,7 +68,7 @@ def parse_expression(
     """
     reader = _Reader.over(text, known, _Place(where, line, column, text), short=short)
     tree = reader.syntax()
-    value = reckoned(reader.value(tree, 0))
+    value = reader.evaluated(tree, settled, reader.value(tree, 0))
     if fault := unacceptable(value, set(known.values())):
         raise reader.place.error(fault.what, remedy=fault.remedy)
     return value
@@ -97,7 +97,7 @@ def parse_relation(
     if not isinstance(tree, ast.Compare):
         raise reader.place.error(f"{reader.quote(tree)} is no comparison", remedy="compare two expressions with < <= > or >=")
     left, right, kind = reader.sides(tree, 0)
-    left, right = reckoned(left), reckoned(right)
+    left, right = (reader.evaluated(tree, settled, side) for side in (left, right))
     for side in (left, right):
         if fault := unacceptable(side, set(known.values())):
             raise reader.place.error(fault.what, remedy=fault.remedy)
@@ -277,8 +277,12 @@ class _Reader:
         """The SymPy value of a node; chains of sums and of products are built at once, so only nesting has depth."""
         if depth > 4 * MOST_DEPTH:
             raise self.place.error("the formula is nested too deeply", at=self.start(node), remedy="split it into smaller parts")
+        return self.evaluated(node, self.built, node, depth + 1)
+
+    def evaluated(self, node: ast.expr, build: Callable[..., sp.Expr], *given: Any) -> sp.Expr:
+        """What ``build`` makes of ``given``; a fault is one of ``node``."""
         try:
-            return self.built(node, depth + 1)
+            return build(*given)
         except InputError as fault:
             if fault.where:
                 raise

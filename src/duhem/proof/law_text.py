@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import chain
 from typing import Any
 
 import sympy as sp
 
-from duhem.expression.text import formula
+from duhem.expression.text import faithful
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
@@ -29,14 +29,17 @@ def law_as_text(law: Law) -> dict[str, Any]:
         "forces": list(law.forces),
         "pressure": law.pressure,
         "parameters": {name: _domain(domain) for name, domain in law.parameters.items()},
-        "constraints": [formula(c) for c in law.constraints],
+        "constraints": _texts(law, law.constraints),
         **(_curve(law) if isinstance(law, ParametricCriterion) else _formula(law)),
     }
 
 
 def _curve(law: ParametricCriterion) -> dict[str, Any]:
-    flow = None if law.flow is None else [formula(c) for c in law.flow]
-    return {"angle": law.angle, "boundary": [formula(x) for x in law.boundary], "flow": flow}
+    return {"angle": law.angle, "boundary": _texts(law, law.boundary), "flow": None if law.flow is None else _texts(law, law.flow)}
+
+
+def _texts(law: Law, given: Iterable[sp.Basic]) -> list[str]:
+    return [faithful(x, law.symbols().values()) for x in given]
 
 
 def _formula(law: Criterion) -> dict[str, Any]:

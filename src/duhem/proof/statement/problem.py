@@ -20,7 +20,7 @@ from duhem.expression.angles import algebraic_angles
 from duhem.expression.isotropy import shears_of_isotropic
 from duhem.expression.lineality import invariant_directions
 from duhem.expression.parse import parse_as_written, parse_expression
-from duhem.expression.text import formula
+from duhem.expression.text import faithful
 from duhem.expression.weights import removable
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
@@ -180,7 +180,7 @@ def faces(law: Criterion) -> tuple[Face, ...]:
 
 
 def as_written(law: Criterion, surface: Criterion | YieldSurface | None = None) -> tuple[str, ...]:
-    """The formula and the flow of the law, or of a surface, as they were given, where they still are that; else as the law has them."""
+    """The formula and the flow of the law, or of a surface: the texts that were given, else what the law's expressions are printed as."""
     stated = surface or law
     texts = (stated.written, *(stated.written_flow or ("",) * len(stated.flow or ())))
     return tuple(_as_given(law, text, expr) for text, expr in zip(texts, (stated.g, *(stated.flow or ())), strict=True))
@@ -188,9 +188,11 @@ def as_written(law: Criterion, surface: Criterion | YieldSurface | None = None) 
 
 def _as_given(law: Criterion, text: str, expr: sp.Expr) -> str:
     try:
-        return text if text and _read(text, tuple(law.symbols().items())) == expr else formula(expr)
-    except InputError:
-        return formula(expr)
+        if text and _read(text, tuple(law.symbols().items())) == expr:
+            return text
+    except InputError:  # as division by a parameter that was fixed at 0
+        pass
+    return faithful(expr, law.symbols().values())
 
 
 @lru_cache(maxsize=256)
