@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from functools import lru_cache
 from keyword import iskeyword
 from typing import Any
 
@@ -26,7 +27,7 @@ from duhem.expression.number import DECIMAL, exact_number, ratio
 from duhem.expression.spelling import spelled
 from duhem.expression.vocabulary import NODES, WORDS
 
-__all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "ratio"]
+__all__ = ["exact_number", "parse_as_written", "parse_expression", "parse_relation", "ratio", "reread"]
 
 MOST_CHARACTERS = 20_000
 MOST_TOKENS = 4_000
@@ -72,6 +73,12 @@ def parse_expression(
     if fault := unacceptable(value, set(known.values())):
         raise reader.place.error(fault.what, remedy=fault.remedy)
     return value
+
+
+@lru_cache(maxsize=256)
+def reread(text: str, known: tuple[tuple[str, sp.Symbol], ...]) -> sp.Expr:
+    """The formula of a text that is asked for again and again: by the prover, the kernel's statement of the law, and narrower domains."""
+    return parse_expression(text, dict(known))
 
 
 def parse_as_written(text: str, known: Mapping[str, sp.Expr]) -> sp.Expr:

@@ -41,7 +41,8 @@ def faithful(expr: sp.Basic, known: Iterable[sp.Symbol]) -> str:
 def _faithful(expr: sp.Basic, known: tuple[sp.Symbol, ...]) -> str:
     text, names = formula(expr), {x.name: x for x in known}
     try:
-        same = _sides(parse_relation(text, names)) == _sides(expr) if isinstance(expr, Relational) else parse_expression(text, names) == settled(expr)
+        read = parse_relation(text, names) if isinstance(expr, Relational) else parse_expression(text, names)
+        same = _sides(read) == _sides(expr)
     except InputError:
         same = True
     if not same:
@@ -49,8 +50,9 @@ def _faithful(expr: sp.Basic, known: tuple[sp.Symbol, ...]) -> str:
     return text
 
 
-def _sides(relation: Relational) -> tuple[str, sp.Expr, sp.Expr]:
-    return relation.rel_op, settled(relation.lhs), settled(relation.rhs)
+def _sides(expr: sp.Basic) -> tuple[Any, ...]:
+    """What a formula is when it is built anew; of a comparison its sign and both sides."""
+    return (expr.rel_op, settled(expr.lhs), settled(expr.rhs)) if isinstance(expr, Relational) else (settled(expr),)
 
 
 class _Printer(StrPrinter):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import repeat
 from keyword import iskeyword
 from typing import Any, overload
 
@@ -22,7 +23,7 @@ from duhem.expression.extremes import greatest
 from duhem.expression.given import given_relation
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
-from duhem.expression.parse import parse_expression, parse_relation
+from duhem.expression.parse import parse_expression, parse_relation, reread
 from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import HASH, Verbatim
 from duhem.law.definitions import Definitions
@@ -225,15 +226,21 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
     new = {name: domain.symbol(name) for name, domain in domains.items()}
     swap = {old[name]: new[name] for name in new if old[name] != new[name]}
 
-    def moved(expr: sp.Basic) -> sp.Basic:
-        return expr.xreplace(swap)
+    known = tuple((name, swap.get(x, x)) for name, x in old.items())
+
+    def moved(expr: sp.Basic, text: str = "") -> sp.Basic:
+        """The expression over the new symbols; a text that gave it is read anew, so that it stays the law's text."""
+        try:
+            return reread(text, known) if text else expr.xreplace(swap)
+        except InputError:  # as division by a parameter that is 0 now
+            return expr.xreplace(swap)
 
     return replace(
         law,
-        g=sp.nan if law.surfaces else moved(law.g),
+        g=sp.nan if law.surfaces else moved(law.g, law.written),
         parameters=domains,
         constraints=tuple(c for c in map(moved, law.constraints) if c != sp.true),
-        flow=None if law.flow is None or law.potential else tuple(moved(c) for c in law.flow),
+        flow=None if law.flow is None or law.potential else tuple(map(moved, law.flow, law.written_flow or repeat(""))),
         surfaces=tuple(s.moved(moved) for s in law.surfaces),
         closed_form=None if law.closed_form is None else converted(law.closed_form, moved),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import repeat
 from typing import Any
 
 import sympy as sp
@@ -12,7 +13,7 @@ from duhem.errors import InputError
 from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.given import given_formula
 from duhem.expression.gradient import gradient
-from duhem.expression.parse import parse_expression, written_out
+from duhem.expression.parse import parse_expression, reread, written_out
 from duhem.expression.verbatim import Verbatim
 from duhem.law.signature import listed
 
@@ -37,13 +38,13 @@ class YieldSurface(Verbatim):
     def read(self, known: Mapping[str, sp.Symbol], forces: Sequence[sp.Symbol], short: Abbreviations, owner: str) -> YieldSurface:
         """The same with its texts read over the symbols ``known``; InputError names the ``owner`` of what cannot be."""
         g = self.g if self.g is sp.nan else as_expression(self.g, known, f"g of {owner}", short)
-        written = written_out(self.g, short) if isinstance(self.g, str) else self.written
+        written = _text(self.g, g, self.written, known, short)
         flow, written_flow = self.flow, self.written_flow
         if flow is not None:
-            flow = listed(flow, "flow", owner)
-            if any(isinstance(c, str) for c in flow):
-                written_flow = tuple(written_out(c, short) if isinstance(c, str) else "" for c in flow)
-            flow = tuple(as_expression(c, known, f"flow of {owner}", short) for c in flow)
+            given = listed(flow, "flow", owner)
+            flow = tuple(as_expression(c, known, f"flow of {owner}", short) for c in given)
+            texts = zip(given, flow, self.written_flow or repeat(""), strict=False)
+            written_flow = tuple(_text(c, component, text, known, short) for c, component, text in texts)
         if self.potential is None:
             return YieldSurface(g, flow, None, written, written_flow)
         slip = _gradient(self.potential, known, forces, short, owner)
@@ -55,10 +56,10 @@ class YieldSurface(Verbatim):
         """The same with every expression changed, and no longer the texts it came from."""
         return YieldSurface(change(self.g), None if self.flow is None else tuple(map(change, self.flow)))
 
-    def moved(self, change: Callable[[sp.Expr], sp.Expr]) -> YieldSurface:
-        """The same with every expression in other symbols of the same names; a flow that a potential gives is to be found again."""
-        flow = None if self.flow is None or self.potential is not None else tuple(map(change, self.flow))
-        return replace(self, g=change(self.g), flow=flow)
+    def moved(self, change: Callable[[sp.Expr, str], sp.Expr]) -> YieldSurface:
+        """The same with every expression, and its text, in other symbols of the same names; a potential's flow is to be found again."""
+        flow = None if self.flow is None or self.potential is not None else tuple(map(change, self.flow, self.written_flow or repeat("")))
+        return replace(self, g=change(self.g, self.written), flow=flow)
 
 
 def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short: Abbreviations) -> sp.Expr:
@@ -66,6 +67,16 @@ def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short:
     return (
         parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
     )
+
+
+def _text(given: Any, expr: sp.Expr, written: str, known: Mapping[str, sp.Symbol], short: Abbreviations) -> str:
+    """What was given, if it is text; else what was ``written`` where that still gives the expression, and nothing where it does not."""
+    if isinstance(given, str):
+        return written_out(given, short)
+    try:
+        return written if written and reread(written, tuple(known.items())) == expr else ""
+    except InputError:  # as division by a parameter that was fixed at 0
+        return ""
 
 
 def _gradient(

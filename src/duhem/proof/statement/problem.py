@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from itertools import zip_longest
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -19,7 +19,7 @@ from duhem.expression import symbol
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.isotropy import shears_of_isotropic
 from duhem.expression.lineality import invariant_directions
-from duhem.expression.parse import parse_as_written, parse_expression
+from duhem.expression.parse import parse_as_written
 from duhem.expression.text import faithful
 from duhem.expression.weights import removable
 from duhem.law.domain import Domain
@@ -182,23 +182,9 @@ def faces(law: Criterion) -> tuple[Face, ...]:
 def as_written(law: Criterion, surface: Criterion | YieldSurface | None = None) -> tuple[str, ...]:
     """The formula and the flow of the law, or of a surface: the texts that were given, else what the law's expressions are printed as."""
     stated = surface or law
-    texts = (stated.written, *(stated.written_flow or ("",) * len(stated.flow or ())))
-    return tuple(_as_given(law, text, expr) for text, expr in zip(texts, (stated.g, *(stated.flow or ())), strict=True))
-
-
-def _as_given(law: Criterion, text: str, expr: sp.Expr) -> str:
-    try:
-        if text and _read(text, tuple(law.symbols().items())) == expr:
-            return text
-    except InputError:  # as division by a parameter that was fixed at 0
-        pass
-    return faithful(expr, law.symbols().values())
-
-
-@lru_cache(maxsize=256)
-def _read(text: str, known: tuple[tuple[str, sp.Symbol], ...]) -> sp.Expr:
-    """The formula of a text; the prover and the kernel's statement of the law both ask."""
-    return parse_expression(text, dict(known))
+    expressions, texts = (stated.g, *(stated.flow or ())), (stated.written, *stated.written_flow)
+    given = zip_longest(expressions, texts[: len(expressions)], fillvalue="")
+    return tuple(text or faithful(expr, law.symbols().values()) for expr, text in given)
 
 
 def _trees(law: Criterion, stated: Criterion | YieldSurface, values: Mapping[str, sp.Expr]) -> list[sp.Expr]:
