@@ -3,7 +3,9 @@
     python -m tests.campaigns.tampering 2000
 
 None may confirm what is false of the law that then stands in it.  Where that is another law, the refuters of duhem are asked;
-a potential is compared with the greatest sigma . d along the boundary.
+a potential is compared with the greatest sigma . d along the boundary.  A quarter have other labels too: all claims are called
+proved on the word of a prover, with their rules or without, or a verdict or a version is spelt otherwise; ``recheck`` may not
+pass one (exit 0) in which anything called proved is not confirmed.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from duhem import Criterion, Domain, InputError, Verdict, verify
 from duhem.proof.certificate import certificate
 from duhem.proof.kernel.certificate import Rechecked, digest, recheck
 from duhem.proof.kernel.term import NotWritten, parse
+from duhem.proof.recheck import recheck as rechecked
 from tests.campaigns.families.table import trials
 from tests.oracles import drawn_formulas
 
@@ -52,6 +55,8 @@ def tampering(made: Mapping[str, dict[str, Any]], count: int, seed: int, laws: S
         else:
             other_laws += 1
             false = refuted_of(copy["law"], rows)
+        if rechecked(copy).ok:
+            false += [r.claim for r in rows if r.verdict == "proved" and not r.confirmed]
         if any(r.claim == "duality" and r.confirmed for r in rows) and _stated(copy) != _stated(original):
             false += [] if dual(copy) else ["duality"]
         harmless += not false
@@ -67,7 +72,32 @@ def tampered(made: dict[str, Any], rng: Random) -> dict[str, Any]:
     for key in path:
         part = part[key]
     part[last] = changed(part[last], rng)
+    if rng.random() < 0.25:
+        return otherwise_labelled(copy, rng)
     return copy | {"sha256": digest(copy)} if rng.random() < 0.5 else copy
+
+
+def otherwise_labelled(made: dict[str, Any], rng: Random) -> dict[str, Any]:
+    """The certificate with labels that its writer might like better, and the hash that goes with them."""
+    way = rng.randrange(4)
+    if way < 2:
+        return relabelled(made, rng.choice(("prover", "solver")), offered=way == 0)
+    claims = json.loads(json.dumps(made["claims"]))
+    if way == 2 and isinstance(claims, list):
+        row = rng.choice(claims)
+        row["verdict"] = rng.choice(("proved ", "Proved", "PROVED", " proved", "proved\n", "pr\u043eved", True))
+    copy = made | {"claims": claims} | ({"schema": rng.choice(("duhem certificate 1", "duhem certificate 3", "", 2))} if way == 3 else {})
+    return copy | {"sha256": digest(copy)}
+
+
+def relabelled(made: Mapping[str, Any], trust: str, offered: bool) -> dict[str, Any]:
+    """The certificate with everything called proved on the word of a prover or solver, the rules ``offered`` still or not."""
+    claims = made["claims"]
+    if isinstance(claims, list):
+        less = {} if offered else {"rule": None, "evidence": {}}
+        claims = [{**row, "verdict": "proved", "trust": trust, **less} if isinstance(row, dict) else row for row in claims]
+    copy = {**made, "claims": claims}
+    return copy | {"sha256": digest(copy)}
 
 
 def leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:

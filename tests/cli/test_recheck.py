@@ -41,9 +41,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_proof_of_the_law_is_confirmed(folder: Path) -> None:
     done = run("recheck", folder / "disc.json", "--law", folder / "disc.toml")
     assert done.return_value == 0
-    *rows, empty, last = done.stdout.splitlines()[2:]
-    assert [line.split()[1:] for line in rows] == [["proved", "confirmed"]] * 7
-    assert (empty, last) == ("", "confirmed: 7 of 7 proofs")
+    law, table, last = done.stdout.rstrip().split("\n\n")
+    assert [line.split()[1:] for line in table.splitlines()[2:]] == [["proved", "checked", "confirmed"]] * 7
+    assert last == "confirmed: 7 of 7 proofs"
+    assert [" ".join(line.split()) for line in law.splitlines()] == [
+        "disc",
+        "criterion norm(sigma_a, sigma_b) - mu*abs(sigma_n) <= 0",
+        "slip normal to the boundary (associated)",
+        "forces sigma_a, sigma_b; pressure sigma_n <= 0, frozen",
+        "parameters 0 < mu",
+    ]
 
 
 def test_the_last_line_counts_what_is_confirmed_what_has_no_rule_and_what_fails(folder: Path, tmp_path: Path) -> None:
@@ -59,11 +66,104 @@ def test_the_last_line_counts_what_is_confirmed_what_has_no_rule_and_what_fails(
         return done.return_value, done.stdout.splitlines()[-1]
 
     unruled = {"trust": "prover", "rule": None, "evidence": {}}
-    assert told({}, smoothness=unruled, state_laws=unruled) == (0, "confirmed: 5 of 7 proofs; without a rule here: 2")
+    assert told({}, smoothness=unruled, state_laws=unruled) == (3, "confirmed: 5 of 7 proofs; without a rule here: 2")
     code, last = told({"g": "mu*abs(sigma_n) - norm(sigma_a, sigma_b)"}, smoothness=unruled)
     assert code == 1 and "without a rule here: 1; failed: " in last
     none = {"verdict": "undecided", "trust": None, "rule": None, "evidence": {}}
     assert told({}, **dict.fromkeys((row["claim"] for row in made["claims"]), none)) == (0, "there is no proof in it")
+
+
+def forged(made: dict[str, Any], law: dict[str, Any] | None = None, every: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
+    """The certificate with some of its law, of every claim and of single claims changed, and the hash that goes with it."""
+    from duhem.proof.kernel.certificate import digest
+
+    claims = [row | (every or {}) | changes.get(row["claim"], {}) for row in made["claims"]]
+    document = made | {"law": made["law"] | (law or {}), "claims": claims}
+    return document | {"sha256": digest(document)}
+
+
+TURNED = {"g": "mu*abs(sigma_n) - norm(sigma_a, sigma_b)"}  # outside of the disc: nothing but the state laws holds
+UNRULED = {"rule": None, "evidence": {}}
+
+
+@pytest.mark.parametrize("trust", ["prover", "solver"])
+def test_a_false_proof_does_not_pass_under_another_label(folder: Path, tmp_path: Path, trust: str) -> None:
+    made = json.loads((folder / "disc.json").read_text("utf-8"))
+    for every, code in (({"trust": trust}, 1), ({"trust": trust, **UNRULED}, 3)):
+        document = forged(made, TURNED, every)
+        (tmp_path / "labelled.json").write_text(json.dumps(document), "utf-8")
+        done = run("recheck", tmp_path / "labelled.json")
+        assert done.return_value == code and " mu*abs(sigma_n) - norm(sigma_a, sigma_b) <= 0" in done.stdout
+        found = duhem.recheck(document)
+        assert not found.ok and not found.to_dict()["ok"] and not found["convexity"].confirmed
+        assert ("convexity" in found.failed, "convexity" in found.without_rule) == (code == 1, code == 3)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        *({"verdict": verdict} for verdict in ("proved ", "Proved", "PROVED", "prov\u0435d", "true", True, None, ["proved"])),
+        *({"verdict": verdict} for verdict in ("tested", "refuted")),
+        *({"trust": trust} for trust in ("", "kernel", "Checked", "checked ", None, True, ["checked"], {})),
+        *({"method": method} for method in (None, 1, ["composition"], {})),
+        *({"claim": claim} for claim in ("convexity ", "Convexity", "", None, "origin", ["convexity"])),
+        *({"rule": rule} for rule in (None, 1, True, ["composition"])),
+        *({"evidence": evidence} for evidence in (None, [], "x", {"surplus": "1"}, {"potential ": "mu"})),
+        {"trust": "prover", "rule": None, "evidence": {"inside": {}, "share": "1"}}, {"surplus": 1}, {"witness": None}, {"seconds": 0.1},
+    ],
+    ids=repr,
+)  # fmt: skip
+def test_a_label_that_means_nothing_is_one_clear_error(folder: Path, change: dict[str, Any]) -> None:
+    made = json.loads((folder / "disc.json").read_text("utf-8"))
+    with pytest.raises(InputError, match=r"cannot be checked: .*make it anew with: duhem verify LAW --certificate FILE"):
+        duhem.recheck(forged(made, convexity=change))
+
+
+@pytest.mark.parametrize(
+    ("schema", "words"),
+    [
+        ("duhem certificate 1", "it is written in version 1 of its form, and version 2 is read here"),
+        ("duhem certificate 3", "it is written in version 3 of its form"), ("duhem certificate 2 ", "its schema is not"),
+        ("duhem certificate 02", "it is written in version 02"), ("Duhem certificate 2", "its schema is not"), (2, "its schema is not"),
+        (None, "its schema is not"), (["duhem certificate 2"], "its schema is not"), ("duhem certificate \u0662", "its schema is not"),
+    ],
+)  # fmt: skip
+def test_another_version_is_refused_with_the_remedy(folder: Path, schema: Any, words: str) -> None:
+    made = json.loads((folder / "disc.json").read_text("utf-8")) | {"schema": schema}
+    with pytest.raises(InputError, match=f"{words}.*make it anew with: duhem verify LAW --certificate FILE"):
+        duhem.recheck(forged(made))
+
+
+def test_a_surplus_key_is_refused_at_every_level(folder: Path) -> None:
+    made = json.loads((folder / "disc.json").read_text("utf-8"))
+    law = made["law"]
+    several = {key: value for key, value in law.items() if key not in ("g", "flow")}
+    others = [
+        {**made, "more": 1},
+        {**made, "law": {**law, "more": 1}},
+        {**made, "law": {**law, "parameters": {"mu": {"positive": True, "more": None}}}},
+        {**made, "law": {**law, "flow": {"potential": law["g"], "more": 1}}},
+        {**made, "law": {**law, "domain": {"sigma_n": {"min": "-1", "more": None}}}},
+        {**made, "law": {**several, "surfaces": [{"g": law["g"], "flow": None, "more": 1}]}},
+        {**made, "inhabited": {"mu": "1", "more": "1"}},
+        {**made, "law": {**law, "name": 1}},
+    ]
+    for other in others:
+        with pytest.raises(InputError, match="cannot be checked"):
+            duhem.recheck(forged(other))
+
+
+def test_everything_that_the_law_states_is_shown(folder: Path) -> None:
+    made = json.loads((folder / "disc.json").read_text("utf-8"))
+    law = {
+        "name": "disc\x1b[2J", "constraints": ["mu <\n  2"],
+        "parameters": {"mu": {"positive": True, "max": "3/2"}, "k": {"min": None, "max": "1"}},
+        "flow": {"potential": "sigma_a**2 + 3*sigma_b**2"}, "domain": {"sigma_n": {"min": "-100", "max": None}},
+    }  # fmt: skip
+    said = duhem.recheck(forged(made | {"inhabited": {"mu": "1", "k": "0"}}, law)).to_text()
+    for part in ("0 < mu <= 3/2; k <= 1", "mu < 2", "gradient of sigma_a**2 + 3*sigma_b**2", "-100 <= sigma_n", r"disc\x1b[2J"):
+        assert part in said
+    assert "\x1b" not in said
 
 
 def test_the_formula_in_it_is_the_one_that_was_written(folder: Path) -> None:
@@ -174,7 +274,7 @@ def test_python_sees_what_does_not_hold(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("given", "what"),
     [
-        ("{", "certificate: this is no JSON; make one with"),
+        ("{", "certificate: this is no JSON; make it anew with"),
         ({}, "certificate: the certificate cannot be checked"),
         ({"law": {1, 2}}, "certificate: this is no certificate"),
         (7, "certificate: int is no certificate; give a file"),

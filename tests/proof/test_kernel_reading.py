@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from fractions import Fraction
 from typing import Any
 
 import pytest
 
+from duhem.proof.kernel import claims as rules
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, exact
-from duhem.proof.kernel.certificate import SCHEMA, digest, recheck
+from duhem.proof.kernel.certificate import EVIDENCE, NO_RULE, SCHEMA, digest, recheck
 from duhem.proof.kernel.domain import StatedFace, StatedLaw, gap, inhabited, signs_of_product
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.term import WORDS, NotWritten, Term, factors, minus, number, parse, product_of, sum_of
@@ -287,7 +290,8 @@ def test_what_has_no_gradient(text: str) -> None:
 
 
 def certified(proofs: list[tuple[str, str, str | None]], **change: Any) -> dict[str, Any]:
-    rows = [{"claim": c, "verdict": v, "trust": "checked", "rule": r, "evidence": {}} for c, v, r in proofs]
+    trusts = {(v, r): None if v != "proved" else "prover" if r is None else "checked" for _, v, r in proofs}
+    rows = [{"claim": c, "verdict": v, "trust": trusts[v, r], "method": "", "rule": r, "evidence": {}} for c, v, r in proofs]
     law = {**LAW, "g": "norm(a, b) + m*s"}
     made = {"schema": SCHEMA, "law": law, "inhabited": {"m": "1", "n": "3"}, "claims": rows}
     made |= change
@@ -304,7 +308,11 @@ def test_a_certificate_is_checked_claim_by_claim() -> None:
     found = {row.claim: row for row in recheck(certified(PROOFS))}
     assert list(found) == ["origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws"]
     assert {claim for claim, row in found.items() if row.confirmed} == {"origin", "convexity", "normality", "dissipation", "state_laws"}
-    assert found["smoothness"].reason == "only proofs are checked" and found["duality"].reason == "no rule for this argument"
+    assert found["smoothness"].reason == "only proofs are checked" and found["duality"].reason == NO_RULE
+    assert {claim: row.outcome for claim, row in found.items()} == {
+        **dict.fromkeys(("origin", "convexity", "normality", "dissipation", "state_laws"), "confirmed"),
+        "smoothness": "no proof", "duality": "no rule",
+    }  # fmt: skip
     assert found["origin"] == ("origin", "proved", "checked", True, "")
 
 
@@ -340,3 +348,8 @@ def test_a_claim_is_stated_once_and_known_and_the_content_is_hashed() -> None:
         recheck({**made, "claims": made["claims"][1:]})
     assert digest({"b": "é", "a": [1, {"c": None}], "sha256": "x"}) == digest({"a": [1, {"c": None}], "b": "é"})
     assert digest({"a": 1}) == "015abd7f5cc57a2dd94b7590f04ad8084273905ee33ec5cebeae62276a97f862"
+
+
+def test_the_keys_of_evidence_are_those_that_the_rules_read() -> None:
+    source = inspect.getsource(rules)
+    assert set(re.findall(r'evidence(?:\.get\(|\[)"([^"]+)"', source)) | {"slips"} == set(EVIDENCE)

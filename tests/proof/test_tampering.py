@@ -13,7 +13,8 @@ from duhem import verify
 from duhem.proof.certificate import certificate
 from duhem.proof.kernel.certificate import digest, recheck, stated
 from duhem.proof.kernel.term import NotWritten
-from tests.campaigns.tampering import dual, leaves
+from duhem.proof.recheck import recheck as rechecked
+from tests.campaigns.tampering import dual, leaves, relabelled
 from tests.long import mostly_long
 
 ODD: tuple[Any, ...] = (None, True, 0, -1, 0.5, float("inf"), "", "1e9999999999", "-", [], ["a"], {}, {"a": {}}, "proved", "polar-gauge")
@@ -55,7 +56,8 @@ def said_in_words(reason: str) -> bool:
 @pytest.mark.parametrize(
     ("path", "value", "words"),
     [
-        (("law",), None, "it is no certificate: something else stands where"),
+        (("law",), None, "something else stands where an object should"),
+        (("claims", 0, "evidence"), None, "something else stands where an object should"),
         (("inhabited",), [], "it is no certificate: something else stands where"),
         (("claims", 0), {}, "it is no certificate: 'claim' is not there"),
         (("law", "g"), "mu " + "y" * 100_000, "is one too many"),
@@ -71,7 +73,6 @@ def test_what_is_no_certificate_is_said_in_words(path: tuple[Any, ...], value: A
 @pytest.mark.parametrize(
     ("evidence", "words"),
     [
-        (None, "something else stands where"),
         ({"potential": 1, "slips": {}}, "something else stands where"),
         ({"potential": "mu*+", "slips": {}}, "the formula ends too early"),
         ({"potential": "mu"}, "'slips' is not there"),
@@ -142,6 +143,20 @@ def test_a_curve_has_no_formula(word: str) -> None:
     assert stated(curve)
     with pytest.raises(NotWritten, match=word):
         stated(curve | {word: "-s*cos(t)"})
+
+
+@pytest.mark.parametrize("trust", ["prover", "solver"])
+@pytest.mark.parametrize("offered", [True, False], ids=["with its rule", "without a rule"])
+def test_labels_do_not_confirm(trust: str, offered: bool) -> None:
+    """Every claim of a false law is called proved on somebody's word; the laws are non-convex, or not around zero force."""
+    for g in (
+        "mu*abs(sigma_n) - norm(sigma_a, sigma_b)",
+        "abs(sigma_a*sigma_b) - mu*sigma_n**2",
+        "norm(sigma_a - 3, sigma_b) - mu*abs(sigma_n)",
+    ):
+        found = rechecked(relabelled({**made("coulomb"), "law": {**made("coulomb")["law"], "g": g}}, trust, offered))
+        assert not found.ok
+        assert bool(found.failed) == offered and bool(found.without_rule) != offered
 
 
 @pytest.mark.parametrize("odd", [{}, "", {"mu >= 0": 1}, "mu"])

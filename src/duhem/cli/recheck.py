@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from duhem.cli.arguments import read_fixed_law, settings_option
-from duhem.cli.exit_code import HELD, REFUTED
+from duhem.cli.exit_code import HELD, REFUTED, UNDECIDED
 from duhem.cli.output import page, say
 from duhem.errors import InputError
 from duhem.proof import recheck as rechecking
@@ -23,9 +23,11 @@ __all__ = ["recheck"]
 def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
     """Check the proofs in CERTIFICATE (duhem verify LAW --certificate FILE) against the text of the law in it.
 
-    The checker shares nothing with what made the proofs: no SymPy, no solver.  --law and --set say which law it should be
-    about.  The last line counts what is confirmed and what the kernel has no rule for.  Ends with 1 if a proof that the
-    certificate calls checked is not confirmed, or if the law is another.
+    The checker shares nothing with what made the proofs: no SymPy, no solver.  It prints the law that the certificate is
+    about, then a row for each claim; the last line counts.  --law and --set say which law it should be about.
+
+    Ends with 0 only if everything that the certificate calls proved is confirmed, with 1 if a proof fails or the law is
+    another, and with 3 if no proof fails but some rest on the word of a prover or solver, for which the kernel has no rule.
     """
     if not certificate.strip():
         raise InputError("no file is named", where="CERTIFICATE", remedy="make one with: duhem verify LAW --certificate FILE")
@@ -37,4 +39,4 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
             say(f"{certificate} is about another law than {law}, or about other values of its parameters")
             return REFUTED
     say(rechecking.as_text(done, page()))
-    return HELD if done.ok else REFUTED
+    return HELD if done.ok else REFUTED if done.failed else UNDECIDED

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -12,7 +12,7 @@ from duhem.errors import InputError
 from duhem.proof.kernel import certificate as kernel
 from duhem.proof.kernel.certificate import Rechecked
 from duhem.proof.kernel.term import NotWritten
-from duhem.show.page import PAGE, Page
+from duhem.show.page import PAGE, Page, printable
 from duhem.show.printing import plain, sheet, text
 from duhem.show.sheet import Sheet
 from duhem.show.shown import Shown
@@ -20,8 +20,8 @@ from duhem.show.shown import Shown
 __all__ = ["Recheck", "as_dict", "as_sheet", "as_text", "recheck"]
 
 _MOST_BYTES = 10_000_000
-_REMEDY = "make one with: duhem verify LAW --certificate FILE"
-_HEAD = ("claim", "verdict", "kernel", "why not")
+_REMEDY = "make it anew with: duhem verify LAW --certificate FILE"
+_HEAD = ("claim", "verdict", "trust", "kernel", "why not")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -47,19 +47,28 @@ class Recheck(Shown):
 
     @property
     def ok(self) -> bool:
-        """Whether every proof that the certificate calls checked is confirmed."""
-        return all(row.confirmed or row.trust != "checked" for row in self.claims)
+        """Whether everything that the certificate calls proved is confirmed."""
+        return not (self.failed or self.without_rule)
+
+    @property
+    def failed(self) -> tuple[str, ...]:
+        """Claims called proved for whose proof the kernel has an objection."""
+        return self._with("failed")
+
+    @property
+    def without_rule(self) -> tuple[str, ...]:
+        """Claims called proved on the word of a prover or solver: the kernel was given nothing that it could confirm."""
+        return self._with("no rule")
+
+    def _with(self, outcome: str) -> tuple[str, ...]:
+        return tuple(row.claim for row in self.claims if row.outcome == outcome)
 
     def counted(self) -> str:
         """How many proofs are confirmed, how many the kernel has no rule for, and how many it objects to, in words."""
-        proofs = [row for row in self.claims if row.verdict == "proved"]
-        if not proofs:
+        confirmed, rest = len(self._with("confirmed")), {"without a rule here": len(self.without_rule), "failed": len(self.failed)}
+        if not (proofs := confirmed + sum(rest.values())):
             return "there is no proof in it"
-        unruled = sum(row.reason == kernel.NO_RULE for row in proofs)
-        confirmed = sum(row.confirmed for row in proofs)
-        failed = len(proofs) - confirmed - unruled
-        rest = [f"; {what}: {count}" for what, count in (("without a rule here", unruled), ("failed", failed)) if count]
-        return f"confirmed: {confirmed} of {len(proofs)} proofs{''.join(rest)}"
+        return f"confirmed: {confirmed} of {proofs} proofs{''.join(f'; {what}: {count}' for what, count in rest.items() if count)}"
 
 
 def recheck(certificate: str | os.PathLike[str] | Mapping[str, Any]) -> Recheck:
@@ -127,21 +136,72 @@ def _with_each_key_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 @text.register(Recheck)
 def as_text(done: Recheck, page: Page = PAGE) -> str:
-    """A row a claim, and below them the count."""
-    return "\n".join([*page.table([_HEAD, *_rows(done)], "llll", "", rule=True), "", done.counted()])
+    """The law as the certificate states it, a row a claim, and below them the count."""
+    fields = list(_law(done.law))
+    size = max(len(title) for title, _ in fields)
+    law = [line for title, said in fields for line in page.field(title, said, size)]
+    table = page.table([_HEAD, *_rows(done)], "lllll", "", rule=True)
+    return page.report([[*page.hanging(_name(done.law)), *law], table, [done.counted()]])
 
 
 @sheet.register(Recheck)
 def as_sheet(done: Recheck) -> Sheet:
     """The same as a sheet."""
-    return Sheet(f"Certificate: {done.counted()}", head=_HEAD, rows=_rows(done))
+    return Sheet(f"Certificate of {_name(done.law)}: {done.counted()}", fields=tuple(_law(done.law)), head=_HEAD, rows=_rows(done))
 
 
 @plain.register(Recheck)
 def as_dict(done: Recheck) -> dict[str, Any]:
-    """Every row, the law as the certificate states it, and whether all that it calls checked is confirmed."""
-    return {"ok": done.ok, "law": dict(done.law), "claims": [row._asdict() for row in done.claims]}
+    """Every row, the law as the certificate states it, whether all that it calls proved is confirmed, and which claims are not."""
+    lists = {"failed": list(done.failed), "without_rule": list(done.without_rule)}
+    return {"ok": done.ok, **lists, "law": dict(done.law), "claims": [row._asdict() for row in done.claims]}
 
 
 def _rows(done: Recheck) -> tuple[tuple[str, ...], ...]:
-    return tuple((r.claim, r.verdict.replace("_", " "), "confirmed" if r.confirmed else "-", r.reason) for r in done.claims)
+    words = {"confirmed": "confirmed", "no proof": "-"}
+    return tuple((r.claim, r.verdict.replace("_", " "), r.trust or "-", words.get(r.outcome, r.outcome), r.reason) for r in done.claims)
+
+
+def _name(law: Mapping[str, Any]) -> str:
+    return _line(law.get("name") or "a law without a name")
+
+
+def _law(law: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """What was checked, from the certificate's own texts: every one that the kernel read."""
+    if "boundary" in law:
+        yield "boundary", f"|{law['pressure']}| ({_list(law['boundary'])}), {law['angle']} from 0 to 2 pi"
+        yield "slip", _slip(law["flow"])
+    for surface in law.get("surfaces", [law] if "g" in law else []):
+        yield "criterion", f"{_line(surface['g'])} <= 0"
+        yield "slip", _slip(surface["flow"])
+    pressure = f"; pressure {law['pressure']} <= 0, frozen" if law["pressure"] else "; no pressure"
+    yield "forces", f"{', '.join(law['forces'])}{pressure}"
+    yield "parameters", "; ".join(_range(name, own) for name, own in law["parameters"].items()) or "none"
+    if law.get("domain"):
+        yield "asked for", "; ".join(_range(name, own) for name, own in law["domain"].items())
+    if law["constraints"]:
+        yield "with", _list(law["constraints"])
+
+
+def _slip(flow: Any) -> str:
+    if flow is None:
+        return "normal to the boundary (associated)"
+    return f"gradient of {_line(flow['potential'])}" if isinstance(flow, Mapping) else f"({_list(flow)})"
+
+
+def _range(name: str, own: Mapping[str, Any]) -> str:
+    """A domain by its ends: ``mu = 1/2``, ``0 < mu``, ``-1 <= mu <= 2``."""
+    if (value := own.get("value")) is not None:
+        return f"{name} = {value}"
+    low = "0 < " if own.get("positive") else "" if own.get("min") is None else f"{own['min']} <= "
+    high = "" if own.get("max") is None else f" <= {own['max']}"
+    return f"{low}{name}{high}" if low or high else f"{name} any real number"
+
+
+def _list(texts: Iterable[str]) -> str:
+    return ", ".join(map(_line, texts))
+
+
+def _line(text: str) -> str:
+    """A text in one line, which shows what is in it."""
+    return printable(" ".join(text.split()))

@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from hashlib import sha256
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.domain import StatedLaw, exact, inhabited, without_more
+from duhem.proof.kernel.domain import StatedLaw, as_object, exact, inhabited, without_more
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
-__all__ = ["CLAIMS", "NO_RULE", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
+__all__ = ["CLAIMS", "EVIDENCE", "NO_RULE", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
 
-SCHEMA = "duhem certificate 1"
-NO_RULE = "no rule for this argument"
+SCHEMA = "duhem certificate 2"
+NO_RULE = "the certificate offers no rule for it"
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
+VERDICTS = ("proved", "refuted", "tested", "undecided", "not_applicable")
+TRUSTS = ("checked", "solver", "prover")  # of a proof; the last two name no rule
+EVIDENCE = (
+    "across", "along", "convex sums", "directions", "flat", "inside", "inward", "outward", "potential", "rest", "share", "slips",
+)  # fmt: skip
 
 
 class Rechecked(NamedTuple):
@@ -24,9 +30,43 @@ class Rechecked(NamedTuple):
 
     claim: str
     verdict: str
-    trust: str
+    trust: str | None
     confirmed: bool
     reason: str
+
+    @property
+    def outcome(self) -> str:
+        """``confirmed``, ``failed`` or ``no rule`` for what the certificate calls proved, ``no proof`` for the rest."""
+        if self.verdict != "proved":
+            return "no proof"
+        return "confirmed" if self.confirmed else "no rule" if self.reason == NO_RULE else "failed"
+
+
+class _Claim(NamedTuple):
+    """A claim as it stands in a certificate."""
+
+    claim: str
+    verdict: str
+    trust: str | None
+    method: str
+    rule: str | None
+    evidence: Mapping[str, Any]
+
+    @classmethod
+    def read(cls, given: Any) -> _Claim:
+        """NotWritten where a label is none of those there are, or does not go with the others."""
+        row = cls(*(without_more(given, cls._fields)[key] for key in cls._fields))
+        for what, label, known in (("claim", row.claim, CLAIMS), ("verdict", row.verdict, VERDICTS), ("trust", row.trust, (*TRUSTS, None))):
+            if label not in known:
+                raise NotWritten(f"the {what} {label!r} is none of: {', '.join(x or 'null' for x in known)}")
+        if not isinstance(row.method, str) or not isinstance(row.rule, str | None):
+            raise NotWritten(f"the method or rule of {row.claim} is no text")
+        without_more(as_object(row.evidence), EVIDENCE)
+        if (row.trust is None) == (row.verdict == "proved"):
+            raise NotWritten(f"{row.claim} is {row.verdict}, which does not go with the trust {row.trust or 'null'}")
+        if row.rule is None and (row.evidence or row.trust == "checked"):
+            raise NotWritten(f"{row.claim} has evidence or is called checked, and names no rule")
+        return row
 
 
 def digest(document: Mapping[str, Any]) -> str:
@@ -40,36 +80,41 @@ def stated(law: Mapping[str, Any]) -> StatedLaw | StatedCurve:
     return StatedCurve.read(law) if "boundary" in law else StatedLaw.read(law)
 
 
-def _row(claim: Mapping[str, Any]) -> Mapping[str, Any]:
-    return without_more(claim, {"claim", "verdict", "trust", "method", "rule", "evidence"})
-
-
 def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
-    """Every claim of a certificate.  Raises NotWritten where it is none: another schema, hash or law, or an empty domain."""
+    """Every claim of a certificate.  Raises NotWritten where it is none: another version, hash or law, unknown labels, an empty domain."""
     try:
+        _check_version(document["schema"])
         without_more(document, {"schema", "law", "inhabited", "claims", "sha256"})
-        if document["schema"] != SCHEMA:
-            raise NotWritten(f"its schema is not {SCHEMA!r}")
         if document["sha256"] != digest(document):
             raise NotWritten("its hash, sha256, is not that of its content: something was changed after it was made")
-        law = stated(document["law"])
+        law = stated(as_object(document["law"]))
+        if not isinstance(document["law"].get("name", ""), str):
+            raise NotWritten("the name of the law is no text")
         if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
             raise NotWritten("no point of the parameters' domain is given")
-        said = [(c["claim"], c["verdict"], c["trust"], c["rule"], c["evidence"]) for c in map(_row, document["claims"])]
-        if not all(isinstance(text, str) for claim, verdict, _, rule, _ in said for text in (claim, verdict, "" if rule is None else rule)):
-            raise NotWritten("a claim, verdict or rule is no text")
+        if not isinstance(document["claims"], list | tuple) or not document["claims"]:
+            raise NotWritten("it has no list of claims")
+        said = [_Claim.read(as_object(row)) for row in document["claims"]]
     except UNREADABLE as fault:
         raise NotWritten(f"{'' if isinstance(fault, NotWritten) else 'it is no certificate: '}{in_words(fault)}") from None
-    if not said or not isinstance(document["claims"], list | tuple):
-        raise NotWritten("it has no list of claims")
-    if len({claim for claim, *_ in said}) < len(said) or not {claim for claim, *_ in said} <= set(CLAIMS):
-        raise NotWritten("a claim is stated twice or is none")
+    if len({row.claim for row in said}) < len(said):
+        raise NotWritten("a claim is stated twice")
     settled, rows = set[str](), list[Rechecked]()
-    for claim, verdict, trust, rule, evidence in sorted(said, key=lambda c: CLAIMS.index(c[0])):
+    for row in sorted(said, key=lambda row: CLAIMS.index(row.claim)):
         reason = "only proofs are checked"
-        if verdict == "proved":
-            reason = NO_RULE if rule is None else objection(claim, rule, frozenset(settled), law, evidence)
+        if row.verdict == "proved":
+            reason = NO_RULE if row.rule is None else objection(row.claim, row.rule, frozenset(settled), law, row.evidence)
         if not reason:
-            settled.add(claim)
-        rows.append(Rechecked(claim, verdict, trust, not reason, reason))
+            settled.add(row.claim)
+        rows.append(Rechecked(row.claim, row.verdict, row.trust, not reason, reason))
     return tuple(rows)
+
+
+def _check_version(schema: Any) -> None:
+    """NotWritten for another version of the form than this reads."""
+    if schema == SCHEMA:
+        return
+    form, _, version = SCHEMA.rpartition(" ")
+    if isinstance(schema, str) and re.fullmatch(rf"{form} [0-9]{{1,6}}", schema):
+        raise NotWritten(f"it is written in version {schema.rpartition(' ')[2]} of its form, and version {version} is read here")
+    raise NotWritten(f"its schema is not {SCHEMA!r}")

@@ -29,6 +29,7 @@ __all__ = [
     "StatedFace",
     "StatedLaw",
     "as_list",
+    "as_object",
     "declared",
     "exact",
     "gap",
@@ -58,6 +59,13 @@ def as_list(given: Any) -> Sequence[Any]:
     """A list; NotWritten for a text or an object, of which one could go through the letters or keys."""
     if not isinstance(given, list | tuple):
         raise NotWritten("something else stands where a list should")
+    return given
+
+
+def as_object(given: Any) -> Mapping[str, Any]:
+    """An object; NotWritten for anything else."""
+    if not isinstance(given, Mapping) or not all(isinstance(key, str) for key in given):
+        raise NotWritten("something else stands where an object should")
     return given
 
 
