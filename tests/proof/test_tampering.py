@@ -148,7 +148,7 @@ def test_a_curve_has_no_formula(word: str) -> None:
 @pytest.mark.parametrize("trust", ["prover", "solver"])
 @pytest.mark.parametrize("offered", [True, False], ids=["with its rule", "without a rule"])
 def test_labels_do_not_confirm(trust: str, offered: bool) -> None:
-    """Every claim of a false law is called proved on somebody's word; the laws are non-convex, or not around zero force."""
+    """Every claim of a false law is called proved on somebody's word."""
     for g in (
         "mu*abs(sigma_n) - norm(sigma_a, sigma_b)",
         "abs(sigma_a*sigma_b) - mu*sigma_n**2",
