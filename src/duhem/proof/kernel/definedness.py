@@ -16,10 +16,13 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
+from duhem.proof.kernel.loads import by_forces
+from duhem.proof.kernel.pieces import below
+from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.shape import Shown
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["AGAINST", "Reader", "has_value"]
+__all__ = ["AGAINST", "Reader", "asks", "has_value"]
 
 AGAINST = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}  # what holds where a comparison does not
 _PARTIAL = ("**", "log", "asin", "acos", "tan", "atan2")
@@ -30,9 +33,9 @@ def has_value(term: Term, sign: Callable[[Term], Sign], domain: StatedDomain) ->
     """Whether a term has a value wherever its parts have, by the signs of these."""
     match term.op:
         case "**":
-            return _raised(*term.args, sign, domain)
+            return _raised(term.args[0], term.args[1], sign, domain)
         case "log":
-            return sign(term.args[0]) == POSITIVE
+            return not sign(term.args[0]) & (NEGATIVE | ZERO)
         case "asin" | "acos":
             return not any(sign(sum_of(_ONE, x)) & NEGATIVE for x in (*term.args, minus(term.args[0])))
         case "tan":
@@ -49,7 +52,7 @@ def _raised(base: Term, exponent: Term, sign: Callable[[Term], Sign], domain: St
     if p is not None and p.denominator == 1:
         return p >= 0 or not sign(base) & ZERO
     known = sign(base)
-    return known == POSITIVE or (not known & NEGATIVE and (p > 0 if p is not None else sign(exponent) == POSITIVE))
+    return not known & (NEGATIVE | ZERO) or (not known & NEGATIVE and (p > 0 if p is not None else sign(exponent) == POSITIVE))
 
 
 class Reader(NamedTuple):
@@ -64,7 +67,7 @@ class Reader(NamedTuple):
         """An innermost part that is not shown to have a value; None where the whole formula has one."""
         known: dict[Term, Term | None] = self.domain.kept.setdefault("undecided", {})
         if term not in known:
-            known[term] = self._undecided(term) if _asks(term) else None
+            known[term] = self._undecided(term) if asks(term) else None
         return known[term]
 
     def _undecided(self, term: Term) -> Term | None:
@@ -73,7 +76,7 @@ class Reader(NamedTuple):
             if (found := self.undecided(condition)) is not None:
                 return found
             branches = ((one, True), (two, False))
-            return next((x for a, holds in branches if _asks(a) and (x := self._under(condition, holds, a)) is not None), None)
+            return next((x for a, holds in branches if asks(a) and (x := self._under(condition, holds, a)) is not None), None)
         if (found := next((x for a in term.args if (x := self.undecided(a)) is not None), None)) is not None:
             return found
         try:
@@ -101,8 +104,10 @@ class Reader(NamedTuple):
             own = condition if holds else Term(AGAINST[condition.op], condition.args)
             law = law._replace(constraints=(*law.constraints, own))
         else:
-            side, strict = gap(condition), len(condition.op) == 1
-            sides |= {side: strict} if holds else {minus(side): not strict}
+            against = Term(AGAINST[condition.op], condition.args)
+            own, other = (condition, against) if holds else (against, condition)
+            own_sides = (gap(own), *map(minus, below(gap(other))))
+            sides |= dict.fromkeys((*own_sides, *map(self._without_what_is_below_zero, own_sides)), len(own.op) == 1)
         try:
             inner = self.over(law)
         except NotWritten:  # it never holds, or is too long: more is asked than need be
@@ -110,9 +115,15 @@ class Reader(NamedTuple):
         inner.sides |= sides
         return self._replace(domain=inner)
 
+    def _without_what_is_below_zero(self, side: Term) -> Term:
+        """What is no less than a formula: its terms that may be > 0."""
+        parts = by_forces(self.domain.polynomial(side), self.domain).items()
+        terms = (product_of(written(c), written({moving: Fraction(1)})) for moving, c in parts)
+        return sum_of(*(term for term in terms if self.sign(term) & POSITIVE))
 
-def _asks(term: Term) -> bool:
+
+def asks(term: Term) -> bool:
     """Whether some part asks for more than the values of its own parts."""
     if term.op == "**" and term.args[1].op == "number" and term.args[1].value >= 0 and term.args[1].value.denominator == 1:
-        return _asks(term.args[0])
-    return term.op in _PARTIAL or any(map(_asks, term.args))
+        return asks(term.args[0])
+    return term.op in _PARTIAL or any(map(asks, term.args))
