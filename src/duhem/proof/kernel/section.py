@@ -19,7 +19,7 @@ from fractions import Fraction
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.invariants import Invariants, invariants
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, joined, times, total, written
-from duhem.proof.kernel.positivity import RAY, nonnegative
+from duhem.proof.kernel.positivity import RAY, negated, nonnegative
 from duhem.proof.kernel.section_value import (
     MOST_POWER,
     ROOT,
@@ -36,7 +36,7 @@ from duhem.proof.kernel.section_value import (
 from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number
 
-__all__ = ["by_section", "meanings", "sign_on_axis", "without_sections"]
+__all__ = ["by_section", "meanings", "section_readers"]
 
 _THIRD_OF_C: Polynomial = {((RAY, 1), (ROOT, 1)): Fraction(2, 9)}  # J3 = (2 sqrt(3)/9) c for J2 = 1
 _ABOVE = Fraction(577350269190, 10**12)  # > 1/sqrt(3)
@@ -45,26 +45,8 @@ _PI = Term("name", name="pi")
 
 def by_section(term: Term, domain: StatedDomain, shown: Shown) -> Facts | None:
     """What is shown of a sum, product or power, the parts that are functions of J2 and J3 taken together by their degree."""
-    found = (reader.facts(term) for reader in _readers_of(term, domain, shown))
+    found = (reader.facts(term) for reader in section_readers(term, domain, shown))
     return next((known for known in found if known is not None and known.quasiconvex), None)
-
-
-def without_sections(term: Term, domain: StatedDomain, shown: Shown) -> Iterator[Term]:
-    """The term as it is where J2 = 0: with 0 for its functions of J2 and J3 of a degree above 0, as its parts may be read."""
-    for reader in _readers_of(term, domain, shown):
-        yield reader.emptied(term)
-
-
-def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign:
-    """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
-    for reader in _readers_of(g, domain, shown):
-        section, there = reader.read_or_none(tip), reader.emptied(g)
-        if section is None or not domain.constant(there) or not reader.holds(section.poly, strict=True):
-            continue
-        value = shown(there, domain)
-        if value.defined:
-            return value.sign
-    return ANY
 
 
 def meanings(domain: StatedDomain, shown: Shown) -> list[Invariants]:
@@ -72,8 +54,8 @@ def meanings(domain: StatedDomain, shown: Shown) -> list[Invariants]:
     return [reader.meaning for reader in _readers(domain, shown)]
 
 
-def _readers_of(term: Term, domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:
-    """None for a formula of which a part may have no value."""
+def section_readers(term: Term, domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:
+    """Of the law's formulas; none for one of which a constant may have no value."""
     readers = _readers(domain, shown)
     return readers if readers and of_settled_parts(term, domain, shown) else ()
 
@@ -125,6 +107,20 @@ class _SectionReader:
         return self.read_or_none(term) is not None
 
     # -- what is shown -------------------------------------------------------------------------------------------------
+
+    @property
+    def second(self) -> Polynomial:
+        """J2."""
+        return self.meaning.second
+
+    def sign(self, term: Term) -> Sign:
+        """The signs that such a function may have where J2 is not 0."""
+        with suppress(NotWritten):
+            poly = self.read(term).poly
+            for turned, sign in ((poly, POSITIVE), (negated(poly), NEGATIVE)):
+                if self.holds(turned):
+                    return sign if self.holds(turned, strict=True) else sign | ZERO
+        return ANY
 
     def facts(self, term: Term) -> Facts | None:
         """None for a product or power that is no such function."""
@@ -209,6 +205,7 @@ class _SectionReader:
         return written(b)
 
     def emptied(self, term: Term) -> Term:
+        """The term where J2 = 0: with 0 for such functions of a degree above 0."""
         if self.domain.constant(term) or term.op == "name" or term.op in COMPARISONS:  # what is compared may have another sign beside it
             return term
         section = self.read_or_none(term)

@@ -12,7 +12,7 @@ rho^k f, f a function of the angle alone, is 0 by continuity, as in ``section``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -20,7 +20,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from duhem.proof.kernel.algebraic import Signs, inner, plain, root_of, roots_in, slope_along
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, gap
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.invariants import Invariants, of_tensor
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, times, total, written
 from duhem.proof.kernel.positivity import RAY, negated
@@ -30,7 +30,7 @@ from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
 from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["by_sector", "without_sectors"]
+__all__ = ["by_sector", "sector_readers"]
 
 Over = Callable[[StatedLaw], StatedDomain]
 _FIRST, _GAP = (Term("name", name=name) for name in ("greatest deviator", "half of the others' gap"))  # no name of a law has blanks
@@ -42,17 +42,11 @@ _MOST_PARTS = 6
 
 def by_sector(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Facts | None:
     """What is shown of a sum, product, power or choice, its functions of principal deviators taken together by their degree."""
-    for reader in _readers(term, domain, shown, over):
+    for reader in sector_readers(term, domain, shown, over):
         with suppress(NotWritten):
             if (known := reader.facts(term)) is not None and known.quasiconvex:
                 return known
     return None
-
-
-def without_sectors(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Term]:
-    """The term as it is where the deviator is 0: with 0 for its functions of a degree above 0 that have a value there."""
-    for reader in _readers(term, domain, shown, over):
-        yield reader.emptied(term)
 
 
 class _Tensor(NamedTuple):
@@ -79,7 +73,7 @@ class _Value(NamedTuple):
     whole: bool
 
 
-def _readers(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> list[_SectorReader]:
+def sector_readers(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> list[_SectorReader]:
     """One for each tensor of which a greatest or least principal value stands in the term; else for what the forces may be."""
     if _FIRST.name in domain.law.forces or domain.constant(term) or not of_settled_parts(term, domain, shown):
         return []
@@ -128,6 +122,20 @@ class _SectorReader:
         self.known: dict[Term, _Value | None] = {}  # what was read
 
     # -- what is shown -------------------------------------------------------------------------------------------------
+
+    @property
+    def second(self) -> Polynomial:
+        """J2."""
+        return self.tensor.invariants.second
+
+    def sign(self, term: Term) -> Sign:
+        """The signs that such a function may have where the deviator is not 0."""
+        with suppress(NotWritten):
+            poly = {} if (value := self.value(term)) is None else value.section.poly
+            for turned, sign in ((poly, POSITIVE), (negated(poly), NEGATIVE)) if value is not None else ():
+                if self.signs.above(turned):
+                    return sign if self.signs.above(turned, strict=True) else sign | ZERO
+        return ANY
 
     def facts(self, term: Term) -> Facts | None:
         """None for a product, power or choice that is no such function."""
@@ -200,6 +208,7 @@ class _SectorReader:
         return self.known[term]
 
     def emptied(self, term: Term) -> Term:
+        """The term where the deviator is 0: with 0 for such functions of a degree above 0 that have a value there."""
         if self.domain.constant(term) or term.op == "name" or term.op in COMPARISONS:  # what is compared may have another sign beside it
             return term
         value = self.value(term)
