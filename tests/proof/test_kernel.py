@@ -172,7 +172,7 @@ SIGNED = {"min": "-1", "max": "1"}
         (law("exp(log(a)) + abs(b) - 1"), "convexity"),
         (law("sqrt(a)**2 + abs(b) - 1"), "convexity"),
         (law("pos(a)*sqrt(a) + abs(b) - 1"), "convexity"),
-        (law("0/(q - q) + abs(a) - 1", q=UNIT), "origin"),
+        (law("0/((q + 1)*(q - 1) - q**2 + 1) + abs(a) - 1", q=UNIT), "origin"),
         (law("max(a**4 + b**4 + c*a**2*b**2 - 1, 2*(a**4 + b**4 + c*a**2*b**2 - 1))", c={"min": "0", "max": "6001/1000"}), "convexity"),
         (law("abs(a)*abs(s)", forces=("a",), pressure="s"), "smoothness"),  # K is one point, with every normal
         (law("tan(a) - 1", forces=("a",)), "convexity"),

@@ -48,7 +48,7 @@ POSITIVE = {"positive": True}
         (f"max({SQUARE} - 1, min(a - 2, b))", True),
         ("min(a, b)", False),  # unbounded
         ("min(abs(a) - 1, abs(a) - 2)", False),  # a strip, which it does not ask about
-        (f"{SQUARE} - 1 + 0/(k - k)", False),
+        (f"{SQUARE} - 1 + 0/((k + 1)*(k - 1) - k**2 + 1)", False),
         ("norm(a, b) - 1", False),
         ("abs(abs(a) - 2) + abs(b) - 1", False),  # two diamonds
         (f"m*min({LEFT}, {RIGHT})", True),

@@ -60,7 +60,7 @@ def said_in_words(reason: str) -> bool:
         (("claims", 0, "evidence"), None, "something else stands where an object should"),
         (("inhabited",), [], "it is no certificate: something else stands where"),
         (("claims", 0), {}, "it is no certificate: 'claim' is not there"),
-        (("law", "g"), "mu " + "y" * 100_000, "is one too many"),
+        (("law", "g"), "mu " + "y" * 100_000, "the formula is too long"),
         (("law", "g"), "(" * 5_000, "nests too deeply"),
     ],
 )
@@ -76,7 +76,7 @@ def test_what_is_no_certificate_is_said_in_words(path: tuple[Any, ...], value: A
         ({"potential": 1, "slips": {}}, "something else stands where"),
         ({"potential": "mu*+", "slips": {}}, "the formula ends too early"),
         ({"potential": "mu"}, "'slips' is not there"),
-        ({"potential": "mu " + "y" * 100_000, "slips": {}}, "is one too many"),
+        ({"potential": "mu " + "y" * 100_000, "slips": {}}, "the formula is too long"),
     ],
 )
 def test_evidence_that_cannot_be_read_is_said_in_words(evidence: Any, words: str) -> None:

@@ -200,6 +200,8 @@ def _checked(expr: sp.Expr) -> sp.Expr:
 
 def _is_unreal(expr: sp.Expr) -> bool:
     """Whether SymPy knows a root, a logarithm, an arc sine or cosine not to be real, whatever the symbols in it are."""
+    if isinstance(expr, sp.Pow) and isinstance(expr.exp, InertNumber) and expr.base.is_negative:
+        return True  # of such exponents SymPy says nothing
     return expr is sp.I or (isinstance(expr, (sp.Pow, sp.log, sp.asin, sp.acos)) and expr.is_extended_real is False)
 
 

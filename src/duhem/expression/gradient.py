@@ -9,8 +9,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.build import unacceptable
-from duhem.expression.inert_number import reckoned
+from duhem.expression.build import settled, unacceptable
 from duhem.expression.vocabulary import Where, adopted
 
 __all__ = ["gradient", "jacobian"]
@@ -19,7 +18,7 @@ __all__ = ["gradient", "jacobian"]
 def gradient(potential: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
     """The derivatives by ``forces``; where pieces meet at a kink, that of one of them.  InputError where a part has no derivative."""
     opened = potential.replace(lambda node: isinstance(node, sp.Abs | sp.Max | sp.Min), _pieces)
-    found = tuple(reckoned(sp.diff(opened, x)) for x in forces)
+    found = tuple(settled(sp.diff(opened, x)) for x in forces)
     for part in found:
         if fault := unacceptable(part, potential.free_symbols):
             raise InputError(f"the potential has no gradient in the words of the language: {fault.what}", remedy="give the flow itself")

@@ -208,6 +208,8 @@ class _Reader:
     def check_order(self, token: re.Match[str], previous: re.Match[str] | None) -> None:
         """Operands and operators alternate."""
         if previous is not None and _ends_operand(previous):
+            if token.lastgroup == "joint" and previous.lastgroup == "number" and previous.end() == token.start():
+                raise self.place.error(f"{token[0]!r} touches a number", at=token.start(), remedy="put a blank between them")
             joining = token.lastgroup in ("operator", "joint") and token[0] != "("
             if not joining and not (token[0] == "(" and previous.lastgroup == "name"):
                 near = f"{self.given(token)!r} after {self.given(previous)!r}"

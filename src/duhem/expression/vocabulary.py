@@ -43,6 +43,9 @@ class Norm(sp.Function):
     def _eval_is_extended_nonnegative(self) -> bool:
         return True
 
+    def _eval_evalf(self, prec: int) -> sp.Expr:
+        return self._eval_rewrite_as_Pow(*self.args)._eval_evalf(prec)
+
     def _eval_rewrite_as_Pow(self, *args: sp.Expr, **_: Any) -> sp.Expr:
         return sp.sqrt(sp.Add(*[a**2 for a in args]))
 

@@ -9,7 +9,10 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from fractions import Fraction
+from types import MappingProxyType
 from typing import NamedTuple
+
+from duhem.proof.kernel.refused import NoValueError, check_values
 
 __all__ = [
     "COMPARISONS",
@@ -25,6 +28,7 @@ __all__ = [
     "parse",
     "product_of",
     "sum_of",
+    "written",
 ]
 
 _OF_ONE = (
@@ -32,13 +36,15 @@ _OF_ONE = (
 )  # fmt: skip
 # least and greatest number of arguments
 WORDS = {
-    **dict.fromkeys(_OF_ONE, (1, 1)), **dict.fromkeys(("norm", "max", "min"), (1, 99)), "atan2": (2, 2), "eigmax": (6, 6), "where": (3, 3),
+    **dict.fromkeys(_OF_ONE, (1, 1)), **dict.fromkeys(("norm", "max", "min"), (1, 32)), "atan2": (2, 2), "eigmax": (6, 6), "where": (3, 3),
 }  # fmt: skip
 COMPARISONS = ("<=", ">=", "<", ">")
 _JOINTS = ("and", "or")
-_DIGITS = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3}(?!\d))?"
-_TOKEN = re.compile(rf"\s*(?:{_DIGITS}|[^\W\d]\w*|\*\*|<=|>=|[-+*/(),<>])")
-_DEEPEST, _LARGEST = 200, 8_000  # brackets; parts of what repeats some of the text
+_NUMBER = r"(?P<digits>[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE](?P<scale>[+-]?[0-9]+))?"
+_TOKEN = re.compile(rf"[ \t\n\r]*(?P<token>(?P<number>{_NUMBER})|[^\W\d]\w*|\*\*|<=|>=|[-+*/(),<>])(?!=|(?<=/)/)")
+_BLANKS = " \t\n\r"
+_DEEPEST, _BRACKETS, _LARGEST = 200, 60, 8_000  # signs and powers; brackets; parts of what repeats some of the text
+_MOST_CHARACTERS, _MOST_TOKENS, _MOST_DIGITS = 20_000, 4_000, 400
 _SAID = 120  # letters of what somebody wrote that a message repeats
 
 
@@ -134,21 +140,54 @@ def factors(term: Term) -> list[Term]:
     return [f for a in term.args for f in factors(a)] if term.op == "*" else [term]
 
 
-def parse(text: str) -> Term:
-    """The formula or comparison in ``text``; x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2), ..."""
-    tokens, at = list[str](), 0
-    text = text.rstrip()
-    while at < len(text):
-        found = _TOKEN.match(text, at)
-        if found is None:
-            raise NotWritten(f"{text[at : at + 20]!r} is not understood")
-        tokens.append(found.group().strip())
-        at = found.end()
+def parse(text: str, signs: Mapping[str, int] = MappingProxyType({})) -> Term:
+    """The formula or comparison in ``text``, as :func:`written`; ``signs`` are those that names may have, all of them for other names.
+
+    NotWritten also where a part has no real value whatever its names are: the criterion file's parser refuses the same texts.
+    """
+    term = written(text)
+    try:
+        check_values(term, signs)
+    except NoValueError as fault:
+        raise NotWritten(str(fault)) from None
+    return term
+
+
+def written(text: str) -> Term:
+    """The tree of a text that is well written; x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2), ..."""
+    tokens = _tokens(text)
     term, rest = _condition(tokens, 0, 0)
     if rest != len(tokens):
         raise NotWritten(f"{tokens[rest]!r} is one too many")
     _place(term, term.op in COMPARISONS)
     return term
+
+
+def _tokens(text: str) -> list[str]:
+    """The numbers, names and signs of a text; NotWritten for a mark that none of them has, and for too many."""
+    if len(text) > _MOST_CHARACTERS:
+        raise NotWritten("the formula is too long")
+    tokens, at, text, opened = list[str](), 0, text.rstrip(_BLANKS), 0
+    while at < len(text):
+        found = _TOKEN.match(text, at)
+        if found is None:
+            raise NotWritten(f"{text[at : at + 20]!r} is not understood")
+        token, at = found["token"], found.end()
+        if found["number"]:
+            _check_number(found["digits"], found["scale"] or "0", text[at : at + 1])
+        opened += (token == "(") - (token == ")")
+        tokens.append(token)
+        if opened > _BRACKETS or len(tokens) > _MOST_TOKENS:
+            raise NotWritten("the formula nests too deeply or is too long")
+    return tokens
+
+
+def _check_number(digits: str, scale: str, behind: str) -> None:
+    """A number is written out in so many digits, begins with no 0 to no purpose, and no letter touches its end."""
+    if len(digits) > _MOST_DIGITS or len(scale) > 6 or abs(int(scale)) > _MOST_DIGITS:
+        raise NotWritten("a number is too long or too large")
+    if re.fullmatch(r"0+[1-9][0-9]*", digits) or behind.isalpha():
+        raise NotWritten(f"{digits[:24]!r} is no number in its place")
 
 
 def _place(term: Term, condition: bool) -> None:
@@ -228,7 +267,7 @@ def _atom(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
     if depth > _DEEPEST:
         raise NotWritten("the formula nests too deeply")
     token = tokens[at]
-    if token[0] == "." or token[0].isdecimal():
+    if token[0] in ".0123456789":
         return number(Fraction(token)), at + 1
     if token == "(":
         term, at = _condition(tokens, at + 1, depth + 1)
