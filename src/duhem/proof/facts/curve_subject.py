@@ -10,7 +10,7 @@ from random import Random
 
 import sympy as sp
 
-from duhem.expression import UNDEFINED
+from duhem.expression import UNDEFINED, holds_at
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.balls import certain_sign
 from duhem.expression.number import fraction
@@ -216,7 +216,7 @@ class CurveSubject(Subject):
         domains = {x: self.law.parameters[x.name] for x in self.free}
         plain = ({x: point[x] for x in self.free} for point in simple_points(self.law))
         drawn = ({x: _drawn(domain, rng) for x, domain in domains.items()} for _ in range(40 * most))
-        admitted = (point for point in chain(plain, drawn) if all(r.xreplace(point) == sp.true for r in self.given))
+        admitted = (point for point in chain(plain, drawn) if all(holds_at(r, point) for r in self.given))
         for point in islice(admitted, most):
             yield {x: fraction(value) for x, value in point.items()}
 
