@@ -119,4 +119,6 @@ def _divisors(part: sp.Basic) -> list[sp.Expr]:
 def _vanishes(obligation: Obligation, place: dict[sp.Symbol, sp.Expr]) -> bool:
     """Whether it asks that something is not 0 which is 0 at a place, for all parameters."""
     here = obligation.put(place)
-    return here.sense is not Sense.NONNEGATIVE and not here.instead and all(r == sp.true for r in here.given) and sp.simplify(here.expr) == 0
+    if here.sense is Sense.NONNEGATIVE or here.instead or any(r != sp.true for r in here.given):
+        return False
+    return sp.simplify(here.expr) == 0
