@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
 import flint
 import pytest
 
-from duhem import Domain, Verdict
+from duhem import Domain, InputError, Verdict, verify
 from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.numeric_curve import Greatest, NumericCurve
@@ -68,6 +70,22 @@ def test_what_is_true_of_a_plain_one_is_proved(name: str) -> None:
         found = getattr(curve_signs, LETTERS[claim])(CurveSubject(ParametricCriterion(name, boundary, flow=flow)))  # type: ignore[arg-type]
         proved += [claim] if found is not None and found.verdict is Verdict.PROVED else []
     assert "".join(proved) == true
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CURVES)
+def test_a_curve_run_the_other_way_gets_the_same_verdicts(name: str) -> None:
+    """T(-phi) with d(-phi) is the same law; so is T(phi + pi/2), which begins elsewhere."""
+    boundary, flow, _ = CURVES[name]
+
+    def turned(pair: tuple[str, str] | None, swap: Mapping[str, str]) -> tuple[str, str] | None:
+        one, two = (re.sub(r"(cos|sin)\(phi\)", lambda found: swap[found[0]], text) for text in pair or ("", ""))
+        return pair and (one, two)
+
+    ways = ({C: C, S: f"(-{S})"}, {C: S, S: C}, {C: f"(-{C})", S: S})
+    laws = [ParametricCriterion(name, turned(boundary, way), flow=turned(flow, way)) for way in ({C: C, S: S}, *ways)]  # type: ignore[arg-type]
+    found = [{r.claim: (r.verdict, r.trust) for r in verify(law).results} for law in laws]
+    assert found[1:] == found[:1] * 3
 
 
 @pytest.mark.slow
@@ -287,11 +305,53 @@ def test_what_is_analytic() -> None:
         assert curve_signs._analytic(_subject((curve[0] + "*(1 + e)", curve[1]), e=Domain.between(0, 1))) is always
 
 
+def test_a_violation_of_a_clockwise_curve_is_told_in_its_own_angle() -> None:
+    """The angle of a witness and its coordinates are those of the law as it was given."""
+    law = ParametricCriterion("clockwise", (C, f"-{S}"), flow=_turned(f"pos({S} - 4/5)"))  # type: ignore[arg-type]
+    witness = verify(law)["normality"].witness
+    assert witness is not None
+    t = Fraction(witness.points["sigma"]["tan_half_phi"])
+    low, high = (Fraction(x) for x in witness.values["sigma_a(sigma)"])
+    assert low <= (1 - t * t) / (1 + t * t) <= high
+    low, high = (Fraction(x) for x in witness.values["sigma_b(sigma)"])
+    assert low <= -2 * t / (1 + t * t) <= high
+
+
+def test_a_flow_that_is_wrong_in_a_thin_range_of_a_parameter_is_refuted_there() -> None:
+    found = verify(ParametricCriterion("thin", (C, S), {"e": Domain.between("-1e-20", 1)}, flow=(f"e*{C}", f"e*{S}")))  # type: ignore[arg-type]
+    assert found["dissipation"].verdict is Verdict.REFUTED and found["convexity"].verdict is Verdict.PROVED
+    touching = ParametricCriterion("touching", (C, S), {"e": Domain.between("-1e-20", 1)}, flow=(f"{C} + e", S))  # type: ignore[arg-type]
+    assert verify(touching)["dissipation"].verdict is Verdict.PROVED  # force . flow = 1 + e cos phi >= 0
+
+
+@pytest.mark.parametrize(("factor", "at"), [("sqrt(e)", "e = -1"), ("1/e", "e = 0"), ("log(e)", "e = 0")])
+def test_a_curve_without_value_at_some_parameters_is_an_error(factor: str, at: str) -> None:
+    law = ParametricCriterion("law", (f"{factor}*{C}", S), {"e": Domain.between(-1, 1)})  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=f"the boundary has no value at {at}; narrow"):
+        verify(law)
+
+
+@pytest.mark.parametrize("e", [Domain.between(1, 2), Domain.fixed(1)])
+def test_a_pole_that_cancels_in_the_power_proves_nothing(e: Domain) -> None:
+    """T . d = e + sin(phi)^2 wherever T has a value, which it has not at phi = pi/2."""
+    law = ParametricCriterion("pole", (f"e/{C}", S), {"e": e}, flow=(C, S))  # type: ignore[arg-type]
+    assert Verdict.PROVED not in {verify(law, claims=["origin", "dissipation"])[c].verdict for c in ("origin", "dissipation")}
+
+
+def test_a_constraint_on_what_the_curve_does_not_hold_keeps_no_claim_open() -> None:
+    law = ParametricCriterion("law", (C, S), {"b": Domain.between(0)}, constraints=("b > 4/b",))  # type: ignore[arg-type]
+    assert {r.verdict for r in verify(law).results} == {Verdict.PROVED, Verdict.NOT_APPLICABLE}
+
+
 def test_zero_force_and_power_over_a_range() -> None:
     span = Domain.between(0, 1)
     assert curve_signs.origin(_subject((f"{C} + 3/2 + e", S), NORMAL, e=span)) is None
     assert curve_signs.origin(_subject((f"{C} + e", S), NORMAL, e=Domain.between(0, "2/5"))) is not None
     touching = _subject((f"{C} + e", S), NORMAL, e=span)
-    assert curve_signs.origin(touching) is None and curve_signs.dissipation(touching) is None
+    assert curve_signs.origin(touching) is None
+    power = curve_signs.dissipation(touching)  # it is 1 + e cos phi, and 0 for e = 1 where the curve meets 0
+    assert power is not None and power.detail == "T . d >= 0 at every angle, so force . flow = |sigma_n| T . d >= 0"
+    beyond = _subject((f"{C} + e", S), NORMAL, e=Domain.between(0, "10001/10000"))
+    assert curve_signs.dissipation(beyond) is None
     wound = curve_signs.origin(_subject(limacon("e"), e=Domain.between(0, "3/5")))
     assert wound is not None and (wound.method, wound.detail) == ("winding", "T x T' > 0: the curve runs around 0 once")

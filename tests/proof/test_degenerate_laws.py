@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from duhem import POSITIVE, Criterion, Domain, Verdict, verify
+from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
 from duhem.proof.claims import Claim
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import rationals
@@ -104,18 +104,18 @@ def test_a_potential_that_divides_by_what_may_vanish_is_not_proved(g: str) -> No
         ("norm(a, b) + m*abs(p)", "K is empty: g > 0 for all forces", True),
         ("-m - a**2 - b**2", "K is everything: g <= 0 for all forces", True),
         ("m*norm(a, b)", "K is the point 0: g > 0 elsewhere", True),
-        ("m*(a - b)**2", "K is a line without inside", True),
-        ("(a - 1)**2 + m*b**2", "K has no inside: g >= 0 for all forces", False),
+        ("m*(a - b)**2", "K is a line without inside: g > 0 elsewhere", False),
+        ("(a - 1)**2 + m*b**2", "K has no inside: g >= 0 for all forces, and g = 0 in K", False),
         ("abs(a - b) - m*abs(p)", "K is unbounded: g does not change along 1 direction of the forces", False),
         ("abs(a) - m*b", "K is unbounded: g <= 0 at a = 0, b = t for all t > 0", False),
         ("norm(a, b) - abs(p)", "g does not depend on m", False),
-        ("norm(a, b) - a/a - m", "g may be undefined for some forces: it divides by a; ", False),
+        ("norm(a, b) - a/a - m", "It is not shown that g has a value for all forces: it divides by a. ", False),
     ],
 )
 def test_an_odd_law_is_named_first(g: str, said: str, vacuous: bool) -> None:
     stated = Criterion(name="law", g=g, forces=("a", "b"), pressure="p" if "p" in g else None, parameters={"m": POSITIVE})
     found = verify(stated, claims=["origin", "dissipation"])
-    assert found.remarks[0].startswith(said) and (said.endswith("; ") or found.remarks[0] == said)
+    assert found.remarks[0].startswith(said) and (said.endswith(". ") or found.remarks[0] == said)
     assert found.vacuous is vacuous
     assert found.dissipative is not True or not vacuous
     assert not vacuous or "dissipative: vacuous" in complete(found)
@@ -124,13 +124,14 @@ def test_an_odd_law_is_named_first(g: str, said: str, vacuous: bool) -> None:
 def test_a_remark_has_the_law_s_own_name_of_the_pressure() -> None:
     remarks = verify(Criterion("own names", "norm(a, b) + p/2", forces=("a", "b"), pressure="p"), claims=["origin"]).remarks
     place = "that point is inside K for p < 0, so the boundary is not touched"
-    assert remarks == (f"'g is differentiable' holds with one exception: not where norm(a, b) = 0; {place}",)
+    assert remarks == (f"g is not differentiable at zero force; {place}",)
 
 
 def test_an_ordinary_law_is_not_called_odd() -> None:
     for name in ("antoni2007", "quartic"):
         found = verify(name, claims=["origin"])
-        assert not found.vacuous and not [r for r in found.remarks if r.startswith(("K ", "g "))]
+        odd = ("K ", "It is not", "g does not depend", "g has no value")
+        assert not found.vacuous and not [r for r in found.remarks if r.startswith(odd)]
     for g in ("norm(q*a, b) - 1", "norm(a, b) - q"):  # odd at q = 0 alone
         assert not [r for r in verify(law(g, q=Domain.between(0, 1)), claims=["origin"]).remarks if r.startswith("K ")]
 
@@ -182,6 +183,28 @@ def test_a_part_of_k_that_no_ray_from_an_apex_leaves_is_found() -> None:
 def test_without_a_boundary_point_nothing_was_tested() -> None:
     found = verify(law("tanh(a**2)*cos(a) + 1", ("a",)), claims=["convexity", "dissipation"])
     assert {r.verdict for r in found.results} == {Verdict.UNDECIDED}
+
+
+@pytest.mark.parametrize(
+    "g", ["abs(norm(a, b) - 1)", "abs(a*b)", "(a**2 + b**2 - 1)**2", "a**2*b**2", "min(abs(a), abs(b)) - 1", "1 - norm(a, b)"]
+)
+def test_where_a_chord_leaves_k_no_look_for_chords_is_reported_as_vain(g: str) -> None:
+    found = verify(law(g), claims=["convexity", "normality"])
+    assert found["convexity"].verdict is REFUTED and found["normality"].verdict in (REFUTED, Verdict.UNDECIDED)
+    assert "no chord was found" not in found["normality"].detail
+
+
+@pytest.mark.parametrize("constraint", ["b > 4/b", "b > sqrt(b - 3)", "1/(b - 3) > 0"])
+@pytest.mark.parametrize("domain", [Domain.between(0, 5), Domain.between(0), Domain(), POSITIVE])
+def test_a_constraint_does_not_hold_where_it_has_no_value(constraint: str, domain: Domain) -> None:
+    """There SymPy has zoo or I, which it compares with nothing."""
+    found = verify(law("norm(x, y) - 1 + 0*b", ("x", "y"), constraints=(constraint,), b=domain), claims=["origin", "convexity"])
+    assert {r.verdict for r in found.results} == {PROVED}
+
+
+def test_a_constraint_that_no_value_satisfies_is_an_error() -> None:
+    with pytest.raises(InputError, match="no parameter values satisfy"):
+        verify(law("norm(x, y) - b", ("x", "y"), constraints=("b > 4/b",), b=Domain.between(0, 2)))
 
 
 # -- ends of the run ----------------------------------------------------------------------------------------------------

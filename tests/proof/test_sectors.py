@@ -216,8 +216,8 @@ def test_a_root_of_nothing_is_left_to_the_other_rules() -> None:
 @pytest.mark.parametrize(
     ("g", "said"),
     [
-        ("sqrt(3*J2(s)) - 1 + 0*cos3theta(s)", "read as that limit (K is closed)"),
-        ("s_1**2 + s_2/s_3 - 1", "the point is not in K"),
+        ("sqrt(3*J2(s)) - 1 + 0*cos3theta(s)", "it is read as that limit, for K is closed"),
+        ("s_1**2 + s_2/s_3 - 1", "A point at which g has no value is not in K"),
     ],
 )
 def test_a_limit_is_said_where_a_proof_takes_it(g: str, said: str) -> None:

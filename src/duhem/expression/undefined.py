@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import sympy as sp
 
-__all__ = ["UNDEFINED", "defined_at"]
+__all__ = ["UNDEFINED", "defined_at", "holds_at"]
 
 UNDEFINED = (sp.nan, sp.zoo, sp.oo, -sp.oo, sp.I)
 
@@ -18,3 +18,11 @@ def defined_at(expr: sp.Expr, place: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr | N
     except (ValueError, TypeError):  # SymPy compares something with nan
         return None
     return None if value.has(*UNDEFINED) else value
+
+
+def holds_at(relation: sp.Basic, place: Mapping[sp.Symbol, sp.Expr]) -> bool:
+    """Whether a relation holds with values put in; it does not hold where a part of it has no value."""
+    try:
+        return relation.subs(place) in (sp.true, True)
+    except (ValueError, TypeError):  # SymPy compares nothing with what is no real number
+        return False

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression import Where, holds_at
 from duhem.expression.smt import Reals
 from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
@@ -62,7 +63,13 @@ def _inside(domain: Domain, share: sp.Rational) -> sp.Rational:
 
 
 def _holds(law: Law, point: dict[sp.Symbol, sp.Rational]) -> bool:
-    return all(c.subs(point) == sp.true for c in law.constraints)
+    return all(holds_at(c, point) for c in law.constraints)
+
+
+def _divisors(constraint: sp.Basic) -> Iterator[sp.Expr]:
+    """What a constraint divides by, whichever way a ``where`` goes."""
+    if not constraint.has(Where):
+        yield from (power.base for power in constraint.atoms(sp.Pow) if power.exp.is_negative)
 
 
 def _contradictory(law: Law) -> bool:
@@ -80,6 +87,8 @@ def _contradictory(law: Law) -> bool:
             continue  # leaving a constraint out never makes the rest contradictory
         try:
             solver.add(reals.term(constraint))
+            for divisor in _divisors(constraint):  # z3 gives x/0 some value; here a relation without a value does not hold
+                solver.add(reals.relation(divisor, "!="))
         except InputError:
             continue
     try:

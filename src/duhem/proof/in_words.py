@@ -49,7 +49,7 @@ def conclusion(verification: Verification) -> tuple[str, ...]:
     found = {r.claim: r for r in verification.results}
     standard = _answer("generalized standard", verification.generalized_standard, found, _STANDARD)
     if verification.vacuous and "dissipation" in found:
-        return standard, "dissipative: vacuous (no boundary point at which anything could slip: see the remarks)"
+        return standard, "dissipative: vacuous (K has no boundary point other than zero force, where no force does work: see the remarks)"
     return standard, _answer("dissipative", verification.dissipative, found, ("dissipation",))
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from duhem.expression import holds_at
 from duhem.expression.text import faithful
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
@@ -60,7 +61,7 @@ def admitted_values(law: Law) -> Mapping[str, str] | None:
     given = [*(r for x in free for r in law.parameters[x.name].relations(x)), *law.constraints]
     for point in chain(simple_points(law), map(rationals, plain_choices(free, given)), _sought(law)):
         whole = {table[n]: d.value for n, d in law.parameters.items() if d.value is not None} | dict(point)
-        if all(r.subs(whole) in (sp.true, True) for r in given):
+        if all(holds_at(r, whole) for r in given):
             return {x.name: str(value) for x, value in whole.items()}
     return None
 

@@ -13,14 +13,15 @@ from duhem.left_out import LeftOut
 from duhem.proof.facts.definedness import broken_at
 from duhem.proof.facts.extent import Extent, extent
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.regularity import regularity
+from duhem.proof.facts.singular_points import singular_places
 from duhem.proof.facts.subject import Subject
-from duhem.proof.facts.undefined import undefined_place
+from duhem.proof.facts.undefined import limits_taken, undefined_place
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["not_needed", "remarks", "scope"]
 
-_CONTINUED = "where it is 0/0 but has a limit, it is read as that limit (K is closed), and of the formula so read "
+_CONTINUED = "Where g is 0/0 and has a limit, it is read as that limit, for K is closed. "
+_NOT_SHOWN_OF_THE_FLOW = "It is not shown that the flow has a value on all of the boundary"
 _STEPS = 8_000_000  # for what is asked here and in no claim
 
 
@@ -60,31 +61,29 @@ def remarks(subject: Subject, settled: Mapping[str, Evidence]) -> tuple[tuple[st
         return found, False
     subject.allow(_STEPS)
     odd = extent(subject)
-    return (*found, *_oddities(subject, odd, settled), *_tips(subject)), odd is not None and not odd.boundary
+    return (*found, *_oddities(subject, odd, settled), *_singular(subject)), odd is not None and not odd.boundary
 
 
 def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str, Evidence]) -> Iterator[str]:
     law = subject.law
+    proved = any(evidence.verdict is Verdict.PROVED for claim, evidence in settled.items() if claim != "state_laws")
     if subject.doubtful:
         first = subject.doubtful[0]
-        part = formula(_stated(subject, first.expr))
         place = undefined_place(subject, first)
-        proved = any(evidence.verdict is Verdict.PROVED for claim, evidence in settled.items() if claim != "state_laws")
         yield (
-            f"g may be undefined for some forces: it {first.does} {part}; "
-            + (_CONTINUED if proved else "where it is, the point is not in K, and of such a formula ")
-            + "nothing is proved but what the kernel confirms"
-            + (place and f". It may be undefined {place}")
+            f"It is not shown that g has a value for all forces: it {first.does} {formula(_stated(subject, first.expr))}. "
+            + (f"g has no value {place}. " if place else "")
+            + (_CONTINUED if proved else "A point at which g has no value is not in K. ")
+            + "Of such a formula nothing is proved but what the kernel confirms"
         )
     elif subject.doubtful_flow:
         broken = next(((o, at) for o in subject.doubtful_flow if (at := broken_at(subject.problem, o)) is not None), None)
         first = broken[0] if broken else subject.doubtful_flow[0]
         part = formula(_stated(subject, first.expr))
-        yield (
-            f"the flow {f'has no value at {_admitted(subject, broken[1])}' if broken else 'may be undefined on the boundary'}: "
-            f"it {first.does} {part}; "
-            "of such a flow nothing is proved but what the kernel confirms"
-        )
+        has = f"The flow has no value at {_admitted(subject, broken[1])}" if broken else _NOT_SHOWN_OF_THE_FLOW
+        yield f"{has}: it {first.does} {part}. Of such a flow nothing is proved but what the kernel confirms"
+    if proved:
+        yield from limits_taken(subject)
     if odd is not None:
         yield odd.what
     flows = (law.flow, *(surface.flow for surface in law.surfaces))
@@ -93,16 +92,14 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
         yield f"g does not depend on {', '.join(unused)}"
 
 
-def _tips(subject: FormulaSubject) -> Iterator[str]:
-    problem, law = subject.problem, subject.law
-    facts = regularity(problem.g, subject)
-    tips = sorted({formula(_stated(subject, tip)) for tip in facts.tips}) if facts.known and not facts.kinks else []
-    if not tips:
-        return
-    certain = subject.at_origin is not None and subject.at_origin.is_negative
-    place = f"where {', '.join(tips)} = 0"
-    inside = f"; that point is inside K for {law.pressure} < 0, so the boundary is not touched" if law.pressure and certain else ""
-    yield f"'g is differentiable' holds with one exception: not {place}{inside}"
+def _singular(subject: FormulaSubject) -> Iterator[str]:
+    """Where g is not differentiable, and that K's boundary does not touch the place if that is so."""
+    pressure = subject.law.pressure
+    for place in singular_places(subject):
+        where = ", ".join(f"{x} = {formula(_stated(subject, value))}" for x, value in place.forces.items() if value != x)
+        points = "those points are" if any(value.free_symbols & set(place.forces) for value in place.forces.values()) else "that point is"
+        inside = f"; {points} inside K{f' for {pressure} < 0' if pressure else ''}, so the boundary is not touched" if place.inside else ""
+        yield f"g is not differentiable at {'zero force' if place.zero_force else where}{inside}"
 
 
 def _admitted(subject: FormulaSubject, values: Mapping[sp.Symbol, sp.Rational]) -> str:

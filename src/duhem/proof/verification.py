@@ -222,9 +222,11 @@ def _alone() -> Iterator[None]:
 
 
 def _subject(law: Law, effort: Fraction) -> Subject:
-    """The law as the methods take it; a formula that is undefined somewhere in its domain is an InputError."""
+    """The law as the methods take it; one that is undefined somewhere in its domain is an InputError."""
     if not isinstance(law, Criterion):
-        return CurveSubject(law, effort)
+        curve = CurveSubject(law, effort)
+        curve.check_defined()
+        return curve
     subject = FormulaSubject(law, effort)
     subject.check_defined()
     return subject

@@ -19,6 +19,7 @@ from typing import Any, Protocol
 import sympy as sp
 
 from duhem.errors import InputError
+from duhem.expression import holds_at
 from duhem.expression.number import exact_number, exact_text, ratio
 from duhem.law.catalogue import load, load_named
 from duhem.law.curve_law import Law
@@ -189,7 +190,7 @@ class Draw:
         for _ in range(_TRIES):
             point = {span.parameter: span.drawn(chance) for span in self.spans}
             at = exact | {table[p]: sp.Rational(x.numerator, x.denominator) for p, x in point.items()}
-            if all(c.subs(at) == sp.true for c in law.constraints):
+            if all(holds_at(c, at) for c in law.constraints):
                 return Row(number, self.name, fixed | {p: ratio(at[table[p]]) for p in point})
         return Row(number, self.name, fixed, f"none of {_TRIES} draws satisfies the constraints of {law.name}; narrow the ranges")
 

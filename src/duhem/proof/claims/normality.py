@@ -9,6 +9,8 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import curve_deviation, curve_refutation, curve_signs, flow, sampling
 from duhem.proof.verdict import Evidence, Verdict
 
+_NO_POINT = "a chord leaves K, so K is not convex; no boundary point is confirmed at which grad g leaves the normal cone of K"
+
 
 def by_convexity(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
     """Associated flow: normal exactly when K is convex; a flow of the law's own on a convex K is compared with grad g."""
@@ -16,7 +18,7 @@ def by_convexity(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Ev
     if subject.problem.associated and convexity.verdict is Verdict.PROVED:
         return Evidence(Verdict.PROVED, "normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex")
     if subject.problem.associated and convexity.witness is not None:
-        return flow.normality_refuted_by_chord(subject, convexity.witness)
+        return flow.normality_refuted_by_chord(subject, convexity.witness) or Evidence(Verdict.UNDECIDED, "witness-chord", _NO_POINT)
     return flow.normality(subject) if convexity.verdict is Verdict.PROVED else None
 
 

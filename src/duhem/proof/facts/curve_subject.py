@@ -10,7 +10,8 @@ from random import Random
 
 import sympy as sp
 
-from duhem.expression import UNDEFINED
+from duhem.errors import InputError
+from duhem.expression import UNDEFINED, defined_at, holds_at
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.balls import certain_sign
 from duhem.expression.number import fraction
@@ -20,13 +21,15 @@ from duhem.law.domain import Domain
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
-from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, normals
+from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, cross, normals
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.subject import Subject
+from duhem.proof.statement.obligations import Obligation, obligations
 
 __all__ = ["CurveSubject"]
 
 _QUESTION_STEPS = 4_000_000
+_LOOKED_AT = 12  # parameter values at which it is seen whether the law has a value
 _MOST_VARIABLES = 6  # a question with more, radicals included, is beyond the deciders
 
 
@@ -40,6 +43,34 @@ class CurveSubject(Subject):
         self.law = law
         self.cosine, self.sine = sp.Dummy("cos", real=True), sp.Dummy("sin", real=True)
         self._signs: dict[Quantity, str | None] = {}
+
+    def check_defined(self) -> None:
+        """Raise InputError where the boundary or the flow has no value for admitted parameter values, whatever the angle."""
+        for values in self.choices(_LOOKED_AT):
+            at = {**self.fixed, **rationals(values)}
+            for what, pair in (("boundary", self.law.boundary), ("flow", self.law.flow or ())):
+                for component in pair:
+                    if defined_at(component, at) is None:
+                        named = ", ".join(f"{x} = {at[x]}" for x in sorted(component.free_symbols & set(at), key=str))
+                        raise InputError(
+                            f"the {what} has no value{f' at {named}' if named else ''}",
+                            where=self.law.name,
+                            remedy="narrow the parameters' domains, or add a constraint, so that no such values are admitted",
+                        )
+
+    @cached_property
+    def sense(self) -> int:
+        """1 for a curve that is run counter-clockwise; -1 for one that is turned round here: its angle is minus the law's own.
+
+        Either way of running it has the same points, each with the same flow.  A few points suggest which way shows more.
+        """
+        given = [self._here(algebraic_angles(self._in(x, self.sine))) for x in self.law.boundary]
+        for values in self.choices(1):
+            curve = NumericCurve([x.xreplace(rationals(values)) for x in given], None, self.cosine, self.sine, self._share())
+            points = [curve.point(Fraction(k, 8)) for k in (-40, -16, -8, -4, 0, 4, 8, 16, 40)]
+            if certain_sign(sum(cross(p, q) for p, q in zip(points, points[1:] + points[:1], strict=True))) == -1:
+                return -1
+        return 1
 
     @cached_property
     def free(self) -> tuple[sp.Symbol, ...]:
@@ -75,8 +106,11 @@ class CurveSubject(Subject):
         return one, two
 
     def _in_angle(self, expr: sp.Expr) -> sp.Expr:
+        return algebraic_angles(self._in(expr, self.sense * self.sine))
+
+    def _in(self, expr: sp.Expr, sine: sp.Expr) -> sp.Expr:
         turn = self.law.symbols()[self.law.angle]
-        return algebraic_angles(expr.xreplace({sp.cos(turn): self.cosine, sp.sin(turn): self.sine}))
+        return expr.xreplace({sp.cos(turn): self.cosine, sp.sin(turn): sine})
 
     def _here(self, expr: sp.Expr) -> sp.Expr:
         return expr.xreplace(dict(self.fixed))
@@ -100,13 +134,21 @@ class CurveSubject(Subject):
         return self._signs[quantity]
 
     def _positive(self, quantity: Quantity) -> str | None:
-        if not self.free:
-            return "interval" if self.at({}).positive(quantity.of, quantity.order) else None
+        if not self._free_in(quantity):
+            values = next(self.choices(1), None)
+            return "interval" if values is not None and self.at(values).positive(quantity.of, quantity.order) else None
         if any(x.has(Where) for x in (*self.boundary, *(self.flow or ()))):
             return None  # it might jump, and then signs say nothing of how it turns
+        if not self.defined:
+            return None
         if quantity.linear and self.flow is not None and (method := self._by_parts(quantity)):
             return method
         return self.ask(quantity.of(self._jet(self.boundary)), Sense.POSITIVE).method or None
+
+    def _free_in(self, quantity: Quantity) -> bool:
+        """Whether a free parameter enters the quantity; those that are linear in the boundary speak of the flow too."""
+        told = (*self.boundary, *((self.flow or ()) if quantity.linear else ()))
+        return any(x.free_symbols & set(self.free) for x in told)
 
     def _by_parts(self, quantity: Quantity) -> str | None:
         """Sum of parts: each is greater than what it is without its own parameters, and what is left is >= 0.
@@ -169,16 +211,41 @@ class CurveSubject(Subject):
                 return False
         return self.ask(sp.simplify(quantity.of(self._jet(self.boundary))), Sense.ZERO).method != ""
 
+    def nonnegative(self, quantity: Quantity) -> str:
+        """The method by which the quantity is >= 0 at every angle and for every parameter value, or ""."""
+        return self.ask(quantity.of(self._jet(self.boundary)), Sense.NONNEGATIVE).method if self.defined else ""
+
+    @cached_property
+    def defined(self) -> bool:
+        """Whether boundary and flow are shown to have a value at every angle and for every parameter value.
+
+        It is asked of both as they stand: in a product of the two, what one of them divides by may cancel.
+        """
+        needed = dict.fromkeys(o for x in (*self.boundary, *(self.flow or ())) for o in obligations(x))
+        return all(self._met(o) for o in needed)
+
+    def _met(self, obligation: Obligation) -> bool:
+        """Whether it is shown; what holds in one branch of a ``where`` alone is asked of all angles."""
+        expr, sense = obligation.expr, obligation.sense
+        whole = self.ask(expr**2, Sense.POSITIVE) if sense is Sense.ZERO else self.ask(expr, sense)
+        return whole.method != "" or (bool(obligation.instead) and all(map(self._met, obligation.instead)))
+
     def turns_once(self, derivative: int, sign: Quantity) -> bool:
         """Whether T (0) or T' (1), which never vanishes where ``sign`` > 0, turns once, for every parameter value.
 
-        The number of turns cannot change over a connected domain; one without constraints is a product of intervals.
+        The number of turns cannot change over a connected domain; one without constraints is a product of intervals.  Where no free
+        parameter enters the boundary it is one number.
         """
-        if self.free and (self.law.constraints or any(x.has(Where) for x in self.boundary)):
+        if self.shaped_by_parameters and (self.law.constraints or any(x.has(Where) for x in self.boundary)):
             return False
         if self.positive(sign) is None:
             return False
         return any(self.turns_at(values, derivative) == 1 for values in self.choices(1))
+
+    @property
+    def shaped_by_parameters(self) -> bool:
+        """Whether a free parameter enters the boundary."""
+        return any(x.free_symbols & set(self.free) for x in self.boundary)
 
     def turns_at(self, values: Values, derivative: int) -> int | None:
         """How often T (0) or T' (1) turns at one choice of parameters."""
@@ -208,17 +275,28 @@ class CurveSubject(Subject):
         return NumericCurve(boundary, flow, self.cosine, self.sine, self._share())
 
     def choices(self, most: int) -> Iterator[Values]:
-        """Exact values of the free parameters inside the domain: the plainest first, then at random over decades."""
+        """Exact values of the free parameters inside the domain: the plainest first, then ends of ranges and random ones over decades."""
         if not self.free:
             yield {}
             return
         rng = Random(7)
         domains = {x: self.law.parameters[x.name] for x in self.free}
-        plain = ({x: point[x] for x in self.free} for point in simple_points(self.law))
+        plain = [{x: point[x] for x in self.free} for point in simple_points(self.law)]
+        middle = plain[-1]
         drawn = ({x: _drawn(domain, rng) for x, domain in domains.items()} for _ in range(40 * most))
-        admitted = (point for point in chain(plain, drawn) if all(r.xreplace(point) == sp.true for r in self.given))
+        ends = ({**middle, x: end} for x in self.free for end in _closed_ends(domains[x]))
+        others = chain.from_iterable(zip(ends, drawn))  # noqa: B905
+        admitted = (point for point in chain(plain, others, drawn) if all(holds_at(r, point) for r in self.given))
         for point in islice(admitted, most):
             yield {x: fraction(value) for x, value in point.items()}
+
+
+def _closed_ends(domain: Domain) -> Iterator[sp.Rational]:
+    """The ends of a range that belong to it."""
+    if domain.low is not None and not domain.positive:
+        yield domain.low
+    if domain.high is not None:
+        yield domain.high
 
 
 def _drawn(domain: Domain, rng: Random) -> sp.Rational:

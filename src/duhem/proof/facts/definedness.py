@@ -14,7 +14,7 @@ from typing import Any
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression import UNDEFINED, Atan2, Where
+from duhem.expression import UNDEFINED, Atan2, Where, holds_at
 from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.proof.decide import Answer, Question, Sense
@@ -66,7 +66,7 @@ def _plain_points(problem: Problem, symbols: set[sp.Symbol], own: tuple[sp.Basic
     """Admitted values of the symbols, which may be the parameters and the size of the pressure, and of what the relations tie to them."""
     names = tuple(x for x in problem.parameters if x in symbols.union(*(r.free_symbols for r in own)))
     tried = map(rationals, islice(plain_choices(names, own), _MOST_POINTS))
-    return [point for point in tried if point.get(problem.magnitude, 1) > 0 and all(r.subs(point) == sp.true for r in own)]
+    return [point for point in tried if point.get(problem.magnitude, 1) > 0 and all(holds_at(r, point) for r in own)]
 
 
 def broken_at(problem: Problem, obligation: Obligation) -> Point | None:
@@ -94,7 +94,7 @@ def _plain(obligation: Obligation) -> bool:
 def _check(problem: Problem, obligation: Obligation, given: tuple[sp.Basic, ...], points: Iterable[Point], of: str) -> None:
     for point in points:
         whole = obligation.symbols().union(*(r.free_symbols for r in given)) <= set(point)
-        if whole and all(r.subs(point) == sp.true for r in given) and obligation.broken(point):
+        if whole and all(holds_at(r, point) for r in given) and obligation.broken(point):
             at = ", ".join(f"{x} = {point[x]}" for x in problem.parameters if x in obligation.symbols())
             fault = "0" if obligation.expr.subs(point).is_zero else "negative"
             what = f"{of} {obligation.does} {formula(obligation.expr)}, which is {fault} {f'at {at}' if at else 'always'}"

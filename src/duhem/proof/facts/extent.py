@@ -1,8 +1,12 @@
-"""Sets that are hardly what was meant: nothing, everything, one point, no inside, no end.  Suspected at a few points, then proved."""
+"""Sets that are hardly what was meant: nothing, everything, one point, no inside, no end.  Suspected at a few points, then proved.
+
+They are told of K alone, whatever the flow: a law with a flow of its own is looked at as the associated law with the same g.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
 
@@ -10,15 +14,20 @@ import sympy as sp
 
 from duhem.expression import UNDEFINED
 from duhem.expression.balls import ball, certain_sign, enclose
-from duhem.proof.decide import Sense
+from duhem.law.formula_law import Criterion
+from duhem.proof.decide import Question, Sense
+from duhem.proof.facts.flat_directions import flat_directions, most_flat_directions
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
+from duhem.proof.facts.thin import zeros_are_thin
 from duhem.proof.statement.problem import as_written
 
 __all__ = ["Extent", "extent"]
 
 _NEAR, _FAR = Fraction(1, 2**20), Fraction(2**40)
 _MOST_FORCES = 3  # of the directions along which it looks there are 3^n
+_MOST_RAYS = 4
+_STEPS = 8_000_000
 
 
 @dataclass(frozen=True)
@@ -29,25 +38,44 @@ class Extent:
     boundary: bool
 
 
-@fact
 def extent(subject: FormulaSubject) -> Extent | None:
     """What is out of the ordinary about K, proved; None where nothing is, or nothing is shown."""
-    if subject.doubtful:
+    return None if subject.doubtful else _extent(_of_the_set(subject))
+
+
+@fact
+def _of_the_set(subject: FormulaSubject) -> FormulaSubject:
+    """The law without a flow of its own, whose K is the same and whose simple problem may be simpler."""
+    law = subject.law
+    if law.associated:
+        return subject
+    alone = FormulaSubject(without_flow(law), subject.effort)
+    alone.allow(_STEPS)
+    return alone
+
+
+def without_flow(law: Criterion) -> Criterion:
+    """The associated law with the same g."""
+    surfaces = tuple(replace(s, flow=None, potential=None, written_flow=()) for s in law.surfaces)
+    return replace(law, flow=None, potential=None, written_flow=(), surfaces=surfaces)
+
+
+def _extent(subject: FormulaSubject) -> Extent | None:
+    problem, forces, here = subject.simple, subject.simple.forces, subject.at_origin
+    if here is None:
         return None
-    problem, forces = subject.simple, subject.simple.forces
     away = sp.StrictGreaterThan(sp.Add(*(x**2 for x in forces)), 0)
-    signs = _signs(subject)
+    signs = _Signs(subject)
     if signs.all({1}, _NEAR, Fraction(1), _FAR) and subject.ask(problem.g, Sense.POSITIVE, away).holds is True:
-        if subject.at_origin is not None and subject.positive(subject.at_origin):
+        if subject.positive(here):
             return Extent(f"K is empty: g > 0 for all forces{_cause(subject)}", False)
-        if subject.at_origin is not None and subject.nonnegative(-subject.at_origin):
-            return Extent(_point(subject), False)
-        return None
+        return _subspace(subject) if subject.nonnegative(-here) else None
     if signs.all({0, -1}, _FAR, Fraction(1), _NEAR) and subject.ask(-problem.g, Sense.NONNEGATIVE).holds is True:
         return Extent("K is everything: g <= 0 for all forces", False)
     if signs.all({0, 1}, Fraction(0), _NEAR, Fraction(1), _FAR) and subject.ask(problem.g, Sense.NONNEGATIVE).holds is True:
-        return Extent("K has no inside: g >= 0 for all forces", True)
-    return _unbounded(subject, signs)
+        # g is 0 in all of K, which is another thing than no inside: max(0, f) is 0 wherever f <= 0
+        return Extent("K has no inside: g >= 0 for all forces, and g = 0 in K", True) if zeros_are_thin(problem.g, subject) else None
+    return _unbounded(subject, here, signs)
 
 
 class _Signs:
@@ -74,21 +102,12 @@ class _Signs:
         return self._parameters is None or all(self.at(r, way) in wanted for r in reaches for way in self.ways)
 
 
-@fact
-def _signs(subject: FormulaSubject) -> _Signs:
-    return _Signs(subject)
-
-
-def _point(subject: FormulaSubject) -> str:
-    gone = _invariant(subject)
-    return (
-        f"K is a {'line' if gone == 1 else f'space of {gone} dimensions'} without inside" if gone else "K is the point 0: g > 0 elsewhere"
-    )
-
-
-def _invariant(subject: FormulaSubject) -> int:
-    """In how many directions of the forces g does not change."""
-    return len(subject.problem.principal().forces) - len(subject.simple.forces)
+def _subspace(subject: FormulaSubject) -> Extent:
+    """K where g > 0 in all of the simple problem's forces but 0: what the problem is a slice of is flat."""
+    if not (d := flat_directions(subject)):
+        return Extent("K is the point 0: g > 0 elsewhere", False)
+    shape = "a line" if d == 1 else f"a space of {d} dimensions"
+    return Extent(f"K is {shape} without inside: g > 0 elsewhere", True)
 
 
 def _cause(subject: FormulaSubject) -> str:
@@ -103,13 +122,21 @@ def _cause(subject: FormulaSubject) -> str:
     return f" ({law.pressure} <= 0 in compression: write abs({law.pressure}))"
 
 
-def _unbounded(subject: FormulaSubject, signs: _Signs) -> Extent | None:
+def _unbounded(subject: FormulaSubject, here: sp.Expr, signs: _Signs) -> Extent | None:
     """Along forces that the simple problem has set to 0, or all the way in one of the directions."""
-    if (gone := _invariant(subject)) and subject.at_origin is not None and subject.nonnegative(-subject.at_origin):
-        return Extent(f"K is unbounded: g does not change along {gone} direction{'s' * (gone > 1)} of the forces", True)
-    t, forces = sp.Dummy("t", positive=True), subject.simple.forces
-    for way in [way for way in signs.ways if signs.at(_FAR, way) in (-1, 0)][:1]:
-        if subject.ask(-subject.simple.g.xreplace({x: w * t for x, w in zip(forces, way, strict=True)}), Sense.NONNEGATIVE).holds is True:
-            ray = ", ".join(f"{x} = {'-' * (w < 0)}t" if w else f"{x} = 0" for x, w in zip(forces, way, strict=True))
+    if (d := flat_directions(subject)) and subject.nonnegative(-here):
+        count = f"{'' if most_flat_directions(subject) == d else 'at least '}{d} direction{'s' * (d > 1)}"
+        return Extent(f"K is unbounded: g does not change along {count} of the forces", True)
+    for way in [way for way in signs.ways if signs.at(_FAR, way) in (-1, 0)][:_MOST_RAYS]:
+        if _inside_along(subject, way):
+            along = dict(zip(subject.simple.forces, way, strict=True))
+            ray = ", ".join(f"{x} = {'-' * (w < 0)}t" if (w := along.get(x, 0)) else f"{x} = 0" for x in subject.problem.forces)
             return Extent(f"K is unbounded: g <= 0 at {ray} for all t > 0", True)
     return None
+
+
+def _inside_along(subject: FormulaSubject, way: Sequence[int]) -> bool:
+    """Whether g <= 0 all along a ray, for the parameters as they are: a change of units would turn it."""
+    t, problem = sp.Dummy("t", positive=True), subject.problem.principal().quotient()
+    g = problem.g.xreplace({x: w * t for x, w in zip(subject.simple.forces, way, strict=True)})
+    return not g.has(*UNDEFINED) and subject.decided(Question(-g, Sense.NONNEGATIVE, problem.given)).holds is True

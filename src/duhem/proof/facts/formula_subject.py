@@ -12,7 +12,7 @@ import sympy as sp
 
 from duhem.derivation.potential import SupportFunction
 from duhem.derivation.support_function import support_function
-from duhem.expression import UNDEFINED, Where, defined_at
+from duhem.expression import UNDEFINED, Where, defined_at, holds_at
 from duhem.expression.below import smooth_below
 from duhem.expression.branches import Branch, TooManyBranchesError, branches, thick
 from duhem.expression.number import fraction, rational
@@ -186,7 +186,7 @@ class FormulaSubject(Subject):
         """Whether the parameter values satisfy every relation of the law's domain, in exact arithmetic."""
         exact = rationals(values)
         positive = all(v > 0 for x, v in values.items() if x.is_positive) and all(v >= 0 for x, v in values.items() if x.is_nonnegative)
-        return positive and all(relation.subs(exact) in (sp.true, True) for relation in self.problem.given)
+        return positive and all(holds_at(relation, exact) for relation in self.problem.given)
 
     def choices(self, most: int, hints: Sequence[Mapping[sp.Symbol, Any]] = ()) -> Iterator[Values]:
         """Exact parameter values inside the domain at which g is defined: hints first, then ``most`` others, the plainest first.

@@ -21,7 +21,7 @@ class Subject(ABC):
     law: Law
 
     def __init__(self, question_steps: int, effort: Fraction) -> None:
-        self._question_steps, self._effort = int(question_steps * effort), effort
+        self._question_steps, self.effort = int(question_steps * effort), effort
         self._spent, self.budget = 0, Budget(0)
         self.allow(2 * question_steps)
         self._answers: dict[Question, Answer] = {}
@@ -30,7 +30,7 @@ class Subject(ABC):
     def allow(self, steps: int) -> None:
         """What is asked from now on shares this many steps, times the effort; what comes after is left open."""
         self._spent = self.spent
-        self.budget = Budget(int(steps * self._effort))
+        self.budget = Budget(int(steps * self.effort))
 
     @property
     def spent(self) -> int:

@@ -3,7 +3,8 @@
 With T the boundary and ' the derivative by the angle, over boxes that cover the circle: the circle is (c, s) and (-c, -s)
 with c = (1 - t^2)/(1 + t^2), s = 2 t/(1 + t^2), |t| <= 1.  Theorems: a closed curve whose tangent turns once and to the
 left throughout is simple and bounds a convex set; one that runs around 0 in polar order once is simple and bounds a set
-star-shaped about 0 (M. P. do Carmo 1976, section 5-7).
+star-shaped about 0 (M. P. do Carmo 1976, section 5-7).  A curve run clockwise is turned round first: T(-phi) with the
+flow d(-phi) has the same points, each with the same slip, and winds around the same set.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, Bounds, as_list, declared, signs_of
 from duhem.proof.kernel.interval import AngleJet, Enclosure
-from duhem.proof.kernel.term import NotWritten, Term, parse
+from duhem.proof.kernel.term import NotWritten, Term, minus, parse
 
 __all__ = ["StatedCurve"]
 
@@ -51,20 +52,31 @@ class StatedCurve(NamedTuple):
         return cls(forces, given["pressure"], given["angle"], (one, two), flow, parameters, constraints)
 
     def convex(self) -> bool:
-        """T' x T'' > 0 and T' turns once."""
-        return self._turn(lambda c: _derivative(c.boundary), lambda c: _cross(*_ends(c.boundary, 1, 2))) == 1
+        """T' x T'' > 0 and T' turns once, run one way or the other."""
+        return self._turns_once(lambda c: _derivative(c.boundary), lambda c: _cross(*_ends(c.boundary, 1, 2)))
 
     def star_shaped(self) -> bool:
-        """T x T' > 0 and T turns once."""
-        return self._turn(lambda c: _value(c.boundary), lambda c: _cross(*_ends(c.boundary, 0, 1))) == 1
+        """T x T' > 0 and T turns once, run one way or the other."""
+        return self._turns_once(lambda c: _value(c.boundary), lambda c: _cross(*_ends(c.boundary, 0, 1)))
 
     def around_zero(self) -> bool:
-        """T turns once around 0, which it never meets."""
-        return self._turn(lambda c: _value(c.boundary)) == 1
+        """T turns once around 0, which it never meets, run one way or the other."""
+        return self._turns_once(lambda c: _value(c.boundary))
 
     def powered(self) -> bool:
         """T . d > 0."""
         return self.flow is not None and self._turn(None, lambda c: _dot(_value(c.boundary), _value(c.flow))) is not None
+
+    def reversed(self) -> StatedCurve:
+        """The same law by T(-phi) and d(-phi), whose angle enters through its cosine and sine only."""
+        sine = Term("sin", (Term("name", name=self.angle),))
+        turn = {sine: minus(sine)}
+        flow = None if self.flow is None else tuple(x.put(turn) for x in self.flow)
+        return self._replace(boundary=tuple(x.put(turn) for x in self.boundary), flow=flow)
+
+    def _turns_once(self, vector: Callable[[_OnBox], Pair], positive: Callable[[_OnBox], Enclosure] | None = None) -> bool:
+        """Whether the vector turns once to the left, of the curve or of its reverse."""
+        return any(curve._turn(vector, positive) == 1 for curve in (self, self.reversed()))
 
     def _turn(self, vector: Callable[[_OnBox], Pair] | None, positive: Callable[[_OnBox], Enclosure] | None = None) -> int | None:
         """How often a vector turns (0 for none), where ``positive`` is > 0 and the vector is not 0 all around; None if not shown."""

@@ -40,7 +40,7 @@ def normality(subject: CurveSubject) -> Evidence | None:
         if (witness := next(filter(None, (leaning_flow(subject, values, t, u, worst.value) for u in leans)), None)) is not None:
             least, most = (math.degrees(float(x)) for x in (worst.value.lower(), worst.value.upper()))
             bound = "nowhere by more" if most - least < 1e-6 else f"nowhere by more than {most:.6g}"
-            detail = f"the flow leaves the normal by {least:.6g} degrees at angle {math.degrees(angle):.6g}, and {bound}"
+            detail = f"the flow leaves the normal by {least:.6g} degrees at angle {subject.sense * math.degrees(angle):.6g}, and {bound}"
             return Evidence(Verdict.REFUTED, "deviation (interval)", detail, witness)
     return None
 

@@ -22,8 +22,8 @@ _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 
 def origin(subject: CurveSubject) -> Evidence | None:
     """The curve winds around 0."""
-    if not subject.free:
-        turns = subject.turns_at({}, 0)
+    if not subject.shaped_by_parameters:
+        turns = next((subject.turns_at(values, 0) for values in subject.choices(1)), None)
         return _proved("winding (interval)", f"the curve never meets 0 and winds around it {_times(turns)}") if turns else None
     turns = subject.flow_turns()
     if turns and (method := subject.positive(POWER)):
@@ -59,11 +59,13 @@ def normality(subject: CurveSubject) -> Evidence | None:
 
 
 def dissipation(subject: CurveSubject) -> Evidence | None:
-    """T . d > 0 at every angle."""
-    method = subject.positive(POWER)
-    return (
-        _proved(f"power ({method})", f"T . d > 0 at every angle, so force . flow = |{subject.law.pressure}| T . d > 0") if method else None
-    )
+    """T . d >= 0 at every angle."""
+    pressure = subject.law.pressure
+    if method := subject.positive(POWER):
+        return _proved(f"power ({method})", f"T . d > 0 at every angle, so force . flow = |{pressure}| T . d > 0")
+    if subject.law.flow is not None and (method := subject.nonnegative(POWER)):
+        return _proved(f"power ({method})", f"T . d >= 0 at every angle, so force . flow = |{pressure}| T . d >= 0")
+    return None
 
 
 def duality(subject: CurveSubject) -> Evidence | None:

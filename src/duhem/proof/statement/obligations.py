@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from duhem.expression import Where
+from duhem.expression import Where, holds_at
 from duhem.expression.angles import algebraic_angles
 from duhem.proof.decide import Sense
 from duhem.proof.decide.needs import NEEDY, Need, needs_of
@@ -42,7 +42,7 @@ class Obligation(NamedTuple):
 
     def broken(self, values: dict[sp.Symbol, sp.Expr]) -> bool:
         """Whether it certainly fails at exact values of all symbols."""
-        if any(r.subs(values) != sp.true for r in self.given):
+        if not all(holds_at(r, values) for r in self.given):
             return False
         value = self.expr.subs(values)
         fails = {Sense.ZERO: value.is_zero, Sense.NONNEGATIVE: value.is_negative, Sense.POSITIVE: value.is_nonpositive}[self.sense]

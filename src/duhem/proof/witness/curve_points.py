@@ -17,7 +17,7 @@ __all__ = ["at_angle", "coordinates", "parameters"]
 
 def at_angle(subject: CurveSubject, t: Fraction) -> dict[str, str]:
     """A boundary point at sigma_n = -1 by the tangent of half its angle."""
-    return {f"tan_half_{subject.law.angle}": str(t), subject.law.pressure: "-1"}
+    return {f"tan_half_{subject.law.angle}": str(subject.sense * t), subject.law.pressure: "-1"}
 
 
 def coordinates(subject: CurveSubject, role: str, point: Vector) -> dict[str, tuple[str, str]]:
