@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any, Protocol
 
-from duhem.proof.kernel.values import ANY, Known, NoValueError, constant, of_word
+from duhem.proof.kernel.values import ANY, NEGATIVE, POSITIVE, ZERO, Known, NoValueError, constant, of_word
 
 __all__ = ["NoValueError", "check_values"]
 
@@ -67,6 +67,8 @@ class _Reading:
             return found, parts[1 if parts[0][0].number else 2][1]
         if term.op == "where" and parts[1][1] == parts[2][1]:
             return parts[1]
+        if term.op in ("asin", "acos"):
+            self._check_within_one(*parts[0])
         form = self._form(term, found, [form for _, form in parts])
         if not found.lone:
             if set(form) <= {_UNIT}:
@@ -74,6 +76,15 @@ class _Reading:
             elif term.op == "+" and len(form) <= _MOST_TERMS:
                 found = self._sum(form, found)
         return found, form
+
+    def _check_within_one(self, known: Known, form: Form) -> None:
+        """NoValueError where 1 - |x| is negative by the signs of its terms."""
+        if known.real and known.sign in (POSITIVE, NEGATIVE, POSITIVE | ZERO, NEGATIVE | ZERO):
+            way = 1 if known.sign & NEGATIVE else -1
+            rest = {m: way * c for m, c in form.items()}
+            rest[_UNIT] = rest.get(_UNIT, Fraction(0)) + 1
+            if self._sum({m: c for m, c in rest.items() if c}, known).sign == NEGATIVE:
+                raise NoValueError("an arc of what lies beyond 1")
 
     def _sum(self, form: Form, found: Known) -> Known:
         """A sum by its terms, like ones put together."""
