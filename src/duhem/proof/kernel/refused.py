@@ -16,7 +16,8 @@ __all__ = ["NoValueError", "check_values"]
 
 Atom = Any  # what a part is but for the order of its sums and products
 Monomial = frozenset[tuple[Atom, Fraction]]
-Form = Mapping[Monomial, Fraction]
+Form = dict[Monomial, Fraction]
+COMPARED = ("<", "<=", ">", ">=")
 _UNIT: Monomial = frozenset()
 _MOST_TERMS = 200  # of a sum whose like terms are put together
 
@@ -69,6 +70,8 @@ class _Reading:
             return parts[1]
         if term.op in ("asin", "acos"):
             self._check_within_one(*parts[0])
+        if term.op in COMPARED and not found.lone:
+            found = self._compared(term.op, parts[0][1], parts[1][1])
         form = self._form(term, found, [form for _, form in parts])
         if not found.lone:
             if set(form) <= {_UNIT}:
@@ -76,6 +79,13 @@ class _Reading:
             elif term.op == "+" and len(form) <= _MOST_TERMS:
                 found = self._sum(form, found)
         return found, form
+
+    def _compared(self, op: str, one: Form, two: Form) -> Known:
+        """A comparison, decided where the difference of its sides has the sign for it."""
+        gap = {m: one.get(m, Fraction(0)) - two.get(m, Fraction(0)) for m in one | two}
+        parts = [self._monomial(m, c) for m, c in gap.items() if c]
+        known = of_word("+", parts) if parts else constant(Fraction(0))
+        return of_word(op, (known, constant(Fraction(0)))) if known.real else Known()
 
     def _check_within_one(self, known: Known, form: Form) -> None:
         """NoValueError where 1 - |x| is negative by the signs of its terms."""

@@ -173,6 +173,9 @@ def _power(base: Known, exponent: Known) -> Known:
         if base.real and whole and (exponent.sign == POSITIVE or not base.sign & ZERO):
             even = p is not None and p % 2 == 0
             return Known((_UP if base.sign & ZERO else POSITIVE) if even else base.sign)
+        if base.real and whole:  # a quotient, whose sign is known where it has a value
+            even = p is not None and p % 2 == 0
+            return Known(POSITIVE if even else base.sign & ~ZERO, False)
     elif base.number == 1:
         return base
     elif base.lone and base.sign != POSITIVE:
@@ -235,7 +238,7 @@ def _by_signs(op: str, x: Sequence[Known]) -> Known:
                 return constant(Fraction(0))
             for other in x[1:]:
                 sign = _of_product(sign, other.sign)
-            return Known(sign if real else ANY, real)
+            return Known(sign, real)
         case "abs":
             return Known(POSITIVE if x[0].real and not sign & ZERO else _UP)
         case "pos" | "neg":
@@ -252,7 +255,7 @@ def _by_signs(op: str, x: Sequence[Known]) -> Known:
         case "atan" | "sinh" | "tanh":
             return Known(sign if real else ANY, real)
         case "log":
-            if real and not sign & POSITIVE:
+            if not sign & POSITIVE:
                 raise NoValueError("a logarithm of what is not positive")
             return Known(ANY, real and sign == POSITIVE)
         case "sin" | "cos":
