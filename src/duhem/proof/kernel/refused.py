@@ -60,7 +60,7 @@ class _Reading:
         if term.op == "number":
             return constant(term.value), {_UNIT: term.value} if term.value else {}
         if term.op == "name":
-            found = constant(3.141592653589793, 1e-16) if term.name == "pi" else Known(self._signs.get(term.name, ANY))
+            found = constant(3.141592653589793, 2.5e-16) if term.name == "pi" else Known(self._signs.get(term.name, ANY))
             return found, self._atom(term.name, found)
         parts = [self._read(a) for a in term.args]
         found = of_word(term.op, [known for known, _ in parts])

@@ -98,7 +98,8 @@ def _of_constants(op: str, x: Sequence[Known]) -> Known:
         case "atan2":
             if all(a.sign == ZERO for a in x):
                 raise NoValueError("there is no angle at (0, 0)")
-            return constant(math.atan2(0.0 if x[0].sign == ZERO else doubles[0], doubles[1]), error / math.hypot(*doubles) + _UNIT)
+            value = math.atan2(0.0 if x[0].sign == ZERO else doubles[0], doubles[1])
+            return constant(value, error / math.hypot(*doubles) + _UNIT * abs(value))
         case "where" | "<" | "<=" | ">" | ">=":
             return x[1] if op == "where" and x[0].number else x[2] if op == "where" else constant(Fraction(_holds(op, *x)))
         case "eigmax":
