@@ -1,4 +1,6 @@
-"""Texts of formulas drawn in the grammar, read, printed and read again, by both parsers: python -m tests.campaigns.texts --count 20000 --seed 1
+"""Texts of formulas drawn in the grammar, read, printed and read again, by both parsers.
+
+    python -m tests.campaigns.texts --count 20000 --seed 1
 
 Of each text it is asked
 - whether the parser of criterion files and that of the kernel both read it or both refuse it (half of the texts have something in
@@ -141,9 +143,9 @@ def about_a_law(text: str, expr: sp.Expr, known: Mapping[str, sp.Symbol], found:
 
 def compare(text: str, expr: sp.Expr, term: Term, known: Mapping[str, sp.Symbol], found: Texts, rng: Random) -> None:
     """Both at one point."""
-    at = {x: rng.choice((sp.Rational(rng.randint(-30, 30), 7), sp.Integer(rng.randint(-2, 2)))) for x in NAMES}
+    at = {x: rng.choice((sp.Rational(rng.randint(-30, 30), 8), sp.Integer(rng.randint(-2, 2)))) for x in NAMES}
     if known is SIGNED:
-        at |= {"n": -abs(at["n"]), "m": abs(at["m"]) + sp.Rational(1, 5)}
+        at |= {"n": -abs(at["n"]), "m": abs(at["m"]) + sp.Rational(1, 4)}
     try:
         for digits in (DIGITS, 8 * DIGITS):
             one = mpmath_.evaluate(expr, {known[x]: v for x, v in at.items()}, digits)

@@ -29,7 +29,8 @@ def test_polynomials() -> None:
     assert in_powers(poly("a**2*b - 3*a**2 + b + 1"), a) == [poly("b + 1"), {}, poly("b - 3")] and in_powers({}, a) == [{}]
     assert domain().polynomial(written(poly("a**2/3 - b + 1/m"))) == poly("a**2/3 - b + 1/m") and poly("1") == ONE
     assert poly("a**12") == {((a, 12),): F(1)} and len(poly("(a + b)**12")) == 13 and len(poly("(a + b)**13")) == 1
-    assert poly("m**-12") == {((parse("m"), -12),): F(1)} and poly("(m + 1)**-1") != poly("m + 1") and domain().polynomial(parse("1**-99")) == ONE
+    assert poly("m**-12") == {((parse("m"), -12),): F(1)} and poly("(m + 1)**-1") != poly("m + 1")
+    assert domain().polynomial(parse("1**-99")) == ONE
     for too_long in ({(): F(2**9000)}, {(): F(1, 2**9000)}):
         with pytest.raises(NotWritten):
             times(ONE, too_long)

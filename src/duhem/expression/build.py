@@ -73,8 +73,12 @@ def call(word: str, args: Sequence[sp.Basic]) -> sp.Expr:
         raise InputError(f"{word}(0) is not finite", remedy=f"give {word} a positive argument")
     if word == "exp" and args[0].is_number and approximate(args[0]) > 700:
         raise InputError("the value is too large", remedy="exp takes arguments up to 700")
-    # SymPy turns tan(x + pi/2) into -cot(x), which is no word of ours.
-    return _checked(_BUILT.get(word, WORDS[word].build)(*args).replace(sp.cot, lambda x: 1 / sp.tan(x)))
+    return _checked(_in_words(_BUILT.get(word, WORDS[word].build)(*args)))
+
+
+def _in_words(expr: sp.Expr) -> sp.Expr:
+    """What SymPy made of a word, without words of its own: tan(x + pi/2) is -cot(x)."""
+    return expr.replace(sp.cot, lambda x: 1 / sp.tan(x)) if expr.has(sp.cot) else expr
 
 
 def relation(kind: type[Relational], left: sp.Expr, right: sp.Expr) -> sp.Basic:
@@ -100,8 +104,8 @@ def _rebuilt(expr: sp.Basic) -> sp.Basic:
     done: dict[sp.Basic, sp.Basic] = {}
     for node in sp.postorder_traversal(expr):
         if node not in done:
-            build = {sp.Max: greatest, sp.Min: least}.get(type(node), node.func)
-            done[node] = build(*(done[x] for x in node.args)) if node.args else node
+            build = {sp.Max: greatest, sp.Min: least, sp.Abs: WORDS["abs"].build}.get(type(node), node.func)
+            done[node] = _in_words(build(*(done[x] for x in node.args))) if node.args else node
     return done[expr]
 
 
@@ -200,8 +204,8 @@ def _checked(expr: sp.Expr) -> sp.Expr:
 
 def _is_unreal(expr: sp.Expr) -> bool:
     """Whether SymPy knows a root, a logarithm, an arc sine or cosine not to be real, whatever the symbols in it are."""
-    if isinstance(expr, sp.Pow) and isinstance(expr.exp, InertNumber) and expr.base.is_negative:
-        return True  # of such exponents SymPy says nothing
+    if isinstance(expr, sp.Pow) and isinstance(expr.exp, sp.Rational | InertNumber) and expr.exp.is_integer is False:
+        return expr.base.is_nonpositive is True  # a root, as log, of what is never positive
     return expr is sp.I or (isinstance(expr, (sp.Pow, sp.log, sp.asin, sp.acos)) and expr.is_extended_real is False)
 
 

@@ -12,6 +12,7 @@ __all__ = ["MOST_ROOT", "InertNumber", "inert_exponent", "plain_exponent", "reck
 
 # 0.3**3.0012 has SymPy write out 3**30012; up to this denominator the integers stay small and the algebra is worth having.
 MOST_ROOT = 12
+_MOST_PASSES = 8
 
 
 class InertNumber(sp.NumberSymbol):
@@ -84,17 +85,22 @@ def reckoned(expr: Any) -> Any:
 
     A derivative brings an exponent down to the factors, and a product adds exponents up: ``101/100/(-1 + 101/100)`` is 101.
     """
-    while expr.has(InertNumber) and (found := _reckoned_once(expr)) != expr:
+    for _ in range(_MOST_PASSES):
+        if not _open(expr) or (found := _reckoned_once(expr)) == expr:
+            break
         expr = found
     return expr
 
 
+def _open(expr: sp.Basic) -> bool:
+    return expr.has(InertNumber) or any(power.exp.is_Rational and power.exp.q > MOST_ROOT for power in expr.atoms(sp.Pow))
+
+
 def _reckoned_once(expr: sp.Basic) -> sp.Basic:
-    if not expr.args or not expr.has(InertNumber):
+    if not expr.args:
         return expr.value if isinstance(expr, InertNumber) else expr
     if isinstance(expr, sp.Pow):
-        exponent = plain_exponent(expr.exp)
-        changed = _reckoned_once(expr.base), inert_exponent(exponent)
+        changed = _reckoned_once(expr.base), inert_exponent(_reckoned_once(plain_exponent(expr.exp)))
     else:
         changed = tuple(map(_reckoned_once, expr.args))
     return expr if changed == expr.args else expr.func(*changed)

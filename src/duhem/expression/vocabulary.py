@@ -29,7 +29,7 @@ class Norm(sp.Function):
         if not kept:
             return sp.S.Zero
         if len(kept) == 1:
-            return sp.Abs(kept[0])
+            return _absolute(kept[0])
         if all(a.is_Number for a in kept):
             return sp.sqrt(sp.Add(*[a**2 for a in kept]))
         return cls(*kept) if len(kept) < len(args) else None
@@ -210,6 +210,15 @@ class EigMax(sp.Function):
         return rf"{body}^{{{exp}}}" if exp else body
 
 
+def _absolute(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
+    """SymPy's absolute value, with exponents taken as real: of exp(x**(2/3)) it would make waves of the angle of x."""
+    exponents = {node.exp for node in x.atoms(sp.Pow, sp.exp) if node.exp.is_extended_real is None} if evaluate else set()
+    if not exponents:
+        return sp.Abs(x, evaluate=evaluate)
+    stand_ins = {exponent: sp.Dummy(real=True) for exponent in sorted(exponents, key=sp.default_sort_key)}
+    return sp.Abs(x.xreplace(stand_ins)).xreplace({dummy: exponent for exponent, dummy in stand_ins.items()})
+
+
 def _sign(x: sp.Expr, evaluate: bool = True) -> sp.Expr:
     """-1, 0 or 1."""
     below = Where(sp.StrictLessThan(x, 0, evaluate=evaluate), sp.S.NegativeOne, sp.S.Zero, evaluate=evaluate)
@@ -237,7 +246,7 @@ class Word:
 
 
 WORDS: dict[str, Word] = {
-    "abs": Word(sp.Abs, 1, 1, "absolute value"),
+    "abs": Word(_absolute, 1, 1, "absolute value"),
     "sign": Word(_sign, 1, 1, "-1, 0 or 1 as its argument is negative, 0 or positive"),
     "sqrt": Word(sp.sqrt, 1, 1, "square root"),
     "exp": Word(sp.exp, 1, 1, "exponential"),

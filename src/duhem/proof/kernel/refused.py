@@ -10,13 +10,14 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any, Protocol
 
-from duhem.proof.kernel.values import ANY, Known, NoValueError, constant, of_word
+from duhem.proof.kernel.values import ANY, NEGATIVE, POSITIVE, ZERO, Known, NoValueError, constant, of_word
 
 __all__ = ["NoValueError", "check_values"]
 
 Atom = Any  # what a part is but for the order of its sums and products
 Monomial = frozenset[tuple[Atom, Fraction]]
-Form = Mapping[Monomial, Fraction]
+Form = dict[Monomial, Fraction]
+COMPARED = ("<", "<=", ">", ">=")
 _UNIT: Monomial = frozenset()
 _MOST_TERMS = 200  # of a sum whose like terms are put together
 
@@ -59,7 +60,7 @@ class _Reading:
         if term.op == "number":
             return constant(term.value), {_UNIT: term.value} if term.value else {}
         if term.op == "name":
-            found = constant(3.141592653589793, 1e-16) if term.name == "pi" else Known(self._signs.get(term.name, ANY))
+            found = constant(3.141592653589793, 2.5e-16) if term.name == "pi" else Known(self._signs.get(term.name, ANY))
             return found, self._atom(term.name, found)
         parts = [self._read(a) for a in term.args]
         found = of_word(term.op, [known for known, _ in parts])
@@ -67,6 +68,10 @@ class _Reading:
             return found, parts[1 if parts[0][0].number else 2][1]
         if term.op == "where" and parts[1][1] == parts[2][1]:
             return parts[1]
+        if term.op in ("asin", "acos"):
+            self._check_within_one(*parts[0])
+        if term.op in COMPARED and not found.lone:
+            found = self._compared(term.op, parts[0][1], parts[1][1])
         form = self._form(term, found, [form for _, form in parts])
         if not found.lone:
             if set(form) <= {_UNIT}:
@@ -74,6 +79,22 @@ class _Reading:
             elif term.op == "+" and len(form) <= _MOST_TERMS:
                 found = self._sum(form, found)
         return found, form
+
+    def _compared(self, op: str, one: Form, two: Form) -> Known:
+        """A comparison, decided where the difference of its sides has the sign for it."""
+        gap = {m: one.get(m, Fraction(0)) - two.get(m, Fraction(0)) for m in one | two}
+        parts = [self._monomial(m, c) for m, c in gap.items() if c]
+        known = of_word("+", parts) if parts else constant(Fraction(0))
+        return of_word(op, (known, constant(Fraction(0)))) if known.real else Known()
+
+    def _check_within_one(self, known: Known, form: Form) -> None:
+        """NoValueError where 1 - |x| is negative by the signs of its terms."""
+        if known.real and known.sign in (POSITIVE, NEGATIVE, POSITIVE | ZERO, NEGATIVE | ZERO):
+            way = 1 if known.sign & NEGATIVE else -1
+            rest = {m: way * c for m, c in form.items()}
+            rest[_UNIT] = rest.get(_UNIT, Fraction(0)) + 1
+            if self._sum({m: c for m, c in rest.items() if c}, known).sign == NEGATIVE:
+                raise NoValueError("an arc of what lies beyond 1")
 
     def _sum(self, form: Form, found: Known) -> Known:
         """A sum by its terms, like ones put together."""

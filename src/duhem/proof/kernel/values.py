@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import reduce
 from typing import Any, NamedTuple
 
-__all__ = ["ANY", "Known", "NoValueError", "constant", "of_word"]
+__all__ = ["ANY", "NEGATIVE", "POSITIVE", "ZERO", "Known", "NoValueError", "constant", "of_word"]
 
 NEGATIVE, ZERO, POSITIVE = 1, 2, 4
 ANY = NEGATIVE | ZERO | POSITIVE
@@ -97,7 +98,8 @@ def _of_constants(op: str, x: Sequence[Known]) -> Known:
         case "atan2":
             if all(a.sign == ZERO for a in x):
                 raise NoValueError("there is no angle at (0, 0)")
-            return constant(math.atan2(0.0 if x[0].sign == ZERO else doubles[0], doubles[1]), error / math.hypot(*doubles) + _UNIT)
+            value = math.atan2(0.0 if x[0].sign == ZERO else doubles[0], doubles[1])
+            return constant(value, error / math.hypot(*doubles) + _UNIT * abs(value))
         case "where" | "<" | "<=" | ">" | ">=":
             return x[1] if op == "where" and x[0].number else x[2] if op == "where" else constant(Fraction(_holds(op, *x)))
         case "eigmax":
@@ -163,15 +165,20 @@ def _power(base: Known, exponent: Known) -> Known:
         if base.lone:
             return _constant_power(base, exponent)
         whole = isinstance(p, Fraction) and p.denominator == 1
-        if base.real and base.sign == NEGATIVE and not whole and isinstance(p, Fraction):
-            raise NoValueError("a root of what is negative")
         if whole and p == 0:
             return constant(Fraction(1))
         if base.sign == ZERO:
             return constant(Fraction(0))
+        if base.real and not base.sign & POSITIVE and not whole and isinstance(p, Fraction):
+            raise NoValueError("a root of what is never positive")
         if base.real and whole and (exponent.sign == POSITIVE or not base.sign & ZERO):
             even = p is not None and p % 2 == 0
             return Known((_UP if base.sign & ZERO else POSITIVE) if even else base.sign)
+        if base.real and whole:  # a quotient, whose sign is known where it has a value
+            even = p is not None and p % 2 == 0
+            return Known(POSITIVE if even else base.sign & ~ZERO, False)
+    elif base.number == 1:
+        return base
     elif base.lone and base.sign != POSITIVE:
         raise NoValueError("a variable power of a number that is not positive")
     if base.real and base.sign == POSITIVE and exponent.real:
@@ -232,7 +239,7 @@ def _by_signs(op: str, x: Sequence[Known]) -> Known:
                 return constant(Fraction(0))
             for other in x[1:]:
                 sign = _of_product(sign, other.sign)
-            return Known(sign if real else ANY, real)
+            return Known(sign, real)
         case "abs":
             return Known(POSITIVE if x[0].real and not sign & ZERO else _UP)
         case "pos" | "neg":
@@ -249,7 +256,7 @@ def _by_signs(op: str, x: Sequence[Known]) -> Known:
         case "atan" | "sinh" | "tanh":
             return Known(sign if real else ANY, real)
         case "log":
-            if real and not sign & POSITIVE:
+            if not sign & POSITIVE:
                 raise NoValueError("a logarithm of what is not positive")
             return Known(ANY, real and sign == POSITIVE)
         case "sin" | "cos":
@@ -262,7 +269,8 @@ def _by_signs(op: str, x: Sequence[Known]) -> Known:
             settled = over.real and (over.sign == POSITIVE or (over.sign in (NEGATIVE, ZERO) and sided))
             if any(a.turned for a in x):
                 raise NoValueError("an angle stands within an angle")
-            return Known(ANY, settled or any(a.real and not a.sign & ZERO for a in x), turned=not settled)
+            sign = y.sign if over.real and y.real and over.sign == POSITIVE else ANY
+            return Known(sign, settled or any(a.real and not a.sign & ZERO for a in x), turned=not settled)
     return Known()  # an open choice, an eigenvalue
 
 
@@ -285,14 +293,10 @@ def _of_product(one: int, two: int) -> int:
 
 
 def _extreme(op: str, x: Sequence[Known]) -> Known:
-    """The greatest has a sign > 0 where one of the parts has it, a sign < 0 where all have it; the least the other way round."""
-    way, other = (POSITIVE, NEGATIVE) if op == "max" else (NEGATIVE, POSITIVE)
-    signs = [a.sign for a in x]
-    if any(s == way for s in signs):
-        return Known(way)
-    if all(s == other for s in signs):
-        return Known(other)
-    return Known(way | ZERO if any(not s & other for s in signs) else other | ZERO if not any(s & way for s in signs) else ANY)
+    """The signs of the greatest or least of any values with the signs of the parts."""
+    first, *others = ({s for s in (NEGATIVE, ZERO, POSITIVE) if a.sign & s} for a in x)
+    found = reduce(lambda one, two: {(max if op == "max" else min)(s, t) for s in one for t in two}, others, first)
+    return Known(sum(found)) if found != {ZERO} else constant(Fraction(0))
 
 
 _POWERS = {"**": _power}
