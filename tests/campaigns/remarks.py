@@ -312,7 +312,9 @@ def _tips(rng: Random) -> Case:
 
     flow = ("x1", "x2") if rng.random() < 0.3 else None
     law = Criterion("law", text, {}, ("x1", "x2"), None, flow=flow)
-    return Case("tips", law, g, ({},), 0, empty=_least(lambda x: _least(lambda y: g({"x1": x, "x2": y}))) > 1e-9)
+    least = _least(lambda x: _least(lambda y: g({"x1": x, "x2": y})))
+    alone = weights[0] > sum(weights[1:]) and g({"x1": 0.0, "x2": 0.0}) == 0  # the first norm outweighs the others: K is its point
+    return Case("tips", law, g, ({},), 0, empty=least > 1e-9, thin=abs(least) <= 1e-9, dim=0 if alone else None)
 
 
 def _least(f: Callable[[float], float]) -> float:

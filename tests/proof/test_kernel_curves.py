@@ -193,3 +193,12 @@ def test_how_often_a_curve_turns_around_zero(boundary: list[str], turns: int | N
 def test_the_power_all_around(flow: list[str], powered: bool) -> None:
     assert curve(*CIRCLE, flow=flow).powered() is powered
     assert not curve(*CIRCLE).powered()
+
+
+def test_a_curve_turned_round_has_the_same_slip_at_each_point() -> None:
+    clockwise = curve("cos(phi)", "-sin(phi)", flow=["cos(phi)", "-sin(phi)"])
+    turned = clockwise.reversed()
+    assert clockwise.powered() and turned.powered()
+    turns = [c._turn(lambda box: (box.boundary[0].value, box.boundary[1].value)) for c in (clockwise, turned, turned.reversed())]
+    assert turns == [-1, 1, -1]
+    assert not curve("cos(phi)**2 - sin(phi)**2", "-2*cos(phi)*sin(phi)").around_zero()  # twice around, either way

@@ -177,3 +177,9 @@ def test_a_limit_of_an_angle_is_said(k: int) -> None:
     assert said == "g has no value where a = 0, for it divides by a: there it is read as its limit"
     (said,) = remarks("norm(a, b) + a*b/norm(a, b)/4 - 1", claims=("convexity",))
     assert said == "g has no value at zero force, for it divides by norm(a, b): there it is read as its limit, and K is closed"
+
+
+def test_a_value_at_zero_force_that_is_a_limit_is_called_one() -> None:
+    found = verify("ottosen", claims=["origin"])["origin"]
+    assert found.detail == "the limit of g at zero force is -1 <= 0"
+    assert verify("von-mises", claims=["origin"])["origin"].detail == "g(0) = -yield_stress <= 0"

@@ -1,7 +1,7 @@
 r"""A law whose boundary is a curve: phi -> |sigma_n| T(phi), with the slip direction d(phi) that goes with each point.
 
 Sign convention as everywhere: sigma_n <= 0 in compression.  K(sigma_n) = |sigma_n| K_1, where K_1 holds the points of the
-closed curve T, run counter-clockwise, and the points it winds around.  Such a law has no formula g.
+closed curve T, run either way, and the points it winds around.  Such a law has no formula g.
 """
 
 from __future__ import annotations
