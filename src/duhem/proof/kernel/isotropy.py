@@ -16,7 +16,9 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.polynomial import Polynomial, slope, times, total
+from duhem.proof.kernel.positivity import negated
 from duhem.proof.kernel.term import Term, number
 
 __all__ = ["in_principal_stresses"]
@@ -61,15 +63,7 @@ class _Components(NamedTuple):
 
     def _polynomial(self, term: Term) -> Polynomial | None:
         """Of the components, with constants for coefficients; None where it is none as it is written."""
-        if self.domain.constant(term) or term in self.components:
-            return self.domain.polynomial(term)
-        whole = term.op == "**" and term.args[1].op == "number" and term.args[1].value.denominator == 1 and term.args[1].value > 0
-        if not (whole or (term.op in ("+", "*") and all(self._polynomial(a) is not None for a in term.args))):
-            return None
-        if whole and self._polynomial(term.args[0]) is None:
-            return None
-        poly = self.domain.polynomial(term)
-        return poly if all(self.domain.constant(x) or x in self.components for m in poly for x, _ in m) else None
+        return None if degree_at_most(term, self.domain) is None else self.domain.polynomial(term)
 
     def _rates(self, poly: Polynomial) -> list[Polynomial]:
         """How fast it changes about the axes z and x, where it does."""
@@ -93,15 +87,11 @@ def _turned(matrix: Matrix, i: int, j: int) -> list[Polynomial]:
     """The rate W S - S W of a symmetric matrix S, with W_ji = 1 = -W_ij: i and j turn in their plane."""
 
     def entry(a: int, b: int) -> Polynomial:
-        left = matrix[_AT[i][b]] if a == j else _negative(matrix[_AT[j][b]]) if a == i else {}
-        right = matrix[_AT[a][j]] if b == i else _negative(matrix[_AT[a][i]]) if b == j else {}
-        return total(left, _negative(right))
+        left = matrix[_AT[i][b]] if a == j else negated(matrix[_AT[j][b]]) if a == i else {}
+        right = matrix[_AT[a][j]] if b == i else negated(matrix[_AT[a][i]]) if b == j else {}
+        return total(left, negated(right))
 
     return [entry(a, b) for a, b in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
-
-
-def _negative(poly: Polynomial) -> Polynomial:
-    return {m: -c for m, c in poly.items()}
 
 
 def _diagonal(term: Term, swap: dict[Term, Term], domain: StatedDomain) -> Term:
