@@ -133,8 +133,11 @@ class _SectorReader(DeviatoricReader):
     def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
         """The polynomial without the roots that it divides by, and these."""
         left, under = self.signs.split(poly)
-        parts: list[tuple[Polynomial, Polynomial]] = [(left, ONE)]
-        return [*parts, *((inner(w, self.domain), {(): Fraction(n, 2)}) for w, n in under.items())]
+        found = [(left, ONE)]
+        for w, n in under.items():
+            half: Polynomial = {(): Fraction(n, 2)}
+            found.append((inner(w, self.domain), half))
+        return found
 
     def convex(self, value: PlaneFunction) -> bool:
         """Whether p = poly prod F_i^(e_i) is convex in the sector, and no wall of it turns inward; F_i > 0."""
