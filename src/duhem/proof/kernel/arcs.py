@@ -16,9 +16,9 @@ from math import lcm
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.line import Line, divides, joined, parts, roots, sign_inside
-from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, multiplied, number_in, power_of
-from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, times, total
-from duhem.proof.kernel.positivity import RAY, negated, nonnegative, on_the_line, without_content
+from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, multiplied, power_of
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total
+from duhem.proof.kernel.positivity import RAY, nonnegative, on_the_line, without_content
 from duhem.proof.kernel.term import NotWritten, Term
 
 __all__ = ["CIRCLE", "DirectionArc", "arcs", "difference", "exponent"]

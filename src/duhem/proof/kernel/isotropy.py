@@ -17,8 +17,7 @@ from typing import NamedTuple
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.forms import degree_at_most
-from duhem.proof.kernel.polynomial import Polynomial, slope, times, total
-from duhem.proof.kernel.positivity import negated
+from duhem.proof.kernel.polynomial import Polynomial, negated, slope, times, total
 from duhem.proof.kernel.term import Term, number
 
 __all__ = ["in_principal_stresses"]

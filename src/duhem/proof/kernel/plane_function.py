@@ -15,13 +15,13 @@ from typing import Any, ClassVar, NamedTuple
 
 from duhem.proof.kernel.algebraic import root_of, roots_in
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total
-from duhem.proof.kernel.positivity import RAY, negated
+from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, number_in, slope, times, total
+from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.term import NotWritten
 
 __all__ = [
-    "MOST_POWER", "Base", "Derivatives", "PlaneFunction", "PlaneVariable", "added", "base_of", "derivatives", "multiplied", "number_in",
-    "power_of", "raised_to", "widened",
+    "MOST_POWER", "Base", "Derivatives", "PlaneFunction", "PlaneVariable", "added", "base_of", "derivatives", "multiplied", "power_of",
+    "raised_to", "widened",
 ]  # fmt: skip
 
 MOST_POWER = 12
@@ -158,7 +158,7 @@ class PlaneVariable(ABC):
         for base, own in [*self.factors(value.poly), *((dict(b), e) for b, e in value.powers.items())]:
             share = times(own, exponent)
             half = (number_in(share) or Fraction(0)) * 2 if n is not None else Fraction(0)
-            if half.denominator == 1 and abs(half) <= 2 * MOST_POWER and self.rooted(base) and (half % 2 or set(base) <= {()}):
+            if half.denominator == 1 and abs(half) <= 2 * MOST_POWER and self.rooted(base) and (half % 2 or number_in(base) is not None):
                 if any(RAY.name in w.names() for w in roots_in(base)):
                     raise NotWritten("a root stands under a root")
                 ((root, scale),) = root_of(base).items()
@@ -172,11 +172,6 @@ class PlaneVariable(ABC):
         """F^(1/k) of degree 1, for F > 0 of degree k, as a product of powers alone."""
         powers = widened(value.powers, value.poly, ONE)
         return PlaneFunction(Fraction(1), ONE, raised_to(powers, {(): 1 / value.degree}))
-
-
-def number_in(poly: Polynomial) -> Fraction | None:
-    """The number that a polynomial is; None where it is none."""
-    return poly.get((), Fraction(0)) if set(poly) <= {()} else None
 
 
 def widened(powers: Mapping[Base, Polynomial], poly: Polynomial, e: Polynomial) -> dict[Base, Polynomial]:

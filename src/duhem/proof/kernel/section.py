@@ -20,8 +20,8 @@ from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, State
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.invariants import Invariants, invariants
 from duhem.proof.kernel.plane_function import PlaneFunction, base_of, power_of
-from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, joined, times, total, written
-from duhem.proof.kernel.positivity import RAY, negated, nonnegative
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, joined, negated, number_in, times, total, written
+from duhem.proof.kernel.positivity import RAY, nonnegative
 from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 
@@ -125,8 +125,8 @@ class _SectionReader(DeviatoricReader):
         if len(inverse) != 1 or (x := inverse.pop()).op not in ("acos", "atan"):
             raise NotWritten("an angle is no third of an acos")
         base, *higher = in_powers(poly, x)
-        third = higher[0].get((), Fraction(0)) if len(higher) == 1 and set(higher[0]) == {()} else Fraction(0)
-        if abs(third) != Fraction(1, 3):
+        third = number_in(higher[0]) if len(higher) == 1 else None
+        if third is None or abs(third) != Fraction(1, 3):
             raise NotWritten("an angle is no third of an acos")
         z = self.read(x.args[0])
         towards = Fraction(-1 if x.op == "acos" else 1) / third / 3  # 1 where the angle is b - acos/3 as it stands
@@ -153,7 +153,7 @@ class _SectionReader(DeviatoricReader):
 
     def rooted(self, poly: Polynomial) -> bool:
         """Only roots of numbers stand in polynomials."""
-        return set(poly) <= {()}
+        return number_in(poly) is not None
 
     def above(self, poly: Polynomial, strict: bool = False) -> bool:
         """Whether it is >= 0, or > 0, for -1 <= c <= 1 over the whole domain; perhaps with c = sqrt(3) w."""

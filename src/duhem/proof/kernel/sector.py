@@ -23,8 +23,8 @@ from duhem.proof.kernel.deviatoric import DeviatoricReader
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.invariants import Invariants, of_tensor
 from duhem.proof.kernel.plane_function import PlaneFunction, derivatives, power_of
-from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, times, total, written
-from duhem.proof.kernel.positivity import RAY, negated
+from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, negated, number_in, times, total, written
+from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.section import meanings
 from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts
 from duhem.proof.kernel.spectrum import entries_of, extremes
@@ -213,8 +213,8 @@ class _SectorReader(DeviatoricReader):
 
 def _whole(exponent: Polynomial) -> int:
     """A whole number < 0."""
-    n = exponent.get((), Fraction(0))
-    if set(exponent) != {()} or n.denominator > 1 or n > 0:
+    n = number_in(exponent)
+    if n is None or n.denominator > 1 or n > 0:
         raise NotWritten("a power is another")
     return int(n)
 

@@ -19,8 +19,8 @@ from duhem.proof.kernel.arcs import CIRCLE, DirectionArc, arcs, difference, expo
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction, derivatives, multiplied
-from duhem.proof.kernel.polynomial import Polynomial, replaced, times, total
-from duhem.proof.kernel.positivity import RAY, Interval, negated, nonnegative
+from duhem.proof.kernel.polynomial import Polynomial, negated, replaced, times, total
+from duhem.proof.kernel.positivity import RAY, Interval, nonnegative
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
 __all__ = ["StarGauge", "undefined_at_zero"]
