@@ -66,7 +66,10 @@ def test_a_boundary_must_curve_inward_around_a_point_inside() -> None:
     saddle = identity(["2"], [(["the goal"], ["1"], ONE)], [("the boundary", "2")])
     assert confirmed("dissipation", "boundary-power", law("a**2 - b**2 - 1"), {"outward": [saddle]})
     assert not confirmed("convexity", "implicit-curvature", law("a**2 - b**2 - 1"), evidence)
-    assert not rises_outward(law("a**2 + b**2 - 1 + 0/e"), [RISES])
+    assert rises_outward(law(DISC), [RISES])
+    for undefined in ("0/e", "0/(e + 1)", "0*sqrt(a)"):  # no rule reads such a law: 0 times it is multiplied out
+        assert not confirmed("convexity", "implicit-curvature", law(f"{DISC} + {undefined}"), evidence)
+        assert not confirmed("smoothness", "regular-value", law(f"{DISC} + {undefined}"), evidence)
     assert confirmed("convexity", "implicit-curvature", law("a**2 - 1", ["a"]), {"outward": [RISES]})
     assert not confirmed("convexity", "implicit-curvature", law("1 - a**2", ["a"]), {"outward": [RISES]})
 

@@ -12,12 +12,13 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.claims import objection, rules_of
-from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.line import line, nonnegative, parts, roots
 from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
-from duhem.proof.kernel.star import StarGauge, undefined_at_zero
+from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
 
@@ -275,7 +276,7 @@ def test_three_forces_of_which_only_differences_count(g: str, star: bool) -> Non
     ],
 )
 def test_zero_force_belongs_to_k_by_closure_only_where_nothing_else_is_said(g: str, closed: bool) -> None:
-    assert undefined_at_zero(law(g)) is closed
+    assert divides_by_zero_force(law(g).g, over(law(g)), facts) is closed
 
 
 def test_a_value_at_zero_force_counts() -> None:

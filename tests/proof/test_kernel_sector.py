@@ -40,7 +40,7 @@ def law(text: str, *forces: str) -> StatedLaw:
 
 
 def readers(stated: StatedLaw) -> list[Any]:
-    return sector._readers(stated.g, over(stated), facts, over)
+    return sector.sector_readers(stated.g, over(stated), facts, over)
 
 
 VALUES: list[tuple[str, int | F, bool]] = [  # a formula, its degree, and whether it is 0 by continuity where the deviator is

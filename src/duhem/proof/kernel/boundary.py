@@ -27,7 +27,7 @@ _BOUNDARY, _TANGENT = "the boundary", "the tangent"
 def rises_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
     """Whether sigma . grad g > 0 wherever g = 0, on every piece of g."""
     domain = over(law)
-    return facts(law.g, domain).defined and all(
+    return all(
         shown(_along(law.forces, g, domain), ">", _on_boundary(g, sides, domain), identities, domain) for g, sides in pieces(law.g, domain)
     )
 
@@ -61,9 +61,6 @@ def flows_along_normals(law: StatedLaw, along: Sequence[Identity], across: Seque
 
 
 def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[Identity], domain: StatedDomain) -> bool:
-    choices = (choice for d in face.flow or () for choice, _ in pieces(d, domain, CHOICES))  # a flow may jump
-    if not all(facts(part, domain).defined for part in (face.g, *choices, *face.others)):
-        return False
     if face.flow is None:
         return all(shown(_along(forces, g, domain), ">", given, identities, domain) for (g,), given in _on_face(face, (), domain))
     power = sum_of(*map(product_of, (Term("name", name=x) for x in forces), face.flow))
@@ -77,10 +74,7 @@ def _dissipates(face: StatedFace, forces: tuple[str, ...], identities: Sequence[
 def _parallel(
     face: StatedFace, forces: tuple[str, ...], along: Sequence[Identity], across: Sequence[Identity], domain: StatedDomain
 ) -> bool:
-    flow = face.flow or ()
-    if not all(facts(part, domain).defined for part in (face.g, *flow, *face.others)):
-        return False
-    for (g, *components), given in _on_face(face, flow, domain):
+    for (g, *components), given in _on_face(face, face.flow or (), domain):
         gradient, d = [_along_axis(x, g, domain) for x in forces], list(map(domain.polynomial, components))
         if not shown(total(*map(times, d, gradient)), ">", given, along, domain):
             return False
@@ -105,7 +99,7 @@ def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Sequenc
     """Whether v . Hess g v >= 0 for every v with v . grad g = 0 wherever g = 0; ``directions`` are names for the components of v."""
     domain = _wider(law, directions)
     given = {**_on_boundary(law.g, (), domain), _TANGENT: (_along(directions, law.g, domain), "==")}
-    return facts(law.g, domain).defined and shown(_bend(directions, law.g, domain), ">=", given, identities, domain)
+    return shown(_bend(directions, law.g, domain), ">=", given, identities, domain)
 
 
 def with_convex_sums(law: StatedLaw, directions: Sequence[str], identities: Sequence[Identity]) -> StatedDomain:

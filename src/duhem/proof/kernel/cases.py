@@ -6,12 +6,11 @@ A claim is made at every such value.  So it holds of the law if it holds of eith
 from __future__ import annotations
 
 from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.definedness import AGAINST
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.term import Term
 
 __all__ = ["cases"]
-
-_AGAINST = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}
 
 
 def cases(law: StatedLaw) -> tuple[StatedLaw, ...]:
@@ -22,7 +21,7 @@ def cases(law: StatedLaw) -> tuple[StatedLaw, ...]:
         choice = _choice(term, domain)
         if choice is not None and facts(choice.args[0], domain).defined:
             condition, *values = choice.args
-            against = Term(_AGAINST[condition.op], condition.args)
+            against = Term(AGAINST[condition.op], condition.args)
             return tuple(_with(law, choice, value, holds) for value, holds in zip(values, (condition, against), strict=True))
     return ()
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import Any
 
+from duhem.proof.kernel import obligations
 from duhem.proof.kernel.boundary import curves_inward, falls_from_zero, flows_along_normals, flows_outward, rises_outward, with_convex_sums
 from duhem.proof.kernel.cases import cases
 from duhem.proof.kernel.curvature import Facts, facts, over
@@ -14,6 +15,7 @@ from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLa
 from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.isotropy import in_principal_stresses
+from duhem.proof.kernel.limits import continued, divides_by_zero_force
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.piecewise import polyhedra
@@ -23,9 +25,7 @@ from duhem.proof.kernel.power_share import flows_with_a_share_of_g
 from duhem.proof.kernel.region import convex_in_its_region
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.rounded import round_at_its_ends
-from duhem.proof.kernel.section import without_sections
-from duhem.proof.kernel.sector import without_sectors
-from duhem.proof.kernel.star import StarGauge, undefined_at_zero
+from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
 
@@ -33,18 +33,22 @@ __all__ = ["RULES", "objection", "rules_of"]
 
 Evidence = Mapping[str, Any]
 Rule = Callable[[StatedLaw, Evidence], bool]
+Reads = Callable[[StatedLaw], str]
 _MOST_CASES = 4  # choices one after another
 
 
 def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
     """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does."""
-    rules: Mapping[tuple[str, str], tuple[frozenset[str], Callable[..., bool]]] = RULES if isinstance(law, StatedLaw) else CURVE_RULES
-    if (claim, rule) not in rules:
+    if rule not in rules_of(claim, law):
         return f"no rule {rule!r} for this claim"
-    needed, check = rules[claim, rule]
+    needed, check = (RULES[claim, rule] if isinstance(law, StatedLaw) else CURVE_RULES[claim, rule])[:2]
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
-    return _objection_in_cases(claim, rule, check, law, evidence)
+    try:
+        undecided = obligations.constraints(law) or (RULES[claim, rule][2](law) if isinstance(law, StatedLaw) else "")
+    except UNREADABLE as fault:
+        undecided = f"the law cannot be read: {in_words(fault)}"
+    return undecided or _objection_in_cases(claim, rule, check, law, evidence)
 
 
 def _objection_in_cases(
@@ -110,10 +114,9 @@ def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
 
 
 def _at_zero(law: StatedLaw) -> list[Facts]:
-    """g at the origin, as its text says it and by continuity: functions of J2 and J3 are 0 there; what jumps beside them has no limit."""
+    """g at the origin, as its text says it, and by continuity; what jumps beside a limit has none."""
     domain = over(law)
-    emptied = (*without_sections(law.g, domain, facts), *without_sectors(law.g, domain, facts, over))
-    return [_at(law._replace(g=g), {}) for g in (law.g, *(g for g in emptied if not chooses(g, domain)))]
+    return [_at(law._replace(g=g), {}) for g in (law.g, *(g for g in continued(law.g, domain, facts, over) if not chooses(g, domain)))]
 
 
 def _inside(law: StatedLaw, evidence: Evidence) -> bool:
@@ -187,7 +190,7 @@ def fenchel(law: StatedLaw, _: Evidence) -> bool:
 
 def star_shaped(law: StatedLaw, _: Evidence) -> bool:
     """K is star-shaped about 0, and closed where the formula divides by 0."""
-    return undefined_at_zero(law) and bool(StarGauge(law))
+    return divides_by_zero_force(law.g, over(law), facts) and bool(StarGauge(law))
 
 
 def convex_gauge(law: StatedLaw, _: Evidence) -> bool:
@@ -265,30 +268,30 @@ def quadratic_energy(law: StatedLaw | StatedCurve, _: Evidence) -> bool:
 
 _NONE: frozenset[str] = frozenset()
 _ORIGIN = frozenset({"origin"})
-RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule]] = {
-    ("origin", "evaluation"): (_NONE, origin),
-    ("origin", "polar-form"): (_NONE, star_shaped),
-    ("convexity", "composition"): (_NONE, convexity),
-    ("convexity", "polyhedral"): (_NONE, polyhedral),
-    ("convexity", "polar-curvature"): (_ORIGIN, convex_gauge),
-    ("convexity", "fan"): (_ORIGIN, convex_fan),
-    ("convexity", "implicit-curvature"): (_NONE, curved),
-    ("smoothness", "composition"): (_NONE, smoothness),
-    ("smoothness", "polar-seams"): (_ORIGIN, smooth_gauge),
-    ("smoothness", "fan"): (_ORIGIN, smooth_fan),
-    ("smoothness", "euler"): (_NONE, regular_along_rays),
-    ("smoothness", "regular-value"): (_NONE, regular),
-    ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force),
-    ("normality", "normality-rule"): (frozenset({"convexity"}), associated),
-    ("normality", "parallel"): (frozenset({"convexity"}), parallel),
-    ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel),
-    ("dissipation", "euler"): (_ORIGIN, euler),
-    ("dissipation", "homogeneity"): (_NONE, homogeneity),
-    ("dissipation", "potential"): (_NONE, potential),
-    ("dissipation", "boundary-power"): (_NONE, power),
-    ("dissipation", "power-share"): (_NONE, power_share),
-    ("duality", "polar-gauge"): (_NONE, polar_gauge),
-    ("state_laws", "symbolic"): (_NONE, quadratic_energy),
+RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule, Reads]] = {  # the claims it rests on, itself, what it reads
+    ("origin", "evaluation"): (_NONE, origin, obligations.formula_at_zero),
+    ("origin", "polar-form"): (_NONE, star_shaped, obligations.numbers_in_formula),
+    ("convexity", "composition"): (_NONE, convexity, obligations.formula_where_loads_allow),
+    ("convexity", "polyhedral"): (_NONE, polyhedral, obligations.formula),
+    ("convexity", "polar-curvature"): (_ORIGIN, convex_gauge, obligations.numbers_in_formula),
+    ("convexity", "fan"): (_ORIGIN, convex_fan, obligations.formula),
+    ("convexity", "implicit-curvature"): (_NONE, curved, obligations.formula),
+    ("smoothness", "composition"): (_NONE, smoothness, obligations.formula_where_loads_allow),
+    ("smoothness", "polar-seams"): (_ORIGIN, smooth_gauge, obligations.numbers_in_formula),
+    ("smoothness", "fan"): (_ORIGIN, smooth_fan, obligations.formula),
+    ("smoothness", "euler"): (_NONE, regular_along_rays, obligations.formula_but_at_tips),
+    ("smoothness", "regular-value"): (_NONE, regular, obligations.formula),
+    ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force, obligations.formula),
+    ("normality", "normality-rule"): (frozenset({"convexity"}), associated, obligations.nothing),
+    ("normality", "parallel"): (frozenset({"convexity"}), parallel, obligations.formula_and_flow),
+    ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel, obligations.flow),
+    ("dissipation", "euler"): (_ORIGIN, euler, obligations.numbers_in_formula),
+    ("dissipation", "homogeneity"): (_NONE, homogeneity, obligations.formula_but_at_tips),
+    ("dissipation", "potential"): (_NONE, potential, obligations.formula_and_potential),
+    ("dissipation", "boundary-power"): (_NONE, power, obligations.formula_and_flow),
+    ("dissipation", "power-share"): (_NONE, power_share, obligations.formula),
+    ("duality", "polar-gauge"): (_NONE, polar_gauge, obligations.formula),
+    ("state_laws", "symbolic"): (_NONE, quadratic_energy, obligations.nothing),
 }
 CURVE_RULES: Mapping[tuple[str, str], tuple[frozenset[str], Callable[[StatedCurve, Evidence], bool]]] = {
     ("origin", "winding"): (_NONE, lambda curve, _: curve.around_zero()),

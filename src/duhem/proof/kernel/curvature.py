@@ -11,6 +11,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.constant_sign import sign_of_constant
+from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, signs_of_product
 from duhem.proof.kernel.even import quasiconvex_in_even_parts
 from duhem.proof.kernel.loads import collected, multiple, sign_within
@@ -74,7 +75,7 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
     if term.op == "**":
         return _power(term, domain)
     parts = [facts(a, domain) for a in term.args]
-    x, defined = parts[0], all(p.defined for p in parts)
+    x, defined = parts[0], all(p.defined for p in parts) and has_value(term, lambda a: facts(a, domain).sign, domain)
     match term.op:
         case "+":
             return _total(term, parts, domain)
@@ -103,19 +104,18 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             return Facts(x.defined, POSITIVE, x.convex, False, x.quasiconvex)
         case "log":
             above_one = facts(Term("+", (term.args[0], number(-1))), domain).sign
-            return Facts(x.defined and x.sign == POSITIVE, above_one, False, x.concave, x.quasiconvex)
+            return Facts(defined, above_one, False, x.concave, x.quasiconvex)
         case "asin" | "acos":
-            below, above = (facts(Term("+", (_ONE, side)), domain) for side in (minus(term.args[0]), term.args[0]))
             shape = _risen(x if term.op == "asin" else x.negated())  # acos x = pi/2 + asin(-x)
-            sign = x.sign if term.op == "asin" else below.sign & (ZERO | POSITIVE)
-            return replace(shape, defined=x.defined and below.nonnegative and above.nonnegative, sign=sign)
+            below = facts(Term("+", (_ONE, minus(term.args[0]))), domain)
+            return replace(shape, defined=defined, sign=x.sign if term.op == "asin" else below.sign & (ZERO | POSITIVE))
         case "sinh":
             return _risen(x)
         case "cosh":
             return Facts(x.defined, POSITIVE, x.convex_in_size, False, x.convex_in_size)
         case "atan2":
-            return Facts(defined and any(not p.sign & ZERO for p in parts))  # it jumps where the first is 0 and the second < 0
-        case "tan" if _below_right(term.args[0], domain):
+            return Facts(defined)  # it jumps where the first is 0 and the second < 0
+        case "tan" if defined:
             return _risen(x)
         case "tanh" | "atan":
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
@@ -211,15 +211,13 @@ def _power(term: Term, domain: StatedDomain) -> Facts:
     base, exponent = (facts(a, domain) for a in term.args)
     p = term.args[1].value if term.args[1].op == "number" else None
     whole = p is not None and p.denominator == 1
-    defined = base.defined and exponent.defined and (
-        base.sign == POSITIVE or (base.nonnegative and exponent.sign == POSITIVE) or bool(whole and p and (p > 0 or not base.sign & ZERO))
-    )  # fmt: skip
+    defined = base.defined and exponent.defined and has_value(term, lambda a: facts(a, domain).sign, domain)
     if p == 0:
         return Facts(base.defined, POSITIVE, True, True, True)  # x**0 is 1, as in polynomials
     if p == 1:
         return base
     if not domain.constant(term.args[1]):
-        return Facts(defined and base.sign == POSITIVE, POSITIVE if base.sign == POSITIVE else ANY)
+        return Facts(defined, POSITIVE if base.sign == POSITIVE else ANY)
     if whole and p and p % 2 == 0:
         sign = signs_of_product(base.sign, base.sign) if base.sign != ANY else ZERO | POSITIVE
         return Facts(defined, sign, p > 0 and base.convex_in_size, False, p > 0 and base.convex_in_size)

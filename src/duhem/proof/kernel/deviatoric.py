@@ -15,7 +15,7 @@ from duhem.proof.kernel.algebraic import plain
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, added, multiplied
-from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.polynomial import Polynomial, negated
 from duhem.proof.kernel.shape import Facts, Shown, of_sum
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, number, product_of
 
@@ -30,6 +30,11 @@ class DeviatoricReader(PlaneVariable):
     def __init__(self, domain: StatedDomain, shown: Shown, within: StatedDomain | None = None) -> None:
         self.domain, self.shown, self.within = domain, shown, within or domain
         self.known: dict[Term, PlaneFunction | None] = {}  # what was read
+
+    @property
+    @abstractmethod
+    def second(self) -> Polynomial:
+        """J2 of the tensor, in the forces."""
 
     # -- what is shown -------------------------------------------------------------------------------------------------
 
@@ -50,6 +55,15 @@ class DeviatoricReader(PlaneVariable):
                 moving.append(self.shown(part, self.domain))
         known = of_sum([*moving, *map(self.together, groups.values())], constants)
         return replace(known, defined=known.defined and whole)
+
+    def sign(self, term: Term) -> Sign:
+        """The signs that a term may have where the deviator is not 0."""
+        with suppress(NotWritten):
+            poly = self.read(term).poly
+            for turned, sign in ((poly, POSITIVE), (negated(poly), NEGATIVE)):
+                if self.above(turned):
+                    return sign if self.above(turned, strict=True) else sign | ZERO
+        return ANY
 
     def of_wave(self, term: Term) -> Facts | None:
         """What is shown of a term by its form alone, if there is a theorem about it."""

@@ -14,6 +14,7 @@ from unicodedata import normalize
 
 from duhem.proof.kernel.angle import without_angles
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign, exact, sharpened
+from duhem.proof.kernel.exact_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
@@ -360,13 +361,13 @@ def _outweighed(m: Monomial, c: Fraction, above: Polynomial) -> bool:
 
 
 def inhabited(parameters: Mapping[str, Bounds], constraints: tuple[Term, ...], point: Mapping[str, Fraction]) -> bool:
-    """Whether ``point`` satisfies the domain and every constraint, so that a claim over the domain is not empty."""
+    """Whether ``point`` satisfies the domain and every constraint, worked out exactly, so that a claim over the domain is not empty."""
     here = {Term("name", name=n): number(x) for n, x in point.items()}
-    domain = StatedDomain(StatedLaw((), None, number(0), None, parameters, ()), lambda term, _: ANY)
-    gaps = [(domain.polynomial(gap(c).put(here)), c.op) for c in constraints]
-    values = [(rest.get((), Fraction(0)), op) for rest, op in gaps if set(rest) <= {()}]
     inside = set(point) == set(parameters) and all(parameters[n].holds(x) for n, x in point.items())
-    return inside and len(values) == len(gaps) and all(v > 0 or (v == 0 and len(op) == 2) for v, op in values)
+    try:
+        return inside and all(holds(c.put(here)) for c in constraints)
+    except NotWritten:  # something in a constraint has no value there, or is no fraction
+        return False
 
 
 def signs_of_product(a: Sign, b: Sign) -> Sign:

@@ -10,7 +10,7 @@ from duhem.proof.kernel.polynomial import Monomial, Polynomial, negated, times, 
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
-__all__ = ["at_end_of", "collected", "multiple", "share_and_rest", "sign_within"]
+__all__ = ["at_end_of", "by_forces", "collected", "multiple", "share_and_rest", "sign_within"]
 
 
 def collected(term: Term, domain: StatedDomain) -> Term:
@@ -41,16 +41,16 @@ def _share(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial 
     """c where the moving parts may be such multiples; {} where the rest has none of a part of x."""
     if not rest:
         return {}
-    parts = _by_forces(x, domain)
+    parts = by_forces(x, domain)
     for moving, c in parts.items():
         if moving and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
             ((m, factor),) = c.items()
             inverse: Polynomial = {tuple((y, -n) for y, n in m): 1 / factor}
-            return times(_by_forces(rest, domain).get(moving, {}), inverse)
+            return times(by_forces(rest, domain).get(moving, {}), inverse)
     return None
 
 
-def _by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomial]:
+def by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomial]:
     """The coefficients of what depends on the forces."""
     found: dict[Monomial, Polynomial] = {}
     for m, c in poly.items():
@@ -60,11 +60,11 @@ def _by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynom
 
 
 def sign_within(term: Term, known: Facts, domain: StatedDomain, shown: Shown) -> Sign:
-    """The signs that the loads >= 0 of the domain leave: of an affine term, a multiple of one and a constant; of a concave one that
-    depends on one load alone and is >= 0 at both of its ends, no sign < 0.
+    """The signs that what is >= 0 in the domain leaves: of a multiple of that and a constant; of a concave term that depends on one load
+    alone and is >= 0 at both of its ends, no sign < 0.
     """
     try:
-        found = _of_affine(term, domain, shown) if known.affine else ANY
+        found = _of_multiple(term, domain, shown)
         if (
             found & known.sign & NEGATIVE
             and known.concave
@@ -76,7 +76,7 @@ def sign_within(term: Term, known: Facts, domain: StatedDomain, shown: Shown) ->
         return ANY
 
 
-def _of_affine(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
+def _of_multiple(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
     found, poly = ANY, domain.polynomial(term)
     for side, strict in domain.sides.items():
         if (split := share_and_rest(poly, domain.polynomial(side), domain)) is None:
@@ -110,6 +110,8 @@ def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomai
 
     It is concave where all loads are >= 0 and perhaps nowhere else: so they are asked for at both ends, and hold between them.
     """
+    if not all(_is_load(domain.polynomial(x), domain) for x in domain.sides):
+        return False
     load, end = domain.polynomial(side), domain.polynomial(other)
     split = share_and_rest(end, load, domain)
     if split is None or shown(written(split[0]), domain).sign != NEGATIVE or not _of_load(term, load, domain):
@@ -117,6 +119,12 @@ def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomai
     ends = [_zero(x, domain) for x in (load, end)]
     values = [shown(part.put(place), domain) for part in (*domain.sides, term) for place in ends]
     return all(here.defined and here.nonnegative for here in values)
+
+
+def _is_load(poly: Polynomial, domain: StatedDomain) -> bool:
+    """Whether each force enters by multiples of it."""
+    moving = [[(x, n) for x, n in m if not domain.constant(x)] for m in poly]
+    return all(not m or ([n for _, n in m] == [1] and m[0][0].op == "name") for m in moving)
 
 
 def _of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
@@ -130,9 +138,11 @@ def _of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
 
 def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:
     """Forces at which a load is 0: all but one of them 0."""
-    parts = _by_forces(load, domain)
+    parts = by_forces(load, domain)
+    if not _is_load(load, domain):
+        raise NotWritten("what is >= 0 is no load")
     for moving, c in parts.items():
-        if len(moving) == 1 and moving[0][1] == 1 and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
+        if moving and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
             ((m, factor),) = c.items()
             place = times({tuple((y, -n) for y, n in m): -1 / factor}, parts.get((), {}))
             return {**{Term("name", name=f): number(0) for f in domain.law.forces}, moving[0][0]: written(place)}

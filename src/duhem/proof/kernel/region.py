@@ -17,20 +17,15 @@ from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import Term, minus
 
-__all__ = ["convex_in_its_region", "loads_and_others"]
+__all__ = ["convex_in_its_region", "loads_and_others", "where_loads_allow"]
+
+Over = Callable[[StatedLaw], StatedDomain]
 
 
-def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> bool:
-    """Whether g is defined, and every part of it quasiconvex, or of a convex set, where all of its loads allow it to be <= 0."""
+def convex_in_its_region(law: StatedLaw, shown: Shown, over: Over) -> bool:
+    """Whether every part of g is quasiconvex, or of a convex set, where all of its loads allow it to be <= 0; g has a value there."""
     domain = over(law)
-    if _chooses(law.g):
-        return False  # what is not chosen need not have a value
-    loads, others = loads_and_others(law.g, domain, shown)
-    inside = over(law)
-    inside.sides |= dict.fromkeys(map(minus, loads), False)
-    for part in others:
-        left = written(domain.polynomial(part))  # of a logarithm that cancels K is not closed: nothing is said of it
-        inside.sides |= dict.fromkeys((x for x in _under_logarithms(left) if not domain.constant(x) and shown(x, domain).affine), True)
+    loads, others, inside = where_loads_allow(law, shown, over)
     found = [(part, shown(part, inside)) for part in others]
     return all(
         (known.defined and known.quasiconvex)
@@ -39,6 +34,19 @@ def convex_in_its_region(law: StatedLaw, shown: Shown, over: Callable[[StatedLaw
         or left_on_one_side(part, [other for other in (*loads, *others) if other is not part], domain)
         for part, known in found
     )
+
+
+def where_loads_allow(law: StatedLaw, shown: Shown, over: Over) -> tuple[list[Term], list[Term], StatedDomain]:
+    """The loads and the other parts of g, and the domain where the loads allow K."""
+    inside = over(law)
+    loads, others = loads_and_others(law.g, inside, shown)
+    sides = dict.fromkeys(map(minus, loads), False)
+    for part in others:
+        left = written(inside.polynomial(part))  # of a logarithm that cancels K is not closed: nothing is said of it
+        sides |= dict.fromkeys((x for x in _under_logarithms(left) if not inside.constant(x) and shown(x, inside).affine), True)
+    inside = over(law)
+    inside.sides |= sides
+    return loads, others, inside
 
 
 def loads_and_others(g: Term, domain: StatedDomain, shown: Shown) -> tuple[list[Term], list[Term]]:
@@ -57,12 +65,9 @@ def _greatest(term: Term) -> Iterator[Term]:
         yield from _greatest(a)
 
 
-def _chooses(term: Term) -> bool:
-    return term.op == "where" or any(map(_chooses, term.args))
-
-
 def _under_logarithms(term: Term) -> Iterator[Term]:
-    for a in term.args:
+    """What stands under logarithms that are read wherever the term is."""
+    for a in term.args if term.op != "where" else ():
         yield from _under_logarithms(a)
     if term.op == "log":
         yield term.args[0]

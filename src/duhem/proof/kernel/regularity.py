@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.even import freed_of_roots
+from duhem.proof.kernel.limits import sign_on_axis
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.section import sign_on_axis
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
 __all__ = ["smooth_but_where_zero", "smooth_near_the_boundary", "tips"]

@@ -16,7 +16,7 @@ from contextlib import suppress
 from fractions import Fraction
 
 from duhem.proof.kernel.deviatoric import DeviatoricReader
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.invariants import Invariants, invariants
 from duhem.proof.kernel.plane_function import PlaneFunction, base_of, power_of
@@ -25,7 +25,7 @@ from duhem.proof.kernel.positivity import RAY, nonnegative
 from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
 
-__all__ = ["by_section", "meanings", "sign_on_axis", "without_sections"]
+__all__ = ["by_section", "meanings", "section_readers"]
 
 _ROOT = Term("**", (number(3), number(Fraction(1, 2))))
 _THIRD_OF_C: Polynomial = {((RAY, 1), (_ROOT, 1)): Fraction(2, 9)}  # J3 = (2 sqrt(3)/9) c for J2 = 1
@@ -35,26 +35,8 @@ _PI = Term("name", name="pi")
 
 def by_section(term: Term, domain: StatedDomain, shown: Shown) -> Facts | None:
     """What is shown of a sum, product or power, the parts that are functions of J2 and J3 taken together by their degree."""
-    found = (reader.facts(term) for reader in _readers_of(term, domain, shown))
+    found = (reader.facts(term) for reader in section_readers(term, domain, shown))
     return next((known for known in found if known is not None and known.quasiconvex), None)
-
-
-def without_sections(term: Term, domain: StatedDomain, shown: Shown) -> Iterator[Term]:
-    """The term as it is where J2 = 0: with 0 for its functions of J2 and J3 of a degree above 0, as its parts may be read."""
-    for reader in _readers_of(term, domain, shown):
-        yield reader.emptied(term)
-
-
-def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign:
-    """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
-    for reader in _readers_of(g, domain, shown):
-        size, there = reader.value(tip), reader.emptied(g)
-        if size is None or not domain.constant(there) or not reader.above(size.poly, strict=True):
-            continue
-        value = shown(there, domain)
-        if value.defined:
-            return value.sign
-    return ANY
 
 
 def meanings(domain: StatedDomain, shown: Shown) -> list[Invariants]:
@@ -62,8 +44,8 @@ def meanings(domain: StatedDomain, shown: Shown) -> list[Invariants]:
     return [reader.meaning for reader in _readers(domain, shown)]
 
 
-def _readers_of(term: Term, domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:
-    """None for a formula of which a part may have no value."""
+def section_readers(term: Term, domain: StatedDomain, shown: Shown) -> Sequence[_SectionReader]:
+    """Of the law's formulas; none for one of which a constant may have no value."""
     readers = _readers(domain, shown)
     return readers if readers and of_settled_parts(term, domain, shown) else ()
 
@@ -96,6 +78,10 @@ class _SectionReader(DeviatoricReader):
     def __init__(self, domain: StatedDomain, shown: Shown, meaning: Invariants) -> None:
         super().__init__(domain, shown)
         self.meaning = meaning
+
+    @property
+    def second(self) -> Polynomial:
+        return self.meaning.second
 
     def invariant(self, term: Term) -> bool:
         """Whether a sum is a polynomial in J2 and J3."""

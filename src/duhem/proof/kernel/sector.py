@@ -12,7 +12,7 @@ rho^k f, f a function of the angle alone, is 0 by continuity, as in ``section``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from fractions import Fraction
 from itertools import islice
@@ -30,7 +30,7 @@ from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts
 from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["by_sector", "without_sectors"]
+__all__ = ["by_sector", "sector_readers"]
 
 Over = Callable[[StatedLaw], StatedDomain]
 _FIRST, _GAP = (Term("name", name=name) for name in ("greatest deviator", "half of the others' gap"))  # no name of a law has blanks
@@ -42,17 +42,11 @@ _MOST_PARTS = 6
 
 def by_sector(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Facts | None:
     """What is shown of a sum, product, power or choice, its functions of principal deviators taken together by their degree."""
-    for reader in _readers(term, domain, shown, over):
+    for reader in sector_readers(term, domain, shown, over):
         with suppress(NotWritten):
             if (known := reader.facts(term)) is not None and known.quasiconvex:
                 return known
     return None
-
-
-def without_sectors(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Term]:
-    """The term as it is where the deviator is 0: with 0 for its functions of a degree above 0 that have a value there."""
-    for reader in _readers(term, domain, shown, over):
-        yield reader.emptied(term)
 
 
 class _Tensor(NamedTuple):
@@ -72,7 +66,7 @@ class _Tensor(NamedTuple):
         return None
 
 
-def _readers(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> list[_SectorReader]:
+def sector_readers(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> list[_SectorReader]:
     """One for each tensor of which a greatest or least principal value stands in the term; else for what the forces may be."""
     if _FIRST.name in domain.law.forces or domain.constant(term) or not of_settled_parts(term, domain, shown):
         return []
@@ -120,6 +114,10 @@ class _SectorReader(DeviatoricReader):
     def __init__(self, domain: StatedDomain, wider: StatedDomain, shown: Shown, over: Over, tensor: _Tensor) -> None:
         super().__init__(domain, shown, wider)
         self.over, self.tensor, self.signs = over, tensor, Signs(domain, (Fraction(0), _FAR))
+
+    @property
+    def second(self) -> Polynomial:
+        return self.tensor.invariants.second
 
     def above(self, poly: Polynomial, strict: bool = False) -> bool:
         return self.signs.above(poly, strict)

@@ -17,13 +17,13 @@ from itertools import islice, pairwise
 
 from duhem.proof.kernel.arcs import CIRCLE, DirectionArc, arcs, difference, exponent
 from duhem.proof.kernel.curvature import facts, over
-from duhem.proof.kernel.domain import NEGATIVE, ZERO, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction, derivatives, multiplied
 from duhem.proof.kernel.polynomial import Polynomial, negated, replaced, times, total
 from duhem.proof.kernel.positivity import RAY, Interval, nonnegative
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
-__all__ = ["StarGauge", "undefined_at_zero"]
+__all__ = ["StarGauge"]
 
 _ALIKE = ("+", "abs", "pos", "neg", "max", "min", "norm", "where", "<", "<=", ">", ">=")  # of one degree in all arguments
 _MOST_TERMS = 200
@@ -158,15 +158,3 @@ def _degree(term: Term, domain: StatedDomain) -> Fraction | None:
     if len(known) < len(degrees) or (term.op != "*" and len(set(known)) != 1):
         return None
     return sum(known, Fraction(0)) if term.op == "*" else known[0]
-
-
-def undefined_at_zero(law: StatedLaw) -> bool:
-    """Whether the formula divides by 0 at zero force, wherever it stands: then K is closed there."""
-    domain = over(law)
-
-    def divides_by_zero(term: Term) -> bool:
-        if term.op == "**" and facts(term.args[1], domain).sign == NEGATIVE and facts(term.args[0], domain).sign == ZERO:
-            return True
-        return term.op != "where" and any(map(divides_by_zero, term.args))
-
-    return divides_by_zero(law.g.put({Term("name", name=f): number(0) for f in law.forces}))

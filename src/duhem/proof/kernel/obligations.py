@@ -1,0 +1,112 @@
+"""What must have a value before a rule reads a law: the parts of it that the rule speaks of, as they are written.
+
+g is asked for a value for all forces, or but for a limit at a tip (:mod:`limits`), or where the loads in it allow K (:mod:`region`), as
+the rule that reads it allows.  Each function returns "" where everything has a value, else what is not shown to have one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.definedness import Reader, asks
+from duhem.proof.kernel.domain import ANY, StatedDomain, StatedLaw
+from duhem.proof.kernel.limits import continued
+from duhem.proof.kernel.region import where_loads_allow
+from duhem.proof.kernel.term import Term, number
+
+__all__ = [
+    "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
+    "formula_where_loads_allow", "nothing", "numbers_in_formula",
+]  # fmt: skip
+
+_KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an asin", "acos": "an acos", "tan": "a tan", "atan2": "an angle"}
+
+
+def nothing(_: StatedLaw) -> str:
+    """For a rule that speaks of no part of the law, or of what other claims have settled."""
+    return ""
+
+
+def constraints(law: StatedLaw | StatedCurve) -> str:
+    """Each constraint, where the parameters lie in their ranges and the constraints hold that are shown to have a value before it."""
+    left = [c for c in law.constraints if asks(c)]
+    settled = tuple(c for c in law.constraints if c not in left)
+    while left:
+        reader = _reader(over(StatedLaw(law.forces, law.pressure, number(0), None, law.parameters, settled)))
+        ready = {c: reader.undecided(c) for c in left}
+        if not (new := tuple(c for c, undecided in ready.items() if undecided is None)):
+            return _said("a constraint of the parameters", next(iter(ready.values())))
+        left, settled = [c for c in left if c not in new], (*settled, *new)
+    return ""
+
+
+def formula(law: StatedLaw) -> str:
+    """g, for all forces."""
+    return _everywhere("g", (law.g,), law)
+
+
+def formula_but_at_tips(law: StatedLaw) -> str:
+    """g, for all forces; at a tip by continuity."""
+    found = formula(law)
+    return "" if found and _has_limits(law.g, over(law)) else found
+
+
+def formula_where_loads_allow(law: StatedLaw) -> str:
+    """g, where the loads in it allow it to be <= 0; at a tip by continuity."""
+    if not (found := formula_but_at_tips(law)):
+        return ""
+    loads, others, inside = where_loads_allow(law, facts, over)
+    if _everywhere("a load", loads, law):
+        return found
+    reader = _reader(inside)
+    return "" if all(reader.undecided(part) is None or _has_limits(part, inside) for part in others) else found
+
+
+def formula_at_zero(law: StatedLaw) -> str:
+    """g at zero force; if that is a tip, by continuity."""
+    found = _everywhere("g at zero force", (law.g.put({Term("name", name=f): number(0) for f in law.forces}),), law)
+    return "" if found and _has_limits(law.g, over(law)) else found
+
+
+def numbers_in_formula(law: StatedLaw) -> str:
+    """What no force enters in g: the rest is read along every ray from zero force by who asks for this."""
+    domain = over(law)
+    reader = Reader(domain, facts, over, lambda term: ANY if domain.constant(term) else 0)  # 0: no sign speaks against a value
+    return _said("g", reader.undecided(law.g))
+
+
+def flow(law: StatedLaw) -> str:
+    """Every slip of the law's own."""
+    slips = [law.flow, *(flow for _, flow in law.surfaces)]
+    return _everywhere("the flow", [x for flow in slips for x in flow or ()], law)
+
+
+def formula_and_flow(law: StatedLaw) -> str:
+    """g, each of its surfaces and every slip, for all forces."""
+    return formula(law) or flow(law)
+
+
+def formula_and_potential(law: StatedLaw) -> str:
+    """g and the potential; the slip is a mean of its gradients from around."""
+    return formula(law) or _everywhere("the potential", () if law.potential is None else (law.potential,), law)
+
+
+def _everywhere(what: str, terms: Iterable[Term], law: StatedLaw) -> str:
+    reader = _reader(over(law))
+    return next((said for term in terms if (said := _said(what, reader.undecided(term)))), "")
+
+
+def _has_limits(term: Term, domain: StatedDomain) -> bool:
+    return any(True for _ in continued(term, domain, facts, over))
+
+
+def _reader(domain: StatedDomain) -> Reader:
+    return Reader(domain, facts, over)
+
+
+def _said(what: str, undecided: Term | None) -> str:
+    if undecided is None:
+        return ""
+    return f"{what} is not shown to have a value wherever it is read: {_KIND[undecided.op]} in it may have none"
