@@ -67,7 +67,7 @@ def test_a_boundary_must_curve_inward_around_a_point_inside() -> None:
     assert confirmed("dissipation", "boundary-power", law("a**2 - b**2 - 1"), {"outward": [saddle]})
     assert not confirmed("convexity", "implicit-curvature", law("a**2 - b**2 - 1"), evidence)
     assert rises_outward(law(DISC), [RISES])
-    for undefined in ("0/e", "0/(e + 1)", "0*sqrt(a)"):  # no rule reads such a law: 0 times it is multiplied out
+    for undefined in ("0/e", "0/a", "0*sqrt(a)"):  # no rule reads such a law: 0 times it is multiplied out
         assert not confirmed("convexity", "implicit-curvature", law(f"{DISC} + {undefined}"), evidence)
         assert not confirmed("smoothness", "regular-value", law(f"{DISC} + {undefined}"), evidence)
     assert confirmed("convexity", "implicit-curvature", law("a**2 - 1", ["a"]), {"outward": [RISES]})

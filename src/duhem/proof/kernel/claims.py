@@ -45,7 +45,10 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
     try:
-        undecided = obligations.constraints(law) or (RULES[claim, rule][2](law) if isinstance(law, StatedLaw) else "")
+        if isinstance(law, StatedLaw):
+            undecided = law.once(obligations.constraints) or law.once(RULES[claim, rule][2])
+        else:
+            undecided = obligations.constraints(law)
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
     return undecided or _objection_in_cases(claim, rule, check, law, evidence)

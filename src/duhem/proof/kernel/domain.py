@@ -90,12 +90,7 @@ class StatedFace(NamedTuple):
     others: tuple[Term, ...] = ()
 
 
-class StatedLaw(NamedTuple):
-    """The law of a certificate; every formula is kept as written.
-
-    Of several surfaces g is the greatest, and ``surfaces`` has them with the flow of each; then ``flow`` is None.
-    """
-
+class _Stated(NamedTuple):
     forces: tuple[str, ...]
     pressure: str | None
     g: Term
@@ -105,6 +100,28 @@ class StatedLaw(NamedTuple):
     ranges: tuple[tuple[str, Bounds], ...] = ()  # of forces and the pressure, where they are bounded
     surfaces: tuple[tuple[Term, tuple[Term, ...] | None], ...] = ()
     potential: Term | None = None  # of which the flow is the gradient
+
+
+class StatedLaw(_Stated):
+    """The law of a certificate; every formula is kept as written.
+
+    Of several surfaces g is the greatest, and ``surfaces`` has them with the flow of each; then ``flow`` is None.
+    """
+
+    _found: dict[Any, str]
+
+    def once(self, question: Callable[[StatedLaw], str]) -> str:
+        """The answer to a question about this law, found when it is first asked."""
+        try:
+            found = self._found
+        except AttributeError:
+            found = self._found = {}
+        if question not in found:
+            found[question] = question(self)
+        return found[question]
+
+    def __getstate__(self) -> None:
+        """The law is all of it: another process asks anew."""
 
     @classmethod
     def read(cls, given: Mapping[str, Any]) -> StatedLaw:

@@ -49,13 +49,13 @@ def formula(law: StatedLaw) -> str:
 
 def formula_but_at_tips(law: StatedLaw) -> str:
     """g, for all forces; at a tip by continuity."""
-    found = formula(law)
+    found = law.once(formula)
     return "" if found and _has_limits(law.g, over(law)) else found
 
 
 def formula_where_loads_allow(law: StatedLaw) -> str:
     """g, where the loads in it allow it to be <= 0; at a tip by continuity."""
-    if not (found := formula_but_at_tips(law)):
+    if not (found := law.once(formula_but_at_tips)):
         return ""
     loads, others, inside = where_loads_allow(law, facts, over)
     if _everywhere("a load", loads, law):
@@ -85,12 +85,12 @@ def flow(law: StatedLaw) -> str:
 
 def formula_and_flow(law: StatedLaw) -> str:
     """g, each of its surfaces and every slip, for all forces."""
-    return formula(law) or flow(law)
+    return law.once(formula) or law.once(flow)
 
 
 def formula_and_potential(law: StatedLaw) -> str:
     """g and the potential; the slip is a mean of its gradients from around."""
-    return formula(law) or _everywhere("the potential", () if law.potential is None else (law.potential,), law)
+    return law.once(formula) or _everywhere("the potential", () if law.potential is None else (law.potential,), law)
 
 
 def _everywhere(what: str, terms: Iterable[Term], law: StatedLaw) -> str:
