@@ -80,7 +80,7 @@ def undefined_parts(made: Sequence[Mapping[str, Any]], count: int, seed: int) ->
             if asked.total() % 500 == 0:
                 print(f"{asked.total()} texts, {len(wrong)} confirmed falsely", file=sys.stderr, flush=True)
             if false := sorted(confirmed(text.law, certificate["claims"]) & text.claims):
-                wrong.append(f"{false} of {json.dumps(text.law)} at {({n: str(v) for n, v in text.undefined_at.items()})}")
+                wrong.append(f"{false} of {json.dumps(text.law)} at { ({n: str(v) for n, v in text.undefined_at.items()}) }")
     return Found(asked, passed, tuple(wrong))
 
 
