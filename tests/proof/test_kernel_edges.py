@@ -11,9 +11,10 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.arcs import Value, arcs
+from duhem.proof.kernel.arcs import arcs
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.plane_function import PlaneFunction
 from duhem.proof.kernel.positivity import RAY, nonnegative, without_content
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from tests.oracles import drawn_formulas
@@ -118,11 +119,11 @@ def drawn(rng: Random, depth: int) -> str:
     ))  # fmt: skip
 
 
-def value(found: Value, t: float) -> float:
+def value(found: PlaneFunction, t: float) -> float:
     def of(poly: Any) -> float:
         return sum(float(c) * math.prod(t**n for _, n in m) for m, c in (poly.items() if isinstance(poly, dict) else poly))
 
-    return of(found.poly) * math.prod(of(base) ** float(n) for base, n in found.powers.items())
+    return of(found.poly) * math.prod(of(base) ** float(n[()]) for base, n in found.powers.items())
 
 
 @pytest.mark.slow

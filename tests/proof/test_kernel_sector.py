@@ -79,11 +79,10 @@ def test_a_function_of_principal_deviators_is_read(text: str, degree: int | F, w
     term = parse(written_out(text))
     (reader,) = readers(law(f"({text}) + 0*FIRST"))
     found = reader.value(term)
-    assert found is not None and (found.section.degree, found.whole) == (degree, whole)
+    assert found is not None and (found.degree, found.whole) == (degree, whole)
     for d in (F(1, 5), F(7, 10), F(1), F(7, 5)):
-        seen = drawn_formulas.value(written(found.section.poly), at(d)) * math.prod(
-            drawn_formulas.value(written(dict(base)), at(d)) ** drawn_formulas.value(written(n), at(d))
-            for base, n in found.section.powers.items()
+        seen = drawn_formulas.value(written(found.poly), at(d)) * math.prod(
+            drawn_formulas.value(written(dict(base)), at(d)) ** drawn_formulas.value(written(n), at(d)) for base, n in found.powers.items()
         )
         assert seen == pytest.approx(drawn_formulas.value(term, at(d)), rel=1e-9)
     assert (drawn_formulas.value(reader.emptied(term), at(F(0))) == 0) if whole else reader.emptied(term) != parse("0")
@@ -107,10 +106,10 @@ def test_six_components_are_read_by_their_eigenvalues() -> None:
         term = parse(text)
         (reader,) = readers(law(f"({text}) + 0*{SIX}", *names))
         found = reader.value(term)
-        assert found is not None and found.section.degree == degree and not found.section.powers
+        assert found is not None and found.degree == degree and not found.powers
         for d in (F(1, 4), F(1), F(5, 4)):
             here = at(d) | {"u": 0.0, "v": 0.0, "w": 0.0}
-            assert drawn_formulas.value(written(found.section.poly), here) == pytest.approx(drawn_formulas.value(term, here), rel=1e-6)
+            assert drawn_formulas.value(written(found.poly), here) == pytest.approx(drawn_formulas.value(term, here), rel=1e-6)
 
 
 def shown(text: str) -> Facts | None:

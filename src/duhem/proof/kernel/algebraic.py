@@ -9,8 +9,20 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, in_powers, joined, replaced, slope, times, total, written
-from duhem.proof.kernel.positivity import RAY, Interval, negated, nonnegative
+from duhem.proof.kernel.polynomial import (
+    Monomial,
+    Polynomial,
+    in_powers,
+    joined,
+    negated,
+    number_in,
+    replaced,
+    slope,
+    times,
+    total,
+    written,
+)
+from duhem.proof.kernel.positivity import RAY, Interval, nonnegative
 from duhem.proof.kernel.term import NotWritten, Term, number
 
 __all__ = ["Signs", "inner", "plain", "root_of", "roots_in", "slope_along"]
@@ -22,8 +34,8 @@ _MOST_POWER, _DEEPEST = 40, 3
 
 def root_of(poly: Polynomial) -> Polynomial:
     """Its root, as a polynomial."""
-    if set(poly) <= {()}:
-        return _root_of_number(poly.get((), Fraction(0)))
+    if (n := number_in(poly)) is not None:
+        return _root_of_number(n)
     return {((Term("**", (written(dict(sorted(poly.items()))), _HALF)), 1),): Fraction(1)}
 
 
@@ -70,8 +82,7 @@ def plain(poly: Polynomial, domain: StatedDomain) -> Polynomial:
 
 
 def _number_under(root: Term, domain: StatedDomain) -> Fraction | None:
-    poly = domain.polynomial(root.args[0])
-    return poly.get((), Fraction(0)) if set(poly) <= {()} else None
+    return number_in(domain.polynomial(root.args[0]))
 
 
 def _put(poly: Polynomial, x: Term, root: Polynomial, square: Fraction) -> Polynomial:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.polynomial import Polynomial, written
+from duhem.proof.kernel.polynomial import Polynomial, number_in, written
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
 __all__ = ["alike"]
@@ -40,6 +40,6 @@ def _ordered(term: Term, domain: StatedDomain, powers: bool) -> Term:
 
 
 def _sorted(poly: Polynomial) -> Term:
-    if set(poly) <= {()}:
+    if number_in(poly) is not None:
         return number(poly.get((), 0))
     return written(dict(sorted(poly.items())))

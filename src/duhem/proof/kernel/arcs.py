@@ -7,33 +7,25 @@ is multiplied by 0, and must be defined: what is divided by or has a root taken 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from math import lcm
-from typing import Any, NamedTuple
 
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.line import Line, divides, joined, parts, roots, sign_inside
-from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, times, total
-from duhem.proof.kernel.positivity import RAY, negated, nonnegative, on_the_line, without_content
+from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, multiplied, power_of
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total
+from duhem.proof.kernel.positivity import RAY, nonnegative, on_the_line, without_content
 from duhem.proof.kernel.term import NotWritten, Term
 
-__all__ = ["CIRCLE", "DirectionArc", "Value", "arcs", "difference", "exponent", "positive_power", "product"]
+__all__ = ["CIRCLE", "DirectionArc", "arcs", "difference", "exponent"]
 
 End = tuple[Fraction, Fraction]  # a t between two numbers, known exactly where they are one
-Base = tuple[tuple[Any, Fraction], ...]  # a polynomial > 0, as its terms in order
 CIRCLE: Polynomial = {(): Fraction(1), ((RAY, 2),): Fraction(1)}  # 1 + t^2
-_MOST_ARCS, _MOST_POWER = 24, 12
-
-
-class Value(NamedTuple):
-    """``poly`` times positive polynomials, each to the power that ``powers`` gives."""
-
-    poly: Polynomial
-    powers: Mapping[Base, Fraction]
+_MOST_ARCS = 24
 
 
 class _Turns(Exception):
@@ -44,9 +36,10 @@ class _Turns(Exception):
 
 
 @dataclass(frozen=True)
-class DirectionArc:
+class DirectionArc(PlaneVariable):
     """The rays on one ``side`` with t from ``start`` to ``stop``, or one ray; ``switches`` has no root strictly between."""
 
+    weights = (CIRCLE, {((RAY, 1),): Fraction(-2)}, {(): Fraction(2)})  # of psi, h being psi/(1 + t^2)
     domain: StatedDomain
     forces: tuple[str, str]
     side: int
@@ -59,16 +52,22 @@ class DirectionArc:
         """Whether it is one ray."""
         return self.start == self.stop
 
-    def nonnegative(self, poly: Polynomial, strict: bool = False) -> bool:
+    def above(self, poly: Polynomial, strict: bool = False) -> bool:
         """Whether it is >= 0, or > 0, on the closed arc (somewhat beyond an end that is not exact) and the whole domain."""
         return nonnegative(poly, (self.start[0], self.stop[1]), self.domain, strict)
 
+    def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
+        """The polynomial, its powers of 1 + t^2 apart if it is but a constant times one."""
+        *_, top = powers = in_powers(poly, RAY)
+        half = (len(powers) - 1) // 2
+        return [(CIRCLE, {(): Fraction(half)}), (top, ONE)] if times(top, power_of(CIRCLE, half)) == poly else [(poly, ONE)]
+
     def sign(self, poly: Polynomial, strict: bool = False) -> int:
         """1 for >= 0 and -1 for <= 0 on the closed arc; ``strict``: > 0 and < 0 between its ends, and 0 for 0."""
-        if strict and self.nonnegative(poly) and self.nonnegative(negated(poly)):
+        if strict and self.above(poly) and self.above(negated(poly)):
             return 0
         for way, turned in ((1, poly), (-1, negated(poly))):
-            if self.nonnegative(turned, strict):
+            if self.above(turned, strict):
                 return way
         plain = on_the_line(without_content(poly, self.domain))
         if plain is None:
@@ -79,7 +78,7 @@ class DirectionArc:
         return sign_inside(plain, self.start[1], self.stop[0])
 
 
-def arcs(terms: Sequence[Term], forces: tuple[str, str], domain: StatedDomain) -> Iterator[list[tuple[DirectionArc, list[Value]]]]:
+def arcs(terms: Sequence[Term], forces: tuple[str, str], domain: StatedDomain) -> Iterator[list[tuple[DirectionArc, list[PlaneFunction]]]]:
     """The terms along all rays, one side after the other: arcs that meet at their ends, all in the direction of t.
 
     Where a ``where`` may jump, the rays at the ends of arcs stand between them.
@@ -87,7 +86,7 @@ def arcs(terms: Sequence[Term], forces: tuple[str, str], domain: StatedDomain) -
     jumps = any(_has_where(term) for term in terms)
     for side in (1, -1):
         switches: Line = (1,)
-        found: list[tuple[DirectionArc, list[Value]]] = []
+        found: list[tuple[DirectionArc, list[PlaneFunction]]] = []
         while not found:
             try:
                 found = [(arc, [_read(term, arc) for term in terms]) for arc in _cut(side, switches, jumps, forces, domain)]
@@ -112,18 +111,19 @@ def _has_where(term: Term) -> bool:
     return term.op == "where" or any(map(_has_where, term.args))
 
 
-def _read(term: Term, arc: DirectionArc) -> Value:
+def _read(term: Term, arc: DirectionArc) -> PlaneFunction:
+    """The term at these forces; its degree in them is not counted."""
     if arc.domain.constant(term):
         if not facts(term, arc.domain).defined:
             raise NotWritten("a constant may be undefined")
-        return Value(arc.domain.polynomial(term), {})
+        return PlaneFunction(Fraction(0), arc.domain.polynomial(term), {})
     if term.op == "name":
         x: Polynomial = {(): Fraction(arc.side), ((RAY, 2),): Fraction(-arc.side)}
-        return Value(x if term.name == arc.forces[0] else {((RAY, 1),): Fraction(2 * arc.side)}, {})
+        return PlaneFunction(Fraction(0), x if term.name == arc.forces[0] else {((RAY, 1),): Fraction(2 * arc.side)}, {})
     if term.op == "**":
         if (n := exponent(term, arc.domain)) is None:
             raise NotWritten("an exponent is no number")
-        return _power(_read(term.args[0], arc), n, arc)
+        return arc.power(_read(term.args[0], arc), {(): n})
     if term.op == "where":
         comparison, *values = term.args
         left, right = (_read(a, arc) for a in comparison.args)
@@ -133,13 +133,13 @@ def _read(term: Term, arc: DirectionArc) -> Value:
     read = [_read(a, arc) for a in term.args]
     match term.op:
         case "+":
-            return _total(read)
+            return added(read)
         case "*":
-            return product(read)
+            return multiplied(read)
         case "abs" | "pos" | "neg":
             positive = arc.sign(read[0].poly) > 0
             if term.op != "abs" and positive is (term.op == "neg"):
-                return Value({}, {})
+                return read[0]._replace(poly={}, powers={})
             return read[0] if positive else _opposite(read[0])
         case "max" | "min":
             best = read[0]
@@ -148,84 +148,27 @@ def _read(term: Term, arc: DirectionArc) -> Value:
                     best = other
             return best
         case "norm":
-            moving = [v for v in read if v.poly]
+            moving = [v for v in read if v.poly] or read[:1]
             if len(moving) == 1:
                 return moving[0] if arc.sign(moving[0].poly) > 0 else _opposite(moving[0])
-            return _power(_total(product([v, v]) for v in moving), Fraction(1, 2), arc)
+            return arc.power(added([multiplied([v, v]) for v in moving]), {(): Fraction(1, 2)})
     raise NotWritten(f"{term.op} is not read along a ray")
 
 
 def exponent(term: Term, domain: StatedDomain) -> Fraction | None:
     """The exponent of a power, if it is a number, like 1/4."""
-    poly = domain.polynomial(term.args[1])
-    return poly.get((), Fraction(0)) if set(poly) <= {()} and facts(term.args[1], domain).defined else None
+    n = number_in(domain.polynomial(term.args[1]))
+    return n if facts(term.args[1], domain).defined else None
 
 
-def _opposite(value: Value) -> Value:
-    return Value(negated(value.poly), value.powers)
+def _opposite(value: PlaneFunction) -> PlaneFunction:
+    return value._replace(poly=negated(value.poly))
 
 
-def product(values: Iterable[Value]) -> Value:
-    """The product."""
-    poly, powers = ONE, dict[Base, Fraction]()
-    for value in values:
-        poly = times(poly, value.poly)
-        for base, n in value.powers.items():
-            powers[base] = powers.get(base, Fraction(0)) + n
-    return Value(poly, {base: n for base, n in powers.items() if n})
-
-
-def _raised(value: Value, n: int) -> Value:
-    if n > _MOST_POWER:
-        raise NotWritten("a power is too high")
-    return product([value] * n)
-
-
-def _power(value: Value, n: Fraction, arc: DirectionArc) -> Value:
-    return _raised(value, int(n)) if n.denominator == 1 and n >= 0 else positive_power(value, n, arc)
-
-
-def positive_power(value: Value, n: Fraction, arc: DirectionArc) -> Value:
-    """value^n for a value that is shown to be > 0, without a polynomial of its own; powers of 1 + t^2 are kept apart."""
-    if not arc.nonnegative(value.poly, strict=True):
-        raise NotWritten("what is divided by or under a root may be <= 0")
-    rest, half = value.poly, (len(in_powers(value.poly, RAY)) - 1) // 2
-    circles = _raised(Value(CIRCLE, {}), half).poly
-    if times(top := in_powers(rest, RAY)[-1], circles) == rest:
-        rest = top
-    else:
-        half = 0
-    powers = {base: n * m for base, m in value.powers.items()}
-    for poly, m in ((CIRCLE, half * n), (rest, n)):
-        if m and poly != ONE:
-            powers[_base(poly)] = powers.get(_base(poly), Fraction(0)) + m
-    return Value(ONE, {base: m for base, m in powers.items() if m})
-
-
-def _base(poly: Polynomial) -> Base:
-    return tuple(sorted(poly.items()))
-
-
-def _total(values: Iterable[Value]) -> Value:
-    """The sum, the powers that all have in common kept apart."""
-    terms = [v for v in values if v.poly]
-    shared = {base: min(v.powers.get(base, Fraction(0)) for v in terms) for base in {base for v in terms for base in v.powers}}
-    poly: Polynomial = {}
-    for value in terms:
-        part = value.poly
-        for base, least in shared.items():
-            left = value.powers.get(base, Fraction(0)) - least
-            if left.denominator > 1:
-                raise NotWritten("different roots are added")
-            part = times(part, _raised(Value(dict(base), {}), int(left)).poly)
-        poly = total(poly, part)
-    return Value(poly, {base: n for base, n in shared.items() if n})
-
-
-def difference(one: Value, two: Value, arc: DirectionArc) -> Polynomial:
+def difference(one: PlaneFunction, two: PlaneFunction, arc: DirectionArc) -> Polynomial:
     """A polynomial with the sign of one - two: of their powers, free of roots, where both are >= 0."""
-    apart = [one.powers.get(base, Fraction(0)) - two.powers.get(base, Fraction(0)) for base in {*one.powers, *two.powers}]
+    apart = [number_in(total(one.powers.get(b, {}), negated(two.powers.get(b, {})))) or Fraction(0) for b in {*one.powers, *two.powers}]
     whole = lcm(*(n.denominator for n in apart))
-    if whole > 1 and not (arc.nonnegative(one.poly) and arc.nonnegative(two.poly)):
-        raise NotWritten("roots are compared with what may be < 0")
-    return _total([_raised(one, whole), _opposite(_raised(two, whole))]).poly
+    if whole > MOST_POWER or (whole > 1 and not (arc.above(one.poly) and arc.above(two.poly))):
+        raise NotWritten("high roots are compared, or roots with what may be < 0")
+    return added([multiplied([one] * whole), _opposite(multiplied([two] * whole))]).poly

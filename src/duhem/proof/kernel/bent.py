@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.loads import multiple
-from duhem.proof.kernel.polynomial import Polynomial, written
+from duhem.proof.kernel.polynomial import Polynomial, negated, written
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
@@ -88,7 +88,7 @@ def _enter(found: list[tuple[Term, _Bend]], x: Term, slopes: tuple[Term, Term], 
         if bend.x == poly:
             found[i] = (y, bend.plus(right, left))
             return
-        if bend.x == {m: -c for m, c in poly.items()}:
+        if bend.x == negated(poly):
             found[i] = (y, bend.plus(minus(left), minus(right)))
             return
     found.append((x, _Bend(poly, right, left)))

@@ -14,7 +14,6 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
-from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.limits import continued, divides_by_zero_force
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.pieces import chooses
@@ -60,7 +59,7 @@ def _objection_in_cases(
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons = set[str]()
     try:
-        for form in _forms(claim, law):
+        for form in _forms(law):
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
@@ -72,17 +71,11 @@ def _objection_in_cases(
     return max(reasons)
 
 
-def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
-    """The law as written; with the same K, the same boundary and a simpler g, if there is one; both in principal stresses.
-
-    What K's support function is, is said of all components.
-    """
+def _forms(law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
+    """The law as written; with the same K, the same boundary and a simpler g, if there is one."""
     yield law
-    if isinstance(law, StatedLaw):
-        if (simpler := without_outer_map(law)) != law:
-            yield simpler
-        if claim not in ("duality", "state_laws") and (principal := in_principal_stresses(simpler)) is not None:
-            yield principal
+    if isinstance(law, StatedLaw) and (simpler := without_outer_map(law)) != law:
+        yield simpler
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:

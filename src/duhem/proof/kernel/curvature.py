@@ -6,32 +6,26 @@ A part counts only where it is shown to be defined, for all forces, the whole do
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 
 from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
+from duhem.proof.kernel.constant_sign import sign_of_constant
 from duhem.proof.kernel.definedness import has_value
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, signs_of_product
-from duhem.proof.kernel.elementary import sign_over
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, signs_of_product
 from duhem.proof.kernel.even import quasiconvex_in_even_parts
-from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.loads import collected, multiple, sign_within
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.positivity import nonnegative, without_content
 from duhem.proof.kernel.quadratic import by_its_matrix
-from duhem.proof.kernel.radicals import sign_of_radicals
 from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
-from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number
+from duhem.proof.kernel.term import Term, factors, minus, number
 
 __all__ = ["Facts", "facts", "over"]
 
 _HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
-_FEW, _SHORT = 3, 12  # names and terms of a polynomial
 _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
 
@@ -47,8 +41,7 @@ def facts(term: Term, domain: StatedDomain) -> Facts:
         if plain is not term:  # its value is simpler; what must be defined is what was written
             known = replace(facts(plain, domain), defined=known.defined)
         if domain.constant(term):
-            sign = _sharpened(term, domain) if term.op in ("+", "*", "name") and known.sign not in (NEGATIVE, ZERO, POSITIVE) else ANY
-            known = Facts(known.defined, known.sign & sign, True, True, True)
+            known = Facts(known.defined, sign_of_constant(term, known.sign, domain, facts), True, True, True)
         elif not (known.defined and known.convex):
             known = _of_parts_together(term, known, domain)
         if domain.sides and not domain.constant(term):
@@ -72,53 +65,6 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
         if known.defined and (found := rule(term, domain, facts, over)) is not None:
             return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
     return known
-
-
-def _sharpened(term: Term, domain: StatedDomain) -> Sign:
-    """The signs of a constant that its polynomial leaves, or its value."""
-    if not term.names() - {"pi"} and (sign := sign_over(term, domain.bounds)) != ANY:
-        return sign
-    for i, part in enumerate(map(domain.plain, term.args) if term.op == "+" else ()):
-        if part.op == "abs":  # |x| + y < 0 where x + y < 0 and -x + y < 0
-            sides = (Term("+", (*term.args[:i], x, *term.args[i + 1 :])) for x in (part.args[0], minus(part.args[0])))
-            signs = [facts(side, domain).sign for side in sides]
-            if not (signs[0] | signs[1]) & POSITIVE:
-                return signs[0] | signs[1]
-        rooted = part.op == "**" and part.args[1] == _HALF
-        if part.op == "norm" or rooted:  # |x| + y <= 0 where y <= 0 and x . x <= y^2; so is sqrt(x) + y where x <= y^2
-            rest = Term("+", (number(0), *term.args[:i], *term.args[i + 1 :]))
-            squares = part.args[:1] if rooted else [Term("*", (a, a)) for a in part.args]
-            gap = Term("+", (Term("*", (rest, rest)), *map(minus, squares)))
-            if not facts(rest, domain).sign & POSITIVE and domain.nonnegative(gap):
-                return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
-    left = ANY
-    for form in _of_one_sign(term, domain):
-        for turned, sign in ((form, POSITIVE), (minus(form), NEGATIVE)):
-            if domain.nonnegative(turned) or _above_zero(turned, domain):
-                if domain.nonnegative(turned, strict=True) or _above_zero(turned, domain, strict=True):
-                    return sign
-                left &= sign | ZERO
-        left &= sign_over(form, domain.bounds)
-    return left if left in (NEGATIVE, ZERO, POSITIVE) or term.names() else left & sign_of_radicals(term)
-
-
-def _above_zero(constant: Term, domain: StatedDomain, strict: bool = False) -> bool:
-    """Whether a short polynomial has no Bernstein coefficient < 0."""
-    poly = domain.polynomial(constant)
-    if len({x for m in poly for x, _ in m}) > _FEW or len(poly) > _SHORT:
-        return False
-    with suppress(NotWritten):
-        return nonnegative(poly, (Fraction(0), Fraction(1)), domain, strict)
-    return False
-
-
-def _of_one_sign(term: Term, domain: StatedDomain) -> Iterator[Term]:
-    """A constant, and what is left of it without what it divides by and what divides all of it, where that is simpler."""
-    yield term
-    poly = domain.polynomial(term)
-    with suppress(NotWritten):
-        if (left := without_content(multiplied_through(poly, domain, signed=True), domain)) != poly:
-            yield written(left)
 
 
 def _facts(term: Term, domain: StatedDomain) -> Facts:

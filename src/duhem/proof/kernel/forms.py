@@ -10,7 +10,7 @@ from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.identity import multiplied_out, vanishes
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["Matrix", "Row", "affine", "at", "determinant", "quadratic"]
+__all__ = ["Matrix", "Row", "affine", "at", "degree_at_most", "determinant", "quadratic"]
 
 Row = Sequence[Term]
 Matrix = Sequence[Row]
@@ -19,6 +19,23 @@ Matrix = Sequence[Row]
 def at(term: Term, names: Sequence[str], values: Sequence[Term]) -> Term:
     """A term with values in the place of names."""
     return term.put({Term("name", name=n): v for n, v in zip(names, values, strict=True)})
+
+
+def degree_at_most(term: Term, domain: StatedDomain) -> int | None:
+    """A bound on the degree of a polynomial in the forces, as it is written; None for what is no polynomial as it is written."""
+    if domain.constant(term):
+        return 0
+    if term.op == "name":
+        return 1
+    if term.op == "**":
+        n, base = term.args[1], degree_at_most(term.args[0], domain)
+        whole = n.op == "number" and n.value.denominator == 1 and n.value > 0
+        return base * int(n.value) if whole and base is not None else None
+    degrees = [degree_at_most(a, domain) for a in term.args] if term.op in ("+", "*") else [None]
+    known = [k for k in degrees if k is not None]
+    if len(known) < len(degrees):
+        return None
+    return max(known) if term.op == "+" else sum(known)
 
 
 def affine(term: Term, names: Sequence[str], domain: StatedDomain) -> tuple[Row, Term]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
-from duhem.proof.kernel.polynomial import Polynomial, written
+from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, written
 from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
 
 __all__ = ["multiplied_out", "multiplied_through", "value", "vanishes", "written"]
@@ -20,8 +20,7 @@ def multiplied_out(term: Term, domain: StatedDomain) -> Term:
 
 def value(term: Term, domain: StatedDomain) -> Fraction | None:
     """The number that a term is; None where it is not seen to be one."""
-    poly = domain.polynomial(term)
-    return poly.get((), Fraction(0)) if set(poly) <= {()} else None
+    return number_in(domain.polynomial(term))
 
 
 def vanishes(term: Term, domain: StatedDomain) -> bool:
@@ -43,7 +42,7 @@ def multiplied_through(poly: Polynomial, domain: StatedDomain, signed: bool = Fa
             continue
         poly = domain.polynomial(_without(atom, poly, domain))
         if sign == NEGATIVE:
-            poly = {m: -c for m, c in poly.items()}
+            poly = negated(poly)
     return poly
 
 

@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import permutations, product
 from typing import NamedTuple
 
-from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
+from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, times, total
 from duhem.proof.kernel.term import NotWritten, Term
 
 __all__ = ["Invariants", "invariants", "of_tensor"]
@@ -34,7 +34,7 @@ class Invariants(NamedTuple):
         powers = [j for j in range(k // 3 + 1) if (k - 3 * j) % 2 == 0]
         found = self._solved(poly, k, powers)
         terms = [times(found[j], self._power((k - 3 * j) // 2, j)) for j in powers]
-        if total(poly, *({m: -c for m, c in term.items()} for term in terms)):
+        if total(poly, *map(negated, terms)):
             raise NotWritten("a polynomial of the forces has other invariants than J2 and J3")
         return k, found
 
@@ -97,7 +97,7 @@ def of_tensor(forces: tuple[Term, ...], normal: Sequence[Polynomial], shear: Seq
     """Of the normal components xx, yy, zz and the shear components yz, zx, xy."""
     third = Fraction(1, 3)
     mean = {m: third * c for m, c in total(*normal).items()}
-    xx, yy, zz = (total(s, {m: -c for m, c in mean.items()}) for s in normal)
+    xx, yy, zz = (total(s, negated(mean)) for s in normal)
     yz, zx, xy = shear
     second = total(*(_scaled(Fraction(1, 2), times(s, s)) for s in (xx, yy, zz)), *(times(t, t) for t in shear))
     cross = (times(times(s, t), _scaled(Fraction(-1), t)) for s, t in ((xx, yz), (yy, zx), (zz, xy)))

@@ -15,12 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from typing import Protocol
 
 from duhem.proof.kernel.definedness import Reader
+from duhem.proof.kernel.deviatoric import DeviatoricReader
 from duhem.proof.kernel.domain import ANY, NEGATIVE, ZERO, Sign, StatedDomain, StatedLaw
 from duhem.proof.kernel.loads import by_forces
-from duhem.proof.kernel.polynomial import Polynomial, written
+from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.section import section_readers
 from duhem.proof.kernel.sector import sector_readers
 from duhem.proof.kernel.shape import Shown
@@ -31,18 +31,9 @@ __all__ = ["continued", "divides_by_zero_force", "sign_on_axis", "undecided_besi
 Over = Callable[[StatedLaw], StatedDomain]
 
 
-class _Limits(Protocol):
-    """Reads functions of J2 and J3, or of principal deviators."""
-
-    @property
-    def second(self) -> Polynomial: ...
-    def sign(self, term: Term) -> Sign: ...
-    def emptied(self, term: Term) -> Term: ...
-
-
 def continued(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Term]:
     """What a formula is where J2 = 0, as its parts may be read, by continuity, if it has a value everywhere else where it is read."""
-    readers: Iterable[_Limits] = (*section_readers(term, domain, shown), *sector_readers(term, domain, shown, over))
+    readers: Iterable[DeviatoricReader] = (*section_readers(term, domain, shown), *sector_readers(term, domain, shown, over))
     for reader in readers:
         with suppress(NotWritten):
             tip, there = written(reader.second), reader.emptied(term)
@@ -64,8 +55,8 @@ def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: Stated
 def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign:
     """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
     for reader in section_readers(g, domain, shown):
-        section, there = reader.read_or_none(tip), reader.emptied(g)
-        if section is None or not domain.constant(there) or not reader.holds(section.poly, strict=True):
+        size, there = reader.value(tip), reader.emptied(g)
+        if size is None or not domain.constant(there) or not reader.above(size.poly, strict=True):
             continue
         value = shown(there, domain)
         if value.defined:

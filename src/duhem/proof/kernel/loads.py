@@ -6,7 +6,7 @@ And sums in which the same part stands several times.
 from __future__ import annotations
 
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.polynomial import Monomial, Polynomial, times, total, written
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, negated, times, total, written
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
@@ -93,7 +93,7 @@ def share_and_rest(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> 
     """(c, d) with poly = c load + d, both constant and c not plainly 0."""
     if not (share := _share(poly, load, domain)):
         return None
-    rest = total(poly, {m: -c for m, c in times(share, load).items()})
+    rest = total(poly, negated(times(share, load)))
     return None if any(not domain.constant(x) for m in rest for x, _ in m) else (share, rest)
 
 

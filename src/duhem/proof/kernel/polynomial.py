@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
-__all__ = ["ONE", "Monomial", "Polynomial", "in_powers", "joined", "replaced", "slope", "times", "total", "written"]
+__all__ = ["ONE", "Monomial", "Polynomial", "in_powers", "joined", "negated", "number_in", "replaced", "slope", "times", "total", "written"]
 
 Monomial = tuple[tuple[Term, int], ...]
 Polynomial = dict[Monomial, Fraction]
@@ -21,6 +21,16 @@ def total(*parts: Polynomial) -> Polynomial:
         for m, c in part.items():
             found[m] = found.get(m, Fraction(0)) + c
     return {m: c for m, c in found.items() if c}
+
+
+def negated(poly: Polynomial) -> Polynomial:
+    """-P."""
+    return {m: -c for m, c in poly.items()}
+
+
+def number_in(poly: Polynomial) -> Fraction | None:
+    """The number that a polynomial is; None where it is none."""
+    return poly.get((), Fraction(0)) if set(poly) <= {()} else None
 
 
 def joined(one: Monomial, two: Monomial) -> Monomial:

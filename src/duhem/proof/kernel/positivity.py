@@ -19,7 +19,7 @@ from duhem.proof.kernel.line import nonnegative as nonnegative_on_the_line
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, times, total
 from duhem.proof.kernel.term import NotWritten, Term
 
-__all__ = ["RAY", "negated", "nonnegative", "on_the_line", "without_content"]
+__all__ = ["RAY", "nonnegative", "on_the_line", "without_content"]
 
 RAY = Term("name", name="the ray's")  # no name of a law has blanks
 _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
@@ -35,11 +35,6 @@ class Reach(NamedTuple):
     far: Fraction | None
     far_open: bool = False
     side: int = 1
-
-
-def negated(poly: Polynomial) -> Polynomial:
-    """-P."""
-    return {m: -c for m, c in poly.items()}
 
 
 def without_content(poly: Polynomial, domain: StatedDomain) -> Polynomial:

@@ -12,8 +12,8 @@ from itertools import pairwise
 
 from duhem.proof.kernel.domain import POSITIVE, StatedDomain
 from duhem.proof.kernel.line import Line, nonnegative, parts, roots
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, replaced, slope, times, total, written
-from duhem.proof.kernel.positivity import RAY, negated, on_the_line, without_content
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, slope, times, total, written
+from duhem.proof.kernel.positivity import RAY, on_the_line, without_content
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import NotWritten, Term
 

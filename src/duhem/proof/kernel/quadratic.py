@@ -13,7 +13,7 @@ from fractions import Fraction
 from itertools import combinations
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
-from duhem.proof.kernel.forms import Matrix, determinant, quadratic
+from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, quadratic
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
@@ -26,12 +26,13 @@ _HALF = number(Fraction(1, 2))
 def by_its_matrix(term: Term, known: Facts, domain: StatedDomain, shown: Shown) -> Facts:
     """What is ``known`` of a sum, and what the matrix of its quadratic part shows if what is added to that is convex, or >= 0, too."""
     parts = list(_summed(term))
-    plain = [part for part in parts if _degree(part, domain) <= 2]
-    others = [shown(part, domain) for part in parts if _degree(part, domain) > 2]
+    degrees = [degree_at_most(part, domain) for part in parts]
+    plain = [part for part, k in zip(parts, degrees, strict=True) if k in (0, 1, 2)]
+    others = [shown(part, domain) for part, k in zip(parts, degrees, strict=True) if k not in (0, 1, 2)]
     square = sum_of(*plain)
     names = sorted(square.names() & set(domain.law.forces))
     with suppress(NotWritten):
-        if sum(_degree(part, domain) == 2 for part in plain):
+        if 2 in degrees:
             matrix, row, constant = quadratic(square, names, domain)
             if all(part.convex for part in others) and _semidefinite(matrix, domain, shown):
                 known = replace(known, convex=True, quasiconvex=True)
@@ -47,20 +48,6 @@ def _summed(term: Term) -> Iterator[Term]:
     """What is added up, in sums within sums too."""
     for a in term.args:
         yield from _summed(a) if a.op == "+" else (a,)
-
-
-def _degree(term: Term, domain: StatedDomain) -> float:
-    """At most so it is as a polynomial in the forces; infinite for what may be none."""
-    if domain.constant(term):
-        return 0
-    if term.op == "name":
-        return 1
-    if term.op in ("+", "*"):
-        degrees = [_degree(a, domain) for a in term.args]
-        return max(degrees) if term.op == "+" else sum(degrees)
-    if term.op == "**" and term.args[1].op == "number" and term.args[1].value in (1, 2):
-        return int(term.args[1].value) * _degree(term.args[0], domain)
-    return float("inf")
 
 
 def _semidefinite(matrix: Matrix, domain: StatedDomain, shown: Shown) -> bool:

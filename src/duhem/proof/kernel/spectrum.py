@@ -16,8 +16,7 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.alike import alike
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
-from duhem.proof.kernel.polynomial import Polynomial, total, written
-from duhem.proof.kernel.positivity import negated
+from duhem.proof.kernel.polynomial import Polynomial, negated, total, written
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, sum_of
 

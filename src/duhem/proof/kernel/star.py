@@ -15,11 +15,12 @@ from collections.abc import Iterator
 from fractions import Fraction
 from itertools import islice, pairwise
 
-from duhem.proof.kernel.arcs import CIRCLE, DirectionArc, Value, arcs, difference, exponent, positive_power, product
+from duhem.proof.kernel.arcs import CIRCLE, DirectionArc, arcs, difference, exponent
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
-from duhem.proof.kernel.polynomial import ONE, Polynomial, replaced, slope, times, total
-from duhem.proof.kernel.positivity import RAY, Interval, negated, nonnegative
+from duhem.proof.kernel.plane_function import PlaneFunction, derivatives, multiplied
+from duhem.proof.kernel.polynomial import Polynomial, negated, replaced, times, total
+from duhem.proof.kernel.positivity import RAY, Interval, nonnegative
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
 __all__ = ["StarGauge"]
@@ -43,7 +44,7 @@ class StarGauge:
 
     def convex(self) -> bool:
         """gamma + gamma'' >= 0 on every arc, and gamma' does not jump down from one to the next."""
-        bent = all(piece.arc.nonnegative(piece.bend()) for side in self._sides for piece in side)
+        bent = all(piece.bends_outward() for side in self._sides for piece in side)
         return bent and all(nonnegative(jump, at, self._domain) for jump, at in self._jumps())
 
     def smooth(self) -> bool:
@@ -73,25 +74,18 @@ def _rise(before: _Quotient, after: _Quotient) -> Polynomial:
 class _Piece:
     """psi on an arc: a product of positive polynomials, each to a power."""
 
-    def __init__(self, upper: Value, lower: Value, order: Fraction, arc: DirectionArc) -> None:
+    def __init__(self, upper: PlaneFunction, lower: PlaneFunction, order: Fraction, arc: DirectionArc) -> None:
         self.arc = arc
-        self._psi = product((positive_power(upper, 1 / order, arc), positive_power(lower, -1 / order, arc)))
-        bases = [(dict(base), n) for base, n in self._psi.powers.items() if any(RAY in dict(m) for m, _ in base)]
-        self._whole, self._slope = ONE, Polynomial()
-        for base, n in bases:
-            self._slope = total(times(self._slope, base), times({(): n}, times(self._whole, slope(base, RAY))))
-            self._whole = times(self._whole, base)
+        self._psi = multiplied((arc.positive_power(upper, {(): 1 / order}), arc.positive_power(lower, {(): -1 / order})))
 
-    def bend(self) -> Polynomial:
-        """((1 + t^2) psi'' - 2 t psi' + 2 psi) q^2/psi, where psi'/psi = n/q."""
-        n, q = self._slope, self._whole
-        second = total(times(slope(n, RAY), q), negated(times(n, slope(q, RAY))), times(n, n))
-        return total(times(CIRCLE, second), negated(times(_TWO_T, times(n, q))), times({(): Fraction(2)}, times(q, q)))
+    def bends_outward(self) -> bool:
+        """Whether (1 + t^2) psi'' - 2 t psi' + 2 psi >= 0 on the arc."""
+        return self.arc.above(self.arc.bend(self._psi))
 
     def turn(self) -> _Quotient:
         """2 gamma'/gamma."""
-        n, q = self._slope, self._whole
-        return total(times(CIRCLE, n), negated(times(_TWO_T, q))), q
+        found = derivatives(self._psi, self.arc.along)
+        return total(times(CIRCLE, found.first), negated(times(_TWO_T, found.over))), found.over
 
     def meets(self, after: _Piece) -> bool:
         """Whether psi is the same on both arcs where they meet; a formula that cannot jump needs no question."""
