@@ -41,7 +41,7 @@ KIN = (
 _POINTS, _TRIES = 24, 40
 _NEAR = mpmath.mpf(10) ** -40
 _READERS = {"g": CLAIMS[:6], "flow": ("normality", "dissipation"), "constraint": CLAIMS, "boundary": CLAIMS[:5]}  # of a part of the law
-SMALL = ("coulomb", "antoni2007", "box", "superellipse", "radial-flow", "regularised", "limacon", "polygon")
+SMALL = ("coulomb", "antoni2007", "box", "superellipse", "radial-flow", "regularised", "limacon", "wedge")
 
 
 class Undefined(Exception):
