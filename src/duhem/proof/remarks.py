@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import sympy as sp
 
+from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
@@ -13,9 +14,15 @@ from duhem.left_out import LeftOut
 from duhem.proof.facts.definedness import broken_at
 from duhem.proof.facts.extent import Extent, extent
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.regularity import regularity
 from duhem.proof.facts.subject import Subject
 from duhem.proof.facts.undefined import undefined_place
+from duhem.proof.kernel.certificate import stated
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.regularity import tips
+from duhem.proof.kernel.steps import TooDearError, within
+from duhem.proof.kernel.term import UNREADABLE, Term
+from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["not_needed", "remarks", "scope"]
@@ -94,15 +101,37 @@ def _oddities(subject: FormulaSubject, odd: Extent | None, settled: Mapping[str,
 
 
 def _tips(subject: FormulaSubject) -> Iterator[str]:
-    problem, law = subject.problem, subject.law
-    facts = regularity(problem.g, subject)
-    tips = sorted({formula(_stated(subject, tip)) for tip in facts.tips}) if facts.known and not facts.kinks else []
+    law = subject.law
+    tips = _singular(subject)
     if not tips:
         return
     certain = subject.at_origin is not None and subject.at_origin.is_negative
     place = f"where {', '.join(tips)} = 0"
     inside = f"; that point is inside K for {law.pressure} < 0, so the boundary is not touched" if law.pressure and certain else ""
     yield f"'g is differentiable' holds with one exception: not {place}{inside}"
+
+
+def _singular(subject: FormulaSubject) -> list[str]:
+    """What is 0 where g may fail to be differentiable, as the kernel sees it; none where it sees more than such tips."""
+    law, compressed = subject.law, subject.problem.compressed
+    with within(_STEPS):
+        try:
+            seen = stated(law_as_text(law))
+            found = tips(seen.g, over(seen)) if isinstance(seen, StatedLaw) else frozenset[Term]()
+        except (*UNREADABLE, TooDearError):
+            return []
+    read = (parse_expression(_text(tip), law.symbols()).xreplace(compressed) for tip in found)
+    return sorted({formula(_stated(subject, tip)) for tip in read})
+
+
+def _text(term: Term) -> str:
+    """A term as a formula that can be read again."""
+    parts = [_text(a) for a in term.args]
+    if term.op == "number":
+        return f"({term.value})"
+    if term.op == "name":
+        return term.name
+    return f"({f' {term.op} '.join(parts)})" if term.op in ("+", "*", "**", "<", "<=", ">", ">=") else f"{term.op}({', '.join(parts)})"
 
 
 def _admitted(subject: FormulaSubject, values: Mapping[sp.Symbol, sp.Rational]) -> str:

@@ -171,19 +171,17 @@ def _examined(
     wanted = wanted_claims(claims)
     if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
-    needed = _with_needs(wanted)
     with _alone():
         subject = _subject(criterion, EFFORTS[effort])
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)
-    results: dict[bool, list[ClaimResult]] = {True: [], False: []}
+    needed = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.needs(name)})
+    results: list[ClaimResult] = []
     for name in (name for name in CLAIMS if name in needed):
-        start, before = time.perf_counter(), subject.spent
+        start, before = time.perf_counter(), subject.spent + confirmations.spent
         with _alone():
             told = partial(_tell, on_method, subject, name)
-            settled[name] = evidence = CLAIMS[name].examine(subject, settled, partial(confirmations.confirm, name), told)
-            if evidence.verdict is Verdict.PROVED:
-                told("kernel")
+            settled[name] = evidence = CLAIMS[name].examine(subject, settled, confirmations, told)
             standing = confirmations.of(name, evidence, CLAIMS[name].needs)
             doubted = standing is not None and standing.trust is not Trust.CHECKED
             if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:
@@ -201,12 +199,14 @@ def _examined(
             evidence.witness,
             None if standing is None else standing.trust,
             None if standing is None else standing.proof,
-            subject.spent - before,
+            subject.spent + confirmations.spent - before,
         )
-        results[name in wanted].append(found)
+        results.append(found)
         if name in wanted and on_claim is not None:
             on_claim(found)
-    return _Examined(subject, settled, wanted, tuple(results[True]), tuple(results[False]))
+    used = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.rests_on(name)})
+    asked, others = (tuple(r for r in results if (r.claim in wanted) is own and r.claim in used) for own in (True, False))
+    return _Examined(subject, settled, wanted, asked, others)
 
 
 def _tell(on_method: Callable[[str, str, Budget], None] | None, subject: Subject, claim: str, method: str) -> None:
@@ -243,12 +243,13 @@ def wanted_claims(claims: Iterable[str] | None) -> tuple[str, ...]:
     return names
 
 
-def _with_needs(wanted: tuple[str, ...]) -> set[str]:
-    needed: set[str] = set()
+def _closed(wanted: tuple[str, ...], needs: Callable[[str], Iterable[str]]) -> set[str]:
+    """The claims, those that they need, those that these need, and so on."""
+    found: set[str] = set()
     queue = list(wanted)
     while queue:
         name = queue.pop()
-        if name not in needed:
-            needed.add(name)
-            queue.extend(CLAIMS[name].needs)
-    return needed
+        if name not in found:
+            found.add(name)
+            queue.extend(needs(name))
+    return found
