@@ -24,7 +24,7 @@ import tests.oracles.prover.polyhedral as polyhedral
 from duhem import POSITIVE, Criterion, Domain, Verdict
 from duhem.derivation.potential import SupportFunction
 from duhem.expression import Norm
-from duhem.proof.claims import dissipation, normality
+from duhem.proof.claims import normality
 from duhem.proof.decide import Answer, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import CLAIMS
@@ -33,6 +33,7 @@ from duhem.proof.trust import Confirmations, Standing
 from duhem.proof.verdict import Evidence, Proof, Trust
 from tests.long import mostly_long
 from tests.oracles.prover import evaluation as evaluated
+from tests.oracles.prover.consequences import by_convexity, by_normality
 from tests.oracles.prover.polar_form import PolarForm
 from tests.oracles.prover.regularity import Regularity
 
@@ -327,10 +328,9 @@ LIES = (
         "normality", flow.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
     Lie("normal to a K not convex", no_patch, "normality", after()(normality.by_convexity), flowing("1 - a**2 - b**2", "-a", "-b"),
         after("convexity")(normality.by_convexity)),
-    Lie("associated with a K not convex", no_patch, "normality", after()(normality.by_convexity), DENT,
-        after("convexity")(normality.by_convexity)),
-    Lie("dissipation without the origin", no_patch, "dissipation", after("normality")(dissipation.by_normality), SHIFTED,
-        after("origin", "normality")(dissipation.by_normality)),
+    Lie("associated with a K not convex", no_patch, "normality", after()(by_convexity), DENT, after("convexity")(by_convexity)),
+    Lie("dissipation without the origin", no_patch, "dissipation", after("normality")(by_normality), SHIFTED,
+        after("origin", "normality")(by_normality)),
     # duality
     Lie("requirements not asked", duality(without_requirements),
         "duality", polar_gauge.duality, law("norm(a, b) - q", q=Domain.between(-1, 1))),

@@ -121,7 +121,13 @@ def _singular(subject: FormulaSubject) -> list[str]:
         except (*UNREADABLE, TooDearError):
             return []
     read = (parse_expression(_text(tip), law.symbols()).xreplace(compressed) for tip in found)
-    return sorted({formula(_stated(subject, tip)) for tip in read})
+    return sorted({formula(_stated(subject, _without_powers(tip, subject))) for tip in read})
+
+
+def _without_powers(tip: sp.Expr, subject: FormulaSubject) -> sp.Expr:
+    """What is 0 where the tip is: what stands under a root or a power, without factors in which there is no force."""
+    tip = tip.as_independent(*subject.problem.forces, as_Add=False)[1]
+    return _without_powers(tip.base, subject) if tip.is_Pow and tip.exp.is_positive else tip
 
 
 def _text(term: Term) -> str:

@@ -37,13 +37,14 @@ Evidence = Mapping[str, Any]
 class RuleRow(NamedTuple):
     """A rule: the claims that are ``needed`` before it, what it checks, and the argument as a sentence with its source.
 
-    One that shows nothing without evidence works ``by_evidence``.
+    One that shows nothing without evidence works ``by_evidence``; some say nothing of a law of more than ``most_forces``.
     """
 
     needed: frozenset[str]
     check: Callable[..., bool]
     sentence: str
     by_evidence: bool = False
+    most_forces: int = 1_000
 
 
 _MOST_CASES = 4  # choices one after another
@@ -100,7 +101,8 @@ def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCur
 
 def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:
     """The rules that may prove a claim of such a law without evidence, in order."""
-    return tuple(rule for (name, rule), row in _rules(law).items() if name == claim and not row.by_evidence)
+    rows = ((rule, row) for (name, rule), row in _rules(law).items() if name == claim)
+    return tuple(rule for rule, row in rows if not row.by_evidence and len(law.forces) <= row.most_forces)
 
 
 def needs_of(claim: str, law: StatedLaw | StatedCurve) -> frozenset[str]:
@@ -292,6 +294,7 @@ def quadratic_energy(law: StatedLaw | StatedCurve, _: Evidence) -> bool:
 
 _MOREAU = "the law is associated: its flow is the normal cone of K, and K is convex (Moreau 1970)"
 _SQUARES = "sigma = k (u - u_in) = dpsi/du = -dpsi/du_in; psi = |L^T (u - u_in)|^2/2 with k = L L^T is a sum of squares"
+_PLANE = 3  # forces: two, or three of which adding the same to all changes nothing
 _NONE: frozenset[str] = frozenset()
 _ORIGIN = frozenset({"origin"})
 _CONVEXITY = frozenset({"convexity"})
@@ -300,7 +303,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, origin, "g(0) <= 0 for every pressure and all parameters (where g(0) is read as a limit, for every way to 0)"
     ),
     ("origin", "polar-form"): RuleRow(
-        _NONE, star_shaped, "K is star-shaped about 0 (closure at 0 where the formula is 0/0)"
+        _NONE, star_shaped, "K is star-shaped about 0 (closure at 0 where the formula is 0/0)", most_forces=_PLANE
     ),
     ("convexity", "composition"): RuleRow(
         _NONE, convexity, "g is quasiconvex by the rules of composition (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)"
@@ -310,10 +313,11 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("convexity", "polar-curvature"): RuleRow(
         _ORIGIN, convex_gauge, "the boundary r = 1/gamma(theta) bends inwards nowhere: gamma'' + gamma >= 0 on every arc, and gamma' never "
-        "jumps down where two meet (Schneider 2014, section 1.7)"
+        "jumps down where two meet (Schneider 2014, section 1.7)", most_forces=_PLANE
     ),
     ("convexity", "fan"): RuleRow(
-        _ORIGIN, convex_fan, "K = {f <= c} with f of degree 1: f is convex in each cone of a fan, and its slope never falls across a ray"
+        _ORIGIN, convex_fan, "K = {f <= c} with f of degree 1: f is convex in each cone of a fan, and its slope never falls across a ray",
+        most_forces=_PLANE
     ),
     ("convexity", "implicit-curvature"): RuleRow(
         _NONE, curved, "K is star-shaped about 0 and its boundary curves inward everywhere (Tietze 1928, Nakajima 1928)", True
@@ -323,11 +327,11 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "round where its loads end (Rockafellar 1970, theorem 25.5)"
     ),
     ("smoothness", "polar-seams"): RuleRow(
-        _ORIGIN, smooth_gauge, "gamma > 0 is smooth on each arc, and gamma' is equal on both sides of each seam"
+        _ORIGIN, smooth_gauge, "gamma > 0 is smooth on each arc, and gamma' is equal on both sides of each seam", most_forces=_PLANE
     ),
     ("smoothness", "fan"): RuleRow(
         _ORIGIN, smooth_fan, "the boundary is {f = c} with f of degree 1: f is smooth in each cone of a fan, and its gradient goes over "
-        "continuously from each to the next"
+        "continuously from each to the next", most_forces=_PLANE
     ),
     ("smoothness", "euler"): RuleRow(
         _NONE, regular_along_rays, "g is C^1 wherever g = 0, and sigma . grad g > 0 there by Euler's relation, so that grad g != 0"
@@ -336,11 +340,9 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _NONE, regular, "g is C^1 wherever g = 0, and sigma . grad g > 0 there, so that grad g != 0", True
     ),
     ("smoothness", "one-dimensional"): RuleRow(
-        _CONVEXITY, one_force, "K is an interval with an inside: at each of its ends the normal is +1 or -1"
+        _CONVEXITY, one_force, "K is an interval with an inside: at each of its ends the normal is +1 or -1", most_forces=1
     ),
-    ("normality", "normality-rule"): RuleRow(
-        _CONVEXITY, associated, _MOREAU
-    ),
+    ("normality", "normality-rule"): RuleRow(_CONVEXITY, associated, _MOREAU),
     ("normality", "parallel"): RuleRow(
         _CONVEXITY, parallel, "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex", True
     ),
@@ -348,7 +350,8 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _ORIGIN | {"normality"}, fenchel, "0 is in K and the flow d is in the normal cone at sigma, so d . (0 - sigma) <= 0"
     ),
     ("dissipation", "euler"): RuleRow(
-        _ORIGIN, euler, "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary (Euler)"
+        _ORIGIN, euler, "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary (Euler)",
+        most_forces=_PLANE
     ),
     ("dissipation", "homogeneity"): RuleRow(
         _NONE, homogeneity, "the degrees of the parts of g in the forces show that sigma . grad g > 0 wherever g = 0, or that K is a cone "
@@ -365,10 +368,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("duality", "polar-gauge"): RuleRow(
         _NONE, polar_gauge, "Phi is the support function of K by the rules of the polar gauge (Rockafellar 1970, sections 13 to 15)", True
     ),
-    ("state_laws", "symbolic"): RuleRow(
-        _NONE, quadratic_energy,
-        _SQUARES,
-    ),
+    ("state_laws", "symbolic"): RuleRow(_NONE, quadratic_energy, _SQUARES),
 }  # fmt: skip
 CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
     ("origin", "winding"): RuleRow(_NONE, lambda curve, _: curve.around_zero(), "the curve never meets 0 and winds around it"),
@@ -381,14 +381,9 @@ CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
     ("smoothness", "regular-curve"): RuleRow(
         _NONE, lambda curve, _: curve.convex() or curve.star_shaped(), "the curve is simple, and T' is never 0 (do Carmo 1976, section 5-7)"
     ),
-    ("normality", "normality-rule"): RuleRow(
-        _CONVEXITY, lambda curve, _: curve.flow is None, _MOREAU
-    ),
+    ("normality", "normality-rule"): RuleRow(_CONVEXITY, lambda curve, _: curve.flow is None, _MOREAU),
     ("dissipation", "power"): RuleRow(
         _NONE, lambda curve, _: curve.powered() if curve.flow else curve.star_shaped(), "T . d > 0 at every angle, so force . flow > 0"
     ),
-    ("state_laws", "symbolic"): RuleRow(
-        _NONE, quadratic_energy,
-        _SQUARES,
-    ),
+    ("state_laws", "symbolic"): RuleRow(_NONE, quadratic_energy, _SQUARES),
 }  # fmt: skip

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
+from duhem.proof.kernel.steps import pay
+
 __all__ = [
     "COMPARISONS",
     "UNREADABLE",
@@ -105,8 +107,12 @@ class Term(_Parts):
         return 1 + sum(a.size() for a in self.args)
 
     def put(self, swap: Mapping[Term, Term]) -> Term:
-        """The term with every occurrence of some sub-terms replaced, the largest first."""
-        return swap[self] if self in swap else self._replace(args=tuple(a.put(swap) for a in self.args))
+        """The term with every occurrence of some sub-terms replaced, the largest first; a part in which there is none stays as it is."""
+        if self in swap:
+            return swap[self]
+        pay(1)
+        args = tuple(a.put(swap) for a in self.args)
+        return self if all(new is old for new, old in zip(args, self.args, strict=True)) else self._replace(args=args)
 
 
 def number(value: Fraction | int) -> Term:
