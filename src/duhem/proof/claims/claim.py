@@ -72,7 +72,7 @@ class Finder(Generic[S]):
 
 
 Method = Rules | ProofMethod[Any] | Consequence[Any] | Finder[Any]
-CHEAP, DEAR = Rules(2_000_000), Rules(10_000_000)
+CHEAP, DEAR = Rules(500_000), Rules(10_000_000)
 
 
 def words(method: Method, claim: str) -> str:

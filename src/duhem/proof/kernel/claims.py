@@ -300,7 +300,7 @@ _ORIGIN = frozenset({"origin"})
 _CONVEXITY = frozenset({"convexity"})
 RULES: Mapping[tuple[str, str], RuleRow] = {
     ("origin", "evaluation"): RuleRow(
-        _NONE, origin, "g(0) <= 0 for every pressure and all parameters (where g(0) is read as a limit, for every way to 0)"
+        _NONE, origin, "g(0) <= 0 for every pressure and all parameters"
     ),
     ("origin", "polar-form"): RuleRow(
         _NONE, star_shaped, "K is star-shaped about 0 (closure at 0 where the formula is 0/0)", most_forces=_PLANE
