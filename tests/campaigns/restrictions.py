@@ -34,7 +34,8 @@ class Restriction:
 
     def __str__(self) -> str:
         told = [domain.stated(name) for name, domain in self.ranges.items()]
-        return f"{self.law} ({', '.join(told) or 'all parameters'}): {', '.join(self.claims) if len(self.claims) < len(CLAIMS) else 'all claims'}"
+        claims = ", ".join(self.claims) if len(self.claims) < len(CLAIMS) else "all claims"
+        return f"{self.law} ({', '.join(told) or 'all parameters'}): {claims}"
 
     def results(self) -> tuple[ClaimResult, ...]:
         """What is said of it."""

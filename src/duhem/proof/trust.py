@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from duhem.law.curve_law import Law
-from duhem.proof.kernel.certificate import stated
+from duhem.proof.kernel.certificate import OVER, stated
 from duhem.proof.kernel.claims import needs_of, objection, row_of, rules_of
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.law_text import law_as_text
-from duhem.proof.verdict import Evidence, Proof, Trust, Verdict
+from duhem.proof.verdict import ClaimResult, Evidence, Proof, Trust, Verdict
 
 __all__ = ["Confirmations", "Standing"]
 
 _SOLVERS = ("smt", "z3")  # in the brackets of a method's name
 _MOST_STEPS = 20_000_000  # for a proof that somebody offers
+_OVER_ALL = "over the whole domain of the law, of which this is a part"
 _ANY = 1 << 62  # more steps than anybody allows
 
 
@@ -77,6 +79,16 @@ class Confirmations:
         self.standings[claim] = found
         return found
 
+    def of_a_part(self, claim: str, whole: ClaimResult, law: Law) -> Evidence:
+        """A proof that holds over all of a ``law``, said of this one, which has parts of the domains of its parameters."""
+        detail, proof = f"{whole.detail} (shown {_OVER_ALL})", whole.proof
+        if proof is not None:
+            domains = {
+                name: domain for name, domain in law_as_text(law)["parameters"].items() if law.parameters[name] != self.law.parameters[name]
+            }
+            proof = replace(proof, evidence={**proof.evidence, OVER: domains})
+        return Evidence(Verdict.PROVED, whole.method, detail, proof=proof)
+
     def withdraw(self, claim: str) -> None:
         """The proof turned out to be none."""
         del self.standings[claim]
@@ -110,7 +122,8 @@ class Confirmations:
         settled, allowed = frozenset(self.standings), _ANY
         with within(steps) as purse:
             try:
-                holds = not objection(claim, offer.rule, settled, self._stated, offer.evidence)
+                asked = _stated(self.law, offer.evidence.get(OVER)) if OVER in offer.evidence else self._stated
+                holds = asked is not None and not objection(claim, offer.rule, settled, asked, offer.evidence)
             except TooDearError:
                 holds, allowed = False, steps
         self.spent += purse.spent
@@ -119,9 +132,9 @@ class Confirmations:
         return holds
 
 
-def _stated(law: Law) -> StatedLaw | StatedCurve | None:
-    """The law as the kernel has it; None where that reads nothing of it."""
+def _stated(law: Law, over: Mapping[str, Any] | None = None) -> StatedLaw | StatedCurve | None:
+    """The law as the kernel has it, perhaps over wider domains; None where that reads nothing of it."""
     try:
-        return stated(law_as_text(law))
+        return stated(law_as_text(law), over)
     except (NotWritten, OverflowError, RecursionError):
         return None

@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.domain import StatedLaw, exact, inhabited, without_more
+from duhem.proof.kernel.domain import Bounds, StatedLaw, exact, inhabited, without_more
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
-__all__ = ["CLAIMS", "NO_RULE", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
+__all__ = ["CLAIMS", "NO_RULE", "OVER", "SCHEMA", "Rechecked", "digest", "recheck", "stated"]
 
 SCHEMA = "duhem certificate 1"
 NO_RULE = "no rule for this argument"
+OVER = "over"  # the word of evidence for wider domains of parameters
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
 
 
@@ -35,13 +36,29 @@ def digest(document: Mapping[str, Any]) -> str:
     return sha256(json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()).hexdigest()
 
 
-def stated(law: Mapping[str, Any]) -> StatedLaw | StatedCurve:
-    """The ``law`` of a certificate: by a formula, or by a boundary curve."""
+def stated(law: Mapping[str, Any], over: Mapping[str, Any] | None = None) -> StatedLaw | StatedCurve:
+    """The ``law`` of a certificate: by a formula, or by a boundary curve.
+
+    ``over`` has wider domains of some of its parameters: what holds over these holds over its own.  NotWritten where one is not wider.
+    """
+    if over:
+        own = law["parameters"]
+        if not set(over) <= set(own) or not all(Bounds.read(domain).covers(Bounds.read(own[name])) for name, domain in over.items()):
+            raise NotWritten("a proof is for parameters that are not all of the law's")
+        law = {**law, "parameters": {**own, **over}}
     return StatedCurve.read(law) if "boundary" in law else StatedLaw.read(law)
 
 
 def _row(claim: Mapping[str, Any]) -> Mapping[str, Any]:
     return without_more(claim, {"claim", "verdict", "trust", "method", "rule", "evidence"})
+
+
+def _objection(claim: str, rule: str, settled: frozenset[str], law: Mapping[str, Any], evidence: Any) -> str:
+    try:
+        whole = stated(law, evidence.get(OVER))
+    except UNREADABLE as fault:
+        return f"its evidence cannot be read: {in_words(fault)}"
+    return objection(claim, rule, settled, whole, evidence)
 
 
 def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
@@ -68,7 +85,7 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     for claim, verdict, trust, rule, evidence in sorted(said, key=lambda c: CLAIMS.index(c[0])):
         reason = "only proofs are checked"
         if verdict == "proved":
-            reason = NO_RULE if rule is None else objection(claim, rule, frozenset(settled), law, evidence)
+            reason = NO_RULE if rule is None else _objection(claim, rule, frozenset(settled), document["law"], evidence)
         if not reason:
             settled.add(claim)
         rows.append(Rechecked(claim, verdict, trust, not reason, reason))
