@@ -1,9 +1,8 @@
 """The kernel against two others: the provers on SymPy that it has taken the place of, and every search for a counterexample.
 
-A kernel that is its own prover has no other witness.  So of each law of the catalogue, the atlas and the adversary
-every claim that the kernel proves is given to all refuters, the dear ones too, and every claim that is not proved is given to the provers
-of ``tests/oracles/prover``.  A refuted proof, or a second opinion that proves what is refuted, is an error; a proof that only the second opinion
-has is printed as *only there*: something that the kernel might learn.
+A kernel that is its own prover has no other witness.  So of each law of the catalogue and the atlas every proof is given to all
+refuters, the dear ones too, and every claim to the provers of ``tests/oracles/prover``.  A refuted proof, or a second opinion that
+proves what is refuted, is an error; a proof that only the second opinion has is printed as *only there*: the kernel might learn it.
 
     python -m tests.campaigns.second_opinion antoni2007 puck
 """
@@ -19,7 +18,7 @@ from duhem import Criterion, Verdict, load, verify
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
 from duhem.proof.claims import CLAIMS
-from duhem.proof.claims.claim import Consequence, ProofMethod
+from duhem.proof.claims.claim import ProofMethod
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import ClaimResult
 from tests.oracles.prover.table import PROVERS
@@ -43,15 +42,14 @@ class Opinion:
 
     def __str__(self) -> str:
         kind = "CONTRADICTION" if self.wrong else "only there" if self.prover and self.result.verdict is not Verdict.PROVED else "agreed"
-        return f"{kind} {self.law} {self.result.claim}: {self.result.verdict} by {self.result.method}, {self.refuter or self.prover or 'nobody else'}"
+        other = self.refuter or self.prover or "nobody else"
+        return f"{kind} {self.law} {self.result.claim}: {self.result.verdict} by {self.result.method}, {other}"
 
 
 def opinions(name: str, law: Criterion) -> Iterator[Opinion]:
     """One for every claim but the state laws."""
-    verification = verify(law)
-    settled = {r.claim: r for r in verification.results}
-    for claim, result in settled.items():
-        if claim == "state_laws":
+    for result in verify(law).results:
+        if (claim := result.claim) == "state_laws":
             continue
         refuter = prover = ""
         subject = FormulaSubject(law)
@@ -64,9 +62,9 @@ def opinions(name: str, law: Criterion) -> Iterator[Opinion]:
 
 
 def _refuted(claim: str, subject: FormulaSubject) -> str:
-    """Who refutes it; "" for nobody.  The methods are those of the claim, those of its own proofs left out."""
+    """Who refutes it; "" for nobody.  It asks every method of the claim."""
     for method in CLAIMS[claim].methods:
-        if isinstance(method, ProofMethod) and not isinstance(method, Consequence) and method.takes is FormulaSubject:
+        if isinstance(method, ProofMethod) and method.takes is FormulaSubject:
             subject.allow(CLAIMS[claim].steps)
             found = method.run(subject)
             if found is not None and found.witness is not None and subject.may_refute(claim, found.witness.points.values()):
