@@ -20,11 +20,12 @@ from duhem import Criterion, InputError, load
 from duhem.expression import numpy_
 from duhem.expression.cvxpy_ import expression
 from duhem.law.catalogue import load_formula, names
-from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.shape import Curvature
-from duhem.proof.methods import chords, composition
+from duhem.proof.methods import chords
 from tests.long import mostly_long
+from tests.oracles.prover import composition
+from tests.oracles.prover.curvature import curvature
+from tests.oracles.prover.shape import Curvature
 
 cp = pytest.importorskip("cvxpy")
 

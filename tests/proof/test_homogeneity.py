@@ -9,8 +9,8 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.law_text import law_as_text
-from duhem.proof.methods import degrees
 from duhem.proof.verdict import Trust, Verdict
+from tests.oracles.prover import degrees
 
 POSITIVE = Domain(positive=True)
 

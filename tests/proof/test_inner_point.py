@@ -10,9 +10,9 @@ import pytest
 
 from duhem import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import convex_sums
 from duhem.proof.search.inner_point import Blocks, inner_point
 from tests.campaigns.polynomials import forms
+from tests.oracles.prover import convex_sums
 
 F = Fraction
 

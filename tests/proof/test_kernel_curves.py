@@ -29,7 +29,9 @@ def curve(*boundary: str, flow: list[str] | None = None, **parameters: Any) -> S
 
 def shown(stated: StatedCurve) -> set[str]:
     """The claims of the shape that the kernel shows; those that rest on others are left out."""
-    return {claim for (claim, rule), (needs, _) in CURVE_RULES.items() if not needs and not objection(claim, rule, frozenset(), stated, {})}
+    return {
+        claim for (claim, rule), (needs, *_) in CURVE_RULES.items() if not needs and not objection(claim, rule, frozenset(), stated, {})
+    }
 
 
 def test_intervals_hold_every_result() -> None:

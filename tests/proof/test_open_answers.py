@@ -13,9 +13,11 @@ import pytest
 from duhem import Criterion, Domain
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import degrees, evaluation, flow, implicit, polar
+from duhem.proof.methods import flow, implicit
 from duhem.proof.verdict import Evidence, Verdict
 from tests.long import mostly_slow
+from tests.oracles.prover import degrees, polar
+from tests.oracles.prover import evaluation as evaluated
 
 Method = Callable[[FormulaSubject], Evidence | None]
 DISC, HALVES, A_B = "a**2 + b**2 - q", "a**2 + b**2 + pos(b)**2 - q", ("a", "b")
@@ -34,7 +36,7 @@ ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the
     (polar.convexity, "norm(a, b) + abs(a)/2 - q", None, 6),  # its arcs are asked by composition first
     (polar.smoothness, "norm(a, b) + a*b/norm(a, b)/4 + abs(a)*a/norm(a, b)/8 - q", None, 0),
     (degrees.dissipation, "a**2 + b**2 - q", None, 1),
-    (evaluation.origin, "a**2 + b**2 - q", None, 0),
+    (evaluated.origin, "a**2 + b**2 - q", None, 0),
 ]
 
 

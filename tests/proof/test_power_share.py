@@ -11,9 +11,9 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.law_text import law_as_text
-from duhem.proof.methods import power_share
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import mostly_slow
+from tests.oracles.prover import power_share
 
 J2 = "((a-b)**2 + (b-c)**2 + (c-a)**2)/6"
 R = "sqrt(a**2 + b**2)"

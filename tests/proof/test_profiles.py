@@ -8,12 +8,12 @@ import pytest
 
 from duhem import Criterion, verify
 from duhem.law.domain import POSITIVE, Domain
-from duhem.proof.facts.curvature import convex_in_its_region
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust, Verdict
+from tests.oracles.prover.curvature import convex_in_its_region
 
 DROP = "max(((a - b)/2)**2 - ((a + b)/2)**2*(1 + (a + b)/(2*P)), a + b)"  # Rothrock (1975)
 P = {"P": POSITIVE}

@@ -13,27 +13,29 @@ from typing import Any
 import pytest
 import sympy as sp
 
-import duhem.proof.facts.curvature as curvature_facts
-import duhem.proof.facts.polar_form as polar_facts
-import duhem.proof.methods.composition as composition
 import duhem.proof.methods.implicit as implicit
-import duhem.proof.methods.polar as polar
 import duhem.proof.methods.polar_gauge as polar_gauge
-import duhem.proof.methods.polyhedral as polyhedral
 import duhem.proof.statement.problem as problem
+import tests.oracles.prover.composition as composition
+import tests.oracles.prover.curvature as curvature_facts
+import tests.oracles.prover.polar as polar
+import tests.oracles.prover.polar_form as polar_facts
+import tests.oracles.prover.polyhedral as polyhedral
 from duhem import POSITIVE, Criterion, Domain, Verdict
 from duhem.derivation.potential import SupportFunction
 from duhem.expression import Norm
-from duhem.proof.claims import dissipation, normality
+from duhem.proof.claims import normality
 from duhem.proof.decide import Answer, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.polar_form import PolarForm
-from duhem.proof.facts.regularity import Regularity
 from duhem.proof.kernel.certificate import CLAIMS
-from duhem.proof.methods import evaluation, flow
+from duhem.proof.methods import flow
 from duhem.proof.trust import Confirmations, Standing
 from duhem.proof.verdict import Evidence, Proof, Trust
 from tests.long import mostly_long
+from tests.oracles.prover import evaluation as evaluated
+from tests.oracles.prover.consequences import by_convexity, by_normality
+from tests.oracles.prover.polar_form import PolarForm
+from tests.oracles.prover.regularity import Regularity
 
 Method = Callable[[FormulaSubject], Evidence | None]
 Patch = Callable[[pytest.MonkeyPatch], None]
@@ -250,7 +252,7 @@ LIES = (
     Lie("equalities not asked", asking(granted(Sense.ZERO)), "smoothness", polar.smoothness, CORNER),
     Lie("equalities not asked on seams", asking(granted(Sense.ZERO)), "smoothness", implicit.smoothness, CORNERED),
     Lie("signs not asked", asking(granted(Sense.POSITIVE, Sense.NONNEGATIVE)), "dissipation", polar.dissipation, OUTSIDE),
-    Lie("the sign asked of the opposite", asking(lambda s, e, *q: honest(s, -e, *q)), "origin", evaluation.origin, OUTSIDE),
+    Lie("the sign asked of the opposite", asking(lambda s, e, *q: honest(s, -e, *q)), "origin", evaluated.origin, OUTSIDE),
     Lie("half of the circle asked", asking(only_if(lambda c: sp.Gt(c[0], 0) if c else sp.true)), "convexity", polar.convexity, LIMACON),
     Lie("hypotheses that contradict each other", asking(only_if(lambda c: sp.false)), "convexity", polar.convexity, WAVES),
     Lie("ends of ranges left out", asking(strict), "smoothness", implicit.smoothness, law("a**2 - b**2 - q", q=UNIT)),
@@ -271,7 +273,7 @@ LIES = (
         "smoothness", composition.smoothness, law("max(a, b) - 1")),
     Lie("a square taken for a rising map", put(problem, "without_outer_map", no_outer_power),
         "convexity", composition.convexity, law("(norm(a, b) - 1)**2")),
-    Lie("the origin put inside", put(FormulaSubject, "at_origin", sp.Integer(-1)), "origin", evaluation.origin, OUTSIDE),
+    Lie("the origin put inside", put(FormulaSubject, "at_origin", sp.Integer(-1)), "origin", evaluated.origin, OUTSIDE),
     # polar form
     Lie("jumps at seams not asked", put(polar, "_jumps", lambda form, sense: True), "convexity", polar.convexity, DENT),
     Lie("jumps not asked for smoothness", put(polar, "_jumps", lambda form, sense: True), "smoothness", polar.smoothness, CORNER),
@@ -326,10 +328,9 @@ LIES = (
         "normality", flow.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
     Lie("normal to a K not convex", no_patch, "normality", after()(normality.by_convexity), flowing("1 - a**2 - b**2", "-a", "-b"),
         after("convexity")(normality.by_convexity)),
-    Lie("associated with a K not convex", no_patch, "normality", after()(normality.by_convexity), DENT,
-        after("convexity")(normality.by_convexity)),
-    Lie("dissipation without the origin", no_patch, "dissipation", after("normality")(dissipation.by_normality), SHIFTED,
-        after("origin", "normality")(dissipation.by_normality)),
+    Lie("associated with a K not convex", no_patch, "normality", after()(by_convexity), DENT, after("convexity")(by_convexity)),
+    Lie("dissipation without the origin", no_patch, "dissipation", after("normality")(by_normality), SHIFTED,
+        after("origin", "normality")(by_normality)),
     # duality
     Lie("requirements not asked", duality(without_requirements),
         "duality", polar_gauge.duality, law("norm(a, b) - q", q=Domain.between(-1, 1))),

@@ -8,13 +8,13 @@ import pytest
 
 from duhem import Criterion
 from duhem.law.domain import POSITIVE, Domain
-from duhem.proof.facts.curvature import convex_in_its_region, curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.law_text import law_as_text
 from tests.long import mostly_long, mostly_slow
 from tests.oracles import drawn_formulas
+from tests.oracles.prover.curvature import convex_in_its_region, curvature
 
 between = Domain.between
 ALPHA, M = {"A": between(0, 2)}, {"m": between(2, 2)}

@@ -14,8 +14,8 @@ from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.law_text import law_as_text
-from duhem.proof.methods import rounded
 from tests.oracles import drawn_formulas
+from tests.oracles.prover import rounded
 
 between, fixed = Domain.between, Domain.fixed
 P = "((p + 1/2)/2)"

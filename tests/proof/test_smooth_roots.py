@@ -4,17 +4,17 @@ import pytest
 import sympy as sp
 
 from duhem import Criterion, Domain
-from duhem.proof.facts.even_roots import even, freed
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.regularity import regularity
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.law_text import law_as_text
-from duhem.proof.methods import composition
 from tests.long import mostly_slow
+from tests.oracles.prover import composition
+from tests.oracles.prover.even_roots import even, freed
+from tests.oracles.prover.regularity import regularity
 
 U, R = "(a + b)/2", "sqrt(((a - b)/2)**2 + t**2)"
 PAIR = f"abs({U} + {R})**m + abs({U} - {R})**m"

@@ -7,8 +7,8 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.law_text import law_as_text
-from duhem.proof.methods import composition
 from tests.long import mostly_slow
+from tests.oracles.prover import composition
 
 J2, J3 = "((a-b)**2+(b-c)**2+(c-a)**2)/6", "(2*a-b-c)*(2*b-c-a)*(2*c-a-b)/27"
 ARGYRIS = f"sqrt({J2})*(1+K)/(2*K) + (1-K)/(2*K)*(3*sqrt(3)/2)*({J3})/({J2}) - k"

@@ -19,12 +19,14 @@ from duhem.proof.certificate import certificate
 from duhem.proof.claims import CLAIMS as REGISTERED
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.methods import chords, composition, corners, evaluation, flow, implicit, polar, polyhedral
+from duhem.proof.methods import chords, corners, evaluation, flow, implicit
 from duhem.proof.verdict import Evidence
 from tests.campaigns.certificates import rechecked
 from tests.campaigns.tampering import tampering
 from tests.long import mostly_long, mostly_slow
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
+from tests.oracles.prover import composition, polar, polyhedral
+from tests.oracles.prover import evaluation as evaluated
 from tests.oracles.reevaluation import confirmed
 from tests.proof.test_kernel import confirmed as confirmed_by_rules
 
@@ -158,7 +160,7 @@ PROVERS: dict[str, list[ProofMethod]] = {
     "smoothness": [composition.smoothness, polar.smoothness, implicit.smoothness],
     "dissipation": [polar.dissipation, implicit.dissipation],
     "normality": [flow.normality],
-    "origin": [evaluation.origin, polar.origin],
+    "origin": [evaluated.origin, polar.origin],
 }
 REFUTERS: dict[str, list[ProofMethod]] = {
     "convexity": [

@@ -1,22 +1,27 @@
-"""What each proof rests on: the kernel is given every one, in the order in which they were made."""
+"""What is proved and what each proof rests on: the kernel's rules are asked first, and are given every proof that others make."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from duhem.law.curve_law import Law
-from duhem.proof.kernel.certificate import stated
-from duhem.proof.kernel.claims import objection, rules_of
+from duhem.proof.kernel.certificate import OVER, stated
+from duhem.proof.kernel.claims import needs_of, objection, row_of, rules_of
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.law_text import law_as_text
-from duhem.proof.verdict import Evidence, Proof, Trust, Verdict
+from duhem.proof.verdict import ClaimResult, Evidence, Proof, Trust, Verdict
 
 __all__ = ["Confirmations", "Standing"]
 
 _SOLVERS = ("smt", "z3")  # in the brackets of a method's name
+_MOST_STEPS = 20_000_000  # for a proof that somebody offers
+_OVER_ALL = "over the whole domain of the law, of which this is a part"
+_ANY = 1 << 62  # more steps than anybody allows
 
 
 @dataclass(frozen=True)
@@ -29,34 +34,60 @@ class Standing:
 
 @dataclass
 class Confirmations:
-    """The proofs of one law so far, and how each stands."""
+    """The proofs of one law so far, and how each stands.  It is the kernel as the claims ask it."""
 
     law: Law
     standings: dict[str, Standing] = field(default_factory=dict)
+    spent: int = 0
 
     def __post_init__(self) -> None:
         self._stated = _stated(self.law)
-        self._asked: tuple[str, Proof | None, frozenset[str]] | None = None  # the last question, and its answer
-        self._answer: Proof | None = None
+        self._answers: list[tuple[str, Proof, bool, int]] = []  # with the steps that were allowed, where they were too few
+
+    def needs(self, claim: str) -> frozenset[str]:
+        """The claims that the kernel's rules for a claim may rest on."""
+        return frozenset() if self._stated is None else needs_of(claim, self._stated)
+
+    def rests_on(self, claim: str) -> frozenset[str]:
+        """The claims that the rule which proved a claim rests on; none where no rule did."""
+        found = self.standings.get(claim)
+        return frozenset() if found is None or found.proof is None else self._needed(claim, found.proof)
+
+    def proof(self, claim: str, steps: int) -> Evidence | None:
+        """What the first rule proves that needs no evidence, each within so many steps; None where none does."""
+        found = next((offer for offer in self._in_order(claim) if self._accepts(claim, offer, steps)), None)
+        row = None if found is None or self._stated is None else row_of(claim, found.rule, self._stated)
+        return None if found is None or row is None else Evidence(Verdict.PROVED, found.rule, row.sentence, proof=found)
+
+    def confirms(self, claim: str, evidence: Evidence) -> bool:
+        """Whether the kernel accepts a proof: it asks itself whether what its rule needs is defined, of this claim alone."""
+        found = self._accepted(claim, evidence.proof)
+        return found is not None and self._needed(claim, found) <= self._checked()
 
     def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Standing | None:
         """How a proof stands, where the claims it may have started from, ``rests_on``, came before; None for no proof."""
         if evidence.verdict is not Verdict.PROVED:
             return None
-        if (proof := self._confirmed(claim, evidence.proof, self._checked())) is not None:
-            found = Standing(Trust.CHECKED, proof)
+        if (proof := self._accepted(claim, evidence.proof)) is not None:
+            found = Standing(Trust.weakest(Trust.CHECKED, *(self.standings[name].trust for name in self._needed(claim, proof))), proof)
+            if found.trust is not Trust.CHECKED:
+                found = Standing(found.trust)
         else:
             by_solver = any(s in evidence.method.partition(" (")[2] for s in _SOLVERS)
-            own, premises = Trust.SOLVER if by_solver else Trust.PROVER, [name for name in rests_on if name in self.standings]
-            if self._confirmed(claim, evidence.proof, frozenset(self.standings)) is not None:  # a consequence of what came before
-                own, premises = Trust.CHECKED, list(self.standings)
-            found = Standing(Trust.weakest(own, *(self.standings[name].trust for name in premises)))
+            premises = [self.standings[name].trust for name in rests_on if name in self.standings]
+            found = Standing(Trust.weakest(Trust.SOLVER if by_solver else Trust.PROVER, *premises))
         self.standings[claim] = found
         return found
 
-    def confirm(self, claim: str, evidence: Evidence) -> bool:
-        """Whether the kernel confirms a proof: it asks itself whether what its rule needs is defined, of this claim alone."""
-        return self._confirmed(claim, evidence.proof, self._checked()) is not None
+    def of_a_part(self, claim: str, whole: ClaimResult, law: Law) -> Evidence:
+        """A proof that holds over all of a ``law``, said of this one, which has parts of the domains of its parameters."""
+        detail, proof = f"{whole.detail} (shown {_OVER_ALL})", whole.proof
+        if proof is not None:
+            domains = {
+                name: domain for name, domain in law_as_text(law)["parameters"].items() if law.parameters[name] != self.law.parameters[name]
+            }
+            proof = replace(proof, evidence={**proof.evidence, OVER: domains})
+        return Evidence(Verdict.PROVED, whole.method, detail, proof=proof)
 
     def withdraw(self, claim: str) -> None:
         """The proof turned out to be none."""
@@ -65,20 +96,45 @@ class Confirmations:
     def _checked(self) -> frozenset[str]:
         return frozenset(name for name, found in self.standings.items() if found.trust is Trust.CHECKED)
 
-    def _confirmed(self, claim: str, offered: Proof | None, settled: frozenset[str]) -> Proof | None:
-        """The proof that the kernel accepts where the claims ``settled`` hold."""
+    def _needed(self, claim: str, proof: Proof) -> frozenset[str]:
+        row = None if self._stated is None else row_of(claim, proof.rule, self._stated)
+        return frozenset() if row is None else row.needed
+
+    def _in_order(self, claim: str) -> Iterator[Proof]:
+        """The rules without evidence whose needs are met; first those that rest on nothing but what was checked."""
+        offers = [] if self._stated is None else [Proof(rule) for rule in rules_of(claim, self._stated)]
+        checked = self._checked()
+        yield from (offer for offer in offers if self._needed(claim, offer) <= checked)
+        yield from (offer for offer in offers if not self._needed(claim, offer) <= checked)
+
+    def _accepted(self, claim: str, offered: Proof | None) -> Proof | None:
+        """The proof that the kernel accepts: the one that is offered, or by a rule that needs no evidence."""
+        offers = [*([] if offered is None else [offered]), *self._in_order(claim)]
+        return next((offer for offer in offers if self._accepts(claim, offer, _MOST_STEPS)), None)
+
+    def _accepts(self, claim: str, offer: Proof, steps: int) -> bool:
+        """Whether the kernel has no objection to a proof, found within so many steps."""
         if self._stated is None:
-            return None
-        if (claim, offered, settled) != self._asked:
-            offers = [*([] if offered is None else [offered]), *(Proof(rule) for rule in rules_of(claim, self._stated))]
-            self._answer = next((p for p in offers if not objection(claim, p.rule, settled, self._stated, p.evidence)), None)
-            self._asked = (claim, offered, settled)
-        return self._answer
+            return False
+        for name, proof, holds, allowed in reversed(self._answers):
+            if (name, proof) == (claim, offer) and (holds or allowed >= steps):
+                return holds
+        settled, allowed = frozenset(self.standings), _ANY
+        with within(steps) as purse:
+            try:
+                asked = _stated(self.law, offer.evidence.get(OVER)) if OVER in offer.evidence else self._stated
+                holds = asked is not None and not objection(claim, offer.rule, settled, asked, offer.evidence)
+            except TooDearError:
+                holds, allowed = False, steps
+        self.spent += purse.spent
+        if holds or self._needed(claim, offer) <= settled:  # else it may still be proved
+            self._answers.append((claim, offer, holds, allowed))
+        return holds
 
 
-def _stated(law: Law) -> StatedLaw | StatedCurve | None:
-    """The law as the kernel has it; None where that reads nothing of it."""
+def _stated(law: Law, over: Mapping[str, Any] | None = None) -> StatedLaw | StatedCurve | None:
+    """The law as the kernel has it, perhaps over wider domains; None where that reads nothing of it."""
     try:
-        return stated(law_as_text(law))
+        return stated(law_as_text(law), over)
     except (NotWritten, OverflowError, RecursionError):
         return None

@@ -26,8 +26,8 @@ from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
-from duhem.proof.trust import Confirmations
-from duhem.proof.verdict import ClaimResult, Evidence, Trust, Verdict
+from duhem.proof.trust import Confirmations, Standing
+from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Trust, Verdict
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.shown import Shown
 from duhem.version import __version__
@@ -134,8 +134,9 @@ def verify(
     What a claim may cost is counted in steps, not by a clock; ``effort`` quick, normal or thorough multiplies them.
     Raises InputError for an unknown law, parameter, claim or effort, and for values outside the domain.
     """
-    criterion: Law = load(law).fix(parameters)
-    examined = _examined(criterion, claims, effort, on_claim, on_method)
+    whole: Law = load(law)
+    criterion: Law = whole.fix(parameters)
+    examined = _examined(criterion, claims, effort, on_claim, on_method, None if criterion.parameters == whole.parameters else whole)
     parts = (
         *not_needed(criterion, [evidence.verdict for evidence in examined.settled.values()]),
         *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in examined.wanted),
@@ -166,30 +167,33 @@ def _examined(
     effort: str,
     on_claim: Callable[[ClaimResult], None] | None = None,
     on_method: Callable[[str, str, Budget], None] | None = None,
+    whole: Law | None = None,
 ) -> _Examined:
+    """``whole`` is the law over wider domains: what is proved of that is proved of this part."""
     check_domain(criterion)
     wanted = wanted_claims(claims)
     if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
-    needed = _with_needs(wanted)
     with _alone():
         subject = _subject(criterion, EFFORTS[effort])
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)
-    results: dict[bool, list[ClaimResult]] = {True: [], False: []}
+    needed = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.needs(name)})
+    results: list[ClaimResult] = []
     for name in (name for name in CLAIMS if name in needed):
-        start, before = time.perf_counter(), subject.spent
+        start, before = time.perf_counter(), subject.spent + confirmations.spent
         with _alone():
             told = partial(_tell, on_method, subject, name)
-            settled[name] = evidence = CLAIMS[name].examine(subject, settled, partial(confirmations.confirm, name), told)
-            if evidence.verdict is Verdict.PROVED:
-                told("kernel")
+            settled[name] = evidence = CLAIMS[name].examine(subject, settled, confirmations, told)
             standing = confirmations.of(name, evidence, CLAIMS[name].needs)
             doubted = standing is not None and standing.trust is not Trust.CHECKED
             if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:
                 settled[name] = evidence = against
                 standing = None
                 confirmations.withdraw(name)
+            if whole is not None and (proof := _of_the_whole(name, evidence, standing, whole, effort)) is not None:
+                evidence = settled[name] = confirmations.of_a_part(name, proof, whole)
+                standing = confirmations.of(name, evidence, CLAIMS[name].needs)
         seconds = time.perf_counter() - start
         found = ClaimResult(
             name,
@@ -201,12 +205,24 @@ def _examined(
             evidence.witness,
             None if standing is None else standing.trust,
             None if standing is None else standing.proof,
-            subject.spent - before,
+            subject.spent + confirmations.spent - before,
         )
-        results[name in wanted].append(found)
+        results.append(found)
         if name in wanted and on_claim is not None:
             on_claim(found)
-    return _Examined(subject, settled, wanted, tuple(results[True]), tuple(results[False]))
+    used = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.rests_on(name)})
+    asked, others = (tuple(r for r in results if (r.claim in wanted) is own and r.claim in used) for own in (True, False))
+    return _Examined(subject, settled, wanted, asked, others)
+
+
+def _of_the_whole(name: str, evidence: Evidence, standing: Standing | None, whole: Law, effort: str) -> ClaimResult | None:
+    """A claim of the whole law where that is proved with more trust than the part; None where it is not, or need not be asked."""
+    best = None if standing is None else standing.trust
+    if evidence.verdict is Verdict.REFUTED or evidence.method == CONTRADICTION or best is Trust.CHECKED:
+        return None
+    (found,) = claim_results(whole, (name,), effort)
+    better = found.trust is not None and (best is None or Trust.weakest(found.trust, best) is not found.trust)
+    return found if better else None
 
 
 def _tell(on_method: Callable[[str, str, Budget], None] | None, subject: Subject, claim: str, method: str) -> None:
@@ -245,12 +261,13 @@ def wanted_claims(claims: Iterable[str] | None) -> tuple[str, ...]:
     return names
 
 
-def _with_needs(wanted: tuple[str, ...]) -> set[str]:
-    needed: set[str] = set()
+def _closed(wanted: tuple[str, ...], needs: Callable[[str], Iterable[str]]) -> set[str]:
+    """The claims, those that they need, those that these need, and so on."""
+    found: set[str] = set()
     queue = list(wanted)
     while queue:
         name = queue.pop()
-        if name not in needed:
-            needed.add(name)
-            queue.extend(CLAIMS[name].needs)
-    return needed
+        if name not in found:
+            found.add(name)
+            queue.extend(needs(name))
+    return found

@@ -12,6 +12,7 @@ from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence
 from tests.campaigns.false_proofs.trap import Trap
+from tests.oracles.prover.table import PROVERS
 
 __all__ = ["false_proofs_alone", "proofs_alone", "provers"]
 
@@ -19,11 +20,17 @@ _REFUTERS = ("chords", "corners", "sampling")  # modules of methods that prove n
 
 
 def provers(claim: str) -> tuple[ProofMethod[FormulaSubject] | Consequence[FormulaSubject], ...]:
-    """The methods that may prove a claim of a law given by a formula."""
-    return tuple(
-        m
-        for m in CLAIMS[claim].methods
-        if m.takes is FormulaSubject and m.run.__module__.rpartition(".")[2] not in _REFUTERS and "refuted" not in m.run.__name__
+    """The methods that may prove a claim of a law given by a formula without the kernel, those that give a second opinion first."""
+    return (
+        *(ProofMethod(FormulaSubject, run) for run in PROVERS.get(claim, ())),
+        *(
+            m
+            for m in CLAIMS[claim].methods
+            if isinstance(m, ProofMethod | Consequence)
+            and m.takes is FormulaSubject
+            and m.run.__module__.rpartition(".")[2] not in _REFUTERS
+            and "refuted" not in m.run.__name__
+        ),
     )
 
 

@@ -16,9 +16,9 @@ from duhem.proof.decide.question import Answer, Question, Sense
 from duhem.proof.decide.radicals import sign_of_radicals
 from duhem.proof.decide.rays import _alike, _opposite, _read, _Side, between_rays
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.polar_form import polar_form
-from duhem.proof.methods import polar
 from duhem.proof.verdict import Verdict
+from tests.oracles.prover import polar
+from tests.oracles.prover.polar_form import polar_form
 
 x, y = sp.symbols("x y", real=True)
 root, tiny = sp.sqrt, sp.Rational(1, 10**80)

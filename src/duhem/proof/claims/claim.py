@@ -2,18 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from duhem.proof.facts.subject import Subject
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
-__all__ = ["Claim", "Consequence", "ProofMethod", "words"]
+__all__ = ["CHEAP", "DEAR", "Claim", "Consequence", "Finder", "Kernel", "ProofMethod", "Rules", "words"]
 
 S = TypeVar("S", bound=Subject)
 Settled = Mapping[str, Evidence]  # claims decided before, by name
+
+
+class Kernel(Protocol):
+    """Who decides what is proved, by rules of its own."""
+
+    def proof(self, claim: str, steps: int) -> Evidence | None:
+        """The first of its rules that proves the claim without evidence, each within so many steps; None where none does."""
+
+    def confirms(self, claim: str, evidence: Evidence) -> bool:
+        """Whether it accepts a proof of the claim."""
+
+
+class _Nobody:
+    """A kernel without rules, for who asks a claim's methods alone."""
+
+    def proof(self, claim: str, steps: int) -> None:
+        return None
+
+    def confirms(self, claim: str, evidence: Evidence) -> bool:
+        return False
+
+
+NOBODY = _Nobody()
+
+
+@dataclass(frozen=True)
+class Rules:
+    """The kernel's rules that need no evidence, as a method of proof of either kind of law; each may cost so many ``steps``."""
+
+    steps: int
+    takes: type[Any] = Subject
 
 
 @dataclass(frozen=True)
@@ -23,10 +54,6 @@ class ProofMethod(Generic[S]):
     takes: type[S]
     run: Callable[[S], Evidence | None]
 
-    def answer(self, subject: Subject, settled: Settled) -> Evidence | None:
-        """What the method says of the law, whatever was settled before."""
-        return self.run(subject) if isinstance(subject, self.takes) else None
-
 
 @dataclass(frozen=True)
 class Consequence(Generic[S]):
@@ -35,13 +62,23 @@ class Consequence(Generic[S]):
     takes: type[S]
     run: Callable[[S, Settled], Evidence | None]
 
-    def answer(self, subject: Subject, settled: Settled) -> Evidence | None:
-        """What follows for the law from what was settled before."""
-        return self.run(subject, settled) if isinstance(subject, self.takes) else None
+
+@dataclass(frozen=True)
+class Finder(Generic[S]):
+    """A method that finds evidence and decides nothing: the first of its proofs that the kernel confirms counts, and no other."""
+
+    takes: type[S]
+    run: Callable[[S], Iterable[Evidence]]
 
 
-def words(method: ProofMethod[Any] | Consequence[Any], claim: str) -> str:
+Method = Rules | ProofMethod[Any] | Consequence[Any] | Finder[Any]
+CHEAP, DEAR = Rules(500_000), Rules(10_000_000)
+
+
+def words(method: Method, claim: str) -> str:
     """What a method is called while it is tried for the claim: its place in the code, in words."""
+    if isinstance(method, Rules):
+        return "kernel"
     function: Any = method.run.func if isinstance(method.run, partial) else method.run
     own, part = function.__module__.rpartition(".")[2], function.__name__.removeprefix(claim)
     return " ".join(f"{own} {part}".removeprefix(claim).replace("_", " ").split()) or claim.replace("_", " ")
@@ -58,7 +95,7 @@ class Claim:
     name: str
     statement: str
     theory: str
-    methods: tuple[ProofMethod[Any] | Consequence[Any], ...]
+    methods: tuple[Method, ...]
     needs: tuple[str, ...] = ()
     steps: int = 16_000_000
     refuters: tuple[ProofMethod[Any], ...] = ()
@@ -67,33 +104,41 @@ class Claim:
         self,
         subject: Subject,
         settled: Settled,
-        confirmed: Callable[[Evidence], bool] = lambda _: False,
+        kernel: Kernel = NOBODY,
         on_method: Callable[[str], None] = lambda _: None,
     ) -> Evidence:
         """The first answer, or ``undecided`` when every method passed.
 
-        Of a law that may be undefined somewhere only a proof that is ``confirmed`` counts: who confirms it looks at what it needs.
+        Of a law that may be undefined somewhere only a proof that the ``kernel`` confirms counts: it asks itself what its rule needs.
         ``on_method`` is told of each method for this kind of law before it tries.
         """
         subject.allow(self.steps)
         for method in self.methods:
-            if isinstance(subject, method.takes):
-                on_method(words(method, self.name))
-            found = method.answer(subject, settled)
-            if found is not None and self._counts(found, subject, confirmed):
+            if not isinstance(subject, method.takes):
+                continue
+            on_method(words(method, self.name))
+            match method:
+                case Rules():
+                    found = kernel.proof(self.name, method.steps)
+                case Finder():
+                    found = next((proof for proof in method.run(subject) if kernel.confirms(self.name, proof)), None)
+                case _:
+                    found = method.run(subject, settled) if isinstance(method, Consequence) else method.run(subject)
+                    found = found if found is not None and self._counts(found, subject, kernel) else None
+            if found is not None:
                 return found
         return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its budget of steps")
 
-    def _counts(self, found: Evidence, subject: Subject, confirmed: Callable[[Evidence], bool]) -> bool:
+    def _counts(self, found: Evidence, subject: Subject, kernel: Kernel) -> bool:
         if found.witness is not None:
             return subject.may_refute(self.name, found.witness.points.values())
-        return found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or confirmed(found)
+        return found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or kernel.confirms(self.name, found)
 
     def contradiction(self, subject: Subject, settled: Settled) -> Evidence | None:
         """What is left of a proof that a refuter disagrees with: one of the two is wrong, and who reads it is told so."""
         subject.allow(self.steps)
         for method in self.refuters:
-            found = method.answer(subject, settled)
+            found = method.run(subject) if isinstance(subject, method.takes) else None
             if found is not None and found.witness is not None and subject.may_refute(self.name, found.witness.points.values()):
                 where = {**found.witness.parameters, **{role: dict(point) for role, point in found.witness.points.items()}}
                 detail = (

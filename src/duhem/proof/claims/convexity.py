@@ -1,9 +1,9 @@
 """K convex."""
 
-from duhem.proof.claims.claim import Claim, ProofMethod
+from duhem.proof.claims.claim import CHEAP, DEAR, Claim, Finder, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import chords, composition, convex_sums, curve_refutation, curve_signs, implicit, polar, polyhedral, sampling
+from duhem.proof.methods import chords, convex_sums, curve_refutation, curve_signs, implicit, sampling
 
 CLAIM = Claim(
     name="convexity",
@@ -22,16 +22,15 @@ Refuted only by two points of K whose midpoint is outside, in exact arithmetic.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
 boundary points that the curve does not wind around.""",
     methods=(
-        ProofMethod(FormulaSubject, composition.convexity),
+        CHEAP,
         ProofMethod(FormulaSubject, chords.convexity_at_clear_dents),
-        ProofMethod(FormulaSubject, convex_sums.convexity),
+        Finder(FormulaSubject, convex_sums.convexity),
         ProofMethod(FormulaSubject, chords.convexity_at_deepest_dents),
         ProofMethod(FormulaSubject, chords.convexity_at_far_points),
         ProofMethod(FormulaSubject, chords.convexity_by_scouting),
         ProofMethod(FormulaSubject, chords.convexity_between_exact_rays),
         ProofMethod(FormulaSubject, chords.convexity_beside_edges),
-        ProofMethod(FormulaSubject, polyhedral.convexity),
-        ProofMethod(FormulaSubject, polar.convexity),
+        DEAR,
         ProofMethod(FormulaSubject, chords.convexity_at_dents),
         ProofMethod(FormulaSubject, chords.convexity_at_seams),
         ProofMethod(FormulaSubject, implicit.convexity),

@@ -1,21 +1,11 @@
 """Dissipation never negative."""
 
-from collections.abc import Mapping
 from functools import partial
 
-from duhem.proof.claims.claim import Claim, Consequence, ProofMethod
+from duhem.proof.claims.claim import CHEAP, DEAR, Claim, Finder, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import curve_refutation, curve_signs, degrees, flow, implicit, polar, power_share, sampling
-from duhem.proof.verdict import Evidence, Verdict
-
-
-def by_normality(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
-    """0 in K and a flow in the normal cone: d . (0 - sigma) <= 0."""
-    if all(settled[name].verdict is Verdict.PROVED for name in ("origin", "normality")):
-        return Evidence(Verdict.PROVED, "fenchel", "0 is in K and the flow d is in the normal cone at sigma, so d . (0 - sigma) <= 0")
-    return None
-
+from duhem.proof.methods import curve_refutation, curve_signs, flow, implicit, sampling, shares
 
 CLAIM = Claim(
     name="dissipation",
@@ -30,12 +20,11 @@ Of several surfaces each flow is asked wherever its surface is 0 in K; then ever
 Refuted by a boundary point, held between two rational ones, where force . flow < 0 over the whole box.
 For a boundary curve T with flow d it is the sign of T . d all around, in balls or by sign rules for all parameters.""",
     methods=(
-        Consequence(FormulaSubject, by_normality),
-        ProofMethod(FormulaSubject, degrees.dissipation),
-        ProofMethod(FormulaSubject, degrees.dissipation_of_potential),
-        ProofMethod(FormulaSubject, power_share.dissipation),
-        ProofMethod(FormulaSubject, polar.dissipation),
+        CHEAP,
+        Finder(FormulaSubject, shares.dissipation_of_potential),
+        Finder(FormulaSubject, shares.dissipation),
         ProofMethod(FormulaSubject, flow.dissipation_refuted),
+        DEAR,
         ProofMethod(FormulaSubject, implicit.dissipation),
         ProofMethod(FormulaSubject, sampling.dissipation),
         ProofMethod(CurveSubject, curve_signs.dissipation),

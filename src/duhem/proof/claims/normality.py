@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from functools import partial
 
-from duhem.proof.claims.claim import Claim, Consequence, ProofMethod
+from duhem.proof.claims.claim import CHEAP, Claim, Consequence, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import curve_deviation, curve_refutation, curve_signs, flow, sampling
@@ -13,10 +13,8 @@ _NO_POINT = "a chord leaves K, so K is not convex; no boundary point is confirme
 
 
 def by_convexity(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
-    """Associated flow: normal exactly when K is convex; a flow of the law's own on a convex K is compared with grad g."""
+    """An associated flow is not normal where a chord leaves K; a flow of the law's own on a convex K is compared with grad g."""
     convexity = settled["convexity"]
-    if subject.problem.associated and convexity.verdict is Verdict.PROVED:
-        return Evidence(Verdict.PROVED, "normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex")
     if subject.problem.associated and convexity.witness is not None:
         return flow.normality_refuted_by_chord(subject, convexity.witness) or Evidence(Verdict.UNDECIDED, "witness-chord", _NO_POINT)
     return flow.normality(subject) if convexity.verdict is Verdict.PROVED else None
@@ -37,6 +35,7 @@ Refuted by a boundary point, held between two rational ones, and a point tau of 
 For a boundary curve the deviation between flow and normal is greatest at an angle found by branch and bound in balls; two
 boundary points at exact angles show the violation.""",
     methods=(
+        CHEAP,
         Consequence(FormulaSubject, by_convexity),
         ProofMethod(FormulaSubject, flow.normality_refuted),
         ProofMethod(FormulaSubject, sampling.normality),

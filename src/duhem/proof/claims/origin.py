@@ -1,9 +1,9 @@
 """0 in K."""
 
-from duhem.proof.claims.claim import Claim, ProofMethod
+from duhem.proof.claims.claim import CHEAP, DEAR, Claim, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import curve_refutation, curve_signs, evaluation, polar
+from duhem.proof.methods import curve_refutation, curve_signs, evaluation
 
 CLAIM = Claim(
     name="origin",
@@ -16,9 +16,9 @@ taken by closure when its set is star-shaped about 0; else the claim stays open,
 For a law given by a boundary curve T, K holds the points the curve winds around: the turns of T around 0 are counted in
 balls, or T . d > 0, so that T turns as often as the flow d does.""",
     methods=(
-        ProofMethod(FormulaSubject, evaluation.origin),
-        ProofMethod(FormulaSubject, polar.origin),
+        CHEAP,
         ProofMethod(FormulaSubject, evaluation.origin_refuted),
+        DEAR,
         ProofMethod(FormulaSubject, evaluation.origin_undefined),
         ProofMethod(CurveSubject, curve_signs.origin),
         ProofMethod(CurveSubject, curve_refutation.origin),

@@ -1,9 +1,9 @@
 """Boundary C^1."""
 
-from duhem.proof.claims.claim import Claim, ProofMethod
+from duhem.proof.claims.claim import CHEAP, DEAR, Claim, Finder, ProofMethod
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import composition, corners, curve_signs, implicit, polar, rounded
+from duhem.proof.methods import convex_sums, corners, curve_signs, implicit
 
 CLAIM = Claim(
     name="smoothness",
@@ -17,11 +17,11 @@ Refuted by a corner held in a box, with two normals that are provably not parall
 about two opposite directions leave K.
 A boundary curve is C^1 where it is simple (convex, or T x T' > 0), analytic in its angle and T' is never 0.""",
     methods=(
-        ProofMethod(FormulaSubject, composition.smoothness),
-        ProofMethod(FormulaSubject, rounded.smoothness),
-        ProofMethod(FormulaSubject, polar.smoothness),
+        CHEAP,
+        Finder(FormulaSubject, convex_sums.smoothness),
         ProofMethod(FormulaSubject, corners.smoothness_at_sharp_points),
         ProofMethod(FormulaSubject, corners.smoothness),
+        DEAR,
         ProofMethod(FormulaSubject, implicit.smoothness),
         ProofMethod(CurveSubject, curve_signs.smoothness),
     ),

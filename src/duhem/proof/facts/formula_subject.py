@@ -21,7 +21,6 @@ from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Question, Sense
 from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
-from duhem.proof.facts.section import Meaning, meaning_of
 from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.obligations import Obligation, obligations
 from duhem.proof.statement.problem import Face, Problem, state
@@ -99,11 +98,6 @@ class FormulaSubject(Subject):
         return star_form(self.simple)
 
     @cached_property
-    def meaning(self) -> Meaning | None:
-        """What tensor the forces of the simple problem are, if J2 of one stands in it."""
-        return meaning_of(self.simple.g, self.law.force_symbols(), self.simple.forces)
-
-    @cached_property
     def support(self) -> SupportFunction | None:
         """The support function of K in closed form, if there is one; what it requires is not decided."""
         return support_function(self.law)
@@ -149,13 +143,6 @@ class FormulaSubject(Subject):
         if not all(met_at_zero(self, self.problem, o) for o in obligations(self.problem.stated)):
             return None
         return defined_at(self.simple.g, dict.fromkeys(self.simple.forces, sp.S.Zero))
-
-    @cached_property
-    def limit_at_origin(self) -> sp.Expr | None:
-        """g at zero force, by continuity where it is undefined there: functions of J2 and J3 are 0."""
-        if self.at_origin is not None or self.meaning is None:
-            return self.at_origin
-        return defined_at(self.meaning.emptied(self.simple.g), dict.fromkeys(self.simple.forces, sp.S.Zero))
 
     def joined(self, *exprs: sp.Expr, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> bool:
         """Whether the expressions never jump: built in without ``where``, else shown for every two branches where they meet."""
@@ -260,15 +247,6 @@ class FormulaSubject(Subject):
     def asked(self, expr: sp.Expr, *given: sp.Basic, strict: bool = False) -> bool:
         """Whether an expression is >= 0, or > 0, where the relations hold (False also when undecided)."""
         return self.ask(expr, Sense.POSITIVE if strict else Sense.NONNEGATIVE, *given).holds is True
-
-    def positive_off_axis(self, expr: sp.Expr) -> bool:
-        """Whether an expression is a function of J2 and J3 that is > 0 where J2 is."""
-        section = None if self.meaning is None else self.meaning.read(expr)
-        return section is not None and section.positive(self.asked)
-
-    def on_axis(self, expr: sp.Expr, tip: sp.Expr) -> sp.Expr | None:
-        """An expression, by continuity, where ``tip`` is 0, if that is where J2 = 0 alone."""
-        return self.meaning.emptied(expr) if self.meaning is not None and self.positive_off_axis(tip) else None
 
     def nonnegative(self, constant: sp.Expr) -> bool:
         """Whether an expression in the parameters is >= 0 on the whole domain (False also when undecided)."""

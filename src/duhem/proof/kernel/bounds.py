@@ -50,6 +50,12 @@ class Bounds(NamedTuple):
         beyond_low = self.low is None or x > self.low or (x == self.low and not self.open)
         return beyond_low and (self.high is None or x < self.high or (x == self.high and not self.open_high))
 
+    def covers(self, other: Bounds) -> bool:
+        """Whether all of another lies in it."""
+        return other == (other if self.low is None else other.above(self.low, self.open)) and other == (
+            other if self.high is None else other.below(self.high, self.open_high)
+        )
+
     def above(self, end: Fraction, left_out: bool) -> Bounds:
         """What of it is >= ``end``, or > it."""
         return self if self.low is not None and (self.low, self.open) >= (end, left_out) else self._replace(low=end, open=left_out)

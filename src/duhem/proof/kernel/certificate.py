@@ -10,18 +10,19 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.domain import StatedLaw, as_object, exact, inhabited, without_more
+from duhem.proof.kernel.domain import Bounds, StatedLaw, as_object, exact, inhabited, without_more
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
-__all__ = ["CLAIMS", "EVIDENCE", "NO_RULE", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
+__all__ = ["CLAIMS", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
 
 SCHEMA = "duhem certificate 2"
 NO_RULE = "the certificate offers no rule for it"
+OVER = "over"  # the word of evidence for wider domains of parameters
 CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "duality", "state_laws")
 VERDICTS = ("proved", "refuted", "tested", "undecided", "not_applicable")
 TRUSTS = ("checked", "solver", "prover")  # of a proof; the last two name no rule
 EVIDENCE = (
-    "across", "along", "convex sums", "directions", "flat", "inside", "inward", "outward", "potential", "rest", "share", "slips",
+    "across", "along", "convex sums", "directions", "flat", "inside", "inward", "outward", "over", "potential", "rest", "share", "slips",
 )  # fmt: skip
 
 
@@ -75,9 +76,25 @@ def digest(document: Mapping[str, Any]) -> str:
     return sha256(json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True).encode()).hexdigest()
 
 
-def stated(law: Mapping[str, Any]) -> StatedLaw | StatedCurve:
-    """The ``law`` of a certificate: by a formula, or by a boundary curve."""
+def stated(law: Mapping[str, Any], over: Mapping[str, Any] | None = None) -> StatedLaw | StatedCurve:
+    """The ``law`` of a certificate: by a formula, or by a boundary curve.
+
+    ``over`` has wider domains of some of its parameters: what holds over these holds over its own.  NotWritten where one is not wider.
+    """
+    if over:
+        own = law["parameters"]
+        if not set(over) <= set(own) or not all(Bounds.read(domain).covers(Bounds.read(own[name])) for name, domain in over.items()):
+            raise NotWritten("a proof is for parameters that are not all of the law's")
+        law = {**law, "parameters": {**own, **over}}
     return StatedCurve.read(law) if "boundary" in law else StatedLaw.read(law)
+
+
+def _objection(row: _Claim, rule: str, settled: frozenset[str], law: Mapping[str, Any]) -> str:
+    try:
+        whole = stated(law, row.evidence.get(OVER))
+    except UNREADABLE as fault:
+        return f"its evidence cannot be read: {in_words(fault)}"
+    return objection(row.claim, rule, settled, whole, row.evidence)
 
 
 def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
@@ -103,7 +120,7 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
     for row in sorted(said, key=lambda row: CLAIMS.index(row.claim)):
         reason = "only proofs are checked"
         if row.verdict == "proved":
-            reason = NO_RULE if row.rule is None else objection(row.claim, row.rule, frozenset(settled), law, row.evidence)
+            reason = NO_RULE if row.rule is None else _objection(row, row.rule, frozenset(settled), document["law"])
         if not reason:
             settled.add(row.claim)
         rows.append(Rechecked(row.claim, row.verdict, row.trust, not reason, reason))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 from duhem.proof.kernel import obligations
 from duhem.proof.kernel.boundary import curves_inward, falls_from_zero, flows_along_normals, flows_outward, rises_outward, with_convex_sums
@@ -28,24 +28,40 @@ from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
 
-__all__ = ["RULES", "objection", "rules_of"]
+__all__ = ["CURVE_RULES", "RULES", "RuleRow", "needs_of", "objection", "row_of", "rules_of"]
 
 Evidence = Mapping[str, Any]
-Rule = Callable[[StatedLaw, Evidence], bool]
-Reads = Callable[[StatedLaw], str]
+
+
+class RuleRow(NamedTuple):
+    """A rule: the claims that are ``needed`` before it, what it checks, the parts of the law that it ``reads``, which are shown to have a
+    value before, and the argument as a sentence with its source.
+
+    One that shows nothing without evidence works ``by_evidence``; some say nothing of a law of more than ``most_forces``.
+    """
+
+    needed: frozenset[str]
+    check: Callable[..., bool]
+    reads: Callable[[StatedLaw], str]
+    sentence: str
+    by_evidence: bool = False
+    most_forces: int = 1_000
+
+
 _MOST_CASES = 4  # choices one after another
 
 
 def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
     """Why ``rule`` does not prove ``claim`` for ``law``, where the claims ``settled`` are confirmed for it already; "" if it does."""
-    if rule not in rules_of(claim, law):
+    rules = _rules(law)
+    if (claim, rule) not in rules:
         return f"no rule {rule!r} for this claim"
-    needed, check = (RULES[claim, rule] if isinstance(law, StatedLaw) else CURVE_RULES[claim, rule])[:2]
+    needed, check, reads = rules[claim, rule][:3]
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
     try:
         if isinstance(law, StatedLaw):
-            undecided = law.once(obligations.constraints) or law.once(RULES[claim, rule][2])
+            undecided = law.once(obligations.constraints) or law.once(reads)
         else:
             undecided = obligations.constraints(law)
     except UNREADABLE as fault:
@@ -86,8 +102,23 @@ def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCur
 
 
 def rules_of(claim: str, law: StatedLaw | StatedCurve) -> tuple[str, ...]:
-    """The rules that may prove a claim of such a law, in order."""
-    return tuple(rule for name, rule in (RULES if isinstance(law, StatedLaw) else CURVE_RULES) if name == claim)
+    """The rules that may prove a claim of such a law without evidence, in order."""
+    rows = ((rule, row) for (name, rule), row in _rules(law).items() if name == claim)
+    return tuple(rule for rule, row in rows if not row.by_evidence and len(law.forces) <= row.most_forces)
+
+
+def needs_of(claim: str, law: StatedLaw | StatedCurve) -> frozenset[str]:
+    """The claims that a rule for a claim of such a law may rest on."""
+    return frozenset().union(*(row.needed for (name, _), row in _rules(law).items() if name == claim))
+
+
+def row_of(claim: str, rule: str, law: StatedLaw | StatedCurve) -> RuleRow | None:
+    """What is said of a rule; None where there is none of that name."""
+    return _rules(law).get((claim, rule))
+
+
+def _rules(law: StatedLaw | StatedCurve) -> Mapping[tuple[str, str], RuleRow]:
+    return RULES if isinstance(law, StatedLaw) else CURVE_RULES
 
 
 def _over(law: StatedLaw, evidence: Evidence) -> StatedDomain:
@@ -262,39 +293,122 @@ def quadratic_energy(law: StatedLaw | StatedCurve, _: Evidence) -> bool:
     return energy == domain.polynomial(product_of(half, sum_of(*(product_of(r, r) for r in rows))))
 
 
+_MOREAU = "the law is associated: its flow is the normal cone of K, and K is convex (Moreau 1970)"
+_SQUARES = "sigma = k (u - u_in) = dpsi/du = -dpsi/du_in; psi = |L^T (u - u_in)|^2/2 with k = L L^T is a sum of squares"
+_PLANE = 3  # forces: two, or three of which adding the same to all changes nothing
 _NONE: frozenset[str] = frozenset()
 _ORIGIN = frozenset({"origin"})
-RULES: Mapping[tuple[str, str], tuple[frozenset[str], Rule, Reads]] = {  # the claims it rests on, itself, what it reads
-    ("origin", "evaluation"): (_NONE, origin, obligations.formula_at_zero),
-    ("origin", "polar-form"): (_NONE, star_shaped, obligations.numbers_in_formula),
-    ("convexity", "composition"): (_NONE, convexity, obligations.formula_where_loads_allow),
-    ("convexity", "polyhedral"): (_NONE, polyhedral, obligations.formula),
-    ("convexity", "polar-curvature"): (_ORIGIN, convex_gauge, obligations.numbers_in_formula),
-    ("convexity", "fan"): (_ORIGIN, convex_fan, obligations.formula),
-    ("convexity", "implicit-curvature"): (_NONE, curved, obligations.formula),
-    ("smoothness", "composition"): (_NONE, smoothness, obligations.formula_where_loads_allow),
-    ("smoothness", "polar-seams"): (_ORIGIN, smooth_gauge, obligations.numbers_in_formula),
-    ("smoothness", "fan"): (_ORIGIN, smooth_fan, obligations.formula),
-    ("smoothness", "euler"): (_NONE, regular_along_rays, obligations.formula_but_at_tips),
-    ("smoothness", "regular-value"): (_NONE, regular, obligations.formula),
-    ("smoothness", "one-dimensional"): (frozenset({"convexity"}), one_force, obligations.formula),
-    ("normality", "normality-rule"): (frozenset({"convexity"}), associated, obligations.nothing),
-    ("normality", "parallel"): (frozenset({"convexity"}), parallel, obligations.formula_and_flow),
-    ("dissipation", "fenchel"): (frozenset({"origin", "normality"}), fenchel, obligations.flow),
-    ("dissipation", "euler"): (_ORIGIN, euler, obligations.numbers_in_formula),
-    ("dissipation", "homogeneity"): (_NONE, homogeneity, obligations.formula_but_at_tips),
-    ("dissipation", "potential"): (_NONE, potential, obligations.formula_and_potential),
-    ("dissipation", "boundary-power"): (_NONE, power, obligations.formula_and_flow),
-    ("dissipation", "power-share"): (_NONE, power_share, obligations.formula),
-    ("duality", "polar-gauge"): (_NONE, polar_gauge, obligations.formula),
-    ("state_laws", "symbolic"): (_NONE, quadratic_energy, obligations.nothing),
-}
-CURVE_RULES: Mapping[tuple[str, str], tuple[frozenset[str], Callable[[StatedCurve, Evidence], bool]]] = {
-    ("origin", "winding"): (_NONE, lambda curve, _: curve.around_zero()),
-    ("convexity", "turning-tangent"): (_NONE, lambda curve, _: curve.convex()),
-    ("smoothness", "convex-curve"): (frozenset({"convexity"}), lambda curve, _: True),  # T' x T'' > 0, so that T' is never 0
-    ("smoothness", "regular-curve"): (_NONE, lambda curve, _: curve.convex() or curve.star_shaped()),
-    ("normality", "normality-rule"): (frozenset({"convexity"}), lambda curve, _: curve.flow is None),
-    ("dissipation", "power"): (_NONE, lambda curve, _: curve.powered() if curve.flow else curve.star_shaped()),
-    ("state_laws", "symbolic"): (_NONE, quadratic_energy),
-}
+_CONVEXITY = frozenset({"convexity"})
+RULES: Mapping[tuple[str, str], RuleRow] = {
+    ("origin", "evaluation"): RuleRow(_NONE, origin, obligations.formula_at_zero, "g(0) <= 0 for every pressure and all parameters"),
+    ("origin", "polar-form"): RuleRow(
+        _NONE, star_shaped, obligations.numbers_in_formula,
+        "K is star-shaped about 0 (closure at 0 where the formula is 0/0)", most_forces=_PLANE,
+    ),
+    ("convexity", "composition"): RuleRow(
+        _NONE, convexity, obligations.formula_where_loads_allow,
+        "g is quasiconvex by the rules of composition (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)",
+    ),
+    ("convexity", "polyhedral"): RuleRow(
+        _NONE, polyhedral, obligations.formula,
+        "g is piecewise affine, and the union of the polyhedra on which g <= 0 is one (Bemporad, Fukuda, Torrisi "
+        "2001)",
+    ),
+    ("convexity", "polar-curvature"): RuleRow(
+        _ORIGIN, convex_gauge, obligations.numbers_in_formula,
+        "the boundary r = 1/gamma(theta) bends inwards nowhere: gamma'' + gamma >= 0 on every arc, and gamma' never "
+        "jumps down where two meet (Schneider 2014, section 1.7)", most_forces=_PLANE,
+    ),
+    ("convexity", "fan"): RuleRow(
+        _ORIGIN, convex_fan, obligations.formula,
+        "K = {f <= c} with f of degree 1: f is convex in each cone of a fan, and its slope never falls across a ray", most_forces=_PLANE,
+    ),
+    ("convexity", "implicit-curvature"): RuleRow(
+        _NONE, curved, obligations.formula,
+        "K is star-shaped about 0 and its boundary curves inward everywhere (Tietze 1928, Nakajima 1928)", True,
+    ),
+    ("smoothness", "composition"): RuleRow(
+        _NONE, smoothness, obligations.formula_where_loads_allow,
+        "g is C^1 wherever g = 0, and grad g != 0 there because g is convex and somewhere negative; or K is convex, "
+        "and round where its loads end (Rockafellar 1970, theorem 25.5)",
+    ),
+    ("smoothness", "polar-seams"): RuleRow(
+        _ORIGIN, smooth_gauge, obligations.numbers_in_formula,
+        "gamma > 0 is smooth on each arc, and gamma' is equal on both sides of each seam", most_forces=_PLANE,
+    ),
+    ("smoothness", "fan"): RuleRow(
+        _ORIGIN, smooth_fan, obligations.formula,
+        "the boundary is {f = c} with f of degree 1: f is smooth in each cone of a fan, and its gradient goes over "
+        "continuously from each to the next", most_forces=_PLANE,
+    ),
+    ("smoothness", "euler"): RuleRow(
+        _NONE, regular_along_rays, obligations.formula_but_at_tips,
+        "g is C^1 wherever g = 0, and sigma . grad g > 0 there by Euler's relation, so that grad g != 0",
+    ),
+    ("smoothness", "regular-value"): RuleRow(
+        _NONE, regular, obligations.formula,
+        "g is C^1 wherever g = 0, and sigma . grad g > 0 there, so that grad g != 0", True,
+    ),
+    ("smoothness", "one-dimensional"): RuleRow(
+        _CONVEXITY, one_force, obligations.formula,
+        "K is an interval with an inside: at each of its ends the normal is +1 or -1", most_forces=1,
+    ),
+    ("normality", "normality-rule"): RuleRow(_CONVEXITY, associated, obligations.nothing, _MOREAU),
+    ("normality", "parallel"): RuleRow(
+        _CONVEXITY, parallel, obligations.formula_and_flow,
+        "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex", True,
+    ),
+    ("dissipation", "fenchel"): RuleRow(
+        _ORIGIN | {"normality"}, fenchel, obligations.flow,
+        "0 is in K and the flow d is in the normal cone at sigma, so d . (0 - sigma) <= 0",
+    ),
+    ("dissipation", "euler"): RuleRow(
+        _ORIGIN, euler, obligations.numbers_in_formula,
+        "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary "
+        "(Euler)", most_forces=_PLANE,
+    ),
+    ("dissipation", "homogeneity"): RuleRow(
+        _NONE, homogeneity, obligations.formula_but_at_tips,
+        "the degrees of the parts of g in the forces show that sigma . grad g > 0 wherever g = 0, or that K is a cone "
+        "and sigma . grad g = 0 (Euler)",
+    ),
+    ("dissipation", "potential"): RuleRow(
+        _NONE, potential, obligations.formula_and_potential,
+        "the degrees of the parts of the potential in the forces show that force . flow >= 0 wherever g = 0 (Euler)", True,
+    ),
+    ("dissipation", "boundary-power"): RuleRow(_NONE, power, obligations.formula_and_flow, "force . flow >= 0 wherever g = 0"),
+    ("dissipation", "power-share"): RuleRow(
+        _NONE, power_share, obligations.formula,
+        "force . flow is a constant times g and something >= 0, so it is >= 0 wherever g = 0; at an apex so are the "
+        "flow's limits (Koiter 1953)", True,
+    ),
+    ("duality", "polar-gauge"): RuleRow(
+        _NONE, polar_gauge, obligations.formula,
+        "Phi is the support function of K by the rules of the polar gauge (Rockafellar 1970, sections 13 to 15)", True,
+    ),
+    ("state_laws", "symbolic"): RuleRow(_NONE, quadratic_energy, obligations.nothing, _SQUARES),
+}  # fmt: skip
+CURVE_RULES: Mapping[tuple[str, str], RuleRow] = {
+    ("origin", "winding"): RuleRow(
+        _NONE, lambda curve, _: curve.around_zero(), obligations.nothing,
+        "the curve never meets 0 and winds around it",
+    ),
+    ("convexity", "turning-tangent"): RuleRow(
+        _NONE, lambda curve, _: curve.convex(), obligations.nothing,
+        "T' x T'' > 0 at every angle and the tangent turns once (do Carmo 1976, section 5-7)",
+    ),
+    ("smoothness", "convex-curve"): RuleRow(
+        _CONVEXITY, lambda curve, _: True, obligations.nothing,
+        "T' x T'' > 0 at every angle, so that T' is never 0, and the curve is simple",
+    ),
+    ("smoothness", "regular-curve"): RuleRow(
+        _NONE, lambda curve, _: curve.convex() or curve.star_shaped(), obligations.nothing,
+        "the curve is simple, and T' is never 0 (do Carmo 1976, section 5-7)",
+    ),
+    ("normality", "normality-rule"): RuleRow(_CONVEXITY, lambda curve, _: curve.flow is None, obligations.nothing, _MOREAU),
+    ("dissipation", "power"): RuleRow(
+        _NONE, lambda curve, _: curve.powered() if curve.flow else curve.star_shaped(), obligations.nothing,
+        "T . d > 0 at every angle, so force . flow > 0",
+    ),
+    ("state_laws", "symbolic"): RuleRow(_NONE, quadratic_energy, obligations.nothing, _SQUARES),
+}  # fmt: skip

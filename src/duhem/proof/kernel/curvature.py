@@ -21,11 +21,13 @@ from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.shape import Facts
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import Term, factors, minus, number
 
 __all__ = ["Facts", "facts", "over"]
 
 _HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
+_PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
 _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
 
@@ -37,6 +39,7 @@ def over(law: StatedLaw) -> StatedDomain:
 def facts(term: Term, domain: StatedDomain) -> Facts:
     """What is shown of ``term`` over ``domain``."""
     if term not in domain.shown:
+        pay(_PRICE)
         known, plain = _facts(term, domain), domain.plain(term)
         if plain is not term:  # its value is simpler; what must be defined is what was written
             known = replace(facts(plain, domain), defined=known.defined)

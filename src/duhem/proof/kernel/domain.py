@@ -17,6 +17,7 @@ from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sig
 from duhem.proof.kernel.exact_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
 
 __all__ = [
@@ -275,6 +276,7 @@ class StatedDomain:
         return False
 
     def _by_terms(self, poly: Polynomial, strict: bool) -> bool:
+        pay(20 * len(poly))
         signs = {m: self._of_term(m, c) for m, c in poly.items()}
         above = {m: c for m, c in poly.items() if not signs[m] & NEGATIVE}
         others = {m: c for m, c in poly.items() if m not in above}
@@ -399,9 +401,16 @@ def inhabited(parameters: Mapping[str, Bounds], constraints: tuple[Term, ...], p
 
 def signs_of_product(a: Sign, b: Sign) -> Sign:
     """The signs that a product of one of ``a`` and one of ``b`` may have."""
+    return _PRODUCTS[a][b]
+
+
+def _sign_of_products(a: Sign, b: Sign) -> Sign:
     parts = {NEGATIVE: -1, ZERO: 0, POSITIVE: 1}
     found = {s * t for i, s in parts.items() for j, t in parts.items() if a & i and b & j}
     return sum(i for i, s in parts.items() if s in found)
+
+
+_PRODUCTS = [[_sign_of_products(a, b) for b in range(ANY + 1)] for a in range(ANY + 1)]  # of every two sets of signs
 
 
 def signs_of(parameters: Mapping[str, Bounds], pressure: str | None = None) -> dict[str, Sign]:

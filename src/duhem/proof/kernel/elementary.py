@@ -11,6 +11,7 @@ from functools import cache, reduce
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign
 from duhem.proof.kernel.interval import BITS, Enclosure
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import Term
 
 __all__ = ["enclosed", "sign_over"]
@@ -31,6 +32,7 @@ def sign_over(term: Term, bounds: Mapping[str, Bounds]) -> Sign:
         if not boxes:
             return found
         box = boxes.pop()
+        pay(100)
         try:
             sign = enclosed(term, dict(zip(names, box, strict=True))).sign
         except (ValueError, ZeroDivisionError):

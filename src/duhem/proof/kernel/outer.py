@@ -7,6 +7,7 @@ from fractions import Fraction
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain, StatedLaw
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import Term, factors, minus, number
 
 __all__ = ["without_outer_map"]
@@ -20,7 +21,7 @@ def without_outer_map(law: StatedLaw) -> StatedLaw:
     g: Term | None = law.g
     while g is not None:
         law = law._replace(g=g)
-        g = _without_positive_factors(g, domain) or next((f for f in _parts(g) if _keeps_sign(g, f, domain)), None)
+        g = _without_positive_factors(g, domain) or next((f for f in dict.fromkeys(_parts(g)) if _keeps_sign(g, f, domain)), None)
     return law
 
 
@@ -33,9 +34,15 @@ def _without_positive_factors(g: Term, domain: StatedDomain) -> Term | None:
 def _keeps_sign(g: Term, f: Term, domain: StatedDomain) -> bool:
     """Whether g is a formula in f alone that is defined, and > 0, = 0, < 0 where f is."""
     ways = ((number(0), ZERO), (_SIZE, POSITIVE), (minus(_SIZE), NEGATIVE))
-    if domain.constant(f) or not domain.constant(g.put({f: number(0)})):
+    if domain.constant(f) or not _alone(g, f, domain):
         return False
     return all(facts(g.put({f: x}), domain).defined and facts(g.put({f: x}), domain).sign == sign for x, sign in ways)
+
+
+def _alone(g: Term, f: Term, domain: StatedDomain) -> bool:
+    """Whether the forces enter g by f alone."""
+    pay(1)
+    return g == f or domain.constant(g) or (g.op != "name" and all(_alone(a, f, domain) for a in g.args))
 
 
 def _parts(term: Term) -> Iterator[Term]:

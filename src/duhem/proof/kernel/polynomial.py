@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = ["ONE", "Monomial", "Polynomial", "in_powers", "joined", "negated", "number_in", "replaced", "slope", "times", "total", "written"]
@@ -45,6 +46,7 @@ def times(one: Polynomial, two: Polynomial) -> Polynomial:
     """The product; NotWritten where it is too long to be worth checking."""
     if len(one) * len(two) > _MOST_TERMS:
         raise NotWritten("a product has too many terms")
+    pay(5 + 5 * len(one) * len(two))
     found: Polynomial = {}
     for m, c in one.items():
         for n, d in two.items():

@@ -16,12 +16,13 @@ from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
 from duhem.proof.kernel.line import Line, line
 from duhem.proof.kernel.line import nonnegative as nonnegative_on_the_line
-from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, times, total
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term
 
 __all__ = ["RAY", "nonnegative", "on_the_line", "without_content"]
 
 RAY = Term("name", name="the ray's")  # no name of a law has blanks
+_MOST_HALVINGS = 3
 _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
 _A_SHARE = 4  # what one is worth in products of terms
 Interval = tuple[Fraction, Fraction]
@@ -59,6 +60,23 @@ def on_the_line(poly: Polynomial) -> Line | None:
 
 def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool = False) -> bool:
     """Whether P >= 0, or P > 0, where the variable is ``between`` the ends and the constants are what they may be."""
+    known = _nonnegative_in_ranges(poly, between, domain, strict)
+    return known or (bool(domain.law.constraints) and not strict and _nonnegative_with_constraints(poly, between, domain, _MOST_HALVINGS))
+
+
+def _nonnegative_with_constraints(poly: Polynomial, between: Interval, domain: StatedDomain, halvings: int) -> bool:
+    """Whether the shares of a P in the powers of its variable are >= 0 by ranges and constraints together, perhaps in parts of the way."""
+    low, high = between
+    shares = _shares(in_powers(without_content(poly, domain), RAY), Reach(low, False, high))
+    if all(domain.nonnegative(written(share)) for share in shares):
+        return True
+    middle = (low + high) / 2
+    parts = ((low, middle), (middle, high)) if halvings and low < high else ()
+    return bool(parts) and all(_nonnegative_with_constraints(poly, part, domain, halvings - 1) for part in parts)
+
+
+def _nonnegative_in_ranges(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool) -> bool:
+    """The same, each constant being anywhere in its own range."""
     poly = without_content(poly, domain)
     if (plain := on_the_line(poly)) is not None:
         return nonnegative_on_the_line(plain, *between, strict)
@@ -72,12 +90,12 @@ def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, stric
 
 
 def _nonnegative(shares: list[Polynomial], reach: Reach, between: Interval, domain: StatedDomain, strict: bool) -> bool:
-    if not all(nonnegative(share, between, domain) for share in shares):
+    if not all(_nonnegative_in_ranges(share, between, domain, False) for share in shares):
         return False
     values = [total(*shares)]
     values += [] if reach.near_open else [shares[0]]
     values += [] if reach.far is None or reach.far_open else [shares[-1]]
-    return not strict or all(nonnegative(value, between, domain, True) for value in values)
+    return not strict or all(_nonnegative_in_ranges(value, between, domain, True) for value in values)
 
 
 def _shares(coefficients: list[Polynomial], reach: Reach) -> list[Polynomial]:

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from duhem.proof.kernel.refused import NoValueError, check_values
+from duhem.proof.kernel.steps import pay
 
 __all__ = [
     "COMPARISONS",
@@ -111,8 +112,12 @@ class Term(_Parts):
         return 1 + sum(a.size() for a in self.args)
 
     def put(self, swap: Mapping[Term, Term]) -> Term:
-        """The term with every occurrence of some sub-terms replaced, the largest first."""
-        return swap[self] if self in swap else self._replace(args=tuple(a.put(swap) for a in self.args))
+        """The term with every occurrence of some sub-terms replaced, the largest first; a part in which there is none stays as it is."""
+        if self in swap:
+            return swap[self]
+        pay(1)
+        args = tuple(a.put(swap) for a in self.args)
+        return self if all(new is old for new, old in zip(args, self.args, strict=True)) else self._replace(args=args)
 
 
 def number(value: Fraction | int) -> Term:

@@ -9,7 +9,7 @@ import sympy as sp
 
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.polar_form import polar_form
+from duhem.proof.search.polar_form import polar_form
 from duhem.proof.search.suggestion import Chord
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.rational_points import chord

@@ -1,4 +1,4 @@
-"""Convexity of polynomials: v . Hess g v is a sum of squares, if need be times what the domain's conditions say is >= 0.
+"""Evidence for a composition that has polynomials in it: v . Hess g v is a sum of squares, if need be times what is >= 0 in the domain.
 
 Helton, Nie (2010), Math. Program. 122, 21; Ahmadi, Parrilo (2013), SIAM J. Optim. 23, 811.  The squares come from a conic
 solver and are made exact: what proves it is an identity of fractions.
@@ -6,26 +6,37 @@ solver and are made exact: what proves it is an identity of fractions.
 
 from __future__ import annotations
 
-from duhem.proof.facts.curvature import curvature
+from collections.abc import Iterator
+
+from duhem.expression.text import formula
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
-__all__ = ["convexity"]
+__all__ = ["convexity", "smoothness"]
 
 
-def convexity(subject: FormulaSubject) -> Evidence | None:
+def convexity(subject: FormulaSubject) -> Iterator[Evidence]:
     """K is convex if g is quasiconvex by composition, polynomials in it being convex by sums of squares.
 
-    Where the polar form applies it says more, dents included.  Forces that drop out of the simple problem count as constants here:
-    along them g does not change, so that K is convex if its slices are.
+    Where the law has a gauge in the plane that says more, dents included.
     """
-    law = subject.law
-    if (len(subject.simple.forces) == 2 and subject.star is not None) or not (sums := convex_sums(subject)):
-        return None
-    shape = curvature(law.g.subs(law.settled()), subject, {f: len(why) > 1 for f, why in sums.items()})
-    if not shape.quasiconvex:
-        return None
-    kind = "convex" if shape.convex else "quasiconvex"
-    proof = Proof("composition", composed_of_sums(subject))
-    return Evidence(Verdict.PROVED, "sos-convexity", f"g is {kind}: " + "; ".join(shape.rules), proof=proof)
+    if (len(subject.simple.forces) == 2 and subject.star is not None) or not convex_sums(subject):
+        return
+    detail = f"g is quasiconvex by composition, in it by sums of squares: {', '.join(map(formula, convex_sums(subject)))}"
+    yield Evidence(Verdict.PROVED, "sos-convexity", detail, proof=Proof("composition", composed_of_sums(subject)))
+
+
+def smoothness(subject: FormulaSubject) -> Iterator[Evidence]:
+    """The boundary is C^1 if g is C^1 near it and convex so, and negative somewhere: at the origin, or at the centre of K."""
+    sums, support = composed_of_sums(subject), subject.support
+    centre = {} if support is None else {x: formula(c) for x, c in zip(subject.law.forces, support.centre, strict=True)}
+    inside = {"inside": centre} if support is not None and any(support.centre) else {}
+    told = "g is C^1 wherever g = 0, and grad g != 0 there because g is convex"
+    if inside:
+        detail = f"{told} and negative at ({', '.join(centre.values())})"
+        yield Evidence(Verdict.PROVED, "composition", detail, proof=Proof("composition", {**inside, **sums}))
+    if sums:
+        yield Evidence(Verdict.PROVED, "sos-convexity", f"{told}, by sums of squares, and negative at 0", proof=Proof("composition", sums))
+        detail = "g is C^1 wherever g = 0, and sigma . grad g > 0 there by Euler's relation, so that grad g != 0"
+        yield Evidence(Verdict.PROVED, "euler", detail, proof=Proof("euler", sums))

@@ -1,33 +1,14 @@
-"""What direct evaluation decides: the sign of g at the origin."""
+"""What direct evaluation decides: that g is positive at the origin, or has no value there."""
 
 from __future__ import annotations
 
-import sympy as sp
-
-from duhem.expression.text import formula
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.undefined import undefined_at_zero
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.rational_points import origin_outside
 
-__all__ = ["origin", "origin_refuted", "origin_undefined"]
-
-
-def origin(subject: FormulaSubject) -> Evidence | None:
-    """g(0) <= 0 for every pressure and parameter; functions of J2 and J3 are 0 there, by continuity."""
-    value = subject.limit_at_origin
-    if value is None:
-        return None
-    answer = subject.ask(-value, Sense.NONNEGATIVE)
-    if answer.holds is not True:
-        return None
-    zero = dict.fromkeys(subject.law.force_symbols(), sp.S.Zero)
-    if subject.at_origin is None:
-        detail = f"the limit of g at zero force is {formula(value.xreplace(zero))} <= 0"
-    else:
-        detail = f"g(0) = {formula(subject.law.g.xreplace(zero))} <= 0"
-    return Evidence(Verdict.PROVED, f"evaluation ({answer.method})", detail)
+__all__ = ["origin_refuted", "origin_undefined"]
 
 
 def origin_refuted(subject: FormulaSubject) -> Evidence | None:

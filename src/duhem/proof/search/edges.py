@@ -8,7 +8,7 @@ from math import gcd, lcm
 
 import sympy as sp
 
-from duhem.proof.facts.loads import largest_loads
+from duhem.proof.search.loads import largest_loads
 
 __all__ = ["edges", "edges_of"]
 

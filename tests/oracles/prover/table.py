@@ -1,0 +1,19 @@
+"""The methods that prove a claim on SymPy and with the deciders, as a second opinion on what the kernel's rules prove."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.verdict import Evidence
+from tests.oracles.prover import composition, convex_sums, degrees, evaluation, polar, polyhedral, power_share, rounded, state_laws
+
+__all__ = ["PROVERS"]
+
+PROVERS: Mapping[str, tuple[Callable[[FormulaSubject], Evidence | None], ...]] = {
+    "origin": (evaluation.origin, polar.origin),
+    "convexity": (composition.convexity, convex_sums.convexity, polyhedral.convexity, polar.convexity),
+    "smoothness": (composition.smoothness, rounded.smoothness, polar.smoothness),
+    "dissipation": (degrees.dissipation, degrees.dissipation_of_potential, power_share.dissipation, polar.dissipation),
+    "state_laws": (state_laws.state_laws,),
+}
