@@ -41,7 +41,7 @@ KIN = (
 _POINTS, _TRIES = 24, 40
 _NEAR = mpmath.mpf(10) ** -40
 _READERS = {"g": CLAIMS[:6], "flow": ("normality", "dissipation"), "constraint": CLAIMS, "boundary": CLAIMS[:5]}  # of a part of the law
-SMALL = ("coulomb", "antoni2007", "box", "superellipse", "radial-flow", "regularised", "limacon", "polygon")
+SMALL = ("coulomb", "antoni2007", "box", "superellipse", "radial-flow", "regularised", "limacon", "wedge")
 
 
 class Undefined(Exception):
@@ -80,7 +80,8 @@ def undefined_parts(made: Sequence[Mapping[str, Any]], count: int, seed: int) ->
             if asked.total() % 500 == 0:
                 print(f"{asked.total()} texts, {len(wrong)} confirmed falsely", file=sys.stderr, flush=True)
             if false := sorted(confirmed(text.law, certificate["claims"]) & text.claims):
-                wrong.append(f"{false} of {json.dumps(text.law)} at { ({n: str(v) for n, v in text.undefined_at.items()}) }")
+                place = ", ".join(f"{n} = {v}" for n, v in text.undefined_at.items())
+                wrong.append(f"{false} of {json.dumps(text.law)} at {place}")
     return Found(asked, passed, tuple(wrong))
 
 

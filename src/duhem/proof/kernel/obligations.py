@@ -12,8 +12,9 @@ from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, asks
 from duhem.proof.kernel.domain import ANY, StatedDomain, StatedLaw
-from duhem.proof.kernel.limits import continued
+from duhem.proof.kernel.limits import continued, undecided_beside
 from duhem.proof.kernel.region import where_loads_allow
+from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import Term, number
 
 __all__ = [
@@ -89,8 +90,12 @@ def formula_and_flow(law: StatedLaw) -> str:
 
 
 def formula_and_potential(law: StatedLaw) -> str:
-    """g and the potential; the slip is a mean of its gradients from around."""
-    return law.once(formula) or _everywhere("the potential", () if law.potential is None else (law.potential,), law)
+    """g, the potential, and its gradient but where a tip of the potential is 0: a slip there is a mean of gradients from around."""
+    if law.potential is None:
+        return law.once(formula)
+    domain = over(law)
+    found = law.once(formula) or _everywhere("the potential", (law.potential,), law)
+    return found or _said("the gradient", undecided_beside(law.flow or (), tips(law.potential, domain), domain, facts, over))
 
 
 def _everywhere(what: str, terms: Iterable[Term], law: StatedLaw) -> str:

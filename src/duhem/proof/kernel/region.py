@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.one_side import left_on_one_side
-from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.product_bound import convex_below_a_product
 from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.shape import Shown
@@ -42,8 +41,7 @@ def where_loads_allow(law: StatedLaw, shown: Shown, over: Over) -> tuple[list[Te
     loads, others = loads_and_others(law.g, inside, shown)
     sides = dict.fromkeys(map(minus, loads), False)
     for part in others:
-        left = written(inside.polynomial(part))  # of a logarithm that cancels K is not closed: nothing is said of it
-        sides |= dict.fromkeys((x for x in _under_logarithms(left) if not inside.constant(x) and shown(x, inside).affine), True)
+        sides |= dict.fromkeys((x for x in _under_logarithms(part, inside) if not inside.constant(x) and shown(x, inside).affine), True)
     inside = over(law)
     inside.sides |= sides
     return loads, others, inside
@@ -65,9 +63,7 @@ def _greatest(term: Term) -> Iterator[Term]:
         yield from _greatest(a)
 
 
-def _under_logarithms(term: Term) -> Iterator[Term]:
-    """What stands under logarithms that are read wherever the term is."""
-    for a in term.args if term.op != "where" else ():
-        yield from _under_logarithms(a)
-    if term.op == "log":
-        yield term.args[0]
+def _under_logarithms(part: Term, domain: StatedDomain) -> Iterator[Term]:
+    """What stands under logarithms that are added up, times something: of one that cancels K is not closed, and nothing is said of it."""
+    for x in {x for m in domain.polynomial(part) for x, _ in m if x.op == "log"}:
+        yield x.args[0]
