@@ -17,7 +17,7 @@ from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base
 from duhem.proof.kernel.polynomial import ONE, Polynomial
 from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.section import _readers as sections
-from duhem.proof.kernel.sector import _readers as sectors
+from duhem.proof.kernel.sector import sector_readers as sectors
 from duhem.proof.kernel.term import NotWritten
 
 F = Fraction
