@@ -26,7 +26,7 @@ __all__ = ["CIRCLE", "DirectionArc", "Value", "arcs", "difference", "exponent", 
 End = tuple[Fraction, Fraction]  # a t between two numbers, known exactly where they are one
 Base = tuple[tuple[Any, Fraction], ...]  # a polynomial > 0, as its terms in order
 CIRCLE: Polynomial = {(): Fraction(1), ((RAY, 2),): Fraction(1)}  # 1 + t^2
-_MOST_ARCS, _MOST_POWER = 24, 12
+_MOST_ARCS, _MOST_POWER = 24, 24
 
 
 class Value(NamedTuple):
