@@ -86,6 +86,8 @@ ROWS = {  # file: (the row it comes after, the row)
     f"{EXPRESSION}/rounding.py": [("sp.tanh:", "sp.asinh: _flat(np.arcsinh),")],
     f"{EXPRESSION}/weights.py": [('Where: "chosen"', 'sp.asinh: "pure",')],
     f"{EXPRESSION}/smt.py": [('Norm: "a root', 'sp.asinh: "not algebraic",')],
+    "src/duhem/proof/kernel/term.py": [('"abs", "sign", "sqrt"', '"asinh",')],  # what the kernel knows of it is what is proved
+    "src/duhem/proof/kernel/curvature.py": [('"tanh", "atan",', '"asinh",')],
     "tests/expression/by_hand.py": [("sp.tanh:", "sp.asinh: (sp.asinh(y), 2.0947125472611012),")],
 }
 LAW_WITH_WORD = """\

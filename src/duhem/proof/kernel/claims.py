@@ -60,10 +60,8 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
     if not needed <= settled:
         return f"it rests on {', '.join(sorted(needed - settled))}, not confirmed"
     try:
-        if isinstance(law, StatedLaw):
-            undecided = law.once(obligations.constraints) or law.once(reads)
-        else:
-            undecided = obligations.constraints(law)
+        once = law.once if isinstance(law, StatedLaw) else lambda ask: ask(law)
+        undecided = once(obligations.constraints) or once(reads)
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
     return undecided or _objection_in_cases(claim, rule, check, law, evidence)

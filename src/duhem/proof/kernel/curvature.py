@@ -27,6 +27,9 @@ from duhem.proof.kernel.term import Term, factors, minus, number
 __all__ = ["Facts", "facts", "over"]
 
 _HALF, _ONE, _TWO = number(Fraction(1, 2)), number(1), number(2)
+_RISING = (  # words that rise, and have the sign of what they are of
+    "tanh", "atan",
+)  # fmt: skip
 _PRICE = 100  # steps for a part of a formula, beside what its polynomials cost
 _NEAR_RIGHT = number(Fraction(3, 2))  # an angle below pi/2
 
@@ -120,7 +123,7 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             return Facts(defined)  # it jumps where the first is 0 and the second < 0
         case "tan" if defined:
             return _risen(x)
-        case "tanh" | "atan":
+        case word if word in _RISING:
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
         case "cos" if _below_right(term.args[0], domain):
             return Facts(x.defined, POSITIVE)

@@ -24,7 +24,7 @@ __all__ = [
     "raised_to", "widened",
 ]  # fmt: skip
 
-MOST_POWER = 12
+MOST_POWER = 24
 Base = tuple[tuple[Any, Fraction], ...]  # a polynomial > 0, as its terms in order
 
 
