@@ -205,7 +205,7 @@ def _checked(expr: sp.Expr) -> sp.Expr:
 def _is_unreal(expr: sp.Expr) -> bool:
     """Whether SymPy knows a root, a logarithm, an arc sine or cosine not to be real, whatever the symbols in it are."""
     if isinstance(expr, sp.Pow) and isinstance(expr.exp, sp.Rational | InertNumber) and expr.exp.is_integer is False:
-        return expr.base.is_nonpositive is True  # a root, as log, of what is never positive
+        return expr.base.is_extended_nonpositive is True  # a root, as log, of what is never positive
     return expr is sp.I or (isinstance(expr, (sp.Pow, sp.log, sp.asin, sp.acos)) and expr.is_extended_real is False)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import sympy as sp
 
 from duhem.errors import InputError
-from duhem.expression.text import formula
+from duhem.expression.text import faithful
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
@@ -27,21 +27,21 @@ def criterion_text(law: Law) -> str:
     lines += [f"forces = [{', '.join(map(_quoted, law.forces))}]"]
     lines += [f"pressure = {_quoted(law.pressure) if law.pressure else 'false'}"]
     if isinstance(law, Criterion) and not law.surfaces:
-        lines += [f"g = {_quoted(formula(law.g))}", *_potential(law)]
+        lines += [f"g = {_quoted(_text(law, law.g))}", *_potential(law)]
     if law.constraints:
-        lines += [f"constraints = [{', '.join(_quoted(formula(c)) for c in law.constraints)}]"]
+        lines += [f"constraints = [{', '.join(_quoted(_text(law, c)) for c in law.constraints)}]"]
     lines += ["", "[parameters]", *(f"{name} = {_domain(domain, f'{law.name}: {name}')}" for name, domain in law.parameters.items())]
     if isinstance(law, ParametricCriterion):
-        lines += ["", "[boundary]", f"angle = {_quoted(law.angle)}", f"T = {_list(law.boundary)}"]
-        lines += [f"direction = {_list(law.flow)}"] if law.flow is not None else []
+        lines += ["", "[boundary]", f"angle = {_quoted(law.angle)}", f"T = {_list(law, law.boundary)}"]
+        lines += [f"direction = {_list(law, law.flow)}"] if law.flow is not None else []
         return "\n".join(lines) + "\n"
     if law.domain:
         lines += ["", "[domain]", *(f"{name} = {_domain(own, f'{law.name}: {name}')}" for name, own in law.domain.items())]
     if law.flow is not None and law.potential is None:
-        lines += ["", "[flow]", f"direction = {_list(law.flow)}"]
+        lines += ["", "[flow]", f"direction = {_list(law, law.flow)}"]
     for surface in law.surfaces:
-        lines += ["", "[[surface]]", f"g = {_quoted(formula(surface.g))}", *_potential(surface)]
-        lines += [f"flow = {_list(surface.flow)}"] if surface.flow is not None and surface.potential is None else []
+        lines += ["", "[[surface]]", f"g = {_quoted(_text(law, surface.g))}", *_potential(surface)]
+        lines += [f"flow = {_list(law, surface.flow)}"] if surface.flow is not None and surface.potential is None else []
     return "\n".join(lines) + "\n"
 
 
@@ -49,8 +49,12 @@ def _potential(stated: Criterion | YieldSurface) -> list[str]:
     return [] if stated.potential is None else [f"potential = {_quoted(stated.potential)}"]
 
 
-def _list(formulas: Sequence[sp.Expr]) -> str:
-    return f"[{', '.join(_quoted(formula(x)) for x in formulas)}]"
+def _list(law: Law, formulas: Sequence[sp.Expr]) -> str:
+    return f"[{', '.join(_quoted(_text(law, x)) for x in formulas)}]"
+
+
+def _text(law: Law, expr: sp.Basic) -> str:
+    return faithful(expr, law.symbols().values())
 
 
 def _quoted(text: str) -> str:
