@@ -12,8 +12,8 @@ from duhem.proof.kernel.certificate import CLAIMS, SCHEMA, digest, recheck, stat
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.limits import continued
-from duhem.proof.kernel.term import NotWritten
+from duhem.proof.kernel.limits import continued, rarely_zero, undecided_beside
+from duhem.proof.kernel.term import NotWritten, parse
 from tests.campaigns import undefined_parts
 from tests.long import mostly_long
 from tests.proof.small_laws import law as small_law
@@ -228,6 +228,40 @@ def test_a_choice_of_constants_is_proved_on_either_side() -> None:
 def test_where_j2_is_zero_a_formula_has_a_limit_or_none(g: str, there: bool) -> None:
     known = StatedLaw.read(law(g, "a b c"))
     assert bool([*continued(known.g, over(known), facts, over)]) is there
+
+
+@pytest.mark.parametrize(
+    ("tip", "thin"),
+    [
+        ("norm(a, b)", True), ("norm(e*a, e*b)", False), ("norm(m*a, e*b)", True), ("a**2 + b**2", True), ("e*a", False), ("abs(a)", False),
+        ("e*a + 1", True), ("norm(abs(a), e*b)", False), ("a - a", False), ("q*a**2 + e*b**2", False),
+    ],
+)  # fmt: skip
+def test_a_tip_is_zero_on_no_open_set_for_any_value_of_the_parameters(tip: str, thin: bool) -> None:
+    known = small_law(f"a + 0*({tip})")
+    assert rarely_zero(parse(tip), over(known), facts) is thin
+
+
+@pytest.mark.parametrize(
+    ("slip", "tips", "settled"),
+    [
+        ("a/norm(a, b)", ["norm(a, b)"], True), ("a/norm(a, b)", [], False), ("a/norm(e*a, e*b)", ["norm(e*a, e*b)"], False),
+        ("1/a", ["a"], False), ("sqrt(a)", ["a"], False), ("a/norm(a, b) + 1/b", ["norm(a, b)"], False),
+        ("a/norm(a, b) + b/norm(a, 2*b)", ["norm(a, b)", "norm(a, 2*b)"], True), ("where(1/norm(a, b) > 1, a, b)", ["norm(a, b)"], True),
+        ("a*(a**2 + b**2)**(-1/2)", ["a**2 + b**2"], True), ("a*(a**2 + b**2)**(-1/2)", ["norm(a - 1, b)"], False),
+    ],
+)  # fmt: skip
+def test_a_slip_has_a_value_but_where_a_tip_is_zero(slip: str, tips: list[str], settled: bool) -> None:
+    domain = over(small_law("norm(a, b) - m"))
+    assert (undecided_beside([parse(slip)], map(parse, tips), domain, facts, over) is None) is settled
+
+
+def test_loads_have_a_value_everywhere_and_the_rest_where_they_allow_k() -> None:
+    assert "convexity" in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1), -t1)"))
+    assert "convexity" not in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1), -t1 + 0/e)"))
+    assert "convexity" not in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1), -t1 - e/e + 1)"))
+    assert "convexity" not in confirmed(law("max(norm(t1, t2) - 2 - sqrt(t1 - 1), -t1)"))
+    assert "convexity" not in confirmed(law("norm(t1, t2) - 2 - abs(0*log(t2 + 1))"))  # that would cut K open
 
 
 @pytest.mark.parametrize("part", ["J2/J2 - 1", "0/J2", "0*J3/J2**(3/2)", "0*log(J2)", "0*acos(C)", "cos(0*acos(C)) - 1", "0*sqrt(a)"])

@@ -14,7 +14,7 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
-from duhem.proof.kernel.limits import continued, divides_by_zero_force
+from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.piecewise import polyhedra
@@ -141,7 +141,7 @@ def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
 def _at_zero(law: StatedLaw) -> list[Facts]:
     """g at the origin, as its text says it, and by continuity; what jumps beside a limit has none."""
     domain = over(law)
-    return [_at(law._replace(g=g), {}) for g in (law.g, *(g for g in continued(law.g, domain, facts, over) if not chooses(g, domain)))]
+    return [_at(law._replace(g=g), {}) for g in (law.g, *(g for g in law.once(obligations.limits) if not chooses(g, domain)))]
 
 
 def _inside(law: StatedLaw, evidence: Evidence) -> bool:

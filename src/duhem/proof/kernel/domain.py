@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import islice, product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 from unicodedata import normalize
 
 from duhem.proof.kernel.angle import without_angles
@@ -45,6 +45,7 @@ _MOST_PAIRS = 40  # of a term of a formula and one of a constraint, for two cons
 _AT_ZERO = dict.fromkeys(("exp", "cos", "cosh"), 1) | dict.fromkeys(("sin", "tan", "asin", "atan", "sinh", "tanh"), 0)
 
 
+Answer = TypeVar("Answer")
 Declared = tuple[tuple[str, ...], dict[str, Bounds], tuple[Term, ...], dict[Term, Term]]
 
 
@@ -118,9 +119,9 @@ class StatedLaw(_Stated):
     Of several surfaces g is the greatest, and ``surfaces`` has them with the flow of each; then ``flow`` is None.
     """
 
-    _found: dict[Any, str]
+    _found: dict[Any, Any]
 
-    def once(self, question: Callable[[StatedLaw], str]) -> str:
+    def once(self, question: Callable[[StatedLaw], Answer]) -> Answer:
         """The answer to a question about this law, found when it is first asked."""
         try:
             found = self._found
@@ -128,7 +129,8 @@ class StatedLaw(_Stated):
             found = self._found = {}
         if question not in found:
             found[question] = question(self)
-        return found[question]
+        answer: Answer = found[question]
+        return answer
 
     def __getstate__(self) -> None:
         """The law is all of it: another process asks anew."""

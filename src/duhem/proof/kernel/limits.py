@@ -26,7 +26,7 @@ from duhem.proof.kernel.sector import sector_readers
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import NotWritten, Term, number
 
-__all__ = ["continued", "divides_by_zero_force", "sign_on_axis", "undecided_beside"]
+__all__ = ["continued", "divides_by_zero_force", "rarely_zero", "sign_on_axis", "undecided_beside"]
 
 Over = Callable[[StatedLaw], StatedDomain]
 

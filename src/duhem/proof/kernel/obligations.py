@@ -19,7 +19,7 @@ from duhem.proof.kernel.term import Term, number
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
-    "formula_where_loads_allow", "nothing", "numbers_in_formula",
+    "formula_where_loads_allow", "limits", "nothing", "numbers_in_formula",
 ]  # fmt: skip
 
 _KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an asin", "acos": "an acos", "tan": "a tan", "atan2": "an angle"}
@@ -48,10 +48,15 @@ def formula(law: StatedLaw) -> str:
     return _everywhere("g", (law.g,), law)
 
 
+def limits(law: StatedLaw) -> tuple[Term, ...]:
+    """What g is at a tip, as its parts may be read, by continuity; none where it may have no value elsewhere."""
+    return tuple(continued(law.g, over(law), facts, over))
+
+
 def formula_but_at_tips(law: StatedLaw) -> str:
     """g, for all forces; at a tip by continuity."""
     found = law.once(formula)
-    return "" if found and _has_limits(law.g, over(law)) else found
+    return "" if found and law.once(limits) else found
 
 
 def formula_where_loads_allow(law: StatedLaw) -> str:
@@ -62,13 +67,14 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
     if _everywhere("a load", loads, law):
         return found
     reader = _reader(inside)
-    return "" if all(reader.undecided(part) is None or _has_limits(part, inside) for part in others) else found
+    settled = (reader.undecided(part) is None or any(True for _ in continued(part, inside, facts, over)) for part in others)
+    return "" if all(settled) else found
 
 
 def formula_at_zero(law: StatedLaw) -> str:
     """g at zero force; if that is a tip, by continuity."""
     found = _everywhere("g at zero force", (law.g.put({Term("name", name=f): number(0) for f in law.forces}),), law)
-    return "" if found and _has_limits(law.g, over(law)) else found
+    return "" if found and law.once(limits) else found
 
 
 def numbers_in_formula(law: StatedLaw) -> str:
@@ -101,10 +107,6 @@ def formula_and_potential(law: StatedLaw) -> str:
 def _everywhere(what: str, terms: Iterable[Term], law: StatedLaw) -> str:
     reader = _reader(over(law))
     return next((said for term in terms if (said := _said(what, reader.undecided(term)))), "")
-
-
-def _has_limits(term: Term, domain: StatedDomain) -> bool:
-    return any(True for _ in continued(term, domain, facts, over))
 
 
 def _reader(domain: StatedDomain) -> Reader:
