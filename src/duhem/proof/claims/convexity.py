@@ -15,7 +15,8 @@ polyhedron of its faces), the gauge gamma of a star-shaped K in two forces (gamm
 seams included) and fans (one formula in each cone between rays); sums of squares (v . Hess g v of a polynomial g, unless there is
 such a gauge); a chord across the deepest dent of a polynomial law; a chord from where a ball lies farthest along a load; a quick
 look for a chord that leaves K, then for one between exact points of its faces, edges and whiskers, or from an edge to a place beside
-it; the kernel's rules with more steps; chords across a dent or a kink of the gauge; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch;
+it; the kernel's rules with more steps; chords across a dent or a kink of the gauge; implicit form (tangential second
+derivatives on the boundary); Hessian of g branch by branch;
 chords across dents at places without second derivatives.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
