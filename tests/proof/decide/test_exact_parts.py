@@ -15,12 +15,12 @@ import sympy as sp
 from duhem.expression import Neg, Norm, Pos, Where, symbol
 from duhem.expression.number import fraction, rational
 from duhem.proof.decide import Budget, Question, Sense, decide
-from duhem.proof.decide.affine import Affine
 from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, at_rational, factors, projection, true
 from duhem.proof.decide.deciders import _factors, by_rules
 from duhem.proof.decide.plane_region import _dense
 from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.decide.roots import between, real_roots, square_free
+from tests.oracles.prover.affine import Affine
 from tests.proof.decide.truth import Point, UnsuitedError, value, violated
 
 x, y = symbol("x"), symbol("y")

@@ -10,13 +10,13 @@ CLAIM = Claim(
     statement="K(sigma_n) = {g <= 0} is convex for every sigma_n < 0",
     theory="""\
 The claim is about the set, not about the function: sqrt(|s|) - 1 is not convex and its set is.  Methods, in order:
-composition (g is quasiconvex by the rules of disciplined convex programming); sums of squares (v . Hess g v of a
-polynomial g, unless a polar form is at hand); a chord across the deepest dent of a polynomial law; a chord from where a
-ball lies farthest along a load; a quick look for a chord that leaves K, then for one between
-exact points of its faces, edges and whiskers, or from an edge to a place beside it;
-polyhedra (K is the intersection of the half-spaces of its faces); polar form (for the gauge gamma of a star-shaped K in
-two forces, gamma'' + gamma >= 0 as a measure, jumps of gamma' at seams included); chords across a dent or a kink so
-found; implicit form (tangential second derivatives on the boundary); Hessian of g branch by branch;
+the kernel's rules, which are composition (g is quasiconvex by the rules of disciplined convex programming), polyhedra (K is the
+polyhedron of its faces), the gauge gamma of a star-shaped K in two forces (gamma'' + gamma >= 0 as a measure, jumps of gamma' at
+seams included) and fans (one formula in each cone between rays); sums of squares (v . Hess g v of a polynomial g, unless there is
+such a gauge); a chord across the deepest dent of a polynomial law; a chord from where a ball lies farthest along a load; a quick
+look for a chord that leaves K, then for one between exact points of its faces, edges and whiskers, or from an edge to a place beside
+it; the kernel's rules with more steps; chords across a dent or a kink of the gauge; implicit form (tangential second
+derivatives on the boundary); Hessian of g branch by branch;
 chords across dents at places without second derivatives.
 Refuted only by two points of K whose midpoint is outside, in exact arithmetic.
 A boundary curve T bounds a convex set if T' x T'' > 0 and the tangent turns once; refuted by a point inside a triangle of
