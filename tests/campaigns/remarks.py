@@ -133,7 +133,6 @@ ROWS: tuple[Row, ...] = (
     (rf"g is not differentiable at (.*?){_INSIDE}", lambda case, m: _singular(case, m[1], m[2])),
     (r"g does not depend on (.*)", lambda case, m: all(_idle(case, name) for name in m[1].split(", "))),
     (r"g has no value (at zero force), for it .*: there it is read as its limit, and K is closed", lambda case, m: _nowhere(case, m[1])),
-    (r"(?:g|the flow) has no value where (.*) = 0, for it .*: there it is read as its limit", lambda case, m: _nowhere(case, m[1])),
     # what is not shown, and said to be so
     (
         r"It is not shown that g has a value for all forces: it .*\. (?:g has no value .*\. )?"

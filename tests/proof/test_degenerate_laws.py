@@ -197,7 +197,7 @@ def test_where_a_chord_leaves_k_no_look_for_chords_is_reported_as_vain(g: str) -
 @pytest.mark.parametrize("constraint", ["b > 4/b", "b > sqrt(b - 3)", "1/(b - 3) > 0"])
 @pytest.mark.parametrize("domain", [Domain.between(0, 5), Domain.between(0), Domain(), POSITIVE])
 def test_a_constraint_does_not_hold_where_it_has_no_value(constraint: str, domain: Domain) -> None:
-    """There SymPy has zoo or I, which it compares with nothing; the kernel uses no constraint that may have no value in the declared ranges."""
+    """There SymPy has zoo or I, which it compares with nothing; the kernel proves nothing where a constraint may have no value."""
     found = verify(law("norm(x, y) - 1 + 0*b", ("x", "y"), constraints=(constraint,), b=domain), claims=["origin", "convexity"])
     assert not {r.verdict for r in found.results} & {REFUTED}
     decided = law("norm(x, y) - 1 + 0*b", ("x", "y"), constraints=(constraint,), b=Domain.between(Fraction(7, 2), 5))

@@ -33,7 +33,7 @@ UNIT = 1 << BITS
     ("text", "why"),
     [
         ("abs(a - q*b)", "depends on the constants"), ("a**q", "an exponent is no number"), ("exp(a)", "exp is not read along a ray"),
-        ("(a + 2*b)**13", "may be <= 0"), ("norm(a, b) + (a**4 + b**4)**(1/4)", "different roots are added"),
+        ("(a + 2*b)**25", "may be <= 0"), ("norm(a, b) + (a**4 + b**4)**(1/4)", "different roots are added"),
         ("max(norm(a, 2*b), a)", "roots are compared"), ("a*q/e", "a constant may be undefined"), ("sqrt(a)", "under a root may be <= 0"),
         ("1/norm(a, 0)", "what is divided by"),
     ],

@@ -103,7 +103,7 @@ def test_powers_of_what_is_positive_and_of_what_is_not() -> None:
     odd = PlaneFunction(F(1), {((RAY, 1),): F(1)}, {}, whole=False)
     assert plane.power(square, {(): F(1, 2)}) == PlaneFunction(F(1), ONE, {base_of(square.poly): {(): F(1, 2)}})
     assert plane.power(odd, {(): F(3)}) == PlaneFunction(F(3), {((RAY, 3),): F(1)}, {}, whole=False)
-    for exponent in (F(1, 2), F(-1), F(13), F(1, 3)):
+    for exponent in (F(1, 2), F(-1), F(25), F(1, 3)):
         with pytest.raises(NotWritten, match="may be <= 0"):
             plane.power(odd, {(): exponent})
     assert not plane.power(square, {(): F(-1)}).whole and plane.power(square, {(): F(1, 4)}).whole

@@ -21,6 +21,9 @@ def origin(subject: FormulaSubject) -> Evidence | None:
     answer = subject.ask(-value, Sense.NONNEGATIVE)
     if answer.holds is not True:
         return None
-    stated = value if subject.at_origin is None else subject.law.g
-    stated = stated.xreplace(dict.fromkeys(subject.law.force_symbols(), sp.S.Zero))
-    return Evidence(Verdict.PROVED, f"evaluation ({answer.method})", f"g(0) = {formula(stated)} <= 0")
+    zero = dict.fromkeys(subject.law.force_symbols(), sp.S.Zero)
+    if subject.at_origin is None:
+        detail = f"the limit of g at zero force is {formula(value.xreplace(zero))} <= 0"
+    else:
+        detail = f"g(0) = {formula(subject.law.g.xreplace(zero))} <= 0"
+    return Evidence(Verdict.PROVED, f"evaluation ({answer.method})", detail)

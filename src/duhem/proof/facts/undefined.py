@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import sympy as sp
 
-from duhem.errors import InputError
 from duhem.expression import Where
-from duhem.expression.parse import parse_as_written
 from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.statement.obligations import Obligation, obligations, with_algebraic_angles
-from duhem.proof.statement.problem import as_written
+from duhem.proof.statement.obligations import Obligation, obligations
 
 __all__ = ["limits_taken", "undefined_at_zero", "undefined_place"]
 
@@ -34,34 +31,11 @@ def undefined_place(subject: FormulaSubject, obligation: Obligation) -> str:
 
 
 def limits_taken(subject: FormulaSubject) -> Iterator[str]:
-    """Where g, or the flow, as written certainly has no value and what is proved is of the formula with its limit there.
-
-    A wave of an even multiple of a polar angle atan(q/p) has a limit where p = 0; at zero force a quotient may have one.
-    """
-    law, problem, said = subject.law, subject.problem, False
-    faces = law.surfaces or (law,)
-    values = {name: problem.compressed.get(x, x) for name, x in law.symbols().items()}
-    for what, texts in (("g", as_written(law)[:1]), ("the flow", tuple(t for face in faces for t in as_written(law, face)[1:]))):
-        lost = dict.fromkeys(o for text in texts for o in _continued(text, values))
-        for o in lost:
-            if o.expr.is_polynomial(*problem.forces) and sp.Poly(o.expr, *problem.forces).total_degree() == 1:
-                said = said or what == "g"
-                at = formula(o.expr.xreplace({value: key for key, value in problem.compressed.items()}))
-                yield f"{what} has no value where {at} = 0, for it {o.does} {at}: there it is read as its limit"
-    zero = dict.fromkeys(problem.forces, sp.S.Zero)
-    part = next((o for o in obligations(problem.stated) if _vanishes(o, zero)), None)
-    if part is not None and not subject.doubtful and not said:
+    """That g, as written, has no value at zero force and what is proved is of the formula with its limit there."""
+    zero = dict.fromkeys(subject.problem.forces, sp.S.Zero)
+    part = next((o for o in obligations(subject.problem.stated) if _vanishes(o, zero)), None)
+    if part is not None and not subject.doubtful:
         yield f"g has no value at zero force, for it {part.does} {formula(part.expr)}: there it is read as its limit, and K is closed"
-
-
-def _continued(text: str, values: Mapping[str, sp.Expr]) -> Iterator[Obligation]:
-    """What a text asks of its parts and no longer does once its waves of an angle are read as algebra."""
-    try:
-        tree = parse_as_written(text, values)
-    except InputError:  # a formula made by other means may be longer than a text may be
-        return
-    kept = set(obligations(with_algebraic_angles(tree)))
-    yield from (o for o in obligations(tree) if o not in kept)
 
 
 def _size(law: Criterion) -> str:

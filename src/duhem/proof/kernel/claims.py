@@ -298,7 +298,10 @@ _NONE: frozenset[str] = frozenset()
 _ORIGIN = frozenset({"origin"})
 _CONVEXITY = frozenset({"convexity"})
 RULES: Mapping[tuple[str, str], RuleRow] = {
-    ("origin", "evaluation"): RuleRow(_NONE, origin, obligations.formula_at_zero, "g(0) <= 0 for every pressure and all parameters"),
+    ("origin", "evaluation"): RuleRow(
+        _NONE, origin, obligations.formula_at_zero,
+        "g(0), or its limit where g has no value at zero force, is <= 0 for every pressure and all parameters",
+    ),
     ("origin", "polar-form"): RuleRow(
         _NONE, star_shaped, obligations.numbers_in_formula,
         "K is star-shaped about 0 (closure at 0 where the formula is 0/0)", most_forces=_PLANE,
