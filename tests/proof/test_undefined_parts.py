@@ -189,6 +189,7 @@ def test_what_a_constraint_does_not_choose_needs_no_value() -> None:
         ("where(1 < a, log(2*a - 2), 0)", True), ("where(a > 0 and b > 0, 1/a + sqrt(b), 1)", True),
         ("where(a > 0 and b > 0, 0, 1/a)", False),
         ("where(a > 0 or b > 0, sqrt(a), 1)", False), ("where(a < 0 or b < 0, 1, sqrt(a)*sqrt(b))", True),
+        ("where(-b*m > m*abs(a), 1/b, 0)", True), ("where(b*m > -m*abs(a), 1/b, 0)", False), ("where(-b*m > e*a, 1/b, 0)", False),
         ("sign(a)*b", True), ("sign(1/a)", False), ("where(1/a > 0, a, b)", False), ("where(a > 0, where(1/a > 0, a, b), b)", True),
         ("where(abs(a) < 1, acos(a), b)", True), ("where(abs(a) < 1, b, acos(a))", False), ("where(abs(a) <= 1, asin(a), tan(b))", False),
         ("where(abs(a) < 1, tan(a), a)", True), ("tan(a)", False), ("atan2(a, b)", False), ("atan2(a, 1 + b**2)", True),
