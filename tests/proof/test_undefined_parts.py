@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -12,6 +13,7 @@ from duhem.proof.kernel.certificate import CLAIMS, SCHEMA, digest, recheck, stat
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.definedness import Reader
 from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.kernel.exact_value import exact_value
 from duhem.proof.kernel.limits import continued, rarely_zero, undecided_beside
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.campaigns import undefined_parts
@@ -176,6 +178,31 @@ def test_what_a_constraint_does_not_choose_needs_no_value() -> None:
     rows = [{"claim": "state_laws", "verdict": "proved", "trust": "checked", "method": "", "rule": "symbolic", "evidence": {}}]
     guarded = law(DISC, constraints=("where(e > 0, 1/e, 2) > 1/2", "where(m >= 4, sqrt(m - 4), 0) >= 0"))
     assert recheck(_written(guarded, rows, e="0"))[0].confirmed
+
+
+@pytest.mark.parametrize(
+    ("text", "worked_out"),
+    [
+        ("1/3 + 2*(1 - 4)", "-17/3"), ("(2/3)**-2", "9/4"), ("sqrt(4/9)", "2/3"), ("4**(3/2)", "8"), ("sqrt(2)", None), ("8**(1/3)", None),
+        ("sqrt(-1)", None), ("(-1)**(1/2)", None), ("1/0", None), ("0*(1/0)", None), ("0**0", "1"), ("(1/0)**0", None), ("0**(1/2)", "0"),
+        ("norm(3, 4)", "5"), ("norm(1, 1)", None), ("abs(-2) + pos(-1) + neg(-3)", "5"), ("max(1, 2) - min(1, 2)", "1"),
+        ("max(1, 1/0)", None), ("10**10000", None),
+        ("where(1 > 0, 1, 1/0)", "1"), ("where(1 <= 0, 1, 1/0)", None), ("where(1/0 > 0, 1, 1)", None), ("exp(0)", None),
+    ],
+)  # fmt: skip
+def test_a_number_is_worked_out_exactly_or_not_at_all(text: str, worked_out: str | None) -> None:
+    if worked_out is None:
+        with pytest.raises(NotWritten):
+            exact_value(parse(text))
+    else:
+        assert exact_value(parse(text)) == Fraction(worked_out)
+
+
+def test_who_reads_a_law_along_rays_is_told_of_its_constants_alone() -> None:
+    settled_parts = {"0/t1": True, "0*log(t1)": True, "0/e": False, "where(e > 0, 0*log(e), t1/t2)": True, "0*log(0*e)": False}
+    for part, settled in settled_parts.items():
+        known = stated(law(f"norm(t1, t2) - 1 + {part}"))
+        assert isinstance(known, StatedLaw) and (obligations.numbers_in_formula(known) == "") is settled
 
 
 # -- readers -------------------------------------------------------------------------------------------------------------
