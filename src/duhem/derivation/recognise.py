@@ -21,6 +21,7 @@ from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 
 __all__ = ["Ball", "read_ball"]
 
+_MOST_OPERATIONS = 200  # in the matrix of a quadratic form
 _KINKED = (sp.Abs, Pos, Neg, sp.Max, sp.Min, Norm, Where)
 
 
@@ -312,6 +313,8 @@ class _BallReader:
 
     def _semidefinite(self, matrix: sp.ImmutableMatrix) -> bool:
         """Positive semidefinite: the leading minors of the rows that see something independent are positive (Sylvester); whether all do."""
+        if sum(entry.count_ops() for entry in matrix) > _MOST_OPERATIONS:
+            raise UnreadError  # SymPy would reduce it for minutes
         kept = list(matrix.rref(simplify=True)[1])
         block = matrix[kept, kept]
         for k in range(1, len(kept) + 1):
