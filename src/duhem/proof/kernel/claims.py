@@ -138,10 +138,10 @@ def _at(law: StatedLaw, point: Mapping[str, str]) -> Facts:
     return facts(law.g.put({Term("name", name=f): value for f, value in place.items()}), domain)
 
 
-def _at_zero(law: StatedLaw) -> list[Facts]:
+def _at_zero(law: StatedLaw) -> Iterator[Facts]:
     """g at the origin, as its text says it, and by continuity; what jumps beside a limit has none."""
-    domain = over(law)
-    return [_at(law._replace(g=g), {}) for g in (law.g, *(g for g in law.once(obligations.limits) if not chooses(g, domain)))]
+    yield _at(law, {})
+    yield from (_at(law._replace(g=g), {}) for g in law.once(obligations.limits) if not chooses(g, over(law)))
 
 
 def _inside(law: StatedLaw, evidence: Evidence) -> bool:

@@ -60,8 +60,10 @@ def on_the_line(poly: Polynomial) -> Line | None:
 
 def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool = False) -> bool:
     """Whether P >= 0, or P > 0, where the variable is ``between`` the ends and the constants are what they may be."""
-    known = _nonnegative_in_ranges(poly, between, domain, strict)
-    return known or (bool(domain.law.constraints) and not strict and _nonnegative_with_constraints(poly, between, domain, _MOST_HALVINGS))
+    if _nonnegative_in_ranges(poly, between, domain, strict):
+        return True
+    moving = any(x == RAY for m in poly for x, _ in m)  # of a constant the constraints are asked by who asks for its sign
+    return bool(moving and domain.law.constraints) and not strict and _nonnegative_with_constraints(poly, between, domain, _MOST_HALVINGS)
 
 
 def _nonnegative_with_constraints(poly: Polynomial, between: Interval, domain: StatedDomain, halvings: int) -> bool:
