@@ -281,4 +281,4 @@ def test_the_kernel_needs_nothing_but_itself(certificates: dict[str, dict[str, A
 def test_tampering_confirms_nothing_that_is_false(count: int, certificates: dict[str, dict[str, Any]]) -> None:
     found = tampering(certificates, count, 3)
     assert found.wrong == ()
-    assert found.refused > count / 4 and found.other_laws > count / 40  # else nothing was asked
+    assert found.refused > count / 4 and found.other_laws > count / 60  # else nothing was asked; most tamperings are of labels

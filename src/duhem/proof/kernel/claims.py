@@ -14,6 +14,7 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
+from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.pieces import chooses
@@ -73,7 +74,7 @@ def _objection_in_cases(
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons = set[str]()
     try:
-        for form in _forms(law):
+        for form in _forms(claim, law):
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
@@ -85,11 +86,17 @@ def _objection_in_cases(
     return max(reasons)
 
 
-def _forms(law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
-    """The law as written; with the same K, the same boundary and a simpler g, if there is one."""
+def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
+    """The law as written; with the same K, the same boundary and a simpler g, if there is one; both in principal stresses.
+
+    What K's support function is, is said of all components.
+    """
     yield law
-    if isinstance(law, StatedLaw) and (simpler := without_outer_map(law)) != law:
-        yield simpler
+    if isinstance(law, StatedLaw):
+        if (simpler := without_outer_map(law)) != law:
+            yield simpler
+        if claim not in ("duality", "state_laws") and (principal := in_principal_stresses(simpler)) is not None:
+            yield principal
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:

@@ -8,17 +8,20 @@ with a convex profile or of which the others leave one side.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from fractions import Fraction
+from math import prod
 
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.one_side import left_on_one_side
 from duhem.proof.kernel.product_bound import convex_below_a_product
 from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.shape import Shown
-from duhem.proof.kernel.term import Term, minus
+from duhem.proof.kernel.term import Term, factors, minus, number, product_of
 
 __all__ = ["convex_in_its_region", "loads_and_others", "where_loads_allow"]
 
 Over = Callable[[StatedLaw], StatedDomain]
+_ONE = Fraction(1)
 
 
 def convex_in_its_region(law: StatedLaw, shown: Shown, over: Over) -> bool:
@@ -54,13 +57,18 @@ def loads_and_others(g: Term, domain: StatedDomain, shown: Shown) -> tuple[list[
     return loads, [part for part in parts if part not in loads]
 
 
-def _greatest(term: Term) -> Iterator[Term]:
-    """What a maximum is taken of."""
-    if term.op != "max":
-        yield term
+def _greatest(term: Term, scale: Fraction = _ONE) -> Iterator[Term]:
+    """What a maximum is taken of, times a number ``scale``: c max(a, b) = max(c a, c b) for c > 0, as in -(-max(a, b))."""
+    if term.op == "*":
+        numbers = [f for f in factors(term) if f.op == "number"]
+        others = [f for f in factors(term) if f.op != "number"]
+        if len(others) == 1 and others[0].op == "max":
+            scale, term = prod((f.value for f in numbers), start=scale), others[0]
+    if term.op != "max" or scale <= 0:
+        yield term if scale == 1 else product_of(number(scale), term)
         return
     for a in term.args:
-        yield from _greatest(a)
+        yield from _greatest(a, scale)
 
 
 def _under_logarithms(part: Term, domain: StatedDomain) -> Iterator[Term]:
