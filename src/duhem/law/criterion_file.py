@@ -127,13 +127,13 @@ class _CriterionReader(SectionReader):
         constraints, texts = self.constraints(parameters, define)
         law = ParametricCriterion(
             name=self.line("criterion", "name"),
-            boundary=tuple(x for _, x in boundary),  # type: ignore[arg-type]  # counted there
+            boundary=tuple(x for _, x in boundary),
             parameters=domains,
             forces=tuple(forces),
             pressure=pressure,
             angle=angle,
             constraints=constraints,
-            flow=tuple(x for _, x in flow) or None,  # type: ignore[arg-type]
+            flow=tuple(x for _, x in flow) or None,
             written=tuple(text for text, _ in (*boundary, *flow)),
             written_constraints=texts,
             summary=self.line("criterion", "summary", required=False),

@@ -128,15 +128,15 @@ class ParametricCriterion(Verbatim, ShownLaw):
         old = self.symbols()
         swap = {old[name]: domain.symbol(name) for name, domain in domains.items()}
         known = tuple((name, swap.get(x, x)) for name, x in old.items())
-        parts = [moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True)]
+        one, two, *flow = (moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True))
         constraints, texts = moved_relations(self.constraints, self.written_constraints, swap, known)
         return replace(
             self,
-            boundary=parts[:2],
+            boundary=(one, two),
             parameters=domains,
             constraints=constraints,
             written_constraints=texts,
-            flow=None if self.flow is None else parts[2:],
+            flow=None if self.flow is None else (flow[0], flow[1]),
         )
 
 

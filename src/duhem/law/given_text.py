@@ -39,7 +39,7 @@ def moved(expr: sp.Basic, text: str, swap: Mapping[sp.Symbol, sp.Symbol], known:
 
 
 def relations(given: Any, written: Sequence[str], known: Mapping[str, sp.Symbol], law: str, short: Abbreviations = NONE) -> Relations:
-    """The constraints of a law, texts or SymPy's comparisons, with what was ``written``; without those of SymPy's that hold of themselves."""
+    """The constraints of a law, texts or SymPy's comparisons, with what was ``written``; without SymPy's own that hold of themselves."""
     where, found = f"constraint of {law}", []
     for c, text in zip(listed(given, "constraints", law), chain(written, repeat("")), strict=False):
         as_text = isinstance(c, str)
@@ -52,7 +52,7 @@ def relations(given: Any, written: Sequence[str], known: Mapping[str, sp.Symbol]
 def moved_relations(
     given: tuple[Relational, ...], written: tuple[str, ...], swap: Mapping[sp.Symbol, sp.Symbol], known: tuple[tuple[str, sp.Symbol], ...]
 ) -> Relations:
-    """Constraints over other symbols, without those that hold of themselves now, but for one whose text may have no value: it asks for that."""
+    """Constraints over other symbols; what holds of itself now is kept where its text asks for more, as e/e <= 1 does."""
     kept = [
         (moved(c, text, swap, known), text)
         for c, text in zip(given, written, strict=True)

@@ -16,7 +16,6 @@ from duhem.law.curve_law import Law
 from duhem.proof.decide import Answer, Budget, Question, Sense, decide
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.statement.obligations import Obligation, obligations
-from duhem.proof.statement.problem import texts
 
 __all__ = ["Subject", "fact"]
 
@@ -66,10 +65,11 @@ class Subject(ABC):
         values = table | {name: domain.value for name, domain in law.parameters.items() if domain.value is not None}
         fixed = {table[name]: values[name] for name in law.parameters}
         given = tuple(r for x, domain in free for r in domain.relations(x))
-        stated = [
-            (tuple(obligations(parse_as_written(text, values))), c.xreplace(fixed))
-            for text, c in zip(texts(law, law.constraints, law.written_constraints), law.constraints, strict=True)
-        ]
+        trees = (
+            parse_as_written(text, values) if text else c.xreplace(fixed)
+            for c, text in zip(law.constraints, law.written_constraints, strict=True)
+        )
+        stated = [(tuple(obligations(tree)), c.xreplace(fixed)) for tree, c in zip(trees, law.constraints, strict=True)]
         while stated:
             shown = [(needs, c) for needs, c in stated if all(self._met(need, given) for need in needs)]
             if not shown:
