@@ -260,7 +260,8 @@ class CurveSubject(Subject):
         The number of turns cannot change over a connected domain; one without constraints is a product of intervals.  Where no free
         parameter enters the boundary it is one number.
         """
-        if self.shaped_by_parameters and (self.law.constraints or any(x.has(Where) for x in self.boundary)):
+        cut = any(c.func(*c.args) != sp.true for c in self.law.constraints)  # one that holds of itself leaves all of the domain
+        if self.shaped_by_parameters and (cut or any(x.has(Where) for x in self.boundary)):
             return False
         if self.positive(sign) is None:
             return False
