@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import sympy as sp
+from sympy.core.relational import Relational
 
 __all__ = ["UNDEFINED", "defined_at", "holds_at"]
 
@@ -23,6 +24,7 @@ def defined_at(expr: sp.Expr, place: Mapping[sp.Symbol, sp.Expr]) -> sp.Expr | N
 def holds_at(relation: sp.Basic, place: Mapping[sp.Symbol, sp.Expr]) -> bool:
     """Whether a relation holds with values put in; it does not hold where a part of it has no value."""
     try:
-        return relation.subs(place) in (sp.true, True)
+        found = relation.subs(place)
+        return (found.func(*found.args) if isinstance(found, Relational) else found) in (sp.true, True)  # 1 <= 1 may be kept as it stands
     except (ValueError, TypeError):  # SymPy compares nothing with what is no real number
         return False

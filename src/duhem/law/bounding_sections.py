@@ -86,8 +86,10 @@ class BoundingSections:
         return "[" + ", ".join(f'"{f}"' for f in self.forces) + "]"
 
 
-def curve(toml: SectionReader, key: str, angle: sp.Symbol, known: Mapping[str, sp.Symbol], short: Abbreviations) -> tuple[sp.Expr, sp.Expr]:
-    """The two components in [boundary], which close because the angle enters by its cosine and sine only."""
+def curve(
+    toml: SectionReader, key: str, angle: sp.Symbol, known: Mapping[str, sp.Symbol], short: Abbreviations
+) -> list[tuple[str, sp.Expr]]:
+    """The two components in [boundary] with their texts; they close because the angle enters by its cosine and sine only."""
     example = f'["cos({angle})", "sin({angle})"]'
     if key not in toml.table("boundary"):
         raise toml.error(f"[boundary] has no {key}", "boundary", remedy=f"add {key} = {example}")
@@ -99,4 +101,4 @@ def curve(toml: SectionReader, key: str, angle: sp.Symbol, known: Mapping[str, s
         if not closes(expr, angle):
             remedy = f"write it in cos({angle}) and sin({angle}), multiples of the angle expanded"
             raise toml.error(f"{key} uses {angle} otherwise than as cos({angle}) and sin({angle})", *entry, remedy=remedy)
-    return found[0], found[1]
+    return [(toml.written(*entry, short=short), expr) for entry, expr in zip(entries, found, strict=True)]

@@ -13,19 +13,19 @@ from os import PathLike
 from typing import Any
 
 import sympy as sp
-from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
 from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.invariants import Stress
-from duhem.expression.parse import parse_relation
+from duhem.expression.parse import parse_relation, written_out
 from duhem.expression.spelling import spelled
 from duhem.law.bounding_sections import BoundingSections, curve
 from duhem.law.curve_law import ANGLE, Law, ParametricCriterion
 from duhem.law.definitions import Definitions, PlacedFormula, definitions
 from duhem.law.domain import POSITIVE, Domain, range_fault
 from duhem.law.formula_law import FORCES, PRESSURE, Criterion
+from duhem.law.given_text import Relations
 from duhem.law.parameter_domain import check_domain
 from duhem.law.placed_toml import parsed, text_of
 from duhem.law.section_reader import SectionReader
@@ -83,7 +83,7 @@ class _CriterionReader(SectionReader):
         bounding = BoundingSections(self, forces, known, define.short)
         surfaces = bounding.surfaces()
         whole = YieldSurface(sp.nan) if surfaces else bounding.whole()
-        constraints = self.constraints(parameters, define)
+        constraints, texts = self.constraints(parameters, define)
         domain = self.ranges(forces, pressure)
         try:
             law = Criterion(
@@ -98,6 +98,7 @@ class _CriterionReader(SectionReader):
                 source=self.line("criterion", "source", required=False),
                 written=whole.written,
                 written_flow=whole.written_flow,
+                written_constraints=texts,
                 stress=stress,
                 define=define,
                 potential=whole.potential,
@@ -121,15 +122,20 @@ class _CriterionReader(SectionReader):
         parameters = {p: domain.symbol(p) for p, domain in domains.items()}
         known = {angle: symbol(angle), **parameters}
         define = self.definitions(known, None)
+        boundary = curve(self, "T", known[angle], known, define.short)
+        flow = curve(self, "direction", known[angle], known, define.short) if "direction" in self.table("boundary") else []
+        constraints, texts = self.constraints(parameters, define)
         law = ParametricCriterion(
             name=self.line("criterion", "name"),
-            boundary=curve(self, "T", known[angle], known, define.short),
+            boundary=tuple(x for _, x in boundary),
             parameters=domains,
             forces=tuple(forces),
             pressure=pressure,
             angle=angle,
-            constraints=self.constraints(parameters, define),
-            flow=curve(self, "direction", known[angle], known, define.short) if "direction" in self.table("boundary") else None,
+            constraints=constraints,
+            flow=tuple(x for _, x in flow) or None,
+            written=tuple(text for text, _ in (*boundary, *flow)),
+            written_constraints=texts,
             summary=self.line("criterion", "summary", required=False),
             source=self.line("criterion", "source", required=False),
         )
@@ -232,7 +238,7 @@ class _CriterionReader(SectionReader):
         except InputError as fault:
             raise self.error(f"{name}: {fault.what}", "parameters", name, remedy=fault.remedy) from None
 
-    def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions) -> tuple[Relational, ...]:
+    def constraints(self, parameters: Mapping[str, sp.Symbol], define: Definitions) -> Relations:
         given = self.document["criterion"].get("constraints", [])
         if not (isinstance(given, list) and all(isinstance(c, str) for c in given)):
             raise self.error(
@@ -240,4 +246,5 @@ class _CriterionReader(SectionReader):
             )
         placed = [self.formula("criterion", "constraints", i) for i in range(len(given))]
         short = define.short
-        return tuple(parse_relation(t, parameters, where=self.where, line=line, column=column, short=short) for t, line, column in placed)
+        found = [parse_relation(t, parameters, where=self.where, line=line, column=column, short=short) for t, line, column in placed]
+        return tuple(found), tuple(written_out(t, short) for t, _, _ in placed)

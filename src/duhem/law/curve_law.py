@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib import import_module
+from itertools import chain, repeat
 from typing import Any
 
 import sympy as sp
@@ -21,7 +22,8 @@ from duhem.expression.abbreviations import NONE
 from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import Verbatim
 from duhem.law.domain import POSITIVE, Domain, Domains
-from duhem.law.formula_law import FORCES, PRESSURE, Criterion, relations
+from duhem.law.formula_law import FORCES, PRESSURE, Criterion
+from duhem.law.given_text import moved, moved_relations, relations, text_of
 from duhem.law.registry import register
 from duhem.law.shown_law import ShownLaw
 from duhem.law.signature import argument_names, called, listed
@@ -39,7 +41,8 @@ class ParametricCriterion(Verbatim, ShownLaw):
     ``boundary``, ``flow`` and ``constraints`` are text in the vocabulary or SymPy expressions over :meth:`symbols`;
     boundary and flow may use the angle through its cosine and sine only, which closes the curve.  ``flow`` is the slip
     direction that goes with the point at the same angle; None means associated (normality rule).  ``instead`` names a
-    law to take where a formula is needed, ``derivation`` (``module:attribute``) what derives the curve.
+    law to take where a formula is needed, ``derivation`` (``module:attribute``) what derives the curve.  ``written`` and
+    ``written_constraints`` are the components, those of the boundary first, and the constraints as they were given, where that was text.
     """
 
     name: str
@@ -54,6 +57,8 @@ class ParametricCriterion(Verbatim, ShownLaw):
     source: str = ""
     instead: str = ""
     derivation: str = ""
+    written: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    written_constraints: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -67,12 +72,18 @@ class ParametricCriterion(Verbatim, ShownLaw):
                 "a boundary curve takes two forces and different names throughout", where=self.name, remedy="correct its names"
             )
         known = self.symbols()
-        put(self, "boundary", tuple(self._in_angle(x, known, "boundary") for x in listed(self.boundary, "boundary", self.name)))
-        put(self, "constraints", relations(self.constraints, known, self.name))
+        boundary = tuple(listed(self.boundary, "boundary", self.name))
+        flow = () if self.flow is None else tuple(listed(self.flow, "flow", self.name))
+        put(self, "boundary", tuple(self._in_angle(x, known, "boundary") for x in boundary))
+        constraints, texts = relations(self.constraints, self.written_constraints, known, self.name)
+        put(self, "constraints", constraints)
+        put(self, "written_constraints", texts)
         if self.flow is not None:
-            put(self, "flow", tuple(self._in_angle(x, known, "flow") for x in listed(self.flow, "flow", self.name)))
+            put(self, "flow", tuple(self._in_angle(x, known, "flow") for x in flow))
         if any(len(pair) != 2 for pair in (self.boundary, self.flow or (0, 0))):
             raise InputError("boundary and flow have two components each", where=self.name, remedy="give one expression per force")
+        parts = zip((*boundary, *flow), self.components(), chain(self.written, repeat("")), strict=False)
+        put(self, "written", tuple(text_of(given, expr, text, known, NONE) for given, expr, text in parts))
 
     def __hash__(self) -> int:
         return hash((self.name, self.boundary, self.forces, self.pressure, self.parameters, self.constraints, self.flow))
@@ -87,6 +98,10 @@ class ParametricCriterion(Verbatim, ShownLaw):
                 f"{what} uses {turn} otherwise than as cos({turn}) and sin({turn})", where=self.name, remedy="expand multiples of the angle"
             )
         return expr
+
+    def components(self) -> tuple[sp.Expr, ...]:
+        """Those of the boundary, then those of a flow."""
+        return (*self.boundary, *(self.flow or ()))
 
     def symbols(self) -> dict[str, sp.Symbol]:
         """Every declared name with its symbol: forces, pressure, angle, parameters, in this order."""
@@ -112,12 +127,16 @@ class ParametricCriterion(Verbatim, ShownLaw):
         domains = Domains(self.parameters).fixed(values, self.name)
         old = self.symbols()
         swap = {old[name]: domain.symbol(name) for name, domain in domains.items()}
+        known = tuple((name, swap.get(x, x)) for name, x in old.items())
+        one, two, *flow = (moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True))
+        constraints, texts = moved_relations(self.constraints, self.written_constraints, swap, known)
         return replace(
             self,
-            boundary=tuple(x.xreplace(swap) for x in self.boundary),
+            boundary=(one, two),
             parameters=domains,
-            constraints=tuple(c for c in (c.xreplace(swap) for c in self.constraints) if c != sp.true),
-            flow=None if self.flow is None else tuple(x.xreplace(swap) for x in self.flow),
+            constraints=constraints,
+            written_constraints=texts,
+            flow=None if self.flow is None else (flow[0], flow[1]),
         )
 
 

@@ -18,23 +18,23 @@ from sympy.core.relational import Relational
 
 from duhem.errors import InputError
 from duhem.expression import WORDS, symbol
-from duhem.expression.abbreviations import NONE, Abbreviations
+from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.extremes import greatest
-from duhem.expression.given import given_relation
 from duhem.expression.inert_number import inert_exponent
 from duhem.expression.invariants import Stress
-from duhem.expression.parse import parse_expression, parse_relation, reread
+from duhem.expression.parse import parse_expression
 from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import HASH, Verbatim
 from duhem.law.definitions import Definitions
 from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
+from duhem.law.given_text import moved, moved_relations, relations
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, check_shape, converted
 from duhem.law.shown_law import ShownLaw
 from duhem.law.signature import argument_names, called, listed
 from duhem.law.yield_surface import YieldSurface, as_expression
 
-__all__ = ["FORCES", "PRESSURE", "Criterion", "criterion", "relations"]
+__all__ = ["FORCES", "PRESSURE", "Criterion", "criterion"]
 
 FORCES = ("sigma_a", "sigma_b")
 PRESSURE = "sigma_n"
@@ -47,9 +47,9 @@ class Criterion(Verbatim, ShownLaw):
     ``g``, ``constraints`` and ``flow`` may be given as text in the vocabulary or as SymPy expressions over
     :meth:`symbols`; text is parsed safely, nothing in it is executed.  ``flow`` is the slip direction field, one
     expression per force; None means associated (normality rule, Antoni et al. 2007, Eq. 36); at an apex, where it may have no value, it is
-    any mean of its limits (Koiter 1953).  ``closed_form`` states the shape of K where the slip increment onto it has one.  ``written``
-    and ``written_flow`` are g and the flow as they were given, where that was text: an expression is simplified as it is built, and who
-    checks a proof wants what was stated.
+    any mean of its limits (Koiter 1953).  ``closed_form`` states the shape of K where the slip increment onto it has one.  ``written``,
+    ``written_flow`` and ``written_constraints`` are g, the flow and the constraints as they were given, where that was text: an expression
+    is simplified as it is built, and who checks a proof wants what was stated.
 
     ``stress`` declares a stress instead of ``forces``: its components are the forces, and its invariants are words.  ``define``
     maps local names to formulas, each in terms of those above it, for everything that is given as text.  ``potential`` is a formula
@@ -73,6 +73,7 @@ class Criterion(Verbatim, ShownLaw):
     closed_form: Shape | None = None
     written: str = field(default="", repr=False, compare=False)
     written_flow: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    written_constraints: tuple[str, ...] = field(default=(), repr=False, compare=False)
     stress: Stress | None = None
     define: Mapping[str, str] = Definitions()
     potential: str | None = None
@@ -95,7 +96,9 @@ class Criterion(Verbatim, ShownLaw):
         put(self, "define", define)
         short = define.short
         self._read_bounds(known, short)
-        put(self, "constraints", relations(self.constraints, known, self.name, short))
+        constraints, texts = relations(self.constraints, self.written_constraints, known, self.name, short)
+        put(self, "constraints", constraints)
+        put(self, "written_constraints", texts)
         put(self, "domain", Domains(self.domain))
         for name, own in self.domain.items():
             if fault := range_fault(name, own, self.forces, self.pressure):
@@ -228,21 +231,19 @@ def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:
 
     known = tuple((name, swap.get(x, x)) for name, x in old.items())
 
-    def moved(expr: sp.Basic, text: str = "") -> sp.Basic:
-        """The expression over the new symbols; a text that gave it is read anew, so that it stays the law's text."""
-        try:
-            return reread(text, known) if text else expr.xreplace(swap)
-        except InputError:  # as division by a parameter that is 0 now
-            return expr.xreplace(swap)
+    def here(expr: sp.Basic, text: str = "") -> sp.Basic:
+        return moved(expr, text, swap, known)
 
+    constraints, texts = moved_relations(law.constraints, law.written_constraints, swap, known)
     return replace(
         law,
-        g=sp.nan if law.surfaces else moved(law.g, law.written),
+        g=sp.nan if law.surfaces else here(law.g, law.written),
         parameters=domains,
-        constraints=tuple(c for c in map(moved, law.constraints) if c != sp.true),
-        flow=None if law.flow is None or law.potential else tuple(map(moved, law.flow, law.written_flow or repeat(""))),
-        surfaces=tuple(s.moved(moved) for s in law.surfaces),
-        closed_form=None if law.closed_form is None else converted(law.closed_form, moved),
+        constraints=constraints,
+        written_constraints=texts,
+        flow=None if law.flow is None or law.potential else tuple(map(here, law.flow, law.written_flow or repeat(""))),
+        surfaces=tuple(s.moved(here) for s in law.surfaces),
+        closed_form=None if law.closed_form is None else converted(law.closed_form, here),
     )
 
 
@@ -250,16 +251,6 @@ def _check_are_names(names: Sequence[Any], law: str) -> None:
     for name in names:
         if not isinstance(name, str) or not name.isidentifier():
             raise InputError(f"{name!r} is not a name", where=law, remedy="use letters, digits and underscores")
-
-
-def relations(given: Any, known: Mapping[str, sp.Symbol], law: str, short: Abbreviations = NONE) -> tuple[Relational, ...]:
-    """The constraints of a law, texts or SymPy's comparisons, without those that hold of themselves."""
-    where = f"constraint of {law}"
-    found = (
-        parse_relation(c, known, where=where, short=short) if isinstance(c, str) else given_relation(c, known.values(), where)
-        for c in listed(given, "constraints", law)
-    )
-    return tuple(c for c in found if c is not None)
 
 
 def _stress(given: Any, law: str) -> Stress | None:

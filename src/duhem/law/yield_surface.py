@@ -13,8 +13,9 @@ from duhem.errors import InputError
 from duhem.expression.abbreviations import Abbreviations
 from duhem.expression.given import given_formula
 from duhem.expression.gradient import gradient
-from duhem.expression.parse import parse_expression, reread, written_out
+from duhem.expression.parse import parse_expression, written_out
 from duhem.expression.verbatim import Verbatim
+from duhem.law.given_text import text_of
 from duhem.law.signature import listed
 
 __all__ = ["YieldSurface", "as_expression"]
@@ -38,13 +39,13 @@ class YieldSurface(Verbatim):
     def read(self, known: Mapping[str, sp.Symbol], forces: Sequence[sp.Symbol], short: Abbreviations, owner: str) -> YieldSurface:
         """The same with its texts read over the symbols ``known``; InputError names the ``owner`` of what cannot be."""
         g = self.g if self.g is sp.nan else as_expression(self.g, known, f"g of {owner}", short)
-        written = _text(self.g, g, self.written, known, short)
+        written = text_of(self.g, g, self.written, known, short)
         flow, written_flow = self.flow, self.written_flow
         if flow is not None:
             given = listed(flow, "flow", owner)
             flow = tuple(as_expression(c, known, f"flow of {owner}", short) for c in given)
             texts = zip(given, flow, self.written_flow or repeat(""), strict=False)
-            written_flow = tuple(_text(c, component, text, known, short) for c, component, text in texts)
+            written_flow = tuple(text_of(c, component, text, known, short) for c, component, text in texts)
         if self.potential is None:
             return YieldSurface(g, flow, None, written, written_flow)
         slip = _gradient(self.potential, known, forces, short, owner)
@@ -67,16 +68,6 @@ def as_expression(given: Any, known: Mapping[str, sp.Symbol], where: str, short:
     return (
         parse_expression(given, known, where=where, short=short) if isinstance(given, str) else given_formula(given, known.values(), where)
     )
-
-
-def _text(given: Any, expr: sp.Expr, written: str, known: Mapping[str, sp.Symbol], short: Abbreviations) -> str:
-    """What was given, if it is text; else what was ``written`` where that still gives the expression, and nothing where it does not."""
-    if isinstance(given, str):
-        return written_out(given, short)
-    try:
-        return written if written and reread(written, tuple(known.items())) == expr else ""
-    except InputError:  # as division by a parameter that was fixed at 0
-        return ""
 
 
 def _gradient(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from itertools import chain
 from typing import Any
@@ -10,7 +10,6 @@ from typing import Any
 import sympy as sp
 
 from duhem.expression import holds_at
-from duhem.expression.text import faithful
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
@@ -18,7 +17,7 @@ from duhem.law.parameter_domain import simple_points
 from duhem.law.yield_surface import YieldSurface
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import plain_choices, rationals
-from duhem.proof.statement.problem import as_written
+from duhem.proof.statement.problem import as_written, texts
 
 __all__ = ["admitted_values", "law_as_text"]
 
@@ -30,17 +29,14 @@ def law_as_text(law: Law) -> dict[str, Any]:
         "forces": list(law.forces),
         "pressure": law.pressure,
         "parameters": {name: _domain(domain) for name, domain in law.parameters.items()},
-        "constraints": _texts(law, law.constraints),
+        "constraints": texts(law, law.constraints, law.written_constraints),
         **(_curve(law) if isinstance(law, ParametricCriterion) else _formula(law)),
     }
 
 
 def _curve(law: ParametricCriterion) -> dict[str, Any]:
-    return {"angle": law.angle, "boundary": _texts(law, law.boundary), "flow": None if law.flow is None else _texts(law, law.flow)}
-
-
-def _texts(law: Law, given: Iterable[sp.Basic]) -> list[str]:
-    return [faithful(x, law.symbols().values()) for x in given]
+    parts = texts(law, law.components(), law.written)
+    return {"angle": law.angle, "boundary": parts[:2], "flow": None if law.flow is None else parts[2:]}
 
 
 def _formula(law: Criterion) -> dict[str, Any]:

@@ -102,6 +102,14 @@ def _unloaded(law: Criterion) -> Criterion | None:
     if g.has(sp.nan, sp.zoo, sp.oo, -sp.oo):
         return None
     try:
-        return Criterion(law.name, g, law.parameters, forces=law.forces, pressure=None, constraints=law.constraints)
+        return Criterion(
+            law.name,
+            g,
+            law.parameters,
+            forces=law.forces,
+            pressure=None,
+            constraints=law.constraints,
+            written_constraints=law.written_constraints,
+        )
     except InputError:  # no force is left in it
         return None

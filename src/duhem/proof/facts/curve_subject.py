@@ -15,6 +15,8 @@ from duhem.expression import UNDEFINED, defined_at, holds_at
 from duhem.expression.angles import algebraic_angles
 from duhem.expression.balls import certain_sign
 from duhem.expression.number import fraction
+from duhem.expression.parse import parse_as_written
+from duhem.expression.text import formula
 from duhem.expression.vocabulary import Where
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import Domain
@@ -24,11 +26,12 @@ from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
 from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, cross, normals
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.subject import Subject
-from duhem.proof.statement.obligations import Obligation, obligations
+from duhem.proof.statement.obligations import Obligation, obligations, with_algebraic_angles
 
 __all__ = ["CurveSubject"]
 
 _QUESTION_STEPS = 4_000_000
+_REMEDY = "narrow the parameters' domains, or add a constraint, so that no such values are admitted"
 _LOOKED_AT = 12  # parameter values at which it is seen whether the law has a value
 _MOST_VARIABLES = 6  # a question with more, radicals included, is beyond the deciders
 
@@ -55,8 +58,17 @@ class CurveSubject(Subject):
                         raise InputError(
                             f"the {what} has no value{f' at {named}' if named else ''}",
                             where=self.law.name,
-                            remedy="narrow the parameters' domains, or add a constraint, so that no such values are admitted",
+                            remedy=_REMEDY,
                         )
+            for text, need in ((text, need) for text, needs in self._stated for need in needs):
+                if need.symbols() <= set(at) and need.broken(at):
+                    named = ", ".join(f"{x} = {at[x]}" for x in sorted(need.symbols(), key=str))
+                    what = f"{text!r} {need.does} {formula(need.expr)}, which has no value{f' at {named}' if named else ''}"
+                    raise InputError(what, where=self.law.name, remedy=_REMEDY)
+
+    def may_prove(self, claim: str) -> bool:
+        """Whether a proof counts; one of a curve that may have no value somewhere would be of another law."""
+        return super().may_prove(claim) and self.defined
 
     @cached_property
     def sense(self) -> int:
@@ -219,16 +231,28 @@ class CurveSubject(Subject):
     def defined(self) -> bool:
         """Whether boundary and flow are shown to have a value at every angle and for every parameter value.
 
-        It is asked of both as they stand: in a product of the two, what one of them divides by may cancel.
+        It is asked of both as they stand, or were written: in a product of the two, what one of them divides by may cancel.
         """
         needed = dict.fromkeys(o for x in (*self.boundary, *(self.flow or ())) for o in obligations(x))
-        return all(self._met(o) for o in needed)
+        stated = dict.fromkeys(need for _, needs in self._stated for need in needs)
+        return all(map(self._everywhere, needed)) and all(self._everywhere(self._need_here(need)) for need in stated)
 
-    def _met(self, obligation: Obligation) -> bool:
+    @cached_property
+    def _stated(self) -> tuple[tuple[str, tuple[Obligation, ...]], ...]:
+        """The components that were given as text, with what those ask of their parts, in the law's symbols."""
+        known = self.law.symbols()
+        return tuple((text, tuple(obligations(with_algebraic_angles(parse_as_written(text, known))))) for text in self.law.written if text)
+
+    def _need_here(self, need: Obligation) -> Obligation:
+        return need._replace(expr=self._here(self._in_angle(need.expr)), instead=tuple(map(self._need_here, need.instead)))
+
+    def _everywhere(self, obligation: Obligation) -> bool:
         """Whether it is shown; what holds in one branch of a ``where`` alone is asked of all angles."""
         expr, sense = obligation.expr, obligation.sense
+        if expr.has(*UNDEFINED):
+            return False
         whole = self.ask(expr**2, Sense.POSITIVE) if sense is Sense.ZERO else self.ask(expr, sense)
-        return whole.method != "" or (bool(obligation.instead) and all(map(self._met, obligation.instead)))
+        return whole.method != "" or (bool(obligation.instead) and all(map(self._everywhere, obligation.instead)))
 
     def turns_once(self, derivative: int, sign: Quantity) -> bool:
         """Whether T (0) or T' (1), which never vanishes where ``sign`` > 0, turns once, for every parameter value.
@@ -236,7 +260,8 @@ class CurveSubject(Subject):
         The number of turns cannot change over a connected domain; one without constraints is a product of intervals.  Where no free
         parameter enters the boundary it is one number.
         """
-        if self.shaped_by_parameters and (self.law.constraints or any(x.has(Where) for x in self.boundary)):
+        cut = any(c.func(*c.args) != sp.true for c in self.law.constraints)  # one that holds of itself leaves all of the domain
+        if self.shaped_by_parameters and (cut or any(x.has(Where) for x in self.boundary)):
             return False
         if self.positive(sign) is None:
             return False

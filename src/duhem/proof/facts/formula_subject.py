@@ -80,7 +80,8 @@ class FormulaSubject(Subject):
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof counts; one of a formula that may be undefined somewhere would be of another law."""
-        return claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
+        told = claim == "state_laws" or not (self.doubtful or (claim in _OF_THE_FLOW and self.doubtful_flow))
+        return told and self.constraints_defined
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
         """Whether all of them lie in the ranges of the law; a corner well within, where both of its sides do."""

@@ -5,12 +5,17 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
-from functools import wraps
+from functools import cached_property, wraps
 from typing import Any, TypeVar
 
+import sympy as sp
+
+from duhem.expression import UNDEFINED
+from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
-from duhem.proof.decide import Answer, Budget, Question, decide
+from duhem.proof.decide import Answer, Budget, Question, Sense, decide
 from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.statement.obligations import Obligation, obligations
 
 __all__ = ["Subject", "fact"]
 
@@ -50,7 +55,37 @@ class Subject(ABC):
 
     def may_prove(self, claim: str) -> bool:
         """Whether a proof of the claim by any method counts."""
+        return self.constraints_defined
+
+    @cached_property
+    def constraints_defined(self) -> bool:
+        """Whether each constraint as written has a value where the ranges hold, with those that are shown to have one before it."""
+        law, table = self.law, self.law.symbols()
+        free = [(table[name], domain) for name, domain in law.parameters.items() if domain.value is None]
+        values = table | {name: domain.value for name, domain in law.parameters.items() if domain.value is not None}
+        fixed = {table[name]: values[name] for name in law.parameters}
+        given = tuple(r for x, domain in free for r in domain.relations(x))
+        trees = (
+            parse_as_written(text, values) if text else c.xreplace(fixed)
+            for c, text in zip(law.constraints, law.written_constraints, strict=True)
+        )
+        stated = [(tuple(obligations(tree)), c.xreplace(fixed)) for tree, c in zip(trees, law.constraints, strict=True)]
+        while stated:
+            shown = [(needs, c) for needs, c in stated if all(self._met(need, given) for need in needs)]
+            if not shown:
+                return False
+            given += tuple(c for _, c in shown if c.func(*c.args) not in (sp.true, sp.false))
+            stated = [pair for pair in stated if pair not in shown]
         return True
+
+    def _met(self, need: Obligation, given: tuple[sp.Basic, ...]) -> bool:
+        """Whether it is shown for parameters alone."""
+        expr = need.expr**2 if need.sense is Sense.ZERO else need.expr
+        sense = Sense.NONNEGATIVE if need.sense is Sense.NONNEGATIVE else Sense.POSITIVE
+        whole = (*given, *need.given)
+        if not any(x.has(*UNDEFINED) for x in (expr, *whole)) and self.decided(Question(expr, sense, whole)).holds is True:
+            return True
+        return bool(need.instead) and all(self._met(other, given) for other in need.instead)
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
         """Whether a violation of the claim at exact points, by name, lies where the claim is asked."""

@@ -7,7 +7,7 @@ violation of the law as written.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import Any, NamedTuple
@@ -22,12 +22,13 @@ from duhem.expression.lineality import invariant_directions
 from duhem.expression.parse import parse_as_written
 from duhem.expression.text import faithful
 from duhem.expression.weights import removable
+from duhem.law.curve_law import Law
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.law.yield_surface import YieldSurface
 from duhem.proof.statement.obligations import with_algebraic_angles
 
-__all__ = ["Face", "Problem", "as_written", "faces", "state"]
+__all__ = ["Face", "Problem", "as_written", "faces", "state", "texts"]
 
 
 class Face(NamedTuple):
@@ -182,9 +183,13 @@ def faces(law: Criterion) -> tuple[Face, ...]:
 def as_written(law: Criterion, surface: Criterion | YieldSurface | None = None) -> tuple[str, ...]:
     """The formula and the flow of the law, or of a surface: the texts that were given, else what the law's expressions are printed as."""
     stated = surface or law
-    expressions, texts = (stated.g, *(stated.flow or ())), (stated.written, *stated.written_flow)
-    given = zip_longest(expressions, texts[: len(expressions)], fillvalue="")
-    return tuple(text or faithful(expr, law.symbols().values()) for expr, text in given)
+    return tuple(texts(law, (stated.g, *(stated.flow or ())), (stated.written, *stated.written_flow)))
+
+
+def texts(law: Law, expressions: Sequence[sp.Basic], written: Sequence[str]) -> list[str]:
+    """The texts that were given for expressions of a law, else what these are printed as."""
+    given = zip_longest(expressions, written[: len(expressions)], fillvalue="")
+    return [text or faithful(expr, law.symbols().values()) for expr, text in given]
 
 
 def _trees(law: Criterion, stated: Criterion | YieldSurface, values: Mapping[str, sp.Expr]) -> list[sp.Expr]:

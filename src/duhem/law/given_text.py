@@ -1,0 +1,71 @@
+"""What a law was given as text stays text: beside the expression, which is simplified as it is built, for whoever checks a proof."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import chain, repeat
+from typing import Any
+
+import sympy as sp
+from sympy.core.relational import Relational
+
+from duhem.errors import InputError
+from duhem.expression.abbreviations import NONE, Abbreviations
+from duhem.expression.given import given_relation
+from duhem.expression.parse import parse_as_written, parse_relation, reread, written_out
+from duhem.law.signature import listed
+
+__all__ = ["Relations", "moved", "moved_relations", "relations", "text_of"]
+
+Relations = tuple[tuple[Relational, ...], tuple[str, ...]]  # constraints, each with its text or ""
+
+
+def text_of(given: Any, expr: sp.Basic, written: str, known: Mapping[str, sp.Symbol], short: Abbreviations) -> str:
+    """What was given, if it is text; else what was ``written`` where that still gives the expression, and nothing where it does not."""
+    if isinstance(given, str):
+        return written_out(given, short)
+    try:
+        return written if written and _read(written, expr, tuple(known.items())) == expr else ""
+    except InputError:  # as division by a parameter that was fixed at 0
+        return ""
+
+
+def moved(expr: sp.Basic, text: str, swap: Mapping[sp.Symbol, sp.Symbol], known: tuple[tuple[str, sp.Symbol], ...]) -> sp.Basic:
+    """The expression over other symbols of the same names; a text that gave it is read anew, so that it stays the law's text."""
+    try:
+        return _read(text, expr, known) if text else expr.xreplace(swap)
+    except InputError:  # as division by a parameter that is 0 now
+        return expr.xreplace(swap)
+
+
+def relations(given: Any, written: Sequence[str], known: Mapping[str, sp.Symbol], law: str, short: Abbreviations = NONE) -> Relations:
+    """The constraints of a law, texts or SymPy's comparisons, with what was ``written``; without SymPy's own that hold of themselves."""
+    where, found = f"constraint of {law}", []
+    for c, text in zip(listed(given, "constraints", law), chain(written, repeat("")), strict=False):
+        as_text = isinstance(c, str)
+        relation = parse_relation(c, known, where=where, short=short) if as_text else given_relation(c, known.values(), where)
+        if relation is not None:
+            found.append((relation, text_of(c, relation, text, known, short)))
+    return tuple(relation for relation, _ in found), tuple(text for _, text in found)
+
+
+def moved_relations(
+    given: tuple[Relational, ...], written: tuple[str, ...], swap: Mapping[sp.Symbol, sp.Symbol], known: tuple[tuple[str, sp.Symbol], ...]
+) -> Relations:
+    """Constraints over other symbols; what holds of itself now is kept where its text asks for more, as e/e <= 1 does."""
+    kept = [
+        (moved(c, text, swap, known), text)
+        for c, text in zip(given, written, strict=True)
+        if c.xreplace(swap) != sp.true or (text and not _polynomial(parse_as_written(text, dict(known))))
+    ]
+    return tuple(c for c, _ in kept), tuple(text for _, text in kept)
+
+
+def _read(text: str, expr: sp.Basic, known: tuple[tuple[str, sp.Symbol], ...]) -> sp.Basic:
+    return parse_relation(text, dict(known)) if isinstance(expr, Relational) else reread(text, known)
+
+
+def _polynomial(tree: sp.Basic) -> bool:
+    """Whether a comparison as written is one of polynomials, which have a value everywhere."""
+    powers = (x for x in sp.preorder_traversal(tree) if x.args and not isinstance(x, sp.Add | sp.Mul | Relational))
+    return all(isinstance(x, sp.Pow) and x.exp.is_Integer and x.exp.is_nonnegative for x in powers)
