@@ -59,6 +59,7 @@ class ParametricCriterion(Verbatim, ShownLaw):
     derivation: str = ""
     written: tuple[str, ...] = field(default=(), repr=False, compare=False)
     written_constraints: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    _whole: ParametricCriterion | None = field(init=False, default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -130,7 +131,7 @@ class ParametricCriterion(Verbatim, ShownLaw):
         known = tuple((name, swap.get(x, x)) for name, x in old.items())
         one, two, *flow = (moved(x, text, swap, known) for x, text in zip(self.components(), self.written, strict=True))
         constraints, texts = moved_relations(self.constraints, self.written_constraints, swap, known)
-        return replace(
+        part = replace(
             self,
             boundary=(one, two),
             parameters=domains,
@@ -138,6 +139,14 @@ class ParametricCriterion(Verbatim, ShownLaw):
             written_constraints=texts,
             flow=None if self.flow is None else (flow[0], flow[1]),
         )
+        whole = self._whole or self
+        object.__setattr__(part, "_whole", whole if domains != whole.parameters else None)
+        return part
+
+    @property
+    def whole(self) -> ParametricCriterion | None:
+        """The law of which this one is a part, by :meth:`fix`: what holds of it holds here; None where it is none."""
+        return self._whole
 
 
 def closes(expr: sp.Expr, angle: sp.Symbol) -> bool:

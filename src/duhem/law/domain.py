@@ -68,6 +68,13 @@ class Domain:
         above = self.low is None or (number > 0 if self.positive else number >= self.low)
         return bool(above and (self.high is None or number <= self.high))
 
+    def covers(self, other: Domain) -> bool:
+        """Whether every value in ``other`` lies in this domain."""
+        if self.positive and not (other.positive or (other.low is not None and other.low > 0)):
+            return False
+        above = self.low is None or (other.low is not None and other.low >= self.low)
+        return bool(above and (self.high is None or (other.high is not None and other.high <= self.high)))
+
     def symbol(self, name: str) -> sp.Symbol:
         """The parameter as a symbol that knows its sign."""
         if self.positive or (self.low is not None and self.low > 0):
@@ -138,6 +145,10 @@ class Domains(FrozenMapping[str, Domain]):
     """The domains of a law's parameters by name, in order."""
 
     __slots__ = ()
+
+    def cover(self, others: Mapping[str, Domain]) -> bool:
+        """Whether each of the others, of the same names, is a part of the one of its name."""
+        return all(domain.covers(others[name]) for name, domain in self.items())
 
     def __init__(self, content: Mapping[str, Domain] | None = None) -> None:
         super().__init__(by_name(content, "a domain"))

@@ -80,6 +80,7 @@ class Criterion(Verbatim, ShownLaw):
     domain: Mapping[str, Domain] = Domains()
     surfaces: tuple[YieldSurface, ...] = ()
     _symbols: Mapping[str, sp.Symbol] = field(init=False, repr=False, compare=False)
+    _whole: Criterion | None = field(init=False, default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -216,11 +217,21 @@ class Criterion(Verbatim, ShownLaw):
 
     def fix(self, values: Mapping[str, Any] | None) -> Criterion:
         """The same law with some parameters fixed; a value outside its domain is an error."""
-        return _over(self, Domains(self.parameters).fixed(values, self.name))
+        return self._over(Domains(self.parameters).fixed(values, self.name))
 
     def within(self, ranges: Mapping[str, Domain]) -> Criterion:
         """The same law over other domains of some of its parameters."""
-        return _over(self, Domains({**self.parameters, **ranges}))
+        return self._over(Domains({**self.parameters, **ranges}))
+
+    def _over(self, domains: Domains) -> Criterion:
+        part, whole = _over(self, domains), self._whole or self
+        object.__setattr__(part, "_whole", whole if domains != whole.parameters and whole.parameters.cover(domains) else None)
+        return part
+
+    @property
+    def whole(self) -> Criterion | None:
+        """The law of which this one is a part, by :meth:`fix` or :meth:`within`: what holds of it holds here; None where it is none."""
+        return self._whole
 
 
 def _over(law: Criterion, domains: Mapping[str, Domain]) -> Criterion:

@@ -134,9 +134,8 @@ def verify(
     What a claim may cost is counted in steps, not by a clock; ``effort`` quick, normal or thorough multiplies them.
     Raises InputError for an unknown law, parameter, claim or effort, and for values outside the domain.
     """
-    whole: Law = load(law)
-    criterion: Law = whole.fix(parameters)
-    examined = _examined(criterion, claims, effort, on_claim, on_method, None if criterion.parameters == whole.parameters else whole)
+    criterion: Law = load(law).fix(parameters)
+    examined = _examined(criterion, claims, effort, on_claim, on_method, criterion.whole)
     parts = (
         *not_needed(criterion, [evidence.verdict for evidence in examined.settled.values()]),
         *(LeftOut(f"claim {name}", "not asked for") for name in CLAIMS if name not in examined.wanted),

@@ -80,9 +80,9 @@ def _verdict(law: Criterion | None) -> str:
         path = kept_verdicts.place(law, f"convexity {_EFFORT}")
         if path is not None and (found := kept_verdicts.recalled(path)):
             return found
-        from duhem.proof.verification import verify
+        from duhem.proof.verification import claim_results
 
-        found = verify(law, claims="convexity", effort=_EFFORT)["convexity"].verdict.value
+        found = claim_results(law, "convexity", _EFFORT)[0].verdict.value
     except DuhemError:  # undefined somewhere, or no numbers at all
         return ""
     if path is not None:
