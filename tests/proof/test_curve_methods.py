@@ -97,6 +97,13 @@ def test_over_a_range_of_parameters(most: str, true: str) -> None:
     assert "o" in proved and ("c" in proved) is ("c" in true)
 
 
+@pytest.mark.parametrize("word", ["cos(phi)*abs(cos(phi))", "max(cos(phi), -1)*cos(phi)**2", "cos(phi)**3 + pos(cos(phi))**3"])
+def test_a_curve_whose_derivatives_may_jump_gets_a_verdict(word: str) -> None:
+    """Its second derivative has parts to which no arithmetic here gives a meaning: nothing is said of its sign, and nothing breaks."""
+    curve = ParametricCriterion("kinked", boundary=(f"m*{word}", "m*sin(phi)**3"), parameters={"m": Domain(positive=True)})
+    assert verify(curve, claims="origin")["origin"].verdict is not Verdict.REFUTED
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("root", "analytic"), [("sqrt(2 + cos(phi))", True), ("sqrt(e + 1/10 + cos(phi)**2)", True), ("sqrt(e + 1 + cos(phi))", False)]

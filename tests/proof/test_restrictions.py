@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import pickle
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from duhem import recheck, verify
+from duhem import Domain, load, recheck, verify
+from duhem.law.domain import REAL
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.certificate import digest
 from duhem.proof.verdict import Trust
@@ -28,6 +31,25 @@ def test_one_claim_alone_keeps_its_trust(claim: str) -> None:
     """What its rule rests on is proved on the way, and is in the certificate."""
     found = verify("puck", claims=claim)
     assert found[claim].trust is Trust.CHECKED and recheck(found.certificate())[claim].confirmed
+
+
+@pytest.mark.slow
+def test_a_part_by_ranges_is_proved_with_the_whole() -> None:
+    part = load("superellipse").within({"mu_a": Domain.between("1/5", "1/2"), "p": Domain.fixed("109/100")})
+    found = verify(part, claims="duality")
+    assert found["duality"].trust is Trust.CHECKED and recheck(found.certificate()).ok
+
+
+def test_a_law_knows_what_it_is_a_part_of() -> None:
+    """Only where its domains are narrower, and only as long as nothing else of it is changed."""
+    law = load("superellipse")
+    part = law.within({"p": Domain.between(2, 4)}).fix({"p": 3})
+    assert part.whole == law and pickle.loads(pickle.dumps(part)).whole == law
+    assert law.whole is None and law.fix({}).whole is None
+    assert law.within({"mu_a": REAL}).whole is None and part.within({"p": Domain.between(1)}).whole is None
+    assert replace(part, g="norm(sigma_a, sigma_b) - mu_a*mu_b*p").whole is None
+    curve = load("limacon")
+    assert curve.fix({"e": "1/5"}).whole == curve and curve.whole is None
 
 
 @pytest.fixture

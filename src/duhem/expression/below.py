@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from duhem.expression.vocabulary import Neg, Pos, Where
+from duhem.expression.vocabulary import KINKS, Neg, Pos, Where
 
 __all__ = ["smooth_below"]
 
-_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 _MOST = 32
 
 
@@ -24,7 +23,7 @@ def smooth_below(expr: sp.Expr) -> tuple[sp.Expr, ...]:
 
 
 def _smaller(expr: sp.Expr) -> Iterator[sp.Expr]:
-    if not expr.has(*_KINKS):
+    if not expr.has(*KINKS):
         yield expr
         return
     for term in sp.Add.make_args(expr):

@@ -17,7 +17,7 @@ import sympy as sp
 
 from duhem.expression.matrices import rows
 
-__all__ = ["NODES", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "adopted", "symbol"]
+__all__ = ["KINKS", "NODES", "WORDS", "Atan2", "EigMax", "Neg", "Norm", "Pos", "Where", "Word", "adopted", "symbol"]
 
 
 class Norm(sp.Function):
@@ -278,6 +278,9 @@ NODES: tuple[type, ...] = (
     sp.Min, sp.Max, Pos, Neg, Norm, EigMax, Where,
     sp.StrictGreaterThan, sp.GreaterThan, sp.StrictLessThan, sp.LessThan,
 )  # fmt: skip
+
+# The nodes whose value has a kink or may jump, one smooth piece meeting another.
+KINKS: tuple[type, ...] = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 
 
 def symbol(name: str, **assumptions: bool) -> sp.Symbol:

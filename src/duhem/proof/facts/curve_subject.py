@@ -17,7 +17,7 @@ from duhem.expression.balls import certain_sign
 from duhem.expression.number import fraction
 from duhem.expression.parse import parse_as_written
 from duhem.expression.text import formula
-from duhem.expression.vocabulary import Where
+from duhem.expression.vocabulary import KINKS, Where
 from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.parameter_domain import simple_points
@@ -149,8 +149,8 @@ class CurveSubject(Subject):
         if not self._free_in(quantity):
             values = next(self.choices(1), None)
             return "interval" if values is not None and self.at(values).positive(quantity.of, quantity.order) else None
-        if any(x.has(Where) for x in (*self.boundary, *(self.flow or ()))):
-            return None  # it might jump, and then signs say nothing of how it turns
+        if any(x.has(*KINKS) for x in (*self.boundary, *(self.flow or ()))):
+            return None  # a derivative might jump, and then signs say nothing of how it turns
         if not self.defined:
             return None
         if quantity.linear and self.flow is not None and (method := self._by_parts(quantity)):
