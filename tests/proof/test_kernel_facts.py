@@ -12,7 +12,7 @@ import pytest
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.shape import Facts
-from duhem.proof.kernel.term import written as parse  # what has no value too
+from duhem.proof.kernel.term import parse
 from tests.long import mostly_slow
 from tests.oracles import drawn_formulas
 
