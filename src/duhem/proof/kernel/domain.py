@@ -18,7 +18,7 @@ from duhem.proof.kernel.exact_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
+from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse, product_of, sum_of
 
 __all__ = [
     "ANY",
@@ -332,7 +332,10 @@ class StatedDomain:
                 found = self._times(found, self.polynomial(a))
             return found
         if term.op == "**" and term.args[1].op == "number" and term.args[1].value.denominator == 1:
-            n, base = int(term.args[1].value), self.polynomial(term.args[0])
+            n, inner = int(term.args[1].value), term.args[0]
+            if n == 2 and inner.op in ("norm", "abs"):
+                return self.polynomial(sum_of(*(product_of(a, a) for a in inner.args)))
+            base = self.polynomial(inner)
             if 0 <= n <= _MOST_POWER:
                 found = ONE
                 for _ in range(n):
