@@ -3,8 +3,8 @@
     python -m tests.campaigns.texts --count 20000 --seed 1
 
 Of each text it is asked
-- whether the parser of criterion files and that of the kernel both read it or both refuse it (half of the texts have something in
-  them that should be refused);
+- whether the parser of criterion files and that of the kernel, with a second opinion on what has no value whatever its names are, both
+  read it or both refuse it (half of the texts have something in them that should be refused);
 - where they do, whether the formula's text (``expression.text.formula``) is read back as the same formula, its gradient too;
 - whether a law of that text has the same text again in what the kernel is given (``law_as_text``), and, made of the expression, one
   that is read as the same law;
@@ -33,6 +33,7 @@ from duhem.expression.text import formula
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, parse
 from duhem.proof.law_text import law_as_text
 from tests.oracles.drawn_texts import NAMES, Drawn
+from tests.oracles.no_value import NoValueError, check_values
 
 ZERO, NEGATIVE, POSITIVE = 2, 1, 4
 PLAIN = {x: symbol(x) for x in NAMES}
@@ -108,10 +109,11 @@ def by_product(text: str, known: Mapping[str, sp.Symbol]) -> Any:
 
 
 def by_kernel(text: str, signs: Mapping[str, int]) -> Term | None:
-    """The kernel's tree over the names that are known; None for none."""
+    """The kernel's tree over the names that are known; None for none, and where a part of it has no value whatever its names are."""
     try:
-        term = parse(text, signs)
-    except NotWritten:
+        term = parse(text)
+        check_values(term, signs)
+    except (NotWritten, NoValueError):
         return None
     return term if term.names() <= {*NAMES, "pi"} else None
 

@@ -13,8 +13,7 @@ from duhem.proof.kernel.angle import without_angles
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, Bounds
 from duhem.proof.kernel.elementary import enclosed, sign_over
 from duhem.proof.kernel.interval import BITS, Enclosure
-from duhem.proof.kernel.term import NotWritten
-from duhem.proof.kernel.term import written as parse  # what has no value too
+from duhem.proof.kernel.term import NotWritten, parse
 from tests.oracles import drawn_formulas
 
 _MP = mpmath.MPContext()

@@ -13,14 +13,13 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.elementary import enclosed
-from duhem.proof.kernel.even import freed_of_roots
 from duhem.proof.kernel.interval import BITS, Enclosure
 from duhem.proof.kernel.invariants import Invariants
 from duhem.proof.kernel.line import _quotient
 from duhem.proof.kernel.loads import at_end_of
 from duhem.proof.kernel.pieces import CHOICES, pieces
 from duhem.proof.kernel.sector import by_sector
-from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
+from duhem.proof.kernel.spectrum import freed_of_roots, quasiconvex_with_parts_freed
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.small_laws import confirmed, domain, law, poly
 from tests.proof.test_kernel_boundary import DISC, RISES, identity
@@ -163,13 +162,13 @@ def test_names_that_stand_for_parts_are_not_given_twice() -> None:
     spread, rooted = parse("max(a, b, c) - min(a, b, c)"), parse("exp(norm(a, b)) + exp(-norm(a, b))")
     most, least = "max(a, b, c)", "min(a, b, c)"
     cubes = parse(f"abs({most})**3 + abs({least})**3 + abs(a + b + c - {most} - {least})**3")
-    assert quasiconvex_in_eigenvalues(cubes, over(stated), facts, over) is not None
+    assert quasiconvex_with_parts_freed(cubes, over(stated), facts, over) is not None
     for taken in ("greatest of matrix 0", "least of matrix 0"):
         again = over(stated._replace(forces=(*stated.forces, taken)))
-        assert quasiconvex_in_eigenvalues(cubes, again, facts, over) is None
+        assert quasiconvex_with_parts_freed(cubes, again, facts, over) is None
     again = over(stated._replace(forces=(*stated.forces, "root 0")))
     for here, name in ((over(stated), "root 0"), (again, "root 0 inside")):
-        assert {z.name for freed in freed_of_roots(rooted, here, facts, over) for z in freed.roots} == {name}
+        assert {z.name for freed in freed_of_roots(rooted, here, facts, over) for z in freed.parts} == {name}
         assert all(freed.domain.law.forces == (*here.law.forces, name) for freed in freed_of_roots(rooted, here, facts, over))
     known = by_sector(spread, over(stated), facts, over)
     assert known is not None and known.convex

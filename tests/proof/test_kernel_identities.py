@@ -12,7 +12,6 @@ from duhem.proof.kernel.homogeneity import grows_along_rays, potential_flows_out
 from duhem.proof.kernel.identity import multiplied_out, value, vanishes
 from duhem.proof.kernel.interval import BITS
 from duhem.proof.kernel.loads import multiple
-from duhem.proof.kernel.packed import Packing, is_zero_sum, product, quadratic_form
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.term import NotWritten, Term, number, parse
 from tests.proof.small_laws import domain, poly
@@ -97,25 +96,6 @@ def test_multiples_of_loads() -> None:
     ):  # fmt: skip
         found = multiple(poly(rest), poly(x), here)
         assert found == (None if share is None else poly(share)), (rest, x)
-
-
-def test_packed_products() -> None:
-    packing = Packing()
-    a, b, half = (packing.of(poly(text)) for text in ("a - b/3", "a + b/2", "1/2"))
-    assert product([]).terms == {0: 1} and product([half, half]).below == 4 and (a.below, b.below) == (3, 2)
-    assert is_zero_sum([product([a, b]), packing.of(poly("-(a - b/3)*(a + b/2)"))]) and is_zero_sum([]) and not is_zero_sum([half])
-    form = quadratic_form([a, b], [[F(2), F(1, 5)], [F(1, 5), F(3)]])
-    assert is_zero_sum([form, packing.of(poly("-2*(a - b/3)**2 - 2/5*(a - b/3)*(a + b/2) - 3*(a + b/2)**2"))])
-    assert packing.of(poly("a**2*(a + b)"))  # exponents up to 2^12
-    with pytest.raises(NotWritten):
-        packing.of({((parse("a"), -4097),): F(1)})
-    assert packing.of({((parse("a"), -4096),): F(1)}).below == 1
-    for ragged in ([[F(1)]], [[F(1)], [F(1)]], [[F(1)] * 2, [F(1)] * 3], [[F(1)] * 2] * 3):
-        with pytest.raises(ValueError, match="zip"):
-            quadratic_form([a, b], ragged)
-    for too_long in ([[F(2**70000)]], [[F(1, 2**70000)]]):
-        with pytest.raises(NotWritten):
-            product([quadratic_form([half], too_long), half])
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,7 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
-from duhem.proof.kernel.piecewise import greatest_of, least_of_greatest, measured, polyhedra
-from duhem.proof.kernel.polyhedron import Face, corners, is_bounded, union_is_convex, within
+from duhem.proof.kernel.polyhedron import Face, corners, is_bounded, least_of_greatest, measured, polyhedra, union_is_convex, within
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain
@@ -132,13 +131,14 @@ def test_piecewise_affine_formulas() -> None:
         ("max(a, abs(b))", ["a", "b", "-b"]), ("q", ["q"]),
     ]  # fmt: skip
     for text, arms in cases:
-        assert [here.polynomial(arm) for arm in greatest_of(parse(text), here)] == [here.polynomial(parse(arm)) for arm in arms]
+        assert [[here.polynomial(arm) for arm in cell] for cell in least_of_greatest(parse(text), here)] == [
+            [here.polynomial(parse(arm)) for arm in arms]
+        ]
     assert [len(cell) for cell in least_of_greatest(parse("min(a, abs(b)) + abs(a)"), here)] == [2, 4]
     assert [len(cell) for cell in least_of_greatest(parse("max(min(a, b), min(a, 1), b)"), here)] == [3, 3, 3, 3] and len(
         least_of_greatest(parse("k*abs(a)"), here)[0]
     ) == 1
-    with pytest.raises(ValueError, match="unpack"):
-        greatest_of(parse("min(a, b)"), here)
+    assert len(least_of_greatest(parse("min(a, b)"), here)) == 2
     with pytest.raises(NotWritten):
         least_of_greatest(parse(" + ".join(["abs(a)"] * 7)), here)
     assert measured([parse("3*m"), parse("0"), parse("-m/2")], parse("2*m"), here) == (F(3, 2), 0, F(-1, 4))

@@ -12,8 +12,7 @@ from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, replaced, 
 from duhem.proof.kernel.polynomial import joined as monomial_product
 from duhem.proof.kernel.positivity import RAY, without_content
 from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
-from duhem.proof.kernel.term import NotWritten
-from duhem.proof.kernel.term import written as parse  # what has no value too
+from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain, poly
 
 F = Fraction

@@ -10,8 +10,7 @@ import pytest
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO
 from duhem.proof.kernel.radicals import _between, _exponent, _root, _sizes, sign_of_radicals
-from duhem.proof.kernel.term import NotWritten, Term
-from duhem.proof.kernel.term import written as parse  # what has no value too
+from duhem.proof.kernel.term import NotWritten, Term, parse
 
 DENESTED = "sqrt(2) + sqrt(3) - sqrt(5 + 2*sqrt(6))"
 

@@ -8,10 +8,8 @@ from typing import Any
 import pytest
 
 from duhem import Criterion, Domain, verify
-from duhem.proof.kernel import domain
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.term import written
 
 X = "(max(a, b, c) - (a + b + c)/3)"
 J = "((a - b)**2 + (b - c)**2 + (c - a)**2)"
@@ -26,12 +24,6 @@ JUMPING = [
 
 def stated(g: str, **more: object) -> Criterion:
     return Criterion(name="law", g=g, forces=forces(g), pressure=None, parameters=RANGE if "q" in g else {}, **more)  # type: ignore[arg-type]
-
-
-@pytest.fixture(autouse=True)
-def _what_the_reader_refuses_is_put_to_the_rules(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The kernel's reader refuses what has no value whatever its names are; here the rules are asked all the same."""
-    monkeypatch.setattr(domain, "parse", lambda text, _={}: written(text))
 
 
 def forces(g: str) -> tuple[str, ...]:

@@ -18,8 +18,7 @@ from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.pieces import chooses
-from duhem.proof.kernel.piecewise import polyhedra
-from duhem.proof.kernel.polyhedron import union_is_convex
+from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.power_share import flows_with_a_share_of_g
 from duhem.proof.kernel.region import convex_in_its_region

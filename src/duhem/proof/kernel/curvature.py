@@ -9,19 +9,17 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.constant_sign import sign_of_constant
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, signs_of_product
-from duhem.proof.kernel.even import quasiconvex_in_even_parts
-from duhem.proof.kernel.loads import collected, multiple, sign_within
+from duhem.proof.kernel.loads import multiple, sign_within
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.quadratic import by_its_matrix
 from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.shape import Facts
-from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
+from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.steps import pay
+from duhem.proof.kernel.sums import by_its_matrix, collected, convex_when_bent, nonnegative_when_bent
 from duhem.proof.kernel.term import Term, factors, minus, number
 
 __all__ = ["Facts", "facts", "over"]
@@ -67,9 +65,8 @@ def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
         return squared
     if term.op in ("+", "*", "**", "where") and (found := by_sector(term, domain, facts, over)) is not None:
         return replace(found, defined=found.defined or known.defined)
-    for rule in (quasiconvex_in_even_parts, quasiconvex_in_eigenvalues):
-        if known.defined and (found := rule(term, domain, facts, over)) is not None:
-            return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
+    if known.defined and (found := quasiconvex_with_parts_freed(term, domain, facts, over)) is not None:
+        return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
     return known
 
 
@@ -157,9 +154,8 @@ def _total(term: Term, parts: list[Facts], domain: StatedDomain) -> Facts:
     elif signs and any(not s & ZERO for s in signs):
         together &= ~ZERO
     moving = [p for a, p in zip(term.args, parts, strict=True) if not domain.constant(a)]
-    flat = [a for part in term.args for a in (part.args if part.op == "+" else (part,))]
-    convex, concave = all(p.convex for p in parts) or convex_when_bent(flat, domain, facts), all(p.concave for p in parts)
-    if together & NEGATIVE and nonnegative_when_bent(flat, domain, facts):
+    convex, concave = all(p.convex for p in parts) or convex_when_bent(term, domain, facts), all(p.concave for p in parts)
+    if together & NEGATIVE and nonnegative_when_bent(term, domain, facts):
         together &= ~NEGATIVE
     quasi = convex or (len(moving) == 1 and moving[0].quasiconvex)
     return Facts(all(p.defined for p in parts), together, convex, concave, quasi)

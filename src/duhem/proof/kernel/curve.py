@@ -14,7 +14,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, Bounds, as_list, declared, signs_of
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, Bounds, as_list, declared
 from duhem.proof.kernel.interval import AngleJet, Enclosure
 from duhem.proof.kernel.term import NotWritten, Term, minus, parse
 
@@ -42,9 +42,8 @@ class StatedCurve(NamedTuple):
     def read(cls, given: Mapping[str, Any]) -> StatedCurve:
         """From the ``law`` of a certificate; NotWritten for what is no law or has no parameter values."""
         forces, parameters, constraints, fixed = declared(given, (given["pressure"], given["angle"]), {"angle", "boundary", "flow"})
-        signs = signs_of(parameters, given["pressure"])
-        one, two = (parse(text, signs).put(fixed) for text in as_list(given["boundary"]))
-        flow = None if given["flow"] is None else tuple(parse(text, signs).put(fixed) for text in as_list(given["flow"]))
+        one, two = (parse(text).put(fixed) for text in as_list(given["boundary"]))
+        flow = None if given["flow"] is None else tuple(parse(text).put(fixed) for text in as_list(given["flow"]))
         if len(forces) != 2 or (flow is not None and len(flow) != 2):
             raise NotWritten("a boundary curve takes two forces")
         if any(not x.names() <= {given["angle"], *parameters, "pi"} for x in (one, two, *(flow or ()))):

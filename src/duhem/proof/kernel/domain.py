@@ -18,7 +18,7 @@ from duhem.proof.kernel.exact_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.steps import pay
-from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse
+from duhem.proof.kernel.term import COMPARISONS, WORDS, NotWritten, Term, minus, number, parse, product_of, sum_of
 
 __all__ = [
     "ANY",
@@ -36,7 +36,6 @@ __all__ = [
     "exact",
     "gap",
     "inhabited",
-    "signs_of",
     "without_more",
 ]
 
@@ -86,7 +85,7 @@ def declared(given: Mapping[str, Any], others: tuple[str, ...], formulas: Collec
         raise NotWritten("a name is none")
     if len(set(names)) < len(names):
         raise NotWritten("a name is declared twice")
-    constraints = tuple(parse(text, signs_of(parameters)) for text in as_list(given["constraints"]))
+    constraints = tuple(parse(text) for text in as_list(given["constraints"]))
     if any(c.op not in COMPARISONS or not c.names() <= set(parameters) for c in constraints):
         raise NotWritten("a constraint does not compare parameters")
     fixed = {Term("name", name=n): number(x.low) for n, x in parameters.items() if x.low is not None and x.low == x.high}
@@ -143,14 +142,13 @@ class StatedLaw(_Stated):
             given, () if pressure is None else (pressure,), {"domain", *({"surfaces"} if "surfaces" in given else {"g", "flow"})}
         )
         names = {*forces, pressure, *parameters, "pi"}
-        signs = signs_of(parameters, pressure)
         ranges = _ranges(given.get("domain", {}), forces, pressure)
 
         def bound(entry: Mapping[str, Any]) -> tuple[Term, tuple[Term, ...] | None]:
             given_flow = entry["flow"]
             by_potential = isinstance(given_flow, Mapping)  # {"potential": "..."}, the flow being its gradient
             texts = [without_more(given_flow, {"potential"})["potential"]] if by_potential else as_list(given_flow or [])
-            g, *flow = (without_angles(parse(text, signs)).put(fixed) for text in (entry["g"], *texts))
+            g, *flow = (without_angles(parse(text)).put(fixed) for text in (entry["g"], *texts))
             if any(f.op in COMPARISONS or not f.names() <= names for f in (g, *flow)):
                 raise NotWritten("a name is not declared")
             slips = gradient(flow[0], forces) if by_potential else tuple(flow)
@@ -334,7 +332,10 @@ class StatedDomain:
                 found = self._times(found, self.polynomial(a))
             return found
         if term.op == "**" and term.args[1].op == "number" and term.args[1].value.denominator == 1:
-            n, base = int(term.args[1].value), self.polynomial(term.args[0])
+            n, inner = int(term.args[1].value), term.args[0]
+            if n == 2 and inner.op in ("norm", "abs"):
+                return self.polynomial(sum_of(*(product_of(a, a) for a in inner.args)))
+            base = self.polynomial(inner)
             if 0 <= n <= _MOST_POWER:
                 found = ONE
                 for _ in range(n):
@@ -413,13 +414,6 @@ def _sign_of_products(a: Sign, b: Sign) -> Sign:
 
 
 _PRODUCTS = [[_sign_of_products(a, b) for b in range(ANY + 1)] for a in range(ANY + 1)]  # of every two sets of signs
-
-
-def signs_of(parameters: Mapping[str, Bounds], pressure: str | None = None) -> dict[str, Sign]:
-    """What a reader of a formula knows of the names in it: parameters that are never negative, and a pressure that is never positive."""
-    least = {name: own.low for name, own in parameters.items() if own.low is not None and own.low >= 0}
-    found = {name: ZERO | POSITIVE if parameters[name].holds(Fraction(0)) else POSITIVE for name in least}
-    return found if pressure is None else {**found, pressure: NEGATIVE | ZERO}
 
 
 def gap(comparison: Term) -> Term:

@@ -1,14 +1,13 @@
-"""The coefficients of affine and quadratic formulas, read off their values at unit points and confirmed as an identity."""
+"""The coefficients of affine and quadratic formulas."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from itertools import combinations_with_replacement
 
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.identity import multiplied_out, vanishes
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.polynomial import Polynomial, times, written
+from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
 __all__ = ["Matrix", "Row", "affine", "at", "degree_at_most", "determinant", "quadratic"]
 
@@ -40,39 +39,25 @@ def degree_at_most(term: Term, domain: StatedDomain) -> int | None:
 
 def affine(term: Term, names: Sequence[str], domain: StatedDomain) -> tuple[Row, Term]:
     """(b, c) with b . x + c = term; NotWritten where it is not of that form."""
-    zero = _value(term, names, (), domain)
-    row = [_sum((_value(term, names, (i,), domain), minus(zero)), domain) for i in range(len(names))]
-    _confirm(term, [*map(product_of, row, (Term("name", name=n) for n in names)), zero], domain)
-    return row, zero
+    matrix, row, constant = quadratic(term, names, domain)
+    if any(domain.polynomial(entry) for line in matrix for entry in line):
+        raise NotWritten("a formula is not affine")
+    return row, constant
 
 
 def quadratic(term: Term, names: Sequence[str], domain: StatedDomain) -> tuple[Matrix, Row, Term]:
     """(A, b, c) with x . A x + b . x + c = term, A symmetric; NotWritten where it is not of that form."""
-    places, half, zero = range(len(names)), number(Fraction(1, 2)), _value(term, names, (), domain)
-    ones, twos = ([_value(term, names, (i,) * k, domain) for i in places] for k in (1, 2))
-    matrix = [[number(0)] * len(names) for _ in places]
-    for i, j in combinations_with_replacement(places, 2):
-        both = twos[i] if i == j else _value(term, names, (i, j), domain)
-        matrix[i][j] = matrix[j][i] = _sum((product_of(half, sum_of(both, minus(ones[i]), minus(ones[j]), zero)),), domain)
-    row = [_sum((ones[i], minus(matrix[i][i]), minus(zero)), domain) for i in places]
-    x = [Term("name", name=n) for n in names]
-    squares = [product_of(matrix[i][j], x[i], x[j]) for i in places for j in places]
-    _confirm(term, [*squares, *map(product_of, row, x), zero], domain)
-    return matrix, row, zero
-
-
-def _value(term: Term, names: Sequence[str], steps: Sequence[int], domain: StatedDomain) -> Term:
-    """The term at the sum of some unit points."""
-    return multiplied_out(at(term, names, [number(steps.count(i)) for i in range(len(names))]), domain)
-
-
-def _sum(terms: Sequence[Term], domain: StatedDomain) -> Term:
-    return multiplied_out(sum_of(*terms), domain)
-
-
-def _confirm(term: Term, parts: Sequence[Term], domain: StatedDomain) -> None:
-    if not vanishes(sum_of(*parts, minus(term)), domain):
-        raise NotWritten("a formula has another form")
+    parts: dict[tuple[int, ...], Polynomial] = {}
+    for monomial, c in domain.polynomial(term).items():
+        moving = [(x, n) for x, n in monomial if x.names() & {*names}]
+        if any(x.op != "name" or n < 0 for x, n in moving) or sum(n for _, n in moving) > 2:
+            raise NotWritten("a formula is not quadratic")
+        places = tuple(sorted(names.index(x.name) for x, n in moving for _ in range(n)))
+        parts.setdefault(places, {})[tuple((x, n) for x, n in monomial if (x, n) not in moving)] = c
+    half, n = Fraction(1, 2), range(len(names))
+    entries = {(i, j): times({(): half if i < j else Fraction(1)}, parts.get((i, j), {})) for i in n for j in n if i <= j}
+    matrix = [[written(entries[min(i, j), max(i, j)]) for j in n] for i in n]
+    return matrix, [written(parts.get((i,), {})) for i in n], written(parts.get((), {}))
 
 
 def determinant(matrix: Matrix) -> Term:

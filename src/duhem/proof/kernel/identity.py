@@ -1,16 +1,21 @@
-"""Whether two formulas have one value: multiplied out, powers of roots undone, what they divide by multiplied through."""
+"""Whether two formulas have one value: multiplied out, powers of roots undone, what they divide by multiplied through.
+
+Or whether they are one as functions: what stands under |.|, a norm or an even power with one of its two signs, in order.
+"""
 
 from __future__ import annotations
 
+from contextlib import suppress
 from fractions import Fraction
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, written
-from duhem.proof.kernel.term import Term, minus, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["multiplied_out", "multiplied_through", "value", "vanishes", "written"]
+__all__ = ["alike", "multiplied_out", "multiplied_through", "value", "vanishes", "written"]
 
 _MOST_STEPS, _HIGHEST = 60, 64
+_SORTED = ("norm", "max", "min")
 
 
 def multiplied_out(term: Term, domain: StatedDomain) -> Term:
@@ -98,3 +103,35 @@ def _without(x: Term, poly: Polynomial, domain: StatedDomain) -> Term:
         rest = written({tuple((z, n) for z, n in m if z != x): c})
         parts.append(product_of(rest, Term("**", (y, number(k + least))), *[root] * j))
     return sum_of(*parts)
+
+
+def alike(one: Term, two: Term, domain: StatedDomain) -> bool:
+    """Whether they have one form, even powers multiplied out or kept as powers of a size; False where neither is seen."""
+    for powers in (False, True):
+        with suppress(NotWritten):
+            if _form(one, domain, powers) == _form(two, domain, powers):
+                return True
+    return False
+
+
+def _form(term: Term, domain: StatedDomain, powers: bool) -> Polynomial:
+    return domain.polynomial(_ordered(term, domain, powers))
+
+
+def _ordered(term: Term, domain: StatedDomain, powers: bool) -> Term:
+    if not term.args:
+        return term
+    args = [_sorted(domain.polynomial(_ordered(a, domain, powers))) for a in term.args]
+    even = term.op == "**" and args[1].op == "number" and args[1].value % 2 == 0
+    if term.op in ("abs", "norm") or even:
+        sized = 1 if even else len(args)
+        args[:sized] = [min(a, _sorted(domain.polynomial(minus(a)))) for a in args[:sized]]
+    if even and powers:
+        args[0] = Term("abs", (args[0],))
+    return Term(term.op, tuple(sorted(args) if term.op in _SORTED else args))
+
+
+def _sorted(poly: Polynomial) -> Term:
+    if number_in(poly) is not None:
+        return number(poly.get((), 0))
+    return written(dict(sorted(poly.items())))

@@ -1,34 +1,13 @@
-"""Loads, which are affine in the forces: multiples of one another, and signs where some of them are known to be >= 0.
-
-And sums in which the same part stands several times.
-"""
+"""Loads, which are affine in the forces: multiples of one another, and signs where some of them are known to be >= 0."""
 
 from __future__ import annotations
 
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
 from duhem.proof.kernel.polynomial import Monomial, Polynomial, negated, times, total, written
 from duhem.proof.kernel.shape import Facts, Shown
-from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, number
 
-__all__ = ["at_end_of", "by_forces", "collected", "multiple", "share_and_rest", "sign_within"]
-
-
-def collected(term: Term, domain: StatedDomain) -> Term:
-    """A sum with every part that depends on the forces once, with the sum of its coefficients; as it is where none stands twice."""
-    found: dict[Term, list[Term]] = {}
-    queue = [(term, number(1))]
-    while queue:
-        part, scale = queue.pop()
-        moving = [a for a in part.args if not domain.constant(a)] if part.op == "*" else []
-        if part.op == "+":
-            queue += [(a, scale) for a in part.args]
-        elif len(moving) == 1:
-            queue.append((moving[0], product_of(scale, *(a for a in part.args if domain.constant(a)))))
-        else:
-            found.setdefault(part, []).append(scale)
-    if all(len(scales) == 1 or domain.constant(part) or part.op == "name" for part, scales in found.items()):
-        return term
-    return sum_of(*(product_of(sum_of(*scales), part) for part, scales in found.items()))
+__all__ = ["at_end_of", "by_forces", "multiple", "share_and_rest", "sign_within"]
 
 
 def multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:

@@ -1,8 +1,11 @@
-"""Polyhedra {x : l . x <= r for each face (l, r)} in fractions: their corners, whether they are bounded, whether a union is convex.
+"""Piecewise affine formulas, and polyhedra {x : l . x <= r for each face (l, r)} in fractions.
+
+A piecewise affine formula is the least of some greatest of affine ones, their coefficients numbers of a unit.
 
 A corner lies on as many independent faces as there are dimensions.  A polyhedron with so many independent faces holds no line;
 if it is unbounded, some direction never leaves it along which all but one of as many independent forms vanish.  A bounded one is
-the hull of its corners (R. T. Rockafellar 1970, Convex Analysis, section 18).
+the hull of its corners (R. T. Rockafellar 1970, Convex Analysis, section 18), and a linear form is
+greatest at one of them (corollary 32.3.4).
 """
 
 from __future__ import annotations
@@ -12,13 +15,87 @@ from fractions import Fraction
 from itertools import combinations, product
 from math import comb, prod
 
-from duhem.proof.kernel.term import NotWritten
+from duhem.proof.kernel.curvature import facts
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
+from duhem.proof.kernel.forms import affine
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["Face", "Vector", "corners", "dot", "is_bounded", "solved", "union_is_convex", "within"]
+__all__ = [
+    "Face",
+    "Vector",
+    "corners",
+    "dot",
+    "is_bounded",
+    "least_of_greatest",
+    "measured",
+    "polyhedra",
+    "solved",
+    "supports_polytope",
+    "union_is_convex",
+    "within",
+]
 
-_MOST_CHOICES, _MOST_CELLS = 5000, 100
+_MOST_ARMS, _MOST_CHOICES, _MOST_CELLS = 100, 5000, 100
 Vector = tuple[Fraction, ...]
 Face = tuple[Vector, Fraction]
+
+
+def polyhedra(g: Term, forces: Sequence[str], domain: StatedDomain) -> tuple[list[list[Face]], Term, Term]:
+    """The polyhedra whose union is {g <= 0}, at forces in units of r/l, and these units: r of the limits, l of the slopes."""
+    cells = [[affine(arm, forces, domain) for arm in cell] for cell in least_of_greatest(g, domain)]
+    steep = _unit([c for cell in cells for row, _ in cell for c in row], domain)
+    far = _unit([offset for cell in cells for _, offset in cell], domain)
+
+    def face(row: Sequence[Term], offset: Term) -> Face:
+        (limit,) = measured([minus(offset)], far, domain)
+        return measured(row, steep, domain), limit
+
+    return [[face(*arm) for arm in cell] for cell in cells], far, steep
+
+
+def least_of_greatest(term: Term, domain: StatedDomain) -> list[list[Term]]:
+    """Lists of terms; the least of their greatest is ``term``."""
+    if domain.constant(term):
+        return [[term]]
+    x, zero = term.args[0] if term.args else term, number(0)
+    match term.op:
+        case "abs" | "pos" | "neg":
+            return [[zero if term.op == "neg" else x, zero if term.op == "pos" else minus(x)]]
+        case "min":
+            return [cell for a in term.args for cell in least_of_greatest(a, domain)]
+        case "*":
+            moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
+            if len(moving) == 1 and not facts(scale := product_of(*still), domain).sign & NEGATIVE:
+                return [[product_of(scale, arm) for arm in cell] for cell in least_of_greatest(moving[0], domain)]
+        case "max" | "+":
+            parts = [least_of_greatest(a, domain) for a in term.args]
+            widths = [max(map(len, cells)) for cells in parts]
+            if prod(map(len, parts)) * (sum(widths) if term.op == "max" else prod(widths)) > _MOST_ARMS:
+                raise NotWritten("there are too many faces")
+            if term.op == "max":
+                return [[arm for cell in choice for arm in cell] for choice in product(*parts)]
+            return [[sum_of(*arms) for arms in product(*choice)] for choice in product(*parts)]
+    return [[term]]
+
+
+def _unit(terms: Sequence[Term], domain: StatedDomain) -> Term:
+    """The size of the first that is not 0."""
+    first = next((t for t in terms if domain.polynomial(t)), number(0))
+    sign = facts(first, domain).sign
+    if sign not in (NEGATIVE, POSITIVE):
+        raise NotWritten("a unit has no one sign")
+    return first if sign == POSITIVE else minus(first)
+
+
+def measured(terms: Sequence[Term], unit: Term, domain: StatedDomain) -> Vector:
+    """The terms as numbers of units."""
+    one, found = domain.polynomial(unit), list[Fraction]()
+    for poly in map(domain.polynomial, terms):
+        share = next(iter(poly.values()), Fraction(0)) / one.get(next(iter(poly), ()), Fraction(1))
+        if {m: share * c for m, c in one.items() if share} != poly:
+            raise NotWritten("a number has another unit")
+        found.append(share)
+    return tuple(found)
 
 
 def corners(faces: Sequence[Face], n: int) -> list[Vector]:
@@ -93,3 +170,24 @@ def solved(equations: Sequence[Face], n: int) -> tuple[list[Vector], Vector | No
 
 def _cleared(row: list[Fraction], pivot: list[Fraction], column: int) -> list[Fraction]:
     return [v - row[column] / pivot[column] * w for v, w in zip(row, pivot, strict=True)]
+
+
+def supports_polytope(
+    g: Term, potential: Term, forces: Sequence[str], slips: Sequence[str], flat: Sequence[Term], domain: StatedDomain
+) -> bool:
+    """Whether ``potential`` = sup {sigma . d : g <= 0} where the forms ``flat`` in the slips vanish, and it is infinite elsewhere."""
+    if len(flat) > 1:
+        return False
+    (faces,), far, steep = polyhedra(g, forces, domain)
+    (greatest,) = least_of_greatest(potential, domain)  # ValueError where some are to be the least of
+    ends, lines = ([affine(arm, slips, domain) for arm in arms] for arms in (greatest, flat))
+    if any(domain.polynomial(offset) for _, offset in (*ends, *lines)):
+        return False
+    points = [measured([product_of(c, steep) for c in row], far, domain) for row, _ in ends]
+    for line in (measured(row, number(1), domain) for row, _ in lines):  # K is cut by the plane that the slips span
+        if not any(line) or any(dot(row, line) for row, _ in faces):
+            return False
+        faces += [(line, Fraction(0)), (tuple(-v for v in line), Fraction(0))]
+        points = [tuple(v - dot(point, line) / dot(line, line) * w for v, w in zip(point, line, strict=True)) for point in points]
+    n = len(forces)
+    return is_bounded(faces, n) and all(within(point, faces) for point in points) and set() < set(corners(faces, n)) <= set(points)

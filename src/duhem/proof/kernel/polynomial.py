@@ -42,9 +42,9 @@ def joined(one: Monomial, two: Monomial) -> Monomial:
     return tuple(sorted((x, n) for x, n in powers.items() if n))
 
 
-def times(one: Polynomial, two: Polynomial) -> Polynomial:
-    """The product; NotWritten where it is too long to be worth checking."""
-    if len(one) * len(two) > _MOST_TERMS:
+def times(one: Polynomial, two: Polynomial, most: int = _MOST_TERMS) -> Polynomial:
+    """The product; NotWritten where it is too long to be worth checking: of more than so many products of terms."""
+    if len(one) * len(two) > most:
         raise NotWritten("a product has too many terms")
     pay(5 + 5 * len(one) * len(two))
     found: Polynomial = {}

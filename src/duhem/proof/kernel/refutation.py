@@ -6,21 +6,22 @@ A product of conditions h > 0, plus sums of squares times products of conditions
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from functools import reduce
 from math import lcm
 from typing import Any
 
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import ANY, POSITIVE, ZERO, Sign, StatedDomain, exact
-from duhem.proof.kernel.packed import Packed, Packing, is_zero_sum, product, quadratic_form
-from duhem.proof.kernel.polynomial import Polynomial, times
+from duhem.proof.kernel.polynomial import ONE, Polynomial, times, total
 from duhem.proof.kernel.term import NotWritten, parse
 
 __all__ = ["Condition", "Identity", "shown"]
 
 Condition = tuple[Polynomial, str]  # and how it stands to 0: ">", ">=" or "=="
 Identity = Mapping[str, Any]
+_MOST_PRODUCTS = 4_000_000  # of terms, in a product of an identity
 _GOAL = "the goal"  # no formula: it names what is to be refuted
 _ENOUGH = {">": ((">",), POSITIVE), ">=": ((">", ">="), POSITIVE | ZERO), "==": (("==",), ZERO)}  # conditions, or signs
 
@@ -55,23 +56,26 @@ def _refuted(conditions: Mapping[str, Condition], identity: Identity, domain: St
             raise NotWritten(f"{text} {op} 0 is no condition")
         return poly
 
-    packing, grams = Packing(), list[list[list[Fraction]]]()
-
-    def read(text: str) -> Packed:
-        return packing.of(_read(text, domain)[0])
-
-    def factors(texts: Sequence[str], op: str) -> list[Packed]:
-        return [packing.of(condition(text, op)) for text in texts]
-
-    parts = [product(factors(identity["strict"], ">"))]
+    grams = list[list[list[Fraction]]]()
+    parts = [_product(condition(text, ">") for text in identity["strict"])]
     for entry in identity["sums"]:
         grams.append([[exact(x) for x in row] for row in entry["gram"]])
         if {len(entry["of"])} != {len(grams[-1]), *map(len, grams[-1])}:
             return False
-        form = quadratic_form([read(text) for text in entry["of"]], grams[-1])
-        parts.append(product([form, *factors(entry["times"], ">=")]))
-    parts += [product([*factors([entry["of"]], "=="), read(entry["by"])]) for entry in identity["multiples"]]
-    return is_zero_sum(parts) and all(map(_positive_semidefinite, grams))
+        form = _quadratic_form([_read(text, domain)[0] for text in entry["of"]], grams[-1])
+        parts.append(_product((form, *(condition(text, ">=") for text in entry["times"]))))
+    parts += [_product((condition(entry["of"], "=="), _read(entry["by"], domain)[0])) for entry in identity["multiples"]]
+    return not total(*parts) and all(map(_positive_semidefinite, grams))
+
+
+def _product(factors: Iterable[Polynomial]) -> Polynomial:
+    return reduce(lambda one, two: times(one, two, _MOST_PRODUCTS), factors, ONE)
+
+
+def _quadratic_form(squares: Sequence[Polynomial], gram: Sequence[Sequence[Fraction]]) -> Polynomial:
+    """z' G z for the polynomials z."""
+    rows = [total(*(times({(): g}, z) for g, z in zip(row, squares, strict=True) if g)) for row in gram]
+    return total(*(_product(pair) for pair in zip(squares, rows, strict=True)))
 
 
 def _read(text: str, domain: StatedDomain) -> tuple[Polynomial, Sign]:

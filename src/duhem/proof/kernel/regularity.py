@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.even import freed_of_roots
 from duhem.proof.kernel.limits import sign_on_axis
 from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.spectrum import freed_of_roots
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
 
 __all__ = ["smooth_but_where_zero", "smooth_near_the_boundary", "tips"]
@@ -84,12 +84,12 @@ def _even_in_roots(term: Term, domain: StatedDomain) -> Kinks | None:
     """Of a sum that is C^1 and even in its roots; what is singular but for the roots themselves stays a tip."""
     for freed in freed_of_roots(term, domain, facts, over):
         found = _regularity(freed.term, freed.domain)
-        if found is None or found.kinks or not facts(freed.term, freed.domain).defined or not freed.even():
+        if found is None or found.kinks or not facts(freed.term, freed.domain).defined or not freed.unchanged():
             continue
-        inner = [_regularity(y, domain) for root in freed.roots.values() for y in (root.args if root.op == "norm" else root.args[:1])]
+        inner = [_regularity(y, domain) for root in freed.parts.values() for y in (root.args if root.op == "norm" else root.args[:1])]
         known = [y for y in inner if y is not None and y.kinks <= y.zeros]
         if len(known) == len(inner):
-            tips = frozenset(tip.put(freed.roots) for tip in found.tips).union(*(y.tips for y in known))
+            tips = frozenset(tip.put(freed.parts) for tip in found.tips).union(*(y.tips for y in known))
             return Kinks(zeros=frozenset({_switch(term, domain)}), tips=tips)
     return None
 

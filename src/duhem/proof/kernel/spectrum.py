@@ -1,28 +1,134 @@
-"""Symmetric functions of the principal values of matrices whose entries are affine in the forces.
+"""Functions of further arguments that do not change with their signs or their order: of roots r, and of principal values of matrices.
+
+Let G(x, z) be quasiconvex in both together and even in every z_i.  Then it does not fall where z_i >= 0 grows, since z_i lies
+between -z_i' and z_i' for every z_i' above it; so G(x, r(x)) is quasiconvex where all r_i are convex and >= 0, and convex where
+G is: f(u - r) + f(u + r) with f convex, u affine.  The symmetric functions of the eigenvalues u - r, u + r of a tensor in the plane are
+such (Davis 1957, Arch. Math. 8, 276; Lewis 1996, SIAM J. Optim. 6, 164).
 
 The eigenvalues, in order, of a mean t A + (1 - t) B of symmetric matrices are a mean of permutations of t a + (1 - t) b (Fan 1949,
-Proc. Natl. Acad. Sci. 35, 652; Birkhoff 1946).  So f(eigenvalues of A, of B, ..., forces) is convex, or quasiconvex, where f is so in
-all of its arguments together and does not change with the order of the eigenvalues of any one matrix (Davis 1957, Arch. Math. 8, 276).
-
-The arguments are the greatest and the least value, for the middle one is the trace less both, and the forces: f is asked for all
-numbers.  Two swaps of neighbours make every order.  Of a diagonal matrix they are the greatest and the least of three loads.
+Proc. Natl. Acad. Sci. 35, 652; Birkhoff 1946).  So f(eigenvalues of A, of B, ..., forces), the entries being affine, is convex, or
+quasiconvex, where f is so in all of its arguments together and does not change with the order of the eigenvalues of any one matrix
+(Davis 1957).  The arguments are the greatest and the least value, for the middle one is the trace less both, and the forces: f is asked
+for all numbers.  Two swaps of neighbours make every order.  Of a diagonal matrix they are the greatest and the least of three loads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
-from duhem.proof.kernel.alike import alike
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.identity import alike
 from duhem.proof.kernel.polynomial import Polynomial, negated, total, written
 from duhem.proof.kernel.shape import Facts, Shown
-from duhem.proof.kernel.term import NotWritten, Term, minus, sum_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["entries_of", "extremes", "quasiconvex_in_eigenvalues"]
+__all__ = ["Freed", "entries_of", "extremes", "freed_of_roots", "quasiconvex_with_parts_freed"]
 
-_MOST_MATRICES = 4
+_MOST_ROOTS, _MOST_MATRICES = 8, 4
+Over = Callable[[StatedLaw], StatedDomain]
+
+
+class Freed(NamedTuple):
+    """A ``term`` of a wider ``domain``: forces that may be any numbers are in the place of some ``parts``, for which ``swaps`` put others."""
+
+    term: Term
+    domain: StatedDomain
+    parts: Mapping[Term, Term]
+    swaps: Sequence[Mapping[Term, Term]]
+
+    def unchanged(self) -> bool:
+        """Whether no swap changes it."""
+        return all(alike(self.term.put(swap), self.term, self.domain) for swap in self.swaps)
+
+
+def quasiconvex_with_parts_freed(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Facts | None:
+    """What is shown of the term with further forces in the place of roots, or of eigenvalues; None where that is not quasiconvex, or
+    changes with their signs or order.
+    """
+    for freed_of in (freed_of_roots, _freed_of_eigenvalues):
+        with suppress(NotWritten):
+            for freed in freed_of(term, domain, shown, over):
+                known = shown(freed.term, freed.domain)
+                if known.defined and known.quasiconvex and freed.unchanged():
+                    return known
+    return None
+
+
+def _wider(domain: StatedDomain, names: Sequence[str], over: Over) -> StatedDomain:
+    return over(domain.law._replace(forces=(*domain.law.forces, *names)))
+
+
+# -- roots -------------------------------------------------------------------------------------------------------------
+
+
+def freed_of_roots(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Freed]:
+    """The term with a force z for each of its outermost roots; then with |z| where no affine part is added."""
+    roots = list(dict.fromkeys(root for part in term.args for root in _roots(part, domain, shown)))
+    if not 0 < len(roots) <= _MOST_ROOTS:
+        return
+    names = [f"root {i}" for i in range(len(roots))]  # no name of a law has blanks
+    while {*names} & {*domain.law.forces}:
+        names = [f"{name} inside" for name in names]
+    wider = _wider(domain, names, over)
+    free = {root: Term("name", name=name) for root, name in zip(roots, names, strict=True)}
+    for sized in (False, True):
+        swaps = [{z: minus(z)} for z in free.values()]
+        yield Freed(_freed(term, free, sized, domain, shown), wider, {z: root for root, z in free.items()}, swaps)
+
+
+def _roots(term: Term, domain: StatedDomain, shown: Shown) -> Iterator[Term]:
+    """The outermost roots and norms that are convex, and >= 0."""
+    rooted = term.op == "**" and term.args[1].op == "number" and 0 < term.args[1].value < 1
+    if (rooted or term.op == "norm") and not domain.constant(term):
+        known = shown(term, domain)
+        if known.defined and known.convex and known.nonnegative and not known.affine:
+            yield term
+            return
+    for a in term.args:
+        yield from _roots(a, domain, shown)
+
+
+def _freed(term: Term, names: dict[Term, Term], sized: bool, domain: StatedDomain, shown: Shown) -> Term:
+    """The term with z for its roots r = y^e, ``sized`` |z| where no affine part is added; for other powers y^k, y >= 0, |z|^(k/e)."""
+    if term in names:
+        return Term("abs", (names[term],)) if sized else names[term]
+    if term.op == "**":
+        for root, name in names.items():
+            if root.op == "**" and root.args[0] == term.args[0]:
+                power, own = term.args[1], 1 / root.args[1].value
+                power = number(own * power.value) if power.op == "number" else product_of(number(own), power)
+                return Term("**", (Term("abs", (name,)), power))
+    if sized and (sizes := _sizes(term, names, domain)) is not None:
+        return sizes
+    if sized and term.op == "+" and any(shown(a, domain).affine and not domain.constant(a) for a in term.args):
+        return Term("+", tuple(_multiple(a, names, domain) or _freed(a, names, sized, domain, shown) for a in term.args))
+    return term._replace(args=tuple(_freed(a, names, sized, domain, shown) for a in term.args))
+
+
+def _sizes(term: Term, names: dict[Term, Term], domain: StatedDomain) -> Term | None:
+    """The sum of c |z| for one of c r, which has nothing else left in it that depends on the forces."""
+    if term.op != "+":
+        return None
+    found = list[Term]()
+    for m, c in domain.polynomial(term).items():
+        moving = [(x, n) for x, n in m if not domain.constant(x)]
+        if moving and not (len(moving) == 1 and moving[0][1] == 1 and moving[0][0] in names):
+            return None
+        found.append(written({m: c}).put({root: Term("abs", (name,)) for root, name in names.items()}))
+    return sum_of(*found)
+
+
+def _multiple(term: Term, names: dict[Term, Term], domain: StatedDomain) -> Term | None:
+    """c z where the term is c r."""
+    parts = factors(term)
+    if len([f for f in parts if not domain.constant(f)]) > 1 or not any(f in names for f in parts):
+        return None
+    return product_of(*(names.get(f, f) for f in parts))
+
+
+# -- eigenvalues ---------------------------------------------------------------------------------------------------------
 
 
 class _Matrix(NamedTuple):
@@ -37,20 +143,13 @@ class _Matrix(NamedTuple):
         return sum_of(written(total(*self.entries[:3])), minus(self.greatest), minus(self.least))
 
 
-def quasiconvex_in_eigenvalues(term: Term, domain: StatedDomain, shown: Shown, over: Callable[[StatedLaw], StatedDomain]) -> Facts | None:
-    """What is shown of the term as such a function; None if it is none, or not quasiconvex."""
-    with suppress(NotWritten):
-        matrices, free = _read(term, domain, shown)
-        if not 0 < len(matrices) <= _MOST_MATRICES:
-            return None
-        names = [x.name for matrix in matrices for x in (matrix.greatest, matrix.least)]
-        if {*names} & {*domain.law.forces}:
-            return None
-        wider, freed = over(domain.law._replace(forces=(*domain.law.forces, *names))), term.put(free)
-        known = shown(freed, wider)
-        if known.defined and known.quasiconvex and all(alike(freed.put(swap), freed, wider) for m in matrices for swap in _swaps(m)):
-            return known
-    return None
+def _freed_of_eigenvalues(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Freed]:
+    """The term with forces for the greatest and the least eigenvalue of each matrix in it."""
+    matrices, free = _read(term, domain, shown)
+    names = [x.name for matrix in matrices for x in (matrix.greatest, matrix.least)]
+    if 0 < len(matrices) <= _MOST_MATRICES and not {*names} & {*domain.law.forces}:
+        wider = _wider(domain, names, over)
+        yield Freed(term.put(free), wider, {z: part for part, z in free.items()}, [swap for m in matrices for swap in _swaps(m)])
 
 
 def _swaps(matrix: _Matrix) -> Iterator[dict[Term, Term]]:

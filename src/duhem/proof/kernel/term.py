@@ -9,10 +9,8 @@ import re
 import unicodedata
 from collections.abc import Mapping
 from fractions import Fraction
-from types import MappingProxyType
 from typing import NamedTuple
 
-from duhem.proof.kernel.refused import NoValueError, check_values
 from duhem.proof.kernel.steps import pay
 
 __all__ = [
@@ -29,7 +27,6 @@ __all__ = [
     "parse",
     "product_of",
     "sum_of",
-    "written",
 ]
 
 _OF_ONE = (
@@ -145,21 +142,8 @@ def factors(term: Term) -> list[Term]:
     return [f for a in term.args for f in factors(a)] if term.op == "*" else [term]
 
 
-def parse(text: str, signs: Mapping[str, int] = MappingProxyType({})) -> Term:
-    """The formula or comparison in ``text``, as :func:`written`; ``signs`` are those that names may have, all of them for other names.
-
-    NotWritten also where a part has no real value whatever its names are: the criterion file's parser refuses the same texts.
-    """
-    term = written(text)
-    try:
-        check_values(term, signs)
-    except NoValueError as fault:
-        raise NotWritten(str(fault)) from None
-    return term
-
-
-def written(text: str) -> Term:
-    """The tree of a text that is well written; x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2), ..."""
+def parse(text: str) -> Term:
+    """The formula or comparison in a text; NotWritten where it is none.  x - y is x + (-1) y, x/y is x y**(-1), sqrt(x) is x**(1/2), ..."""
     tokens = _tokens(text)
     term, rest = _condition(tokens, 0, 0)
     if rest != len(tokens):

@@ -1,4 +1,4 @@
-"""Packed polynomials: sums and products as with fractions, and no two monomials in one number."""
+"""What an identity is made of: products, quadratic forms, semidefinite matrices; each exactly so."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from random import Random
 
 import pytest
 
-from duhem.proof.kernel.packed import Packing, is_zero_sum, product, quadratic_form
 from duhem.proof.kernel.polynomial import Polynomial, times, total
-from duhem.proof.kernel.refutation import _positive_semidefinite
+from duhem.proof.kernel.refutation import _positive_semidefinite, _product, _quadratic_form
 from duhem.proof.kernel.term import NotWritten, Term
 
 NAMES = [Term("name", name=n) for n in "xyz"]
@@ -24,17 +23,18 @@ def drawn(random: Random) -> Polynomial:
     return total(*parts)
 
 
-def test_sums_and_products() -> None:
+def test_products() -> None:
     random = Random(3)
-    for _ in range(200):
+    for _ in range(50):
         p, q, r = (drawn(random) for _ in range(3))
-        packing = Packing()
-        whole = total(times(times(p, q), r), times({(): Fraction(-1)}, p))
-        parts = [product([packing.of(x) for x in (p, q, r)]), product([packing.of({(): Fraction(-1)}), packing.of(p)])]
-        assert is_zero_sum([*parts, packing.of(times({(): Fraction(-1)}, whole))])
-        assert is_zero_sum(parts) == (not whole)
-        off = total(whole, {((NAMES[0], 1),): Fraction(1, 10**30)})
-        assert not is_zero_sum([*parts, packing.of(times({(): Fraction(-1)}, off))])
+        assert _product((p, q, r)) == times(times(p, q), r) and _product(()) == {(): Fraction(1)}
+
+
+def test_what_is_too_long_is_refused() -> None:
+    long = {((NAMES[0], i),): Fraction(1) for i in range(1, 2100)}
+    for factors in ((long, long), ({(): Fraction(2**5000)}, {(): Fraction(2**5000)})):
+        with pytest.raises(NotWritten):
+            _product(factors)
 
 
 def test_quadratic_forms() -> None:
@@ -43,19 +43,10 @@ def test_quadratic_forms() -> None:
         z = [drawn(random) for _ in range(3)]
         gram = [[Fraction(random.randint(-9, 9), random.randint(1, 9)) for _ in z] for _ in z]
         wanted = total(*(times(times({(): g}, a), b) for a, row in zip(z, gram, strict=True) for b, g in zip(z, row, strict=True)))
-        packing = Packing()
-        form = quadratic_form([packing.of(p) for p in z], gram)
-        assert is_zero_sum([form, packing.of(times({(): Fraction(-1)}, wanted))])
-
-
-def test_what_would_not_fit_is_refused() -> None:
-    """A power so high that two monomials could have one number."""
-    with pytest.raises(NotWritten):
-        Packing().of({((NAMES[0], 2**12 + 1),): Fraction(1)})
-    with pytest.raises(NotWritten):
-        product([Packing().of({((NAMES[0], 1),): Fraction(1)})] * 65)
-    with pytest.raises(NotWritten):
-        Packing().of({(): Fraction(1, 2 ** (2**16))})
+        assert _quadratic_form(z, gram) == wanted
+    for ragged in ([[Fraction(1)]], [[Fraction(1)], [Fraction(1)]], [[Fraction(1)] * 2, [Fraction(1)] * 3], [[Fraction(1)] * 2] * 3):
+        with pytest.raises(ValueError, match="zip"):
+            _quadratic_form(z[:2], ragged)
 
 
 def test_semidefinite_matrices() -> None:
