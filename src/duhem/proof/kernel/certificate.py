@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import Bounds, StatedLaw, as_object, exact, inhabited, without_more
+from duhem.proof.kernel.obligations import parts_without_names
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
 __all__ = ["CLAIMS", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
@@ -107,6 +108,8 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
         law = stated(as_object(document["law"]))
         if not isinstance(document["law"].get("name", ""), str):
             raise NotWritten("the name of the law is no text")
+        if said := parts_without_names(law):
+            raise NotWritten(said)
         if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
             raise NotWritten("no point of the parameters' domain is given")
         if not isinstance(document["claims"], list | tuple) or not document["claims"]:

@@ -6,7 +6,7 @@ the rule that reads it allows.  Each function returns "" where everything has a 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
@@ -19,7 +19,7 @@ from duhem.proof.kernel.term import Term, number
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
-    "formula_where_loads_allow", "limits", "nothing", "numbers_in_formula",
+    "formula_where_loads_allow", "limits", "nothing", "numbers_in_formula", "parts_without_names", "unvalued",
 ]  # fmt: skip
 
 _KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an asin", "acos": "an acos", "tan": "a tan", "atan2": "an angle"}
@@ -28,6 +28,30 @@ _KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an as
 def nothing(_: StatedLaw) -> str:
     """For a rule that speaks of no part of the law, or of what other claims have settled."""
     return ""
+
+
+def parts_without_names(law: StatedLaw | StatedCurve) -> str:
+    """Every part of the law's text that is a number, whether or not a condition lets it be read: one without a value is a slip of the pen."""
+    texts = [*law.constraints, *(law.flow or ())]
+    if isinstance(law, StatedLaw):
+        texts += [law.g, *(x for g, flow in law.surfaces for x in (g, *(flow or ())))] + ([] if law.potential is None else [law.potential])
+    else:
+        texts += law.boundary
+    return unvalued(texts)
+
+
+def unvalued(texts: Iterable[Term]) -> str:
+    """What is not shown to have a value among the parts of formulas that no name enters."""
+    reader = _reader(over(StatedLaw(("x",), None, number(0), None, {}, ())))
+    return next((_said("a number in the law", part) for text in texts for part in _numbers(text) if reader.undecided(part) is part), "")
+
+
+def _numbers(term: Term) -> Iterator[Term]:
+    """The parts that ask for more than their own parts and have no name in them, the inner ones first."""
+    for a in term.args if asks(term) else ():
+        yield from _numbers(a)
+    if asks(term) and not term.names() - {"pi"}:
+        yield term
 
 
 def constraints(law: StatedLaw | StatedCurve) -> str:
