@@ -8,10 +8,9 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.boundary import rises_outward, with_convex_sums
+from duhem.proof.kernel.boundary import rises_outward, shown, with_convex_sums
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.refutation import shown
 from duhem.proof.kernel.term import parse
 from tests.proof.small_laws import confirmed, domain, law
 

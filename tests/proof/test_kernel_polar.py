@@ -13,8 +13,8 @@ import pytest
 
 from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.line import line, nonnegative, parts, roots
 from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.positivity import nonnegative as nonnegative_over

@@ -7,8 +7,8 @@ from random import Random
 
 import pytest
 
+from duhem.proof.kernel.boundary import _positive_semidefinite, _product, _quadratic_form
 from duhem.proof.kernel.polynomial import Polynomial, times, total
-from duhem.proof.kernel.refutation import _positive_semidefinite, _product, _quadratic_form
 from duhem.proof.kernel.term import NotWritten, Term
 
 NAMES = [Term("name", name=n) for n in "xyz"]

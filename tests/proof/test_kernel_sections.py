@@ -13,9 +13,9 @@ from duhem.proof.kernel import section
 from duhem.proof.kernel.algebraic import plain
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.invariants import Invariants, invariants
-from duhem.proof.kernel.limits import sign_on_axis
 from duhem.proof.kernel.plane_function import Base, PlaneFunction, added, base_of, multiplied, power_of, raised_to, widened
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total
 from duhem.proof.kernel.positivity import RAY

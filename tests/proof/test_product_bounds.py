@@ -8,7 +8,6 @@ from duhem import Criterion, verify
 from duhem.law.domain import POSITIVE, Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel import region
-from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust, Verdict
@@ -42,7 +41,7 @@ def law(g: str, parameters: dict[str, Domain]) -> Criterion:
 @pytest.mark.parametrize(("g", "parameters", "convex"), CASES)
 def test_what_is_below_a_product(g: str, parameters: dict[str, Domain], convex: bool) -> None:
     stated = StatedLaw.read(law_as_text(law(g, parameters)))
-    assert region.convex_in_its_region(stated, facts, over) is convex
+    assert region.convex_in_its_region(stated) is convex
     subject = FormulaSubject(law(g, parameters))
     subject.allow(20_000_000)
     assert region_of(subject).quasiconvex is convex

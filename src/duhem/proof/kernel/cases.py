@@ -1,16 +1,26 @@
-"""Choices that no force enters: at each value of parameters and pressure the law is one of two, each where its condition holds.
+"""The same law said more simply: as two laws by a choice that no force enters, or without what is done to g in the end.
+
+Of a choice that no force enters: at each value of parameters and pressure the law is one of two, each where its condition holds.
 
 A claim is made at every such value.  So it holds of the law if it holds of either, the condition being one constraint more.
+
+Of a formula without what is done to it in the end and keeps its sign: {phi(f) <= 0} is {f <= 0} where phi has the sign of its argument.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from fractions import Fraction
+
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.definedness import AGAINST
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
-from duhem.proof.kernel.term import Term
+from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Bounds, StatedDomain, StatedLaw
+from duhem.proof.kernel.steps import pay
+from duhem.proof.kernel.term import Term, factors, minus, number
 
-__all__ = ["cases"]
+__all__ = ["cases", "without_outer_map"]
+
+_SIZE = Term("name", name="size of the inner formula")  # no name of a law has blanks
 
 
 def cases(law: StatedLaw) -> tuple[StatedLaw, ...]:
@@ -44,3 +54,39 @@ def _with(law: StatedLaw, choice: Term, value: Term, condition: Term) -> StatedL
         potential=None if law.potential is None else law.potential.put({choice: value}),
         constraints=(*law.constraints, condition),
     )
+
+
+def without_outer_map(law: StatedLaw) -> StatedLaw:
+    """The law with the innermost formula that has the sign of g wherever it is defined; g is defined there too."""
+    domain = over(law._replace(parameters={**law.parameters, _SIZE.name: Bounds(Fraction(0), None, True)}))
+    g: Term | None = law.g
+    while g is not None:
+        law = law._replace(g=g)
+        g = _without_positive_factors(g, domain) or next((f for f in dict.fromkeys(_parts(g)) if _keeps_sign(g, f, domain)), None)
+    return law
+
+
+def _without_positive_factors(g: Term, domain: StatedDomain) -> Term | None:
+    known = [(f, facts(f, domain)) for f in factors(g)]
+    left = [f for f, shown in known if not (shown.defined and shown.sign == POSITIVE)]
+    return left[0] if len(left) == 1 < len(known) else None
+
+
+def _keeps_sign(g: Term, f: Term, domain: StatedDomain) -> bool:
+    """Whether g is a formula in f alone that is defined, and > 0, = 0, < 0 where f is."""
+    ways = ((number(0), ZERO), (_SIZE, POSITIVE), (minus(_SIZE), NEGATIVE))
+    if domain.constant(f) or not _alone(g, f, domain):
+        return False
+    return all(facts(g.put({f: x}), domain).defined and facts(g.put({f: x}), domain).sign == sign for x, sign in ways)
+
+
+def _alone(g: Term, f: Term, domain: StatedDomain) -> bool:
+    """Whether the forces enter g by f alone."""
+    pay(1)
+    return g == f or domain.constant(g) or (g.op != "name" and all(_alone(a, f, domain) for a in g.args))
+
+
+def _parts(term: Term) -> Iterator[Term]:
+    for a in term.args:
+        yield a
+        yield from _parts(a)

@@ -8,22 +8,19 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel import obligations
 from duhem.proof.kernel.boundary import curves_inward, falls_from_zero, flows_along_normals, flows_outward, rises_outward, with_convex_sums
-from duhem.proof.kernel.cases import cases
+from duhem.proof.kernel.cases import cases, without_outer_map
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.fan import Fan
-from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
+from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.isotropy import in_principal_stresses
-from duhem.proof.kernel.limits import divides_by_zero_force
-from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.polynomial import slope
-from duhem.proof.kernel.power_share import flows_with_a_share_of_g
-from duhem.proof.kernel.region import convex_in_its_region
+from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from duhem.proof.kernel.rounded import round_at_its_ends
 from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
@@ -164,7 +161,7 @@ def origin(law: StatedLaw, _: Evidence) -> bool:
 def convexity(law: StatedLaw, evidence: Evidence) -> bool:
     """g is defined everywhere and quasiconvex, so that every {g <= 0} is convex; or it is so in a convex region that K lies in."""
     shape = _shape(law, evidence)
-    return (shape.defined and shape.quasiconvex) or convex_in_its_region(law, facts, over)
+    return (shape.defined and shape.quasiconvex) or convex_in_its_region(law)
 
 
 def curved(law: StatedLaw, evidence: Evidence) -> bool:
@@ -204,44 +201,14 @@ def one_force(law: StatedLaw, evidence: Evidence) -> bool:
     return len(law.forces) == 1 and _shape(law, {}).defined and _inside(law, evidence)
 
 
-def associated(law: StatedLaw, _: Evidence) -> bool:
-    """The flow of a law without one of its own is the normal cone of K, K being convex."""
-    return law.associated
-
-
 def parallel(law: StatedLaw, evidence: Evidence) -> bool:
     """Every flow of the law's own is a positive multiple of the gradient of its g, which does not rise towards K, K being convex."""
     return flows_along_normals(law, evidence.get("along", ()), evidence.get("across", ()))
 
 
-def fenchel(law: StatedLaw, _: Evidence) -> bool:
-    """d in the normal cone at sigma and 0 in K: d . (0 - sigma) <= 0."""
-    return True
-
-
 def star_shaped(law: StatedLaw, _: Evidence) -> bool:
     """K is star-shaped about 0, and closed where the formula divides by 0."""
     return divides_by_zero_force(law.g, over(law), facts) and bool(StarGauge(law))
-
-
-def convex_gauge(law: StatedLaw, _: Evidence) -> bool:
-    """K = {gamma <= 1} with a convex gauge gamma."""
-    return StarGauge(law).convex()
-
-
-def smooth_gauge(law: StatedLaw, _: Evidence) -> bool:
-    """The boundary is {gamma = 1} with gamma of class C^1 and positive."""
-    return StarGauge(law).smooth()
-
-
-def convex_fan(law: StatedLaw, _: Evidence) -> bool:
-    """K = {f <= c} with f of degree 1 and convex, one formula in each cone of a fan."""
-    return Fan(law).convex()
-
-
-def smooth_fan(law: StatedLaw, _: Evidence) -> bool:
-    """The boundary is {f = c} with f of degree 1 and of class C^1, one formula in each cone of a fan."""
-    return Fan(law).smooth()
 
 
 def euler(law: StatedLaw, _: Evidence) -> bool:
@@ -322,12 +289,12 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "2001)",
     ),
     ("convexity", "polar-curvature"): RuleRow(
-        _ORIGIN, convex_gauge, obligations.numbers_in_formula,
+        _ORIGIN, lambda law, _: StarGauge(law).convex(), obligations.numbers_in_formula,
         "the boundary r = 1/gamma(theta) bends inwards nowhere: gamma'' + gamma >= 0 on every arc, and gamma' never "
         "jumps down where two meet (Schneider 2014, section 1.7)", most_forces=_PLANE,
     ),
     ("convexity", "fan"): RuleRow(
-        _ORIGIN, convex_fan, obligations.formula,
+        _ORIGIN, lambda law, _: Fan(law).convex(), obligations.formula,
         "K = {f <= c} with f of degree 1: f is convex in each cone of a fan, and its slope never falls across a ray", most_forces=_PLANE,
     ),
     ("convexity", "implicit-curvature"): RuleRow(
@@ -340,11 +307,11 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         "and round where its loads end (Rockafellar 1970, theorem 25.5)",
     ),
     ("smoothness", "polar-seams"): RuleRow(
-        _ORIGIN, smooth_gauge, obligations.numbers_in_formula,
+        _ORIGIN, lambda law, _: StarGauge(law).smooth(), obligations.numbers_in_formula,
         "gamma > 0 is smooth on each arc, and gamma' is equal on both sides of each seam", most_forces=_PLANE,
     ),
     ("smoothness", "fan"): RuleRow(
-        _ORIGIN, smooth_fan, obligations.formula,
+        _ORIGIN, lambda law, _: Fan(law).smooth(), obligations.formula,
         "the boundary is {f = c} with f of degree 1: f is smooth in each cone of a fan, and its gradient goes over "
         "continuously from each to the next", most_forces=_PLANE,
     ),
@@ -360,13 +327,13 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
         _CONVEXITY, one_force, obligations.formula,
         "K is an interval with an inside: at each of its ends the normal is +1 or -1", most_forces=1,
     ),
-    ("normality", "normality-rule"): RuleRow(_CONVEXITY, associated, obligations.nothing, _MOREAU),
+    ("normality", "normality-rule"): RuleRow(_CONVEXITY, lambda law, _: law.associated, obligations.nothing, _MOREAU),
     ("normality", "parallel"): RuleRow(
         _CONVEXITY, parallel, obligations.formula_and_flow,
         "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex", True,
     ),
     ("dissipation", "fenchel"): RuleRow(
-        _ORIGIN | {"normality"}, fenchel, obligations.flow,
+        _ORIGIN | {"normality"}, lambda law, _: True, obligations.flow,
         "0 is in K and the flow d is in the normal cone at sigma, so d . (0 - sigma) <= 0",
     ),
     ("dissipation", "euler"): RuleRow(

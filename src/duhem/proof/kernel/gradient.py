@@ -5,14 +5,33 @@ At a kink the pieces stand behind a ``where``: what is shown of that holds for t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = ["gradient"]
 
-_ZERO = number(0)
+_ZERO, _ONE = number(0), number(1)
+
+
+def _to(base: Term, power: Fraction) -> Term:
+    return Term("**", (base, number(power)))
+
+
+_OUTER: dict[str, Callable[[Term, Term], Term]] = {  # slopes of words of one part, by the term and that part
+    "exp": lambda term, _: term,
+    "log": lambda _, u: _to(u, Fraction(-1)),
+    "sin": lambda _, u: Term("cos", (u,)),
+    "cos": lambda _, u: minus(Term("sin", (u,))),
+    "tan": lambda term, _: sum_of(_ONE, product_of(term, term)),
+    "sinh": lambda _, u: Term("cosh", (u,)),
+    "cosh": lambda _, u: Term("sinh", (u,)),
+    "tanh": lambda term, _: sum_of(_ONE, minus(product_of(term, term))),
+    "atan": lambda _, u: _to(sum_of(_ONE, product_of(u, u)), Fraction(-1)),
+    "asin": lambda _, u: _to(sum_of(_ONE, minus(product_of(u, u))), Fraction(-1, 2)),
+    "acos": lambda _, u: minus(_to(sum_of(_ONE, minus(product_of(u, u))), Fraction(-1, 2))),
+}
 
 
 def gradient(potential: Term, forces: Sequence[str]) -> tuple[Term, ...]:
@@ -50,25 +69,8 @@ def _slope(term: Term, x: str) -> Term:
             doubled = (minor(xy, xz, a, yz), minor(xy, yz, b, xz), minor(xz, yz, c, xy))  # a shear stands twice in the matrix
             over = [*diagonal, *(product_of(number(2), m) for m in doubled)]
             return product_of(sum_of(*map(product_of, over, parts)), Term("**", (sum_of(*diagonal), number(-1))))
-        case "exp":
-            return product_of(term, du)
-        case "log":
-            return product_of(du, Term("**", (u, number(-1))))
-        case "sin":
-            return product_of(Term("cos", (u,)), du)
-        case "cos":
-            return minus(product_of(Term("sin", (u,)), du))
-        case "tan":
-            return product_of(sum_of(number(1), product_of(term, term)), du)
-        case "sinh" | "cosh":
-            return product_of(Term("cosh" if term.op == "sinh" else "sinh", (u,)), du)
-        case "tanh":
-            return product_of(sum_of(number(1), minus(product_of(term, term))), du)
-        case "atan":
-            return product_of(du, Term("**", (sum_of(number(1), product_of(u, u)), number(-1))))
-        case "asin" | "acos":
-            slope = product_of(du, Term("**", (sum_of(number(1), minus(product_of(u, u))), number(Fraction(-1, 2)))))
-            return slope if term.op == "asin" else minus(slope)
+        case word if word in _OUTER:
+            return product_of(_OUTER[word](term, u), du)
         case "abs":
             return _either(u, _ZERO, du, minus(du))
         case "pos":

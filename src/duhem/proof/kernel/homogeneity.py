@@ -4,19 +4,26 @@ With G_k the part of degree k, d g(r sigma)/dr at r = 1 is the sum of k G_k (Eul
 for every m; one of these sums that is positive everywhere shows that g rises outward on its zeros.  The power of a flow that is the
 gradient of a potential is such a sum too, and so is its limit where gradients meet.  Of one degree alone g keeps its sign along each
 ray: K is a cone, and sigma . n = 0 for every normal n at sigma.
+
+A flow of the law's own whose power is a constant times g and something >= 0 has power >= 0 wherever g = 0.  Where a tip of g is 0, as at
+the apex of a cone, g has a cone of normals, and the formula of a flow like the gradient of a potential no value; see
+:mod:`definedness`.  The power of a mean of its limits from around is >= 0 too, g being continuous.
 """
 
 from __future__ import annotations
 
 from fractions import Fraction
 
-from duhem.proof.kernel.curvature import facts
-from duhem.proof.kernel.domain import POSITIVE, StatedDomain
-from duhem.proof.kernel.identity import value, written
-from duhem.proof.kernel.polynomial import Polynomial
+from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.definedness import undecided_beside
+from duhem.proof.kernel.domain import POSITIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.identity import in_order, value, vanishes
+from duhem.proof.kernel.pieces import chooses
+from duhem.proof.kernel.polynomial import Polynomial, written
+from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["by_degree", "grows_along_rays", "is_cone", "potential_flows_outward"]
+__all__ = ["by_degree", "flows_with_a_share_of_g", "grows_along_rays", "is_cone", "potential_flows_outward"]
 
 _ALIKE = ("abs", "pos", "neg", "norm", "max", "min", "eigmax")
 
@@ -47,6 +54,18 @@ def potential_flows_outward(potential: Term, g: Term, share: Term, domain: State
         return False
     power = sum_of(*(product_of(number(k), part) for k, part in by_degree(potential, domain).items()))
     return domain.nonnegative(sum_of(power, minus(product_of(share, g))))
+
+
+def flows_with_a_share_of_g(law: StatedLaw, share: Term, rest: Term) -> bool:
+    """Whether sigma . d = ``share`` g + ``rest`` with a constant share and rest >= 0, d having a value but where a tip of g is 0."""
+    domain = over(law)
+    if law.flow is None or not (domain.constant(share) and facts(rest, domain).nonnegative):
+        return False
+    if undecided_beside(law.flow, tips(law.g, domain), domain, facts, over) is not None or chooses(law.g, domain):
+        return False
+    power = sum_of(*(product_of(Term("name", name=x), d) for x, d in zip(law.forces, law.flow, strict=True)))
+    gap = sum_of(power, minus(product_of(share, law.g)), minus(rest))
+    return all(facts(part, domain).defined for part in (law.g, share, rest)) and vanishes(in_order(gap, domain), domain)
 
 
 def by_degree(term: Term, domain: StatedDomain) -> dict[Fraction, Term]:

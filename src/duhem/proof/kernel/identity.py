@@ -12,7 +12,7 @@ from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, written
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
-__all__ = ["alike", "multiplied_out", "multiplied_through", "value", "vanishes", "written"]
+__all__ = ["alike", "in_order", "multiplied_out", "multiplied_through", "value", "vanishes"]
 
 _MOST_STEPS, _HIGHEST = 60, 64
 _SORTED = ("norm", "max", "min")
@@ -115,13 +115,14 @@ def alike(one: Term, two: Term, domain: StatedDomain) -> bool:
 
 
 def _form(term: Term, domain: StatedDomain, powers: bool) -> Polynomial:
-    return domain.polynomial(_ordered(term, domain, powers))
+    return domain.polynomial(in_order(term, domain, powers))
 
 
-def _ordered(term: Term, domain: StatedDomain, powers: bool) -> Term:
+def in_order(term: Term, domain: StatedDomain, powers: bool = False) -> Term:
+    """The same formula, its parts multiplied out, and written alike where they are alike; even ``powers`` as those of a size."""
     if not term.args:
         return term
-    args = [_sorted(domain.polynomial(_ordered(a, domain, powers))) for a in term.args]
+    args = [_sorted(domain.polynomial(in_order(a, domain, powers))) for a in term.args]
     even = term.op == "**" and args[1].op == "number" and args[1].value % 2 == 0
     if term.op in ("abs", "norm") or even:
         sized = 1 if even else len(args)

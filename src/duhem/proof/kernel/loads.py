@@ -12,20 +12,18 @@ __all__ = ["at_end_of", "by_forces", "multiple", "share_and_rest", "sign_within"
 
 def multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:
     """c where rest = c x; read off a part of x whose coefficient is a number, or a product of constants that are not 0."""
-    share = _share(rest, x, domain)
-    return share if share is not None and rest == times(share, x) else None
-
-
-def _share(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:
-    """c where the moving parts may be such multiples; {} where the rest has none of a part of x."""
     if not rest:
         return {}
-    parts = by_forces(x, domain)
-    for moving, c in parts.items():
+    split = share_and_rest(rest, x, domain)
+    return None if split is None or split[1] else split[0]
+
+
+def _pivot(x: Polynomial, domain: StatedDomain) -> tuple[Monomial, Polynomial] | None:
+    """A part of x that the forces enter, and the inverse of its coefficient, which is a number or a product of constants that are not 0."""
+    for moving, c in by_forces(x, domain).items():
         if moving and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
             ((m, factor),) = c.items()
-            inverse: Polynomial = {tuple((y, -n) for y, n in m): 1 / factor}
-            return times(by_forces(rest, domain).get(moving, {}), inverse)
+            return moving, {tuple((y, -n) for y, n in m): 1 / factor}
     return None
 
 
@@ -70,7 +68,7 @@ def _of_multiple(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
 
 def share_and_rest(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> tuple[Polynomial, Polynomial] | None:
     """(c, d) with poly = c load + d, both constant and c not plainly 0."""
-    if not (share := _share(poly, load, domain)):
+    if (pivot := _pivot(load, domain)) is None or not (share := times(by_forces(poly, domain).get(pivot[0], {}), pivot[1])):
         return None
     rest = total(poly, negated(times(share, load)))
     return None if any(not domain.constant(x) for m in rest for x, _ in m) else (share, rest)
@@ -117,12 +115,7 @@ def _of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
 
 def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:
     """Forces at which a load is 0: all but one of them 0."""
-    parts = by_forces(load, domain)
-    if not _is_load(load, domain):
-        raise NotWritten("what is >= 0 is no load")
-    for moving, c in parts.items():
-        if moving and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
-            ((m, factor),) = c.items()
-            place = times({tuple((y, -n) for y, n in m): -1 / factor}, parts.get((), {}))
-            return {**{Term("name", name=f): number(0) for f in domain.law.forces}, moving[0][0]: written(place)}
-    raise NotWritten("a load has no force with a coefficient that is not 0")
+    if not _is_load(load, domain) or (pivot := _pivot(load, domain)) is None:
+        raise NotWritten("what is >= 0 is no load, or has no force with a coefficient that is not 0")
+    place = negated(times(pivot[1], by_forces(load, domain).get((), {})))
+    return {**{Term("name", name=f): number(0) for f in domain.law.forces}, pivot[0][0][0]: written(place)}

@@ -10,9 +10,8 @@ from collections.abc import Iterable, Iterator
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.definedness import Reader, asks
+from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
 from duhem.proof.kernel.domain import ANY, StatedDomain, StatedLaw
-from duhem.proof.kernel.limits import continued, undecided_beside
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import Term, number
@@ -87,7 +86,7 @@ def formula_where_loads_allow(law: StatedLaw) -> str:
     """g, where the loads in it allow it to be <= 0; at a tip by continuity."""
     if not (found := law.once(formula_but_at_tips)):
         return ""
-    loads, others, inside = where_loads_allow(law, facts, over)
+    loads, others, inside = where_loads_allow(law)
     if _everywhere("a load", loads, law):
         return found
     reader = _reader(inside)

@@ -13,8 +13,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from duhem.proof.kernel.curvature import facts, over
+from duhem.proof.kernel.definedness import sign_on_axis
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.limits import sign_on_axis
 from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.spectrum import freed_of_roots
 from duhem.proof.kernel.term import NotWritten, Term, minus, number
@@ -22,6 +22,7 @@ from duhem.proof.kernel.term import NotWritten, Term, minus, number
 __all__ = ["smooth_but_where_zero", "smooth_near_the_boundary", "tips"]
 
 Switch = frozenset[tuple[object, object]]
+_ODD = ("sin", "sinh", "tanh", "atan")  # 0 where their argument is
 
 
 @dataclass(frozen=True)
@@ -113,25 +114,19 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
     if term.op in ("abs", "pos", "neg"):
         here = frozenset({_switch(term.args[0], domain)})
         return Kinks(kinks | here, known[0].zeros | here, tips)
-    if term.op in ("exp", "cos", "cosh"):
-        return Kinks(kinks, tips=tips)
-    if term.op in ("sin", "sinh", "tanh", "atan"):
-        return Kinks(kinks, known[0].zeros, tips)
+    if term.op in ("exp", "cos", "cosh", "sin", "sinh", "tanh", "atan"):
+        return Kinks(kinks, known[0].zeros if term.op in _ODD else frozenset(), tips)
     if term.op in ("asin", "acos"):  # of x, for x^2 < 1
         return Kinks(kinks, tips=tips | _zeros_of(Term("+", (number(1), minus(Term("*", term.args * 2)))), domain))
     if term.op == "norm" and all(p.kinks <= p.zeros for p in known):
         return Kinks(frozenset(), every, tips | _zeros_of(term, domain))
     if term.op == "**" and domain.constant(term.args[1]):
-        base, p = known[0], facts(term.args[1], domain).sign
-        exponent = term.args[1].value if term.args[1].op == "number" else None
-        if exponent is not None and exponent.denominator == 1 and exponent >= 0:
-            return Kinks(
-                frozenset() if exponent > 1 and base.kinks <= base.zeros else base.kinks, base.zeros if exponent else frozenset(), tips
-            )
-        above_one = Term("+", (term.args[1], number(-1)))
-        if facts(above_one, domain).sign == POSITIVE:
-            return Kinks(frozenset() if base.kinks <= base.zeros else base.kinks, base.zeros, tips)
-        return Kinks(base.kinks, base.zeros if p == POSITIVE else frozenset(), tips | _zeros_of(term.args[0], domain))
+        base, exponent = known[0], term.args[1].value if term.args[1].op == "number" else None
+        whole = exponent is not None and exponent.denominator == 1 and exponent >= 0
+        steep = exponent > 1 if whole and exponent is not None else facts(Term("+", (term.args[1], number(-1))), domain).sign == POSITIVE
+        zeros = base.zeros if facts(term.args[1], domain).sign == POSITIVE else frozenset()
+        left = frozenset() if steep and base.kinks <= base.zeros else base.kinks
+        return Kinks(left, zeros, tips if whole or steep else tips | _zeros_of(term.args[0], domain))
     return None
 
 

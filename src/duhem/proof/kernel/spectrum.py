@@ -31,7 +31,7 @@ Over = Callable[[StatedLaw], StatedDomain]
 
 
 class Freed(NamedTuple):
-    """A ``term`` of a wider ``domain``: forces that may be any numbers are in the place of some ``parts``, for which ``swaps`` put others."""
+    """A ``term`` of a wider ``domain``: forces that may be any numbers in the place of ``parts``, for which ``swaps`` put others."""
 
     term: Term
     domain: StatedDomain

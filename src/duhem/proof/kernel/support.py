@@ -18,7 +18,8 @@ from fractions import Fraction
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
-from duhem.proof.kernel.forms import Row, affine, at, determinant, quadratic
+from duhem.proof.kernel.forms import Row, affine, at, degree_at_most, determinant, quadratic
+from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.identity import multiplied_out, value, vanishes
 from duhem.proof.kernel.polyhedron import supports_polytope
 from duhem.proof.kernel.polynomial import Monomial
@@ -161,7 +162,7 @@ def _polar(gauge: Term, other: Term, radius: Term, dual: Mapping[str, str], doma
 
 
 def _polar_of_one(gauge: Term, other: Term, radius: Term, force: str, slip: str, domain: StatedDomain) -> bool:
-    if not (_homogeneous(gauge, [force], domain) and _homogeneous(other, [slip], domain)):
+    if not all(list(by_degree(part, domain)) == [1] for part in (gauge, other)):
         return False
     for way in (number(1), number(-1)):
         weight, width = at(gauge, [force], [way]), at(other, [slip], [way])
@@ -205,26 +206,9 @@ def _unscaled(term: Term, domain: StatedDomain) -> tuple[Term, Term]:
     return moving[0], product_of(*still)
 
 
-def _homogeneous(term: Term, names: Sequence[str], domain: StatedDomain) -> bool:
-    """Of degree 1 under positive factors."""
-    if _is_affine(term, names, domain):
-        return vanishes(affine(term, names, domain)[1], domain)
-    if term.op == "*":
-        moving = [a for a in term.args if not domain.constant(a)]
-        return len(moving) == 1 and _homogeneous(moving[0], names, domain)
-    return term.op in ("+", "abs", "pos", "neg", "norm", "max", "min") and all(_homogeneous(a, names, domain) for a in term.args)
-
-
-def _is_affine(term: Term, names: Sequence[str], domain: StatedDomain) -> bool:
+def _is_affine(term: Term, names: _Names, domain: StatedDomain) -> bool:
     """Whether it is written as sums and products, and affine in the names."""
-    try:
-        return _is_plain(term, domain) and bool(affine(term, names, domain))
-    except NotWritten:
-        return False
-
-
-def _is_plain(term: Term, domain: StatedDomain) -> bool:
-    return domain.constant(term) or term.op == "name" or (term.op in ("+", "*") and all(_is_plain(a, domain) for a in term.args))
+    return degree_at_most(term, domain) in (0, 1) and term.names() & {*domain.law.forces} <= {*names}
 
 
 def _supports_quadric(g: Term, potential: Term, forces: _Names, slips: _Names, flat: Sequence[Term], domain: StatedDomain) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -43,6 +43,7 @@ _TOKEN = re.compile(rf"[ \t\n\r]*(?P<token>(?P<number>{_NUMBER})|[^\W\d]\w*|\*\*
 _BLANKS = " \t\n\r"
 _DEEPEST, _BRACKETS, _LARGEST = 200, 60, 8_000  # signs and powers; brackets; parts of what repeats some of the text
 _MOST_CHARACTERS, _MOST_TOKENS, _MOST_DIGITS = 20_000, 4_000, 400
+_Reader = Callable[[list[str], int, int], "tuple[Term, int]"]
 _SAID = 120  # letters of what somebody wrote that a message repeats
 
 
@@ -207,45 +208,44 @@ def _comparison(tokens: list[str], at: int, depth: int = 0) -> tuple[Term, int]:
 
 
 def _sum(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
-    term, at = _product(tokens, at, depth)
+    term, at = _signed(_product, tokens, at, depth)
     terms = [term]
     while at < len(tokens) and tokens[at] in "+-":
         sign = tokens[at]
-        term, at = _product(tokens, at + 1, depth)
+        term, at = _signed(_product, tokens, at + 1, depth)
         terms.append(term if sign == "+" else minus(term))
     return (terms[0] if len(terms) == 1 else Term("+", tuple(terms))), at
 
 
+def _signed(read: _Reader, tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
+    """What a reader reads, perhaps behind signs."""
+    if at == len(tokens) or tokens[at] not in "+-":
+        return read(tokens, at, depth)
+    _check_depth(depth)
+    term, end = _signed(read, tokens, at + 1, depth + 1)
+    return (term if tokens[at] == "+" else minus(term)), end
+
+
+def _check_depth(depth: int) -> None:
+    if depth > _DEEPEST:
+        raise NotWritten("the formula nests too deeply")
+
+
 def _product(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
-    if at < len(tokens) and tokens[at] in "+-":
-        if depth > _DEEPEST:
-            raise NotWritten("the formula nests too deeply")
-        term, end = _product(tokens, at + 1, depth + 1)
-        return (term if tokens[at] == "+" else minus(term)), end
     term, at = _power(tokens, at, depth)
     factors = [term]
     while at < len(tokens) and tokens[at] in ("*", "/"):
         sign = tokens[at]
-        term, at = _signed_power(tokens, at + 1, depth)
+        term, at = _signed(_power, tokens, at + 1, depth)
         factors.append(term if sign == "*" else Term("**", (term, number(-1))))
     return (factors[0] if len(factors) == 1 else Term("*", tuple(factors))), at
-
-
-def _signed_power(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
-    if at < len(tokens) and tokens[at] in "+-":
-        if depth > _DEEPEST:
-            raise NotWritten("the formula nests too deeply")
-        term, end = _signed_power(tokens, at + 1, depth + 1)
-        return (term if tokens[at] == "+" else minus(term)), end
-    return _power(tokens, at, depth)
 
 
 def _power(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
     base, at = _atom(tokens, at, depth)
     if at < len(tokens) and tokens[at] == "**":
-        if depth > _DEEPEST:
-            raise NotWritten("the formula nests too deeply")
-        exponent, at = _signed_power(tokens, at + 1, depth + 1)
+        _check_depth(depth)
+        exponent, at = _signed(_power, tokens, at + 1, depth + 1)
         return Term("**", (base, exponent)), at
     return base, at
 
@@ -253,8 +253,7 @@ def _power(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
 def _atom(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
     if at >= len(tokens):
         raise NotWritten("the formula ends too early")
-    if depth > _DEEPEST:
-        raise NotWritten("the formula nests too deeply")
+    _check_depth(depth)
     token = tokens[at]
     if token[0] in ".0123456789":
         return number(Fraction(token)), at + 1
