@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from hashlib import sha256
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import Bounds, StatedLaw, as_object, exact, inhabited, without_more
-from duhem.proof.kernel.obligations import parts_without_names
+from duhem.proof.kernel.obligations import numbers
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, in_words
 
 __all__ = ["CLAIMS", "EVIDENCE", "NO_RULE", "OVER", "SCHEMA", "TRUSTS", "VERDICTS", "Rechecked", "digest", "recheck", "stated"]
@@ -108,7 +108,7 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
         law = stated(as_object(document["law"]))
         if not isinstance(document["law"].get("name", ""), str):
             raise NotWritten("the name of the law is no text")
-        if said := parts_without_names(law):
+        if said := next(filter(None, map(numbers, _texts(document["law"]))), ""):
             raise NotWritten(said)
         if not inhabited(law.parameters, law.constraints, {name: exact(value) for name, value in document["inhabited"].items()}):
             raise NotWritten("no point of the parameters' domain is given")
@@ -128,6 +128,15 @@ def recheck(document: Mapping[str, Any]) -> tuple[Rechecked, ...]:
             settled.add(row.claim)
         rows.append(Rechecked(row.claim, row.verdict, row.trust, not reason, reason))
     return tuple(rows)
+
+
+def _texts(law: Mapping[str, Any]) -> Iterator[str]:
+    """Every formula and comparison in the law of a certificate."""
+    yield from law["constraints"]
+    for entry in law.get("surfaces", (law,)):
+        flow = entry["flow"]
+        yield from ([] if flow is None else flow.values() if isinstance(flow, Mapping) else flow)
+        yield from ([entry["g"]] if "g" in entry else entry["boundary"])
 
 
 def _check_version(schema: Any) -> None:

@@ -7,21 +7,25 @@ the rule that reads it allows.  Each function returns "" where everything has a 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from fractions import Fraction
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
-from duhem.proof.kernel.domain import ANY, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
-from duhem.proof.kernel.term import Term, number
+from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
-    "formula_where_loads_allow", "limits", "nothing", "numbers_in_formula", "parts_without_names", "unvalued",
+    "formula_where_loads_allow", "limits", "nothing", "numbers", "numbers_in_formula",
 ]  # fmt: skip
 
 _KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an asin", "acos": "an acos", "tan": "a tan", "atan2": "an angle"}
+
+# Under exp, sinh and cosh, and of exponents on numbers and on names, and somewhat more: max(64, 2) is not told from 64 by enclosures.
+_MOST_GROWTH, _MOST_POWER, _MOST_POWER_OF_NAME = (Fraction(n) + Fraction(1, 2) for n in (700, 64, 1000))
 
 
 def nothing(_: StatedLaw) -> str:
@@ -29,28 +33,33 @@ def nothing(_: StatedLaw) -> str:
     return ""
 
 
-def parts_without_names(law: StatedLaw | StatedCurve) -> str:
-    """Every part of the law's text that is a number, whether or not a condition lets it be read: one without a value is a slip of the pen."""
-    texts = [*law.constraints, *(law.flow or ())]
-    if isinstance(law, StatedLaw):
-        texts += [law.g, *(x for g, flow in law.surfaces for x in (g, *(flow or ())))] + ([] if law.potential is None else [law.potential])
-    else:
-        texts += law.boundary
-    return unvalued(texts)
-
-
-def unvalued(texts: Iterable[Term]) -> str:
-    """What is not shown to have a value among the parts of formulas that no name enters."""
+def numbers(text: str) -> str:
+    """Every part of a formula's text that is a number, whether or not a condition lets it be read, and is of a size that is reckoned with."""
     reader = _reader(over(StatedLaw(("x",), None, number(0), None, {}, ())))
-    return next((_said("a number in the law", part) for text in texts for part in _numbers(text) if reader.undecided(part) is part), "")
+    for part in _numbers(parse(text)):
+        if not part.names() - {"pi"} and reader.undecided(part) is part:
+            return _said("a number in the law", part)
+        if any(reader.sign(x) & NEGATIVE for x in _below_its_limit(part)):
+            return f"a number in the law is too large: {part.op} in it"
+    return ""
 
 
 def _numbers(term: Term) -> Iterator[Term]:
-    """The parts that ask for more than their own parts and have no name in them, the inner ones first."""
-    for a in term.args if asks(term) else ():
+    """The parts that no name enters, and powers whose exponent is one, the inner ones first."""
+    for a in term.args:
         yield from _numbers(a)
-    if asks(term) and not term.names() - {"pi"}:
+    if term.args and (not term.names() - {"pi"} or (term.op == "**" and not term.args[1].names() - {"pi"})):
         yield term
+
+
+def _below_its_limit(part: Term) -> Iterator[Term]:
+    """What is >= 0 where the size of a number, or of the exponent of a name, can be reckoned with."""
+    if part.op in ("exp", "sinh", "cosh"):
+        yield sum_of(number(_MOST_GROWTH), minus(part.args[0]))
+    if part.op in ("**", "sinh", "cosh"):
+        limit = _MOST_GROWTH if part.op != "**" else _MOST_POWER_OF_NAME if part.names() - {"pi"} else _MOST_POWER
+        size = part.args[part.op == "**"]
+        yield from (sum_of(number(limit), x) for x in (size, minus(size)))
 
 
 def constraints(law: StatedLaw | StatedCurve) -> str:
