@@ -33,6 +33,11 @@ def test_drawn_texts_are_read_alike_and_read_back() -> None:
     assert found.wrong == {} and found.counts["read"] > 150 < found.counts["points"]
 
 
+@pytest.mark.parametrize("text", ["a*0.1234567**64", "-(0.1234567**64) + a", "a/(1 - 0.7654321**60)", "max(a, -0.1234567**64)"])
+def test_numbers_of_more_digits_than_are_read_at_once_are_read_back(text: str) -> None:
+    assert read(formula(read(text))) == read(text)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", mostly_long(range(4)))
 def test_more_drawn_texts(seed: int) -> None:

@@ -17,6 +17,7 @@ from sympy.printing.str import StrPrinter
 from duhem.errors import InputError
 from duhem.expression.build import settled
 from duhem.expression.inert_number import reckoned
+from duhem.expression.number import MOST_DIGITS
 from duhem.expression.parse import parse_expression, parse_relation
 from duhem.expression.vocabulary import Where
 
@@ -90,5 +91,19 @@ class _Printer(StrPrinter):
     def _print_LatticeOp(self, expr: sp.Basic) -> str:
         return self._word(type(expr).__name__.lower(), sorted(expr.args, key=sp.default_sort_key))
 
+    def _print_Integer(self, x: sp.Integer) -> str:
+        return _digits(x.p)
+
+    def _print_Rational(self, x: sp.Rational) -> str:
+        return f"{_digits(x.p)}/{_digits(x.q)}"
+
     def _print_Exp1(self, _: sp.Expr) -> str:
         return "exp(1)"
+
+
+def _digits(n: int) -> str:
+    """A whole number; one with more digits than are read at once as a sum of shorter ones: 0.1234567**64 is a quotient of two such."""
+    if abs(n) < 10**MOST_DIGITS:
+        return str(n)
+    high, low = divmod(abs(n), 10**MOST_DIGITS)
+    return f"{'-' if n < 0 else ''}({_digits(high)}*1e{MOST_DIGITS} + {low})"
