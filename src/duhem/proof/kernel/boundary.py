@@ -21,7 +21,7 @@ from typing import Any
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedFace, StatedLaw, exact
-from duhem.proof.kernel.pieces import CHOICES, chooses, greatest_of, pieces
+from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total, written
 from duhem.proof.kernel.term import NotWritten, Term, minus, parse, product_of, sum_of
 
@@ -105,7 +105,7 @@ def _parallel(
 
 def _on_face(face: StatedFace, beside: Sequence[Term], domain: StatedDomain) -> Iterator[tuple[tuple[Term, ...], dict[str, Condition]]]:
     """Smooth pieces of the face's g and of the formulas ``beside`` it, with what holds where they are the boundary."""
-    inside = [minus(smaller) for other in face.others for smaller in greatest_of(other, domain)]
+    inside = [minus(smaller) for other in face.others for smaller in below(other)]
     if any(chooses(g, domain) for g in (face.g, *face.others)):
         raise NotWritten("g may jump, and then K ends where no g is 0")
     for piece, sides in pieces(Term(",", (face.g, *beside)), domain, CHOICES):

@@ -29,7 +29,7 @@ from typing import NamedTuple
 from duhem.proof.kernel.deviatoric import DeviatoricReader
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.forms import by_forces
-from duhem.proof.kernel.pieces import greatest_of
+from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.section import section_readers
 from duhem.proof.kernel.sector import sector_readers
@@ -123,7 +123,7 @@ class Reader(NamedTuple):
         else:
             against = Term(AGAINST[condition.op], condition.args)
             own, other = (condition, against) if holds else (against, condition)
-            own_sides = (gap(own), *map(minus, greatest_of(gap(other), self.domain)))
+            own_sides = (gap(own), *map(minus, below(gap(other))))
             sides |= dict.fromkeys((*own_sides, *map(self._without_what_is_below_zero, own_sides)), len(own.op) == 1)
         try:
             inner = self.over(law)

@@ -1,19 +1,16 @@
-"""A formula with kinks as smooth pieces, and as the greatest of others."""
+"""A formula with kinks as smooth pieces."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
-from math import prod
 
-from duhem.proof.kernel.domain import NEGATIVE, StatedDomain, gap
-from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
+from duhem.proof.kernel.domain import StatedDomain, gap
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, minus, number, sum_of
 
-__all__ = ["CHOICES", "chooses", "greatest_of", "pieces"]
+__all__ = ["CHOICES", "below", "chooses", "pieces"]
 
 _KINKS = ("abs", "pos", "neg", "max", "min")
 CHOICES = (*_KINKS, "where")
-_MOST_ARMS = 100
 _DEEPEST = 6  # kinks one after another: at most this many are opened
 
 
@@ -39,24 +36,15 @@ def chooses(term: Term, domain: StatedDomain) -> bool:
     return _innermost(term, domain, ("where", "atan2")) is not None
 
 
-def greatest_of(term: Term, domain: StatedDomain) -> list[Term]:
-    """Terms whose greatest is ``term``: itself, where it is not seen to be the greatest of others, or of too many."""
-    if domain.constant(term):
-        return [term]
-    match term.op:
-        case "abs" | "pos" | "neg":
-            return [value for value, _ in _sides(term)]
-        case "max":
-            return [arm for a in term.args for arm in greatest_of(a, domain)]
-        case "*":
-            moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
-            if len(moving) == 1 and not domain.of(scale := product_of(*still)) & NEGATIVE:
-                return [product_of(scale, arm) for arm in greatest_of(moving[0], domain)]
-        case "+":
-            parts = [greatest_of(a, domain) for a in term.args]
-            if prod(map(len, parts)) <= _MOST_ARMS:
-                return [sum_of(*arms) for arms in product(*parts)]
-    return [term]
+def below(term: Term, depth: int = 0) -> Iterator[Term]:
+    """What is <= 0 wherever ``term`` is: a kink in a sum is no less than any of its values."""
+    parts = term.args if term.op == "+" else (term,)
+    i = next((i for i, a in enumerate(parts) if a.op in ("abs", "pos", "neg", "max")), None)
+    if i is None or depth == _DEEPEST:
+        yield term
+        return
+    for value, _ in _sides(parts[i]):
+        yield from below(sum_of(*parts[:i], *parts[i + 1 :], value), depth + 1)
 
 
 def _innermost(term: Term, domain: StatedDomain, words: Sequence[str]) -> Term | None:

@@ -10,20 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import combinations
-from math import comb
+from itertools import combinations, product
+from math import comb, prod
 
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain
 from duhem.proof.kernel.forms import affine
-from duhem.proof.kernel.pieces import greatest_of
-from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of
+from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = [
     "Face",
     "Vector",
     "corners",
     "dot",
+    "greatest_of",
     "is_bounded",
     "measured",
     "polyhedron",
@@ -31,7 +31,7 @@ __all__ = [
     "within",
 ]
 
-_MOST_CHOICES = 5000
+_MOST_ARMS, _MOST_CHOICES = 100, 5000
 Vector = tuple[Fraction, ...]
 Face = tuple[Vector, Fraction]
 
@@ -41,6 +41,28 @@ def polyhedron(g: Term, forces: Sequence[str], domain: StatedDomain) -> tuple[li
     arms = [affine(arm, forces, domain) for arm in greatest_of(g, domain)]
     steep, far = _unit([c for row, _ in arms for c in row], domain), _unit([offset for _, offset in arms], domain)
     return [(measured(row, steep, domain), *measured([minus(offset)], far, domain)) for row, offset in arms], far, steep
+
+
+def greatest_of(term: Term, domain: StatedDomain) -> list[Term]:
+    """Terms whose greatest is ``term``."""
+    if domain.constant(term):
+        return [term]
+    x, zero = term.args[0] if term.args else term, number(0)
+    match term.op:
+        case "abs" | "pos" | "neg":
+            return [zero if term.op == "neg" else x, zero if term.op == "pos" else minus(x)]
+        case "max":
+            return [arm for a in term.args for arm in greatest_of(a, domain)]
+        case "*":
+            moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
+            if len(moving) == 1 and not facts(scale := product_of(*still), domain).sign & NEGATIVE:
+                return [product_of(scale, arm) for arm in greatest_of(moving[0], domain)]
+        case "+":
+            parts = [greatest_of(a, domain) for a in term.args]
+            if prod(map(len, parts)) > _MOST_ARMS:
+                raise NotWritten("there are too many faces")
+            return [sum_of(*arms) for arms in product(*parts)]
+    return [term]
 
 
 def _unit(terms: Sequence[Term], domain: StatedDomain) -> Term:
