@@ -13,10 +13,10 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.elementary import enclosed
+from duhem.proof.kernel.forms import at_end_of
 from duhem.proof.kernel.interval import BITS, Enclosure
 from duhem.proof.kernel.invariants import Invariants
 from duhem.proof.kernel.line import _quotient
-from duhem.proof.kernel.loads import at_end_of
 from duhem.proof.kernel.pieces import CHOICES, pieces
 from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.spectrum import freed_of_roots, quasiconvex_with_parts_freed

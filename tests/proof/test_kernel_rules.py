@@ -8,9 +8,10 @@ import pytest
 
 from duhem.proof.kernel.claims import RULES, objection, rules_of
 from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.star import StarGauge
-from duhem.proof.kernel.term import NotWritten
-from tests.proof.small_laws import confirmed, law
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
+from tests.proof.small_laws import confirmed, domain, law
 
 F = Fraction
 
@@ -34,9 +35,6 @@ F = Fraction
         ("smoothness euler", "abs(a) + abs(b) - m", False), ("smoothness euler", "a**2 + b**2 - m + 0/e", False),
         ("smoothness euler", "a**2 + b - m", True), ("dissipation homogeneity", "a**2 - b**2 - m", True),
         ("dissipation homogeneity", "a**2 - b**2 - e", False), ("dissipation homogeneity", "a**2 - b**2 - m + 0/e", False),
-        ("convexity polyhedral", "min(max(abs(a), abs(b)), max(abs(a), abs(b)) - 1) - m", False),
-        ("convexity polyhedral", "max(abs(a), abs(b)) - m", True), ("convexity polyhedral", "max(abs(a), abs(b)) - m + 0/e", False),
-        ("convexity polyhedral", "min(max(abs(a), abs(b)) - 1, max(abs(a) - 1, abs(b) - 2))", True),
         ("origin polar-form", "norm(a, b) + a**2/norm(a, b) - 1", True), ("origin polar-form", "norm(a, b) - 1", False),
         ("state_laws symbolic", "a", True), ("state_laws symbolic", "norm(a, b)/e - q", True),
     ],
@@ -79,6 +77,21 @@ def test_laws_on_a_line() -> None:
     assert confirmed("smoothness", "one-dimensional", law("abs(a - 3*m) - m", ["a"]), {"inside": {"a": "3*m"}}, "convexity")
     for d in ("a", "abc"):
         assert confirmed("state_laws", "symbolic", law("a", list(d)))
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_what_the_rule_of_the_state_laws_says_of_every_law(d: int) -> None:
+    """psi = (u - w) . k (u - w)/2, k = L L^T: dpsi/du = k (u - w) = -dpsi/dw, and psi is the sum of (L^T (u - w))_j^2/2."""
+    u, w = ([Term("name", name=f"{x} {i}") for i in range(d)] for x in "uw")
+    here = domain()
+    factor = [[Term("name", name=f"l {i} {j}") if i >= j else number(0) for j in range(d)] for i in range(d)]
+    lift = list(map(sum_of, u, map(minus, w)))
+    stress = [sum_of(*(product_of(factor[i][k], factor[j][k], lift[j]) for j in range(d) for k in range(d))) for i in range(d)]
+    rows = [sum_of(*(product_of(factor[i][j], lift[i]) for i in range(d))) for j in range(d)]
+    energy = here.polynomial(product_of(number(F(1, 2)), sum_of(*map(product_of, lift, stress))))
+    for x, force in [*zip(u, stress, strict=True), *zip(w, map(minus, stress), strict=True)]:
+        assert slope(energy, x) == here.polynomial(force)
+    assert energy == here.polynomial(product_of(number(F(1, 2)), sum_of(*(product_of(r, r) for r in rows))))
 
 
 def test_flows_of_their_own_are_not_associated() -> None:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from duhem.proof.kernel.constant_sign import sign_of_constant
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, signs_of_product
-from duhem.proof.kernel.loads import multiple, sign_within
+from duhem.proof.kernel.forms import multiple, sign_within
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.section import by_section
 from duhem.proof.kernel.sector import by_sector

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.deviatoric import DeviatoricReader
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
-from duhem.proof.kernel.loads import by_forces
+from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.section import section_readers

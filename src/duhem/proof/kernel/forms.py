@@ -1,15 +1,19 @@
-"""The coefficients of affine and quadratic formulas."""
+"""The coefficients of affine and quadratic formulas; loads, which are affine: multiples of one another, and signs where some are >= 0."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
 
-from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.polynomial import Polynomial, times, written
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
+from duhem.proof.kernel.polynomial import Monomial, Polynomial, negated, times, total, written
+from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, number, product_of, sum_of
 
-__all__ = ["Matrix", "Row", "affine", "at", "degree_at_most", "determinant", "quadratic"]
+__all__ = [
+    "Matrix", "Row", "affine", "at", "at_end_of", "by_forces", "degree_at_most", "determinant", "multiple", "quadratic", "share_and_rest",
+    "sign_within",
+]  # fmt: skip
 
 Row = Sequence[Term]
 Matrix = Sequence[Row]
@@ -66,3 +70,117 @@ def determinant(matrix: Matrix) -> Term:
         return number(1)
     minors = ([[*row[:j], *row[j + 1 :]] for row in matrix[1:]] for j in range(len(matrix)))
     return sum_of(*(product_of(number((-1) ** j), matrix[0][j], determinant(minor)) for j, minor in enumerate(minors)))
+
+
+# -- loads ---------------------------------------------------------------------------------------------------------------
+
+
+def multiple(rest: Polynomial, x: Polynomial, domain: StatedDomain) -> Polynomial | None:
+    """c where rest = c x; read off a part of x whose coefficient is a number, or a product of constants that are not 0."""
+    if not rest:
+        return {}
+    split = share_and_rest(rest, x, domain)
+    return None if split is None or split[1] else split[0]
+
+
+def _pivot(x: Polynomial, domain: StatedDomain) -> tuple[Monomial, Polynomial] | None:
+    """A part of x that the forces enter, and the inverse of its coefficient, which is a number or a product of constants that are not 0."""
+    for moving, c in by_forces(x, domain).items():
+        if moving and len(c) == 1 and all(not domain.of(y) & ZERO for m in c for y, _ in m):
+            ((m, factor),) = c.items()
+            return moving, {tuple((y, -n) for y, n in m): 1 / factor}
+    return None
+
+
+def by_forces(poly: Polynomial, domain: StatedDomain) -> dict[Monomial, Polynomial]:
+    """The coefficients of what depends on the forces."""
+    found: dict[Monomial, Polynomial] = {}
+    for m, c in poly.items():
+        moving = tuple((x, n) for x, n in m if not domain.constant(x))
+        found[moving] = total(found.get(moving, {}), {tuple((x, n) for x, n in m if domain.constant(x)): c})
+    return found
+
+
+def sign_within(term: Term, known: Facts, domain: StatedDomain, shown: Shown) -> Sign:
+    """The signs that what is >= 0 in the domain leaves: of a multiple of that and a constant; of a concave term that depends on one load
+    alone and is >= 0 at both of its ends, no sign < 0.
+    """
+    try:
+        found = _of_multiple(term, domain, shown)
+        if (
+            found & known.sign & NEGATIVE
+            and known.concave
+            and any(_above_at_both_ends(term, x, y, domain, shown) for x in domain.sides for y in domain.sides)
+        ):
+            found &= ZERO | POSITIVE
+        return found
+    except NotWritten:
+        return ANY
+
+
+def _of_multiple(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
+    found, poly = ANY, domain.polynomial(term)
+    for side, strict in domain.sides.items():
+        if (split := share_and_rest(poly, domain.polynomial(side), domain)) is None:
+            continue
+        way, left = (shown(written(part), domain).sign for part in split)
+        if not way & NEGATIVE and not left & NEGATIVE:
+            found &= POSITIVE if left == POSITIVE or (strict and way == POSITIVE) else ZERO | POSITIVE
+        if not way & POSITIVE and not left & POSITIVE:
+            found &= NEGATIVE if left == NEGATIVE or (strict and way == NEGATIVE) else ZERO | NEGATIVE
+    return found
+
+
+def share_and_rest(poly: Polynomial, load: Polynomial, domain: StatedDomain) -> tuple[Polynomial, Polynomial] | None:
+    """(c, d) with poly = c load + d, both constant and c not plainly 0."""
+    if (pivot := _pivot(load, domain)) is None or not (share := times(by_forces(poly, domain).get(pivot[0], {}), pivot[1])):
+        return None
+    rest = total(poly, negated(times(share, load)))
+    return None if any(not domain.constant(x) for m in rest for x, _ in m) else (share, rest)
+
+
+def at_end_of(load: Term, term: Term, domain: StatedDomain) -> Term:
+    """The constant that a term is where a load is 0; NotWritten where the forces enter it by more than that load."""
+    known = domain.polynomial(load)
+    if not _of_load(term, known, domain):
+        raise NotWritten("the forces enter by more than one load")
+    return term.put(_zero(known, domain))
+
+
+def _above_at_both_ends(term: Term, side: Term, other: Term, domain: StatedDomain, shown: Shown) -> bool:
+    """Whether a term that depends on the load ``side`` alone is >= 0 where that is 0, and at its other end, where ``other`` is.
+
+    It is concave where all loads are >= 0 and perhaps nowhere else: so they are asked for at both ends, and hold between them.
+    """
+    if not all(_is_load(domain.polynomial(x), domain) for x in domain.sides):
+        return False
+    load, end = domain.polynomial(side), domain.polynomial(other)
+    split = share_and_rest(end, load, domain)
+    if split is None or shown(written(split[0]), domain).sign != NEGATIVE or not _of_load(term, load, domain):
+        return False
+    ends = [_zero(x, domain) for x in (load, end)]
+    values = [shown(part.put(place), domain) for part in (*domain.sides, term) for place in ends]
+    return all(here.defined and here.nonnegative for here in values)
+
+
+def _is_load(poly: Polynomial, domain: StatedDomain) -> bool:
+    """Whether each force enters by multiples of it."""
+    moving = [[(x, n) for x, n in m if not domain.constant(x)] for m in poly]
+    return all(not m or ([n for _, n in m] == [1] and m[0][0].op == "name") for m in moving)
+
+
+def _of_load(term: Term, load: Polynomial, domain: StatedDomain) -> bool:
+    """Whether the forces enter a term through multiples of a load and constants alone."""
+    if domain.constant(term):
+        return True
+    if term.op in ("+", "*", "name") and share_and_rest(domain.polynomial(term), load, domain) is not None:
+        return True
+    return term.op != "name" and all(_of_load(a, load, domain) for a in term.args)
+
+
+def _zero(load: Polynomial, domain: StatedDomain) -> dict[Term, Term]:
+    """Forces at which a load is 0: all but one of them 0."""
+    if not _is_load(load, domain) or (pivot := _pivot(load, domain)) is None:
+        raise NotWritten("what is >= 0 is no load, or has no force with a coefficient that is not 0")
+    place = negated(times(pivot[1], by_forces(load, domain).get((), {})))
+    return {**{Term("name", name=f): number(0) for f in domain.law.forces}, pivot[0][0][0]: written(place)}

@@ -1,7 +1,7 @@
 """What must have a value before a rule reads a law: the parts of it that the rule speaks of, as they are written.
 
-g is asked for a value for all forces, or but for a limit at a tip (:mod:`limits`), or where the loads in it allow K (:mod:`region`), as
-the rule that reads it allows.  Each function returns "" where everything has a value, else what is not shown to have one.
+g is asked for a value for all forces, or but for a limit at a tip (:mod:`definedness`), or where the loads in it allow K (:mod:`region`),
+as the rule that reads it allows.  Each function returns "" where everything has a value, else what is not shown to have one.
 """
 
 from __future__ import annotations

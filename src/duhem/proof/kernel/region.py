@@ -26,7 +26,7 @@ from math import prod
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
-from duhem.proof.kernel.loads import at_end_of
+from duhem.proof.kernel.forms import at_end_of
 from duhem.proof.kernel.profile import convex_by_its_profile
 from duhem.proof.kernel.regularity import smooth_but_where_zero
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of

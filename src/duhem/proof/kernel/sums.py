@@ -18,8 +18,7 @@ from fractions import Fraction
 from itertools import combinations
 
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, StatedDomain
-from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, quadratic
-from duhem.proof.kernel.loads import multiple
+from duhem.proof.kernel.forms import Matrix, degree_at_most, determinant, multiple, quadratic
 from duhem.proof.kernel.polynomial import Monomial, written
 from duhem.proof.kernel.shape import Facts, Shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
