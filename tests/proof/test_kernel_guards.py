@@ -12,6 +12,7 @@ from duhem.proof.kernel.arcs import arcs
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.elementary import enclosed
 from duhem.proof.kernel.even import freed_of_roots
 from duhem.proof.kernel.interval import BITS, Enclosure
@@ -19,7 +20,6 @@ from duhem.proof.kernel.invariants import Invariants
 from duhem.proof.kernel.line import _quotient
 from duhem.proof.kernel.loads import at_end_of
 from duhem.proof.kernel.pieces import CHOICES, pieces
-from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.small_laws import confirmed, domain, law, poly
@@ -171,10 +171,10 @@ def test_names_that_stand_for_parts_are_not_given_twice() -> None:
     for here, name in ((over(stated), "root 0"), (again, "root 0 inside")):
         assert {z.name for freed in freed_of_roots(rooted, here, facts, over) for z in freed.roots} == {name}
         assert all(freed.domain.law.forces == (*here.law.forces, name) for freed in freed_of_roots(rooted, here, facts, over))
-    known = by_sector(spread, over(stated), facts, over)
+    known = convex_in_deviator(spread, over(stated), facts, over)
     assert known is not None and known.convex
     again = over(stated._replace(forces=(*stated.forces, "greatest deviator")))
-    assert by_sector(spread, again, facts, over) is None
+    assert convex_in_deviator(spread, again, facts, over) is None
 
 
 def test_no_more_than_eight_roots_are_freed() -> None:

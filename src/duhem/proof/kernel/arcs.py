@@ -16,8 +16,8 @@ from math import lcm
 from duhem.proof.kernel.curvature import facts
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.line import Line, divides, joined, parts, roots, sign_inside
-from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, multiplied, power_of
-from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total
+from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, multiplied
+from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, total
 from duhem.proof.kernel.positivity import RAY, nonnegative, on_the_line, without_content
 from duhem.proof.kernel.term import NotWritten, Term
 
@@ -39,7 +39,6 @@ class _Turns(Exception):
 class DirectionArc(PlaneVariable):
     """The rays on one ``side`` with t from ``start`` to ``stop``, or one ray; ``switches`` has no root strictly between."""
 
-    weights = (CIRCLE, {((RAY, 1),): Fraction(-2)}, {(): Fraction(2)})  # of psi, h being psi/(1 + t^2)
     domain: StatedDomain
     forces: tuple[str, str]
     side: int
@@ -55,12 +54,6 @@ class DirectionArc(PlaneVariable):
     def above(self, poly: Polynomial, strict: bool = False) -> bool:
         """Whether it is >= 0, or > 0, on the closed arc (somewhat beyond an end that is not exact) and the whole domain."""
         return nonnegative(poly, (self.start[0], self.stop[1]), self.domain, strict)
-
-    def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
-        """The polynomial, its powers of 1 + t^2 apart if it is but a constant times one."""
-        *_, top = powers = in_powers(poly, RAY)
-        half = (len(powers) - 1) // 2
-        return [(CIRCLE, {(): Fraction(half)}), (top, ONE)] if times(top, power_of(CIRCLE, half)) == poly else [(poly, ONE)]
 
     def sign(self, poly: Polynomial, strict: bool = False) -> int:
         """1 for >= 0 and -1 for <= 0 on the closed arc; ``strict``: > 0 and < 0 between its ends, and 0 for 0."""

@@ -17,12 +17,10 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 
 from duhem.proof.kernel.definedness import Reader
-from duhem.proof.kernel.deviatoric import DeviatoricReader
+from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import ANY, NEGATIVE, ZERO, Sign, StatedDomain, StatedLaw
 from duhem.proof.kernel.loads import by_forces
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.section import section_readers
-from duhem.proof.kernel.sector import sector_readers
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import NotWritten, Term, number
 
@@ -33,8 +31,7 @@ Over = Callable[[StatedLaw], StatedDomain]
 
 def continued(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Term]:
     """What a formula is where J2 = 0, as its parts may be read, by continuity, if it has a value everywhere else where it is read."""
-    readers: Iterable[DeviatoricReader] = (*section_readers(term, domain, shown), *sector_readers(term, domain, shown, over))
-    for reader in readers:
+    for reader in deviatoric_readers(term, domain, shown, over):
         with suppress(NotWritten):
             tip, there = written(reader.second), reader.emptied(term)
             decided = rarely_zero(tip, domain, shown) and (
@@ -52,9 +49,9 @@ def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: Stated
     return next((x for term in terms if (x := reader.undecided(term)) is not None), None)
 
 
-def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign:
+def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown, over: Over) -> Sign:
     """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
-    for reader in section_readers(g, domain, shown):
+    for reader in deviatoric_readers(g, domain, shown, over):
         size, there = reader.value(tip), reader.emptied(g)
         if size is None or not domain.constant(there) or not reader.above(size.poly, strict=True):
             continue

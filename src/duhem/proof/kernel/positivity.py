@@ -60,6 +60,9 @@ def on_the_line(poly: Polynomial) -> Line | None:
 
 def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool = False) -> bool:
     """Whether P >= 0, or P > 0, where the variable is ``between`` the ends and the constants are what they may be."""
+    if between[0] >= 0 and all(n % 2 == 0 for m in poly for x, n in m if x == RAY):  # a polynomial in its square
+        poly = {tuple((x, n // 2 if x == RAY else n) for x, n in m): c for m, c in poly.items()}
+        between = between[0] ** 2, between[1] ** 2
     if _nonnegative_in_ranges(poly, between, domain, strict):
         return True
     moving = any(x == RAY for m in poly for x, _ in m)  # of a constant the constraints are asked by who asks for its sign

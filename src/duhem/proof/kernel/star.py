@@ -72,7 +72,7 @@ def _rise(before: _Quotient, after: _Quotient) -> Polynomial:
 
 
 class _Piece:
-    """psi on an arc: a product of positive polynomials, each to a power."""
+    """psi on an arc, a product of powers of positive polynomials."""
 
     def __init__(self, upper: PlaneFunction, lower: PlaneFunction, order: Fraction, arc: DirectionArc) -> None:
         self.arc = arc
@@ -85,7 +85,8 @@ class _Piece:
     def turn(self) -> _Quotient:
         """2 gamma'/gamma."""
         found = derivatives(self._psi, self.arc.along)
-        return total(times(CIRCLE, found.first), negated(times(_TWO_T, found.over))), found.over
+        size = times(self._psi.poly, found.over)
+        return total(times(CIRCLE, found.first), negated(times(_TWO_T, size))), size
 
     def meets(self, after: _Piece) -> bool:
         """Whether psi is the same on both arcs where they meet; a formula that cannot jump needs no question."""
