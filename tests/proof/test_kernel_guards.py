@@ -10,12 +10,11 @@ import pytest
 from duhem.proof.kernel.algebraic import plain
 from duhem.proof.kernel.arcs import arcs
 from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.deviatoric import convex_in_deviator
-from duhem.proof.kernel.elementary import enclosed
 from duhem.proof.kernel.even import freed_of_roots
-from duhem.proof.kernel.interval import BITS, Enclosure
 from duhem.proof.kernel.invariants import Invariants
 from duhem.proof.kernel.line import _quotient
 from duhem.proof.kernel.loads import at_end_of

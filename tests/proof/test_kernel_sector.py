@@ -76,9 +76,7 @@ def at(v: F) -> dict[str, float]:
 
 
 def valued(found: PlaneFunction, here: dict[str, float]) -> float:
-    powers = (
-        drawn_formulas.value(written(dict(base)), here) ** drawn_formulas.value(written(n), here) for base, n in found.powers.items()
-    )
+    powers = (drawn_formulas.value(written(dict(base)), here) ** drawn_formulas.value(written(n), here) for base, n in found.powers.items())
     return drawn_formulas.value(written(found.poly), here) * math.prod(powers)
 
 

@@ -2,13 +2,13 @@
 
 What is shown of the parts comes first.  If that leaves the sign of a sum, product or name open, the rules are, the cheap ones first:
 
-1. a number that no parameter enters is enclosed (``elementary``);
+1. a number that no parameter enters is enclosed (``constant_value``);
 2. a sum with |x| or with a root is compared with the rest of the sum by squares;
 3. the polynomial that the constant is has terms of one sign, measured from ends of ranges and with multiples of constraints taken away
-   (``StatedDomain.nonnegative``), or no Bernstein coefficient of the other sign (``positivity``), or its enclosures over boxes of the
-   parameters have one sign (``elementary``); so it is asked of the constant as written, and of what is left of it without what it divides
-   by and what divides all of it;
-4. a number made by roots is 0 where it is closer to 0 than such a number can be otherwise (``radicals``).
+   (``StatedDomain.nonnegative``), or no Bernstein coefficient of the other sign (``positivity``), or its enclosures over boxes of
+   the parameters have one sign; so it is asked of the constant as written, and of what is left of it without what it divides by and
+   what divides all of it;
+4. a number made by roots is 0 where it is closer to 0 than such a number can be otherwise.
 """
 
 from __future__ import annotations
@@ -17,12 +17,11 @@ from collections.abc import Iterator
 from contextlib import suppress
 from fractions import Fraction
 
+from duhem.proof.kernel.constant_value import sign_of_radicals, sign_over
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
-from duhem.proof.kernel.elementary import sign_over
 from duhem.proof.kernel.identity import multiplied_through
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.positivity import nonnegative, without_content
-from duhem.proof.kernel.radicals import sign_of_radicals
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
 

@@ -6,56 +6,11 @@ R. E. Moore (1966), Interval analysis.
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
-from math import isqrt
 from typing import NamedTuple
 
-from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign
+from duhem.proof.kernel.constant_value import Enclosure
 
-__all__ = ["BITS", "AngleJet", "Enclosure"]
-
-BITS = 96
-
-
-class Enclosure(NamedTuple):
-    """Every number from ``low`` to ``high``, both in units of 2^-96."""
-
-    low: int
-    high: int
-
-    @classmethod
-    def between(cls, low: Fraction, high: Fraction) -> Enclosure:
-        """The least that holds both."""
-        return cls((low.numerator << BITS) // low.denominator, -((-high.numerator << BITS) // high.denominator))
-
-    @property
-    def sign(self) -> Sign:
-        """The signs in it."""
-        below, above = NEGATIVE if self.low < 0 else 0, POSITIVE if self.high > 0 else 0
-        return below | above | (ZERO if self.low <= 0 <= self.high else 0)
-
-    def plus(self, other: Enclosure) -> Enclosure:
-        """x + y."""
-        return Enclosure(self.low + other.low, self.high + other.high)
-
-    def minus(self) -> Enclosure:
-        """-x."""
-        return Enclosure(-self.high, -self.low)
-
-    def times(self, other: Enclosure) -> Enclosure:
-        """x y."""
-        ends = (self.low * other.low, self.low * other.high, self.high * other.low, self.high * other.high)
-        return Enclosure(min(ends) >> BITS, -(-max(ends) >> BITS))
-
-    def inverse(self) -> Enclosure:
-        """1/x; ZeroDivisionError where x may be 0."""
-        if self.sign & ZERO:
-            raise ZeroDivisionError("an interval holds 0")
-        return Enclosure((1 << 2 * BITS) // self.high, -(-(1 << 2 * BITS) // self.low))
-
-    def root(self) -> Enclosure:
-        """The square root; ValueError where x may be < 0."""
-        return Enclosure(isqrt(self.low << BITS), isqrt(self.high << BITS) + 1)
+__all__ = ["AngleJet", "Enclosure"]
 
 
 class AngleJet(NamedTuple):
