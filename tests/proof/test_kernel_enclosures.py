@@ -1,4 +1,4 @@
-"""The kernel's enclosures round outward, and its jets follow the rules of derivatives."""
+"""The kernel's enclosures round outward."""
 
 from __future__ import annotations
 
@@ -7,10 +7,7 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.constant_value import BITS, Enclosure, _greater, _halved, _over, _shifted, _times_whole
-from duhem.proof.kernel.curve import _power as raised
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO
-from duhem.proof.kernel.interval import AngleJet
-from duhem.proof.kernel.term import NotWritten
 
 F = Fraction
 UNIT = 1 << BITS
@@ -67,27 +64,3 @@ def test_steps_of_series() -> None:
         )
     with pytest.raises(ValueError, match="too large"):
         _halved(Enclosure(0, 1001 * UNIT))
-
-
-def test_jets_follow_the_rules_of_derivatives() -> None:
-    def jet(*values: F | int) -> AngleJet:
-        return AngleJet(*(Enclosure.between(F(v), F(v)) for v in values))
-
-    def near(found: AngleJet, *values: F) -> bool:
-        return all(abs(end - v * UNIT) <= 64 for part, v in zip(found, values, strict=True) for end in part)
-
-    f, g = jet(4, 2, 3), jet(-1, 5, 7)
-    assert f.plus(g) == jet(3, 7, 10) and f.times(g) == jet(-4, 18, 45)
-    assert near(f.inverse(), F(1, 4), F(-1, 8), F(-1, 16)) and near(g.inverse(), F(-1), F(-5), F(-57))
-    assert near(f.root(), F(2), F(1, 2), F(5, 8))
-    with pytest.raises(ZeroDivisionError):
-        jet(0, 1, 1).inverse()
-    for exponent, power in (
-        (F(0), (1, 0, 0)), (F(1), (4, 2, 3)), (F(2), (16, 16, 32)), (F(1, 2), (2, F(1, 2), F(5, 8))), (F(3, 2), (8, 6, F(21, 2))),
-        (F(-1), (F(1, 4), F(-1, 8), F(-1, 16))), (F(-1, 2), (F(1, 2), F(-1, 8), F(-3, 32))), (F(-2), (F(1, 16), F(-1, 16), 0)),
-    ):  # fmt: skip
-        assert near(raised(f, exponent), *map(F, power)), exponent
-    for exponent in (F(1, 3), F(13), F(-13), F(25, 2)):
-        with pytest.raises(NotWritten):
-            raised(f, exponent)
-    assert near(raised(jet(1, 0, 0), F(12)), F(1), F(0), F(0))

@@ -98,7 +98,7 @@ def test_exponents_are_quotients(text: str, value: Fraction) -> None:
     assert _exponent(parse(f"2**({text})")) == value
 
 
-@pytest.mark.parametrize("text", ["2**0", "201", "1/201", "-201/2", "exp(1)", "pi", "sqrt(2)", "1/0"])
+@pytest.mark.parametrize("text", ["1 - 1", "201", "1/201", "-201/2", "exp(1)", "pi", "sqrt(2)", "1/0"])
 def test_other_exponents_are_none(text: str) -> None:
     assert _exponent(parse(f"2**({text})")) is None
 

@@ -409,10 +409,10 @@ def _without_norms(term: Term) -> Term:
 
 
 def _exponent(power: Term) -> Fraction | None:
-    """That of a power, if it is a small fraction and not 0."""
+    """That of a power, if it is a small fraction; not 0 unless it is written so."""
     with suppress(NotWritten):
         n = exact_value(power.args[1])
-        return n if n and max(abs(n.numerator), n.denominator) <= _LARGEST else None
+        return n if (n or power.args[1].op == "number") and max(abs(n.numerator), n.denominator) <= _LARGEST else None
     return None
 
 
