@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from duhem.proof.kernel.algebraic import plain
-from duhem.proof.kernel.arcs import arcs
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed
 from duhem.proof.kernel.curvature import facts, over
@@ -19,6 +18,7 @@ from duhem.proof.kernel.invariants import Invariants
 from duhem.proof.kernel.line import _quotient
 from duhem.proof.kernel.loads import at_end_of
 from duhem.proof.kernel.pieces import CHOICES, pieces
+from duhem.proof.kernel.plane_gauge import arcs
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.small_laws import confirmed, domain, law, poly
@@ -39,11 +39,11 @@ UNIT = 1 << BITS
 )  # fmt: skip
 def test_why_a_formula_is_not_read_along_the_rays(text: str, why: str) -> None:
     with pytest.raises(NotWritten, match=why):
-        list(arcs((parse(text),), ("a", "b"), domain()))
+        list(arcs(parse(text), ("a", "b"), domain()))
 
 
 def test_powers_up_to_twelve_are_read_along_the_rays() -> None:
-    assert len(list(arcs((parse("(a + 2*b)**12"),), ("a", "b"), domain()))) == 2
+    assert len(list(arcs(parse("(a + 2*b)**12"), ("a", "b"), domain()))) == 2
 
 
 @pytest.mark.parametrize("text", ["a*sqrt(-2)", "a*sqrt(0)", "a/sqrt(0)", "sqrt(-1)**2"])

@@ -16,9 +16,9 @@ from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.line import line, nonnegative, parts, roots
+from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
-from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
 

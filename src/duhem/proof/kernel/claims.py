@@ -19,13 +19,13 @@ from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.piecewise import polyhedra
+from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.polyhedron import union_is_convex
 from duhem.proof.kernel.polynomial import slope
 from duhem.proof.kernel.power_share import flows_with_a_share_of_g
 from duhem.proof.kernel.region import convex_in_its_region
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.rounded import round_at_its_ends
-from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
 

@@ -6,7 +6,7 @@ on the axis stand in a function rho^k f, k > 0, rho = sqrt(J2), f bounded: it te
 which must have a value on the axis too, is what g extends to, continuously.  Nothing else that divides 0 by 0 is given a value.
 K is the set where g, so extended, is <= 0.
 
-At zero force alone a gauge A <= B of :mod:`star` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.
+At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.
 The slip of a law's own, having no value where a tip of g is 0, is there any mean of its limits from around (Koiter 1953): it is asked
 for a value where the tip is > 0 alone.
 """
