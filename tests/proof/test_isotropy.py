@@ -13,7 +13,7 @@ from duhem.law.criterion_file import reads
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.isotropy import in_principal_stresses
+from duhem.proof.kernel.tensor import in_principal_stresses
 from duhem.proof.kernel.term import Term, number, parse
 from duhem.proof.law_text import law_as_text
 from tests.oracles.reevaluation import confirmed
@@ -24,6 +24,10 @@ DET = "(xx*yy*zz + 2*yz*xz*xy - xx*yz**2 - yy*xz**2 - zz*xy**2)"
 GREATEST = "eigmax(xx, yy, zz, yz, xz, xy)"
 
 
+def principal_form(law: StatedLaw) -> StatedLaw | None:
+    return in_principal_stresses(law, over(law))
+
+
 def law(g: str, forces: tuple[str, ...] = FORCES, **more: object) -> Criterion:
     return Criterion(name="law", g=g, forces=forces, pressure=None, **more)  # type: ignore[arg-type]
 
@@ -31,7 +35,7 @@ def law(g: str, forces: tuple[str, ...] = FORCES, **more: object) -> Criterion:
 def both(stated: Criterion) -> bool:
     """What the prover and the kernel say of it; they must agree."""
     prover = shears_of_isotropic(stated.g, stated.force_symbols()) is not None
-    kernel = in_principal_stresses(StatedLaw.read(law_as_text(stated))) is not None
+    kernel = principal_form(StatedLaw.read(law_as_text(stated))) is not None
     assert prover == kernel
     return prover
 
@@ -101,7 +105,7 @@ def test_what_only_looks_isotropic(g: str) -> None:
 
 def test_where_it_is_undefined_counts_too() -> None:
     """The prover reads 0*log(x) as 0, and says that of such a formula only what the kernel confirms is proved."""
-    assert in_principal_stresses(StatedLaw.read(law_as_text(law(f"{J2} + 0*log(xy) - 1")))) is None
+    assert principal_form(StatedLaw.read(law_as_text(law(f"{J2} + 0*log(xy) - 1")))) is None
     assert "logarithm of xy" in verify(law(f"{J2} + 0*log(xy) - 1"), claims=["origin"]).remarks[0]
 
 
@@ -117,7 +121,7 @@ def test_fewer_components_are_taken_as_they_are(g: str) -> None:
 def test_a_range_of_a_component_or_a_flow_is_of_that_component() -> None:
     ranged = StatedLaw.read(law_as_text(law(f"{J2} - 1", domain={"xx": Domain(low=-1, high=1)})))
     flowing = StatedLaw.read(law_as_text(law(f"{J2} - 1", flow=("xx", "yy", "zz", "yz", "xz", "xy"))))
-    assert in_principal_stresses(ranged) is None and in_principal_stresses(flowing) is None
+    assert principal_form(ranged) is None and principal_form(flowing) is None
 
 
 def test_duality_is_not_asked_in_principal_stresses() -> None:
@@ -167,9 +171,9 @@ def test_the_kernel_takes_like_parts_of_a_sum_together(g: str, convex: bool) -> 
 
 def test_the_kernel_reads_the_same_formula_in_principal_stresses() -> None:
     """Its value at a diagonal tensor is that of the formula there; the greatest eigenvalue is the greatest entry."""
-    greatest = in_principal_stresses(StatedLaw.read(law_as_text(law(f"{GREATEST} - 1"))))
+    greatest = principal_form(StatedLaw.read(law_as_text(law(f"{GREATEST} - 1"))))
     assert greatest is not None and greatest.g == parse("max(xx, yy, zz) - 1")
-    reduced = in_principal_stresses(StatedLaw.read(law_as_text(law(f"2*{J2} + 0.3*{DET} - 1"))))
+    reduced = principal_form(StatedLaw.read(law_as_text(law(f"2*{J2} + 0.3*{DET} - 1"))))
     assert reduced is not None and reduced.forces == FORCES[:3]
     rng = random.Random(4)
     for _ in range(20):
@@ -187,7 +191,7 @@ def test_a_constant_matrix_does_not_become_diagonal() -> None:
     for word, shown in (("eigmax", False), ("min", True)):
         given = {"forces": FORCES, "pressure": None, "parameters": {}, "constraints": [], "g": g.format(word), "flow": None}
         stated = StatedLaw.read(given)
-        principal = in_principal_stresses(stated)
+        principal = principal_form(stated)
         assert principal is not None and parse(f"{word}(1, 1, 1, 1, 0, 0)") in principal.g.args[0].args[0].args
         assert (objection("convexity", "composition", frozenset(), stated, {}) == "") is shown
 
@@ -196,4 +200,4 @@ def test_a_constant_matrix_does_not_become_diagonal() -> None:
     "part", ["((xx + yy + zz)*xy/xy)**2", "(0*log(xy) + 2)**2", "((xx + yy + zz)*(xy/xy))**3", "(sqrt(xy)*0 + xx + yy + zz)**2"]
 )
 def test_it_counts_inside_a_power_too(part: str) -> None:
-    assert in_principal_stresses(StatedLaw.read(law_as_text(law(f"{J2} + {part} - 1")))) is None
+    assert principal_form(StatedLaw.read(law_as_text(law(f"{J2} + {part} - 1")))) is None

@@ -16,7 +16,7 @@ from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of
 from duhem.proof.kernel.plane_gauge import DirectionArc
 from duhem.proof.kernel.polynomial import ONE, Polynomial
-from duhem.proof.kernel.positivity import RAY
+from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.term import NotWritten
 
 F = Fraction

@@ -13,7 +13,7 @@ from duhem.proof.kernel.algebraic import Signs, plain, root_of, roots_in, slope_
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.polynomial import Polynomial, written
-from duhem.proof.kernel.positivity import RAY
+from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.oracles import drawn_formulas
 

@@ -14,8 +14,8 @@ from duhem.proof.kernel.deviatoric import convex_in_deviator, deviatoric_readers
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.plane_function import PlaneFunction
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.positivity import RAY
 from duhem.proof.kernel.shape import Facts
+from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.term import parse
 from tests.oracles import drawn_formulas
 from tests.proof.test_kernel_facts import said

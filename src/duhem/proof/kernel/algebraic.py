@@ -22,7 +22,7 @@ from duhem.proof.kernel.polynomial import (
     total,
     written,
 )
-from duhem.proof.kernel.positivity import RAY, Interval, nonnegative
+from duhem.proof.kernel.signs import RAY, Interval, nonnegative
 from duhem.proof.kernel.term import NotWritten, Term, number
 
 __all__ = ["Signs", "inner", "plain", "root_of", "roots_in", "slope_along"]

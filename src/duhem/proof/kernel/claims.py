@@ -14,7 +14,6 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
-from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.outer import without_outer_map
 from duhem.proof.kernel.pieces import chooses
@@ -27,6 +26,7 @@ from duhem.proof.kernel.region import convex_in_its_region
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.rounded import round_at_its_ends
 from duhem.proof.kernel.support import is_support_function
+from duhem.proof.kernel.tensor import in_principal_stresses
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, minus, number, parse, product_of, sum_of
 
 __all__ = ["CURVE_RULES", "RULES", "RuleRow", "needs_of", "objection", "row_of", "rules_of"]
@@ -95,7 +95,7 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
     if isinstance(law, StatedLaw):
         if (simpler := without_outer_map(law)) != law:
             yield simpler
-        if claim not in ("duality", "state_laws") and (principal := in_principal_stresses(simpler)) is not None:
+        if claim not in ("duality", "state_laws") and (principal := in_principal_stresses(simpler, over(simpler))) is not None:
             yield principal
 
 

@@ -10,7 +10,6 @@ from dataclasses import replace
 from fractions import Fraction
 
 from duhem.proof.kernel.bent import convex_when_bent, nonnegative_when_bent
-from duhem.proof.kernel.constant_sign import sign_of_constant
 from duhem.proof.kernel.definedness import has_value
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, signs_of_product
@@ -19,6 +18,7 @@ from duhem.proof.kernel.loads import collected, multiple, sign_within
 from duhem.proof.kernel.polynomial import written
 from duhem.proof.kernel.quadratic import by_its_matrix
 from duhem.proof.kernel.shape import Facts
+from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.term import Term, factors, minus, number

@@ -20,10 +20,21 @@ from math import lcm
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
-from duhem.proof.kernel.line import Line, divides, joined, parts, roots, sign_inside
 from duhem.proof.kernel.plane_function import MOST_POWER, PlaneFunction, PlaneVariable, added, derivatives, multiplied
 from duhem.proof.kernel.polynomial import Polynomial, negated, number_in, replaced, times, total
-from duhem.proof.kernel.positivity import RAY, Interval, nonnegative, on_the_line, without_content
+from duhem.proof.kernel.signs import (
+    RAY,
+    Interval,
+    Line,
+    divides,
+    nonnegative,
+    on_the_line,
+    parts,
+    roots,
+    roots_of_both,
+    sign_inside,
+    without_content,
+)
 from duhem.proof.kernel.term import NotWritten, Term, number
 
 __all__ = ["DirectionArc", "StarGauge", "arcs"]
@@ -164,7 +175,7 @@ def arcs(term: Term, forces: tuple[str, str], domain: StatedDomain) -> Iterator[
             try:
                 found = [(arc, arc.read(term)) for arc in _cut(side, switches, _has_where(term), forces, domain)]
             except _Turns as turns:
-                switches = joined(switches, turns.switch)
+                switches = roots_of_both(switches, turns.switch)
         yield found
 
 
