@@ -14,12 +14,12 @@ from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.even import freed_of_roots
+from duhem.proof.kernel.invariants import Invariants
 from duhem.proof.kernel.loads import at_end_of
 from duhem.proof.kernel.pieces import CHOICES, pieces
 from duhem.proof.kernel.plane_gauge import arcs
 from duhem.proof.kernel.signs import _quotient
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
-from duhem.proof.kernel.tensor import Invariants
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.small_laws import confirmed, domain, law, poly
 from tests.proof.test_kernel_boundary import DISC, RISES, identity
