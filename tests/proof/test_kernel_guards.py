@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.algebraic import plain
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed
 from duhem.proof.kernel.curvature import facts, over
@@ -20,6 +19,7 @@ from duhem.proof.kernel.pieces import CHOICES, pieces
 from duhem.proof.kernel.plane_gauge import arcs
 from duhem.proof.kernel.signs import _quotient
 from duhem.proof.kernel.spectrum import quasiconvex_in_eigenvalues
+from duhem.proof.kernel.square_roots import plain
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.small_laws import confirmed, domain, law, poly
 from tests.proof.test_kernel_boundary import DISC, RISES, identity

@@ -9,7 +9,6 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.algebraic import plain
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.deviatoric import convex_in_deviator, deviatoric_readers
@@ -20,6 +19,7 @@ from duhem.proof.kernel.plane_function import Base, PlaneFunction, added, base_o
 from duhem.proof.kernel.polynomial import ONE, Polynomial, slope, times, total
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.square_roots import plain
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.test_kernel_facts import said
 

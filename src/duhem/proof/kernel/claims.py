@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel import obligations
 from duhem.proof.kernel.boundary import curves_inward, falls_from_zero, flows_along_normals, flows_outward, rises_outward, with_convex_sums
 from duhem.proof.kernel.cases import cases
+from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
-from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import grows_along_rays, is_cone, potential_flows_outward
 from duhem.proof.kernel.limits import divides_by_zero_force
 from duhem.proof.kernel.outer import without_outer_map

@@ -26,7 +26,6 @@ from functools import cached_property
 from itertools import islice
 from typing import NamedTuple
 
-from duhem.proof.kernel.algebraic import Signs, inner, plain, roots_in, slope_along
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.invariants import Invariants, invariants, of_tensor
@@ -35,6 +34,7 @@ from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, n
 from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
+from duhem.proof.kernel.square_roots import Signs, inner, plain, roots_in, slope_along
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["DeviatoricReader", "convex_in_deviator", "deviatoric_readers"]

@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from duhem.proof.kernel.algebraic import root_of, roots_in
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, slope, times, total
 from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.square_roots import root_of, roots_in
 from duhem.proof.kernel.term import NotWritten
 
 __all__ = [
