@@ -60,7 +60,7 @@ HALVED = {
     "proof.witness.enclosed_point._narrowed": "the boundary between two rational points, signs enclosed",
     "benchmark.reference.search.run": "the angle at which the boundary faces the target",
     "proof.facts.numeric_curve.greatest": "arcs of a boundary curve",
-    "proof.kernel.curve._turn": "boxes that cover the circle",
+    "proof.kernel.curve.turns": "boxes that cover the circle",
     "proof.methods.curve_deviation._place": "the angle of the greatest deviation",
     "proof.facts.parameter_choices.walk": "no halving: what lies between two values",
     "path.compiled_steps.along": "no halving: the mean stress of a step",

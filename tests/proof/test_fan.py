@@ -12,8 +12,8 @@ from duhem.proof.decide.radicals import sign_of_radicals as sign_by_prover
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.constant_value import sign_of_radicals
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.radicals import sign_of_radicals
 from duhem.proof.kernel.term import parse
 from duhem.proof.law_text import law_as_text
 

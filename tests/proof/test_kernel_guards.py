@@ -7,19 +7,18 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.algebraic import plain
-from duhem.proof.kernel.arcs import arcs
 from duhem.proof.kernel.claims import objection
+from duhem.proof.kernel.constant_value import BITS, Enclosure, enclosed
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.elementary import enclosed
+from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.forms import at_end_of
-from duhem.proof.kernel.interval import BITS, Enclosure
 from duhem.proof.kernel.invariants import Invariants
-from duhem.proof.kernel.line import _quotient
 from duhem.proof.kernel.pieces import CHOICES, pieces
-from duhem.proof.kernel.sector import by_sector
+from duhem.proof.kernel.plane_gauge import arcs
+from duhem.proof.kernel.signs import _quotient
 from duhem.proof.kernel.spectrum import freed_of_roots, quasiconvex_with_parts_freed
+from duhem.proof.kernel.square_roots import plain
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.proof.small_laws import confirmed, domain, law, poly
 from tests.proof.test_kernel_boundary import DISC, RISES, identity
@@ -39,11 +38,11 @@ UNIT = 1 << BITS
 )  # fmt: skip
 def test_why_a_formula_is_not_read_along_the_rays(text: str, why: str) -> None:
     with pytest.raises(NotWritten, match=why):
-        list(arcs((parse(text),), ("a", "b"), domain()))
+        list(arcs(parse(text), ("a", "b"), domain()))
 
 
 def test_powers_up_to_twelve_are_read_along_the_rays() -> None:
-    assert len(list(arcs((parse("(a + 2*b)**12"),), ("a", "b"), domain()))) == 2
+    assert len(list(arcs(parse("(a + 2*b)**12"), ("a", "b"), domain()))) == 2
 
 
 @pytest.mark.parametrize("text", ["a*sqrt(-2)", "a*sqrt(0)", "a/sqrt(0)", "sqrt(-1)**2"])
@@ -170,10 +169,10 @@ def test_names_that_stand_for_parts_are_not_given_twice() -> None:
     for here, name in ((over(stated), "root 0"), (again, "root 0 inside")):
         assert {z.name for freed in freed_of_roots(rooted, here, facts, over) for z in freed.parts} == {name}
         assert all(freed.domain.law.forces == (*here.law.forces, name) for freed in freed_of_roots(rooted, here, facts, over))
-    known = by_sector(spread, over(stated), facts, over)
+    known = convex_in_deviator(spread, over(stated), facts, over)
     assert known is not None and known.convex
     again = over(stated._replace(forces=(*stated.forces, "greatest deviator")))
-    assert by_sector(spread, again, facts, over) is None
+    assert convex_in_deviator(spread, again, facts, over) is None
 
 
 def test_no_more_than_eight_roots_are_freed() -> None:

@@ -15,10 +15,9 @@ from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.line import line, nonnegative, parts, roots
-from duhem.proof.kernel.positivity import RAY
-from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
-from duhem.proof.kernel.star import StarGauge
+from duhem.proof.kernel.plane_gauge import StarGauge
+from duhem.proof.kernel.signs import RAY, line, nonnegative_on_the_line, parts, roots
+from duhem.proof.kernel.signs import nonnegative as nonnegative_over
 from duhem.proof.kernel.term import NotWritten, Term, parse
 from tests.long import mostly_long
 
@@ -74,13 +73,13 @@ def test_signs_on_an_interval() -> None:
         weak = all(sum(c * x**k for k, c in enumerate(coefficients)) >= 0 for x in between)
         strict = weak and not any(low <= r <= high for r in multiplicities)
         p = line(coefficients)
-        assert (nonnegative(p, low, high), nonnegative(p, low, high, strict=True)) == (weak, strict)
+        assert (nonnegative_on_the_line(p, low, high), nonnegative_on_the_line(p, low, high, strict=True)) == (weak, strict)
         found = list(roots(parts(p)[0], low, high)) if low < high else []
         inside = sorted(r for r in multiplicities if low < r < high) if low < high else []
         assert len(found) == len(inside) and all(a <= r <= b for (a, b), r in zip(found, inside, strict=True))
-        assert [nonnegative(parts(p)[1], r, r) and nonnegative(line([-c for c in parts(p)[1]]), r, r) for r in inside] == [
-            multiplicities[r] % 2 == 1 for r in inside
-        ]
+        assert [
+            nonnegative_on_the_line(parts(p)[1], r, r) and nonnegative_on_the_line(line([-c for c in parts(p)[1]]), r, r) for r in inside
+        ] == [multiplicities[r] % 2 == 1 for r in inside]
         for i, truth in enumerate((weak, strict, not weak)):
             counted[i] += truth
     assert min(counted) > 40
@@ -88,8 +87,8 @@ def test_signs_on_an_interval() -> None:
 
 def test_the_polynomial_0_and_constants() -> None:
     zero, one = line([F(0)]), line([F(3)])
-    assert nonnegative(zero, F(0), F(1)) and not nonnegative(zero, F(0), F(1), strict=True)
-    assert nonnegative(one, F(0), F(1), strict=True) and not nonnegative(line([F(-1)]), F(0), F(1))
+    assert nonnegative_on_the_line(zero, F(0), F(1)) and not nonnegative_on_the_line(zero, F(0), F(1), strict=True)
+    assert nonnegative_on_the_line(one, F(0), F(1), strict=True) and not nonnegative_on_the_line(line([F(-1)]), F(0), F(1))
 
 
 # -- over parameters ---------------------------------------------------------------------------------------------------

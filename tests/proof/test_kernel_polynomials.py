@@ -7,11 +7,21 @@ from itertools import pairwise
 
 import pytest
 
-from duhem.proof.kernel.line import Line, divides, joined, line, nonnegative, parts, roots, sign_inside
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, replaced, slope, times, total, written
 from duhem.proof.kernel.polynomial import joined as monomial_product
-from duhem.proof.kernel.positivity import RAY, without_content
-from duhem.proof.kernel.positivity import nonnegative as nonnegative_over
+from duhem.proof.kernel.signs import (
+    RAY,
+    Line,
+    divides,
+    line,
+    nonnegative_on_the_line,
+    parts,
+    roots,
+    roots_of_both,
+    sign_inside,
+    without_content,
+)
+from duhem.proof.kernel.signs import nonnegative as nonnegative_over
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain, poly
 
@@ -53,7 +63,7 @@ def test_lines() -> None:
     assert {every, tuple(-c for c in every)} & {line_of(1, -2, 3)} and {odd, tuple(-c for c in odd)} & {line_of(-2, 3)}
     assert parts(line_of(1, 1, 1, 1))[1] in ((1,), (-1,)) and parts(line_of(2)) == (line_of(2), line_of(2))
     assert divides(line_of(1, 3), p) and not divides(line_of(1, 3, 4), p) and not divides(line_of(1, 1, 1), p)
-    both = joined(line_of(1, 2), line_of(2, 3))
+    both = roots_of_both(line_of(1, 2), line_of(2, 3))
     assert {both, tuple(-c for c in both)} & {line_of(1, 2, 3)}
     assert sign_inside(p, F(-3), F(-2)) == 1 and sign_inside(p, F(-2), F(1)) == -1 and sign_inside(p, F(1), F(3)) == -1
     assert sign_inside(line_of(F(1, 2)), F(0), F(1)) in (-1, 1) and sign_inside((-1,), F(0), F(1)) == -1
@@ -78,8 +88,8 @@ def test_lines() -> None:
     ],
 )  # fmt: skip
 def test_signs_of_a_line(p: Line, low: F, high: F, weakly: bool, strictly: bool) -> None:
-    assert nonnegative(p, F(low), F(high)) is weakly
-    assert nonnegative(p, F(low), F(high), True) is strictly
+    assert nonnegative_on_the_line(p, F(low), F(high)) is weakly
+    assert nonnegative_on_the_line(p, F(low), F(high), True) is strictly
 
 
 def test_roots_are_enclosed_in_order() -> None:

@@ -7,10 +7,9 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.curvature import facts
-from duhem.proof.kernel.line import Line, line
 from duhem.proof.kernel.polynomial import Polynomial
-from duhem.proof.kernel.positivity import RAY
-from duhem.proof.kernel.profile import _between, _beyond_roots, _concave_root, _in_numbers, _leading, _profile, _sign_at, _solved
+from duhem.proof.kernel.profile import _between, _beyond_roots, _concave_root, _in_numbers, _leading, _profile, _solved
+from duhem.proof.kernel.signs import RAY, Line, line, sign_at
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain, poly
 
@@ -38,7 +37,7 @@ def test_what_sides_leave_of_a_line() -> None:
 
 def test_the_sign_at_a_place() -> None:
     p = (-2, 1)
-    assert [_sign_at(p, F(x)) for x in (1, 2, 3)] == [-1, 0, 1] and _sign_at((0, 0, -1), F(1)) == -1
+    assert [sign_at(p, F(x)) for x in (1, 2, 3)] == [-1, 0, 1] and sign_at((0, 0, -1), F(1)) == -1
 
 
 @pytest.mark.parametrize(

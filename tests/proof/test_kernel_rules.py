@@ -8,8 +8,8 @@ import pytest
 
 from duhem.proof.kernel.claims import RULES, objection, rules_of
 from duhem.proof.kernel.curve import StatedCurve
+from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.polynomial import slope
-from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 from tests.proof.small_laws import confirmed, domain, law
 

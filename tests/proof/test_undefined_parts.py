@@ -10,10 +10,10 @@ import pytest
 
 from duhem.proof.kernel import claims, obligations
 from duhem.proof.kernel.certificate import CLAIMS, SCHEMA, digest, recheck, stated
+from duhem.proof.kernel.constant_value import exact_value
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.definedness import Reader, continued, rarely_zero, undecided_beside
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.kernel.exact_value import exact_value
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.campaigns import undefined_parts
 from tests.long import mostly_long

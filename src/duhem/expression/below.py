@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import sympy as sp
 
-from duhem.expression.vocabulary import KINKS, Neg, Pos, Where
+from duhem.expression.vocabulary import KINKS, Neg, Pos
 
 __all__ = ["smooth_below"]
 

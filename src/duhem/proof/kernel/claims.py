@@ -8,17 +8,16 @@ from typing import Any, NamedTuple
 from duhem.proof.kernel import obligations
 from duhem.proof.kernel.boundary import curves_inward, falls_from_zero, flows_along_normals, flows_outward, rises_outward, with_convex_sums
 from duhem.proof.kernel.cases import cases, without_outer_map
+from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
-from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
-from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.pieces import chooses
+from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, parse
 
@@ -58,38 +57,30 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
         undecided = once(obligations.constraints) or once(reads)
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
-    return undecided or _objection_in_cases(claim, rule, check, law, evidence)
+    return undecided or _objection_in_cases(rule, check, law, evidence)
 
 
-def _objection_in_cases(
-    claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0
-) -> str:
+def _objection_in_cases(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0) -> str:
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons = set[str]()
     try:
-        for form in _forms(claim, law):
+        for form in _forms(law):
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
         parts = cases(law) if isinstance(law, StatedLaw) and depth < _MOST_CASES else ()
-        if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
+        if parts and not any(_objection_in_cases(rule, check, part, evidence, depth + 1) for part in parts):
             return ""
     except UNREADABLE:
         pass  # there is no simpler form
     return max(reasons)
 
 
-def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
-    """The law as written; with the same K, the same boundary and a simpler g, if there is one; both in principal stresses.
-
-    What K's support function is, is said of all components.
-    """
+def _forms(law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
+    """The law as written; with the same K, the same boundary and a simpler g, if there is one."""
     yield law
-    if isinstance(law, StatedLaw):
-        if (simpler := without_outer_map(law)) != law:
-            yield simpler
-        if claim not in ("duality", "state_laws") and (principal := in_principal_stresses(simpler)) is not None:
-            yield principal
+    if isinstance(law, StatedLaw) and (simpler := without_outer_map(law)) != law:
+        yield simpler
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:

@@ -9,14 +9,13 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from duhem.proof.kernel.constant_sign import sign_of_constant
 from duhem.proof.kernel.definedness import has_value
+from duhem.proof.kernel.deviatoric import convex_in_deviator
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw, signs_of_product
 from duhem.proof.kernel.forms import multiple, sign_within
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.section import by_section
-from duhem.proof.kernel.sector import by_sector
 from duhem.proof.kernel.shape import Facts
+from duhem.proof.kernel.signs import sign_of_constant
 from duhem.proof.kernel.spectrum import quasiconvex_with_parts_freed
 from duhem.proof.kernel.steps import pay
 from duhem.proof.kernel.sums import by_its_matrix, collected, convex_when_bent, nonnegative_when_bent
@@ -57,14 +56,12 @@ def facts(term: Term, domain: StatedDomain) -> Facts:
 
 def _of_parts_together(term: Term, known: Facts, domain: StatedDomain) -> Facts:
     """What is shown of a term by rules that look at more than its parts one by one."""
-    if term.op in ("+", "*", "**") and (found := by_section(term, domain, facts)) is not None:
-        return found
+    if term.op in ("+", "*", "**", "where") and (found := convex_in_deviator(term, domain, facts, over)) is not None:
+        return replace(found, defined=found.defined or known.defined)
     if term.op == "+" and known.defined and (like := collected(term, domain)) != term and (found := facts(like, domain)).convex:
         return replace(found, sign=found.sign & known.sign)
     if term.op == "+" and known.defined and (squared := by_its_matrix(term, known, domain, facts)) != known:
         return squared
-    if term.op in ("+", "*", "**", "where") and (found := by_sector(term, domain, facts, over)) is not None:
-        return replace(found, defined=found.defined or known.defined)
     if known.defined and (found := quasiconvex_with_parts_freed(term, domain, facts, over)) is not None:
         return replace(known, sign=known.sign & found.sign, convex=found.convex, quasiconvex=True)
     return known

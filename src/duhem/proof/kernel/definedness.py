@@ -14,9 +14,9 @@ tip is not 0, every obligation being decided there, and let each part of g that 
 rho = sqrt(J2), f bounded: it tends to 0 there.  Then g, with 0 for these functions, which must have a value on the axis too, is what g
 extends to, continuously.  Nothing else that divides 0 by 0 is given a value.  K is the set where g, so extended, is <= 0.
 
-At zero force alone a gauge A <= B of :mod:`star` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.  The slip
-of a law's own, having no value where a tip of g is 0, is there any mean of its limits from around (Koiter 1953): it is asked for a value
-where the tip is > 0 alone.
+At zero force alone a gauge A <= B of :mod:`plane_gauge` may have no value: A tends to 0 there and B is of less degree.  K holds 0 then.
+The slip of a law's own, having no value where a tip of g is 0, is there any mean of its limits from around (Koiter 1953): it is asked
+for a value where the tip is > 0 alone.
 """
 
 from __future__ import annotations
@@ -26,13 +26,11 @@ from contextlib import suppress
 from fractions import Fraction
 from typing import NamedTuple
 
-from duhem.proof.kernel.deviatoric import DeviatoricReader
+from duhem.proof.kernel.deviatoric import deviatoric_readers
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.section import section_readers
-from duhem.proof.kernel.sector import sector_readers
 from duhem.proof.kernel.shape import Shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
@@ -151,8 +149,7 @@ def asks(term: Term) -> bool:
 
 def continued(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Iterator[Term]:
     """What a formula is where J2 = 0, as its parts may be read, by continuity, if it has a value everywhere else where it is read."""
-    readers: Iterable[DeviatoricReader] = (*section_readers(term, domain, shown), *sector_readers(term, domain, shown, over))
-    for reader in readers:
+    for reader in deviatoric_readers(term, domain, shown, over):
         with suppress(NotWritten):
             tip, there = written(reader.second), reader.emptied(term)
             decided = rarely_zero(tip, domain, shown) and (
@@ -170,9 +167,9 @@ def undecided_beside(terms: Iterable[Term], tips: Iterable[Term], domain: Stated
     return next((x for term in terms if (x := reader.undecided(term)) is not None), None)
 
 
-def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown) -> Sign:
+def sign_on_axis(g: Term, tip: Term, domain: StatedDomain, shown: Shown, over: Over) -> Sign:
     """Where ``tip`` is 0 only where J2 = 0, and g, by continuity, is a constant there: its sign; else any."""
-    for reader in section_readers(g, domain, shown):
+    for reader in deviatoric_readers(g, domain, shown, over):
         size, there = reader.value(tip), reader.emptied(g)
         if size is None or not domain.constant(there) or not reader.above(size.poly, strict=True):
             continue

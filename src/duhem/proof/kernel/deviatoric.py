@@ -1,40 +1,170 @@
-"""Formulas read as homogeneous functions of the deviator of a tensor, of which what is shown depends on the choice of a variable.
+"""Homogeneous functions of the deviator of a tensor: of J2 and J3, of its ordered principal values, of the Lode angle.
 
-The functions of one degree that a sum adds up are taken together.  With F > 0 of degree k > 0 it is asked of F^(1/k) whether it is convex.
+With X >= s2 >= s3 the principal deviators, s2, s3 = -X/2 +- d, it is J2 = 3 X^2/4 + d^2 and J3 = X^3/4 - X d^2.  In the plane of
+(sqrt(3) X/2, d) they fill the sector 0 <= theta <= pi/3, whose rays are X = 3 - v^2, d = 3 v, sqrt(J2) = sqrt(3) N/2 with N = 3 + v^2 and
+0 <= v <= 1; cos 3 theta = (3 sqrt(3)/2) J3/J2^(3/2) is (X^3 - 4 X d^2)/N^3.  The five other sectors have the reflections of a function F of
+degree 1.  It is convex where it is so around the origin (:mod:`plane_function`): F'' + F >= 0 in the sector, and no kink at a wall of it
+turns inward, F' >= 0 at v = 0 and F >= 2 F' at v = 1.  Then so is the function of the tensor (Davis 1957, Arch. Math. 8, 276), and of what
+the tensor is linear in.  With F > 0 of degree k > 0 this is asked of F^(1/k); those of one degree that a sum adds up are taken together.
+
+F may have roots of what is > 0 in the sector.  Where that is 0 for parameters at an end of their range alone, F is a limit of convex
+functions.  Where J2 = 0, what is rho^k f, k > 0, rho = sqrt(J2), of J2 and J3 alone is 0, by continuity; of principal values N/D, 0/0
+there, has no value, and ``where(J2 > 0, N/D, 0)`` is 0.
+
+One function is none of these: rho cos(b - acos(g c)/3), c = cos 3 theta, 0 <= b <= pi/3, |g| <= 1 (Ottosen 1977; Bigoni, Piccolroaz
+2004).  With phi = acos(g c)/3, f'' + f is (1 - g^2)/sin^3(3 phi) times cos(b - phi) sin(3 phi) + 3 sin(b - phi) cos(3 phi),
+whose derivative in phi is -8 sin(b - phi) sin(3 phi), so that it is sin(3 b) >= 0 at least; |g| = 1 is a limit of such.
 """
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
-from typing import ClassVar
+from functools import cached_property
+from itertools import islice
+from typing import NamedTuple
 
-from duhem.proof.kernel.algebraic import plain
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.forms import degree_at_most
-from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, added, multiplied
-from duhem.proof.kernel.polynomial import Polynomial, negated
-from duhem.proof.kernel.shape import Facts, Shown, of_sum
-from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, number, product_of
+from duhem.proof.kernel.invariants import Invariants, invariants, of_tensor
+from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of, derivatives, multiplied, power_of
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total, written
+from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
+from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.spectrum import entries_of, extremes
+from duhem.proof.kernel.square_roots import Signs, inner, plain, roots_in, slope_along
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minus, number, product_of, sum_of
 
-__all__ = ["DeviatoricReader"]
+__all__ = ["DeviatoricReader", "convex_in_deviator", "deviatoric_readers"]
+
+Over = Callable[[StatedLaw], StatedDomain]
+_FIRST, _GAP = (Term("name", name=name) for name in ("greatest deviator", "half of the others' gap"))  # no name of a law has blanks
+_PI = Term("name", name="pi")
+_WALLS = Fraction(0), Fraction(1)
+_NORM: Polynomial = {(): Fraction(3), ((RAY, 2),): Fraction(1)}
+_X: Polynomial = {(): Fraction(3), ((RAY, 2),): Fraction(-1)}
+_D: Polynomial = {((RAY, 1),): Fraction(3)}
+_COSINE = times(_X, total(times(_X, _X), times({(): Fraction(-4)}, times(_D, _D))))  # cos 3 theta = this/N^3
+_SECOND = times({(): Fraction(3, 4)}, times(_NORM, _NORM))
+_THIRD = times({(): Fraction(1, 4)}, _COSINE)
+_PER_CUBE = {base_of(_NORM): {(): Fraction(-3)}}
+_MOST_TENSORS = 6
+
+
+def convex_in_deviator(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> Facts | None:
+    """What is shown of a sum, product, power or choice that is quasiconvex, its functions of a deviator taken together by their degree."""
+    for reader in deviatoric_readers(term, domain, shown, over):
+        with suppress(NotWritten):
+            if (known := reader.facts(term)) is not None and known.quasiconvex:
+                return known
+    return None
+
+
+class _Tensor(NamedTuple):
+    """J2 and J3, the mean, and the entries by which its greatest and least principal value are told; None without such."""
+
+    invariants: Invariants
+    mean: Term
+    entries: tuple[Polynomial, ...] | None = None
+
+    def value(self, part: Term, domain: StatedDomain) -> Term | None:
+        """A greatest or least principal value of this tensor, or of its negative, by mean, X and d."""
+        for turned in (False, True):
+            if self.entries is not None and entries_of(part, domain, turned) == self.entries:
+                least = turned is (part.op != "min")
+                away = [product_of(number(Fraction(-1, 2)), _FIRST), minus(_GAP)] if least else [_FIRST]
+                return minus(sum_of(self.mean, *away)) if turned else sum_of(self.mean, *away)
+        return None
+
+
+def deviatoric_readers(term: Term, domain: StatedDomain, shown: Shown, over: Over) -> list[DeviatoricReader]:
+    """One for each tensor that the forces may be, and for each of which a greatest or least principal value stands in the term.
+
+    None for a formula of which a constant may have no value.
+    """
+    if _FIRST.name in domain.law.forces or domain.constant(term):
+        return []
+    told = dict[object, Term]()
+    for part in islice((part for part in dict.fromkeys(extremes(term)) if _is_linear(part, domain)), _MOST_TENSORS):
+        if _key(entries_of(part, domain, turned=True)) not in told:
+            told.setdefault(_key(entries_of(part, domain)), part)
+    kept: dict[object, list[DeviatoricReader]] = domain.kept.setdefault("deviators", {})
+    if () not in kept:
+        kept[()] = _of_the_forces(domain, shown, over)
+    for key in told.keys() - kept.keys():
+        kept[key] = [DeviatoricReader(domain, shown, over, _told_by(told[key], domain))]
+    found = [reader for key in (*told, ()) for reader in kept[key]]
+    return found if found and of_settled_parts(term, domain, shown) else []
+
+
+def _of_the_forces(domain: StatedDomain, shown: Shown, over: Over) -> list[DeviatoricReader]:
+    """One for each meaning of the forces in which some sum of the law is J2, and some sum J3 if there is such a meaning."""
+    sums = [*_sums(domain.law.g)]
+    second, third = ([x for x in sums if degree_at_most(x, domain) == k] for k in (2, 3))
+    meanings = invariants(domain.law.forces) if second else ()
+    tried = (DeviatoricReader(domain, shown, over, _Tensor(meaning, number(0))) for meaning in meanings)
+    found = [reader for reader in tried if any(reader.value(x) is not None for x in second)]
+    return [reader for reader in found if any(reader.value(x) is not None for x in third)] or found[:2]
+
+
+def _sums(term: Term) -> Iterator[Term]:
+    if term.op == "+":
+        yield term
+    for a in term.args:
+        yield from _sums(a)
+
+
+def _key(entries: tuple[Polynomial, ...]) -> tuple[object, ...]:
+    """The entries as a key."""
+    return tuple(tuple(sorted(e.items())) for e in entries)
+
+
+def _is_linear(part: Term, domain: StatedDomain) -> bool:
+    """Whether every entry is a sum of multiples of the forces."""
+    return not domain.constant(part) and all(
+        [n for x, n in m if not domain.constant(x)] == [1] and all(x.op == "name" for x, _ in m if not domain.constant(x))
+        for entry in entries_of(part, domain)
+        for m in entry
+    )
+
+
+def _told_by(part: Term, domain: StatedDomain) -> _Tensor:
+    entries, zero = entries_of(part, domain), Polynomial()
+    forces = tuple(Term("name", name=f) for f in domain.law.forces)
+    mean = written({m: c / 3 for m, c in total(*entries[:3]).items()})
+    return _Tensor(of_tensor(forces, entries[:3], entries[3:] or (zero, zero, zero)), mean, entries)
 
 
 class DeviatoricReader(PlaneVariable):
-    """Reads formulas over a ``domain``; ``within`` is that domain, its forces joined by names that stand for parts of the tensor."""
+    """Reads formulas over a ``domain`` as functions of one ``tensor``; ``within`` has X and d among the forces, if they are told."""
 
-    by_continuity: ClassVar[bool] = False  # whether what has a degree above 0 counts as 0 where the deviator is 0, whatever its formula
+    far, rooted = 3, True
 
-    def __init__(self, domain: StatedDomain, shown: Shown, within: StatedDomain | None = None) -> None:
-        self.domain, self.shown, self.within = domain, shown, within or domain
+    def __init__(self, domain: StatedDomain, shown: Shown, over: Over, tensor: _Tensor) -> None:
+        self.domain, self.shown, self.tensor, self._over = domain, shown, tensor, over
+        told = tensor.entries is not None
+        self.within = over(domain.law._replace(forces=(*domain.law.forces, _FIRST.name, _GAP.name))) if told else domain
+        self.by_continuity = not told  # whether what has a degree above 0 counts as 0 where the deviator is 0, whatever its formula
+        self.signs = Signs(domain, _WALLS)
         self.known: dict[Term, PlaneFunction | None] = {}  # what was read
 
     @property
-    @abstractmethod
     def second(self) -> Polynomial:
         """J2 of the tensor, in the forces."""
+        return self.tensor.invariants.second
+
+    def above(self, poly: Polynomial, strict: bool = False) -> bool:
+        return self.signs.above(poly, strict)
+
+    def along(self, poly: Polynomial) -> Polynomial:
+        return slope_along(poly, self.domain)
+
+    def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
+        """Those of the polynomial without the roots that it divides by, and what stands under these."""
+        left, under = self.signs.split(poly)
+        return [*super().factors(left), *((inner(w, self.domain), {(): Fraction(n, 2)}) for w, n in under.items())]
 
     # -- what is shown -------------------------------------------------------------------------------------------------
 
@@ -44,11 +174,11 @@ class DeviatoricReader(PlaneVariable):
         for part in term.args if term.op == "+" else (term,):
             if self.domain.constant(part):
                 constants.append(self.shown(part, self.domain))
-            elif (wave := self.of_wave(part)) is not None:
-                moving.append(wave)
             elif (value := self.value(part)) is not None and value.degree > 0:
                 groups.setdefault(value.degree, []).append(value)
                 whole &= self.vanishes(value)
+            elif (wave := self.of_wave(part)) is not None:
+                moving.append(wave)
             elif term.op != "+":
                 return None
             else:
@@ -66,13 +196,60 @@ class DeviatoricReader(PlaneVariable):
         return ANY
 
     def of_wave(self, term: Term) -> Facts | None:
-        """What is shown of a term by its form alone, if there is a theorem about it."""
+        """What is shown of a multiple of rho cos(b - acos(g c)/3)."""
+        parts = factors(term)
+        waves = [f for f in parts if f.op == "cos" and not self.domain.constant(f)]
+        if len(waves) != 1:
+            return None
+        with suppress(NotWritten):
+            parts.remove(waves[0])
+            rest = self.read(product_of(*parts))
+            scale = rest.poly
+            if rest.degree != 1 or rest.powers != {base_of(self.distance): ONE} or any(RAY.name in x.names() for m in scale for x, _ in m):
+                return None
+            known, offset = self.shown(written(scale), self.domain), self.offset(waves[0].args[0])
+            ends = (offset, sum_of(product_of(number(Fraction(1, 3)), _PI), minus(offset)))
+            inside = all(not self.shown(x, self.domain).sign & NEGATIVE for x in ends)
+            if inside and known.nonnegative and self.shown(offset, self.domain).defined:
+                return Facts(known.defined, ZERO | POSITIVE, True, False, True)
         return None
+
+    def offset(self, angle: Term) -> Term:
+        """b where the angle is b - acos(g c)/3 or its negative, |g| <= 1; acos z may stand as pi/2 - atan(z/sqrt(1 - z^2))."""
+        poly = self.domain.polynomial(angle)
+        inverse = {x for m in poly for x, _ in m if not self.domain.constant(x)}
+        if len(inverse) != 1 or (x := inverse.pop()).op not in ("acos", "atan"):
+            raise NotWritten("an angle is no third of an acos")
+        base, *higher = in_powers(poly, x)
+        third = number_in(higher[0]) if len(higher) == 1 else None
+        if third is None or abs(third) != Fraction(1, 3):
+            raise NotWritten("an angle is no third of an acos")
+        z = self.read(x.args[0])
+        towards = Fraction(-1 if x.op == "acos" else 1) / third / 3  # 1 where the angle is b - acos/3 as it stands
+        b = {m: c * towards for m, c in base.items()}
+        if x.op == "atan":
+            b = total(b, {((_PI, 1),): Fraction(1, 6)})
+            under = self.plain(total(power_of(self.distance, 6), negated(times(z.poly, z.poly))))
+            if z.powers != {base_of(under): {(): Fraction(-1, 2)}}:
+                raise NotWritten("an atan is no acos")
+            z = z._replace(powers=_PER_CUBE)
+        rate = self.rate_of_cosine(z)
+        for side in (rate, negated(rate)):
+            if not self.above(total(ONE, side)):
+                raise NotWritten("an acos may have no value")
+        return written(b)
+
+    def rate_of_cosine(self, z: PlaneFunction) -> Polynomial:
+        """g, a constant, where z is g cos 3 theta."""
+        rate = {m: c / _COSINE[()] for m, c in in_powers(z.poly, RAY)[0].items()}
+        if z.degree or z.powers != _PER_CUBE or self.plain(total(z.poly, negated(times(rate, _COSINE)))):
+            raise NotWritten("an acos is of another argument")
+        return rate
 
     def together(self, values: list[PlaneFunction]) -> Facts:
         """What is shown of a sum of functions of one degree."""
         with suppress(NotWritten):
-            return self.of_one(self.shortened(added(values)))
+            return self.of_one(self.added(values))
         return of_sum(list(map(self.of_one, values)))
 
     def of_one(self, value: PlaneFunction) -> Facts:
@@ -86,8 +263,27 @@ class DeviatoricReader(PlaneVariable):
         return Facts(True, sign)
 
     def convex(self, value: PlaneFunction) -> bool:
-        """Whether a function of degree 1 is convex."""
-        return self.above(self.bend(value))
+        """Whether a function of degree 1 is convex in the sector, and no wall of it turns inward."""
+        signs = self.opened
+        roots = {w for p in (value.poly, *map(dict, value.powers), *value.powers.values()) for w in roots_in(p)}
+        if not all(signs.above(inner(w, signs.domain), strict=True) for w in roots):
+            return False
+        found = derivatives(value, self.along)
+        rate = self.plain(found.first)
+        far = self.plain(total(times(value.poly, found.over), times({(): Fraction(-2)}, rate)))
+        return signs.above(self.bend(value)) and all(signs.above(signs.at(*wall)) for wall in zip((rate, far), _WALLS, strict=True))
+
+    @cached_property
+    def opened(self) -> Signs:
+        """Signs without the ends of the parameters' ranges, where no constraint ties these."""
+        law = self.domain.law
+        if law.constraints:
+            return self.signs
+        ends = {
+            name: own._replace(open=True, open_high=True) if own.low is None or own.low != own.high else own
+            for name, own in law.parameters.items()
+        }
+        return Signs(self._over(law._replace(parameters=ends)), _WALLS)
 
     def vanishes(self, value: PlaneFunction) -> bool:
         """Whether a function counts as 0 where the deviator is 0."""
@@ -117,8 +313,9 @@ class DeviatoricReader(PlaneVariable):
         return self.known[term]
 
     def replaced(self, term: Term) -> Term:
-        """The term with names for the parts of the tensor that stand in it."""
-        return term
+        """The term with mean, X and d for principal values."""
+        known = self.tensor.value(term, self.domain) if term.op in ("eigmax", "max", "min") else None
+        return known or term._replace(args=tuple(map(self.replaced, term.args)))
 
     def read(self, term: Term) -> PlaneFunction:
         """The function that a term is; NotWritten where it is not read as one."""
@@ -135,7 +332,7 @@ class DeviatoricReader(PlaneVariable):
             return self.of_polynomial(self.within.polynomial(term))
         match term.op:
             case "+":
-                return added([self.read(a) for a in term.args])
+                return self.added([self.read(a) for a in term.args])
             case "*":
                 parts = factors(term)
                 smooth = [f for f in parts if self._is_polynomial(f)]
@@ -146,15 +343,53 @@ class DeviatoricReader(PlaneVariable):
                 if not (self.within.constant(exponent) and self.shown(exponent, self.domain).defined):
                     raise NotWritten("an exponent varies")
                 return self.power(self.read(term.args[0]), self.domain.polynomial(exponent))
-        return self.of_word(term)
+            case "cos":
+                return self.cosine(term.args[0])
+            case "where":
+                return self.choice(*term.args)
+        raise NotWritten(f"{term.op} is not read as a function of the deviator")
 
     def _is_polynomial(self, term: Term) -> bool:
         return degree_at_most(term, self.within) is not None
 
-    @abstractmethod
     def of_polynomial(self, poly: Polynomial) -> PlaneFunction:
-        """The function that a polynomial of the forces is."""
+        """A polynomial of the forces, X and d, by J2 and J3."""
+        groups: dict[tuple[int, int], Polynomial] = {}
+        for m, c in poly.items():
+            own = dict(m)
+            i, j = own.pop(_FIRST, 0), own.pop(_GAP, 0)
+            groups.setdefault((i, j), {})[tuple(sorted(own.items()))] = c
+        degrees, found = set[int](), Polynomial()
+        for (i, j), rest in groups.items():
+            k, shares = self.tensor.invariants.of(rest)
+            degrees.add(i + j + k)
+            for n, share in shares.items():
+                part = times(power_of(_SECOND, (k - 3 * n) // 2), power_of(_THIRD, n))
+                found = total(found, times(share, times(part, times(power_of(_X, i), power_of(_D, j)))))
+        if len(degrees) > 1:
+            raise NotWritten("different degrees are added")
+        return PlaneFunction(Fraction(degrees.pop() if degrees else 0), found, {})
 
-    def of_word(self, term: Term) -> PlaneFunction:
-        """The function that another formula is."""
-        raise NotWritten(f"{term.op} is not read as a function of the deviator")
+    def cosine(self, angle: Term) -> PlaneFunction:
+        """cos(acos(cos 3 theta)/3) is cos theta = X/N."""
+        parts = factors(angle)
+        inverse = [f for f in parts if f.op == "acos"]
+        rest = self.domain.polynomial(product_of(*(f for f in parts if f.op != "acos")))
+        if len(inverse) != 1 or rest not in ({(): Fraction(1, 3)}, {(): Fraction(-1, 3)}):
+            raise NotWritten("a cosine is not of a third of an acos")
+        if self.rate_of_cosine(self.read(inverse[0].args[0])) != ONE:
+            raise NotWritten("an acos is of another argument")
+        return PlaneFunction(Fraction(0), _X, {base_of(self.distance): {(): Fraction(-1)}}, False)
+
+    def choice(self, condition: Term, one: Term, two: Term) -> PlaneFunction:
+        """By what is 0 where the deviator is 0 and > 0 elsewhere: what is chosen elsewhere, if it is 0 there."""
+        strict = len(condition.op) == 1
+        size = self.read(gap(condition) if strict else minus(gap(condition)))
+        away, here = (one, two) if strict else (two, one)
+        if not (self.vanishes(size) and self.above(size.poly, strict=True)):
+            raise NotWritten("a choice is by something else")
+        value = self.read(away)
+        nothing = not self.within.polynomial(here) and self.shown(here, self.within).defined
+        if value.degree <= 0 or not (nothing or self.vanishes(self.read(here))):
+            raise NotWritten("a choice leaves a jump")
+        return value._replace(whole=True)

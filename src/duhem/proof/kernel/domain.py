@@ -14,7 +14,7 @@ from unicodedata import normalize
 
 from duhem.proof.kernel.angle import without_angles
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign, exact, sharpened
-from duhem.proof.kernel.exact_value import holds
+from duhem.proof.kernel.constant_value import holds
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.polynomial import ONE, Monomial, Polynomial, joined, replaced, times, total
 from duhem.proof.kernel.steps import pay

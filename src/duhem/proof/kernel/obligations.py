@@ -34,7 +34,7 @@ def nothing(_: StatedLaw) -> str:
 
 
 def numbers(text: str) -> str:
-    """Every part of a formula's text that is a number, whether or not a condition lets it be read, and is of a size that is reckoned with."""
+    """Each part of a formula's text that is a number has a value, whether or not a condition lets it be read, and is of ordinary size."""
     reader = _reader(over(StatedLaw(("x",), None, number(0), None, {}, ())))
     for part in _numbers(parse(text)):
         if not part.names() - {"pi"} and reader.undecided(part) is part:

@@ -1,9 +1,9 @@
 """Positively homogeneous functions of the plane, r^k F(v), as values: multiplied, added, raised to powers and bent.
 
-v is a variable that tells the angle theta, such as cos 3 theta.  F is a polynomial in v times powers of polynomials that are > 0; their
-coefficients and exponents are made of constants of a law.  Of degree 1, r h(theta) is convex where h + h'' >= 0 as a measure of the angle
-(R. Schneider 2014, Convex Bodies, section 1.7).  Up to a positive factor h + h'' is a F'' + b F' + c F, with three polynomials a, b, c that
-the choice of v gives: that is the bend of F.
+Rays are told by a multiple v of tan(theta/2), and F is read at the point of a ray whose distance is a polynomial N = k + v^2, so that r is
+one too.  F is a polynomial in v times powers of polynomials that are > 0; their coefficients and exponents are made of constants of a law.
+Of degree 1, r h(theta) = F is convex where h + h'' >= 0 as a measure of the angle (R. Schneider 2014, Convex Bodies, section 1.7).  With
+h = F/N and v = sqrt(k) tan(theta/2) that has the sign of N F'' - N' F' + 2 F: that is the bend of F.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
-from duhem.proof.kernel.algebraic import root_of, roots_in
 from duhem.proof.kernel.domain import StatedDomain
-from duhem.proof.kernel.polynomial import ONE, Polynomial, negated, number_in, slope, times, total
-from duhem.proof.kernel.positivity import RAY
+from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, slope, times, total
+from duhem.proof.kernel.signs import RAY
+from duhem.proof.kernel.square_roots import root_of, roots_in
 from duhem.proof.kernel.term import NotWritten
 
 __all__ = [
@@ -107,7 +107,13 @@ class PlaneVariable(ABC):
     """A variable v that tells the angle, over some angles and the whole ``domain`` of a law."""
 
     domain: StatedDomain
-    weights: ClassVar[tuple[Polynomial, Polynomial, Polynomial]]  # a, b and c: h + h'' is a positive multiple of a F'' + b F' + c F
+    far: int = 1  # k
+    rooted = False  # whether square roots may stand in polynomials as further variables
+
+    @property
+    def distance(self) -> Polynomial:
+        """N, how far from 0 the points of the rays are."""
+        return {(): Fraction(self.far), ((RAY, 2),): Fraction(1)}
 
     @abstractmethod
     def above(self, poly: Polynomial, strict: bool = False) -> bool:
@@ -122,22 +128,50 @@ class PlaneVariable(ABC):
         return slope(poly, RAY)
 
     def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
-        """Polynomials and exponents of which a polynomial > 0 is the product."""
-        return [(poly, ONE)]
+        """Polynomials and exponents of which a polynomial > 0 is the product: N as often as it divides it, and the rest."""
+        count = 0
+        while (less := self._without_distance(poly)) is not None:
+            poly, count = less, count + 1
+        return [(self.distance, {(): Fraction(count)}), (poly, ONE)]
 
-    def rooted(self, poly: Polynomial) -> bool:
-        """Whether the square root of a polynomial counts as one more variable of polynomials, and is not kept apart as a power."""
-        return False
+    def _without_distance(self, poly: Polynomial) -> Polynomial | None:
+        """Divided by N; None where that leaves a rest."""
+        left, found = in_powers(poly, RAY), Polynomial()
+        while len(left) > 2:
+            top = left.pop()
+            left[-2] = total(left[-2], times({(): Fraction(-self.far)}, top))
+            found = total(found, times(top, {((RAY, len(left) - 2),) if len(left) > 2 else (): Fraction(1)}))
+        return None if any(left) else found
 
     def shortened(self, value: PlaneFunction) -> PlaneFunction:
         """The same function, its polynomial as short as it is seen to be."""
         return value._replace(poly=self.plain(value.poly))
 
     def bend(self, value: PlaneFunction) -> Polynomial:
-        """D^2 (a F'' + b F' + c F)/W, which has the sign of h + h''."""
-        found, (a, b, c) = derivatives(value, self.along), self.weights
+        """D^2 (N F'' - N' F' + 2 F)/W, which has the sign of h + h''."""
+        found = derivatives(value, self.along)
         plainly = times(value.poly, times(found.over, found.over))
-        return self.plain(total(times(a, found.second), times(b, times(found.first, found.over)), times(c, plainly)))
+        turned = times(slope(self.distance, RAY), times(found.first, found.over))
+        return self.plain(total(times(self.distance, found.second), negated(turned), times({(): Fraction(2)}, plainly)))
+
+    def added(self, values: Sequence[PlaneFunction]) -> PlaneFunction:
+        """The sum, with square roots as further variables where they differ."""
+        try:
+            return self.shortened(added(values))
+        except NotWritten:
+            if not self.rooted:
+                raise
+            return self.shortened(added(list(map(self._with_roots, values))))
+
+    def _with_roots(self, value: PlaneFunction) -> PlaneFunction:
+        """The same function, its powers of a half as polynomials."""
+        poly, left = value.poly, dict[Base, Polynomial]()
+        for base, e in value.powers.items():
+            if dict(base) != self.distance and (root := _root_of_power(dict(base), number_in(e))) is not None:
+                poly = times(poly, root)
+            else:
+                left[base] = e
+        return self.shortened(value._replace(poly=poly, powers=left))
 
     def power(self, value: PlaneFunction, exponent: Polynomial) -> PlaneFunction:
         """The value to a power that is a constant; NotWritten where it is not shown to have one."""
@@ -151,27 +185,47 @@ class PlaneVariable(ABC):
         n = number_in(exponent)
         if n is None and value.degree:
             raise NotWritten("an exponent varies")
-        roots = n is not None and n > 0 and n.denominator == 2 and n <= MOST_POWER and self.rooted(value.poly)
-        if not value.poly or not self.above(value.poly, strict=not roots):
+        roots = self.rooted and n is not None and n > 0 and n.denominator == 2
+        positive = bool(value.poly) and self.above(value.poly, strict=True)
+        if not value.poly or not (positive or (roots and self.above(value.poly))):
             raise NotWritten("what is divided by or under a root may be <= 0")
-        found, left = ONE, dict[Base, Polynomial]()
-        for base, own in [*self.factors(value.poly), *((dict(b), e) for b, e in value.powers.items())]:
+        found, left = ONE, raised_to(value.powers, exponent)
+        for base, own in self.factors(value.poly):
             share = times(own, exponent)
-            half = (number_in(share) or Fraction(0)) * 2 if n is not None else Fraction(0)
-            if half.denominator == 1 and abs(half) <= 2 * MOST_POWER and self.rooted(base) and (half % 2 or number_in(base) is not None):
-                if any(RAY.name in w.names() for w in roots_in(base)):
-                    raise NotWritten("a root stands under a root")
-                ((root, scale),) = root_of(base).items()
-                found = times(found, {tuple((x, k * int(half)) for x, k in root): scale ** int(half)})
-            else:
-                left = widened(left, base, share)
+            apart = base == self.distance or (positive and number_in(base) is None)
+            if (root := _without_variable(base, number_in(share))) is None and self.rooted and not apart:
+                root = _root_of_power(base, number_in(share))
+            if root is None and not (positive or apart):
+                raise NotWritten("what is under a root may be 0")
+            found, left = (times(found, root), left) if root is not None else (found, widened(left, base, share))
         whole = value.whole and (n is None or n > 0)
         return self.shortened(PlaneFunction(value.degree * (n or 0), found, left, whole))
 
     def root(self, value: PlaneFunction) -> PlaneFunction:
         """F^(1/k) of degree 1, for F > 0 of degree k, as a product of powers alone."""
-        powers = widened(value.powers, value.poly, ONE)
+        powers = value.powers
+        for base, own in self.factors(value.poly):
+            powers = widened(powers, base, own)
         return PlaneFunction(Fraction(1), ONE, raised_to(powers, {(): 1 / value.degree}))
+
+
+def _without_variable(base: Polynomial, e: Fraction | None) -> Polynomial | None:
+    """base^e for a product of constants, e a whole number."""
+    if len(base) != 1 or e is None or e.denominator > 1 or abs(e) > MOST_POWER:
+        return None
+    ((m, c),) = base.items()
+    return None if any(RAY.name in x.names() for x, _ in m) else {tuple((x, n * int(e)) for x, n in m): c ** int(e)}
+
+
+def _root_of_power(base: Polynomial, e: Fraction | None) -> Polynomial | None:
+    """base^e, an odd power of its square root, as a polynomial, or any of that of a number; None where e is too large or something else."""
+    half = Fraction(1, 3) if e is None else 2 * e
+    if half.denominator > 1 or abs(half) > 2 * MOST_POWER or (half % 2 == 0 and number_in(base) is None):
+        return None
+    if any(RAY.name in w.names() for w in roots_in(base)):
+        raise NotWritten("a root stands under a root")
+    ((root, scale),) = root_of(base).items()
+    return {tuple((x, k * int(half)) for x, k in root): scale ** int(half)}
 
 
 def widened(powers: Mapping[Base, Polynomial], poly: Polynomial, e: Polynomial) -> dict[Base, Polynomial]:

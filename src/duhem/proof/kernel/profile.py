@@ -11,10 +11,9 @@ from fractions import Fraction
 from itertools import pairwise
 
 from duhem.proof.kernel.domain import POSITIVE, StatedDomain
-from duhem.proof.kernel.line import Line, nonnegative, parts, roots
 from duhem.proof.kernel.polynomial import Polynomial, in_powers, negated, replaced, slope, times, total, written
-from duhem.proof.kernel.positivity import RAY, on_the_line, without_content
 from duhem.proof.kernel.shape import Shown
+from duhem.proof.kernel.signs import RAY, Line, nonnegative_on_the_line, on_the_line, parts, roots, sign_at, without_content
 from duhem.proof.kernel.term import NotWritten, Term
 
 __all__ = ["convex_by_its_profile"]
@@ -124,11 +123,11 @@ def _concave_root(h: Polynomial, sides: Collection[Line]) -> bool:
     if low >= high:
         return True  # no more than one value of t is left
     ends = [(low, low), *roots(parts(line)[0], low, high), (high, high)]
-    zeros = {i for i, (a, b) in enumerate(ends) if 0 < i < len(ends) - 1 or _sign_at(line, a) == 0}
-    above = [i for i, ((_, a), (b, _)) in enumerate(pairwise(ends)) if _sign_at(line, (a + b) / 2) > 0]
+    zeros = {i for i, (a, b) in enumerate(ends) if 0 < i < len(ends) - 1 or sign_at(line, a) == 0}
+    above = [i for i, ((_, a), (b, _)) in enumerate(pairwise(ends)) if sign_at(line, (a + b) / 2) > 0]
     if not above:
         return len(zeros) < 2
-    return len(above) == 1 and zeros <= {above[0], above[0] + 1} and nonnegative(bend, ends[above[0]][0], ends[above[0] + 1][1])
+    return len(above) == 1 and zeros <= {above[0], above[0] + 1} and nonnegative_on_the_line(bend, ends[above[0]][0], ends[above[0] + 1][1])
 
 
 def _between(sides: Collection[Line], far: Fraction) -> _Place:
@@ -144,7 +143,3 @@ def _between(sides: Collection[Line], far: Fraction) -> _Place:
 def _beyond_roots(p: Line) -> Fraction:
     """Greater than the size of every root (Cauchy's bound)."""
     return 1 + max((Fraction(abs(c), abs(p[-1])) for c in p[:-1]), default=Fraction(0))
-
-
-def _sign_at(p: Line, x: Fraction) -> int:
-    return nonnegative(p, x, x, strict=True) - (not nonnegative(p, x, x))

@@ -56,7 +56,7 @@ def tips(term: Term, domain: StatedDomain) -> frozenset[Term]:
 
 def _signs_at(tip: Term, term: Term, domain: StatedDomain) -> tuple[Sign, Sign]:
     """The sign of a term where a tip is 0, read in two ways."""
-    return _sign_without(term, tip, domain), sign_on_axis(term, tip, domain, facts)
+    return _sign_without(term, tip, domain), sign_on_axis(term, tip, domain, facts, over)
 
 
 def _sign_without(term: Term, tip: Term, domain: StatedDomain) -> Sign:

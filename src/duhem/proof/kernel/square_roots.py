@@ -13,7 +13,6 @@ from duhem.proof.kernel.polynomial import (
     Monomial,
     Polynomial,
     in_powers,
-    joined,
     negated,
     number_in,
     replaced,
@@ -22,7 +21,7 @@ from duhem.proof.kernel.polynomial import (
     total,
     written,
 )
-from duhem.proof.kernel.positivity import RAY, Interval, nonnegative
+from duhem.proof.kernel.signs import RAY, Interval, line, nonnegative, parts
 from duhem.proof.kernel.term import NotWritten, Term, number
 
 __all__ = ["Signs", "inner", "plain", "root_of", "roots_in", "slope_along"]
@@ -74,7 +73,9 @@ def plain(poly: Polynomial, domain: StatedDomain) -> Polynomial:
     for _ in range(2):  # into roots of primes; these once each
         for x in roots_in(poly):
             if (square := _number_under(x, domain)) is not None:
-                poly = _put(poly, x, _root_of_number(square), square)
+                if square <= 0:
+                    raise NotWritten("a root of a number that is not > 0")
+                poly = _lowered(poly, x, {(): square}, _root_of_number(square))
     for x in roots_in(poly):
         if any(dict(m).get(x, 0) > 1 for m in poly):
             poly = _lowered(poly, x, inner(x, domain))
@@ -85,28 +86,17 @@ def _number_under(root: Term, domain: StatedDomain) -> Fraction | None:
     return number_in(domain.polynomial(root.args[0]))
 
 
-def _put(poly: Polynomial, x: Term, root: Polynomial, square: Fraction) -> Polynomial:
-    """x^n as square^(n // 2) root^(n % 2)."""
-    if square <= 0:
-        raise NotWritten("a root of a number that is not > 0")
+def _lowered(poly: Polynomial, x: Term, square: Polynomial, root: Polynomial | None = None) -> Polynomial:
+    """x^n as square^(n // 2) x^(n % 2), for n > 1; of a number, for every n, with what ``root`` says that x is."""
     found: Polynomial = {}
     for m, c in poly.items():
         n = dict(m).get(x, 0)
-        rest: Polynomial = {tuple((y, k) for y, k in m if y != x): c * square ** (n // 2)}
-        found = total(found, times(rest, root) if n % 2 else rest)
-    return found
-
-
-def _lowered(poly: Polynomial, x: Term, square: Polynomial) -> Polynomial:
-    """x^2 as what it is, where a power of x is above 1."""
-    found: Polynomial = {}
-    for m, c in poly.items():
-        n = dict(m).get(x, 0)
-        part: Polynomial = {m: c}
-        if n > 1:
-            part = {joined(tuple((y, k) for y, k in m if y != x), ((x, n % 2),)): c}
-            for _ in range(n // 2):
-                part = times(part, square)
+        half, odd = divmod(n, 2) if n > 1 or root is not None else (0, n)
+        part: Polynomial = {tuple((y, k) for y, k in m if y != x): c}
+        if half < 0:
+            part, half = times(part, {(): square[()] ** half}), 0
+        for factor in (*[square] * half, *([root] if odd and root is not None else [{((x, odd),): Fraction(1)}] if odd else [])):
+            part = times(part, factor)
         found = total(found, part)
     return found
 
@@ -168,10 +158,10 @@ class Signs:
 
     def _root(self, square: Polynomial) -> Polynomial:
         """Of c s^2 with a number c > 0 it is sqrt(c) s where s >= 0, and sqrt(c) (-s) where s <= 0."""
-        for c, s in _as_square(square):
-            for side in (s, negated(s)):
-                if nonnegative(side, self.between, self.domain):
-                    return times(root_of({(): c}), side)
+        c, s = _as_square(square)
+        for side in (s, negated(s)):
+            if s and nonnegative(side, self.between, self.domain):
+                return times(root_of({(): c}), side)
         return root_of(square)
 
     def cleared(self, poly: Polynomial) -> Polynomial:
@@ -191,24 +181,18 @@ class Signs:
         return poly, powers
 
 
-def _as_square(poly: Polynomial) -> Iterator[tuple[Fraction, Polynomial]]:
-    """c and s with c s^2 = poly, a polynomial in one constant."""
+def _as_square(poly: Polynomial) -> tuple[Fraction, Polynomial]:
+    """c and s with c s^2 = poly, a polynomial in one constant all of whose roots are double; 0 for any other."""
     names = {x for m in poly for x, _ in m}
-    if len(names) != 1 or any(n < 0 for m in poly for _, n in m):
-        return
-    (x,) = names
-    coefficients = [part.get((), Fraction(0)) for part in in_powers(poly, x)]
-    half, odd = divmod(len(coefficients) - 1, 2)
-    top = coefficients[-1]
-    if odd or top <= 0:
-        return
-    found = [Fraction(0)] * half + [Fraction(1)]
-    for k in range(1, half + 1):  # the coefficient of x^(2 half - k) tells that of x^(half - k)
-        known = sum(found[half - i] * found[half - k + i] for i in range(1, k))
-        found[half - k] = (coefficients[2 * half - k] / top - known) / 2
-    root: Polynomial = {((x, n),) if n else (): c for n, c in enumerate(found) if c}
-    if times(root, root) == {m: c / top for m, c in poly.items()}:
-        yield top, root
+    if len(names) == 1 and all(n > 0 for m in poly for _, n in m):
+        (x,) = names
+        coefficients = [part.get((), Fraction(0)) for part in in_powers(poly, x)]
+        every, _ = parts(line(coefficients))
+        root: Polynomial = {((x, n),) if n else (): Fraction(c) for n, c in enumerate(every) if c}
+        share = coefficients[-1] / every[-1] ** 2
+        if share > 0 and times({(): share}, times(root, root)) == poly:
+            return share, root
+    return Fraction(0), {}
 
 
 def _by_roots(poly: Polynomial, roots: list[Term]) -> Iterator[tuple[Monomial, Polynomial]]:

@@ -14,10 +14,11 @@ from typing import NamedTuple
 
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw
+from duhem.proof.kernel.forms import affine
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.homogeneity import by_degree
 from duhem.proof.kernel.pieces import CHOICES, pieces
-from duhem.proof.kernel.polynomial import Polynomial, written
+from duhem.proof.kernel.polynomial import Polynomial
 from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
 
 __all__ = ["Fan"]
@@ -135,16 +136,9 @@ class Fan:
 
     def _normal(self, side: Term) -> Ray:
         """a and b of a x + b y."""
-        poly = self._domain.polynomial(side)
-        parts: list[Polynomial] = [{}, {}]
-        for m, c in poly.items():
-            moving = [(x, n) for x, n in m if not self._domain.constant(x)]
-            if len(moving) != 1 or moving[0][0] not in self._forces or moving[0][1] != 1:
-                raise NotWritten("what bounds a cone is not linear")
-            parts[self._forces.index(moving[0][0])][tuple((x, n) for x, n in m if self._domain.constant(x))] = c
-        a, b = map(written, parts)
-        if all(facts(x, self._domain).sign == ZERO for x in (a, b)):
-            raise NotWritten("what bounds a cone is 0")
+        (a, b), rest = affine(side, [x.name for x in self._forces], self._domain)
+        if self._domain.polynomial(rest) or all(facts(x, self._domain).sign == ZERO for x in (a, b)):
+            raise NotWritten("what bounds a cone is not linear, or 0")
         return a, b
 
     def _alike(self, one: Ray, two: Ray) -> bool:

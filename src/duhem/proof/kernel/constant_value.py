@@ -1,0 +1,438 @@
+"""The value of a constant: worked out as a fraction, enclosed between two numbers, and the exact sign of what is made of roots.
+
+Enclosures lie between whole multiples of 2^-96, or of a finer unit, rounded outward (R. E. Moore 1966, Interval analysis).  Words
+are enclosed by series with their remainders: each is that of the ends where it is monotone; sine and cosine are enclosed from the
+middle, their slope being at most 1.
+
+A number made of fractions by sums, products, quotients and roots is U/L with algebraic integers U and L, all of whose conjugates are
+at most u and l, read off its form.  If it is not 0, neither is the norm of U, a whole number; so |U/L| >= 1/(u^(D - 1) l), D the
+product of the roots' indices (Burnikel, Funke, Mehlhorn, Schirra, Schmitt 2001, ESA, LNCS 2161, 254).  What an enclosure shows to be
+closer to 0 is 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from fractions import Fraction
+from functools import cache, reduce
+from math import isqrt, lcm, prod
+from typing import NamedTuple
+
+from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign
+from duhem.proof.kernel.steps import pay
+from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, number, product_of, sum_of
+
+__all__ = ["BITS", "Enclosure", "enclosed", "exact_value", "finer", "holds", "sign_of_radicals", "sign_over"]
+
+BITS = 96
+_ONE = 1 << BITS
+_FARTHEST, _MOST_BOXES = 1000 * _ONE, 64
+_TERMS = 32  # of a series in which each term is a ninth of the one before, or less: the rest is below one unit
+_OF_ROOTS = ("number", "+", "*", "**", "abs")
+_FEW, _MOST_BITS, _SPARE, _LARGEST = 128, 1 << 15, 64, 200  # binary digits; the largest index and exponent of a root
+_MOST_BITS_OF_FRACTION = 4096
+
+
+# -- exactly -----------------------------------------------------------------------------------------------------------
+
+
+def holds(comparison: Term) -> bool:
+    """Whether a comparison of numbers is true; NotWritten where a side has no value or is no fraction."""
+    left, right = map(exact_value, comparison.args)
+    return {"<": left < right, "<=": left <= right, ">": left > right, ">=": left >= right}[comparison.op]
+
+
+def exact_value(term: Term) -> Fraction:
+    """NotWritten for what has no value or is no fraction; of a choice only what is chosen needs one."""
+    if term.op == "number":
+        return term.value
+    if term.op == "where" and term.args[0].op in COMPARISONS:
+        return exact_value(term.args[1 if holds(term.args[0]) else 2])
+    x = [exact_value(a) for a in term.args]
+    match term.op:
+        case "+":
+            return sum(x, Fraction(0))
+        case "*":
+            return prod(x, start=Fraction(1))
+        case "**":
+            return _fraction_power(*x)
+        case "norm":
+            return _fraction_power(sum((y * y for y in x), Fraction(0)), Fraction(1, 2))
+        case "abs":
+            return abs(x[0])
+        case "pos" | "neg":
+            return max(x[0] if term.op == "pos" else -x[0], Fraction(0))
+        case "max" | "min":
+            return max(x) if term.op == "max" else min(x)
+    raise NotWritten(f"{term.op} is not worked out exactly")
+
+
+def _fraction_power(base: Fraction, exponent: Fraction) -> Fraction:
+    """NotWritten where it is no fraction; what is raised to 0 is 1."""
+    size = max(base.numerator.bit_length(), base.denominator.bit_length()) * abs(exponent.numerator)
+    if (base == 0 > exponent) or (base < 0 and exponent.denominator > 1) or exponent.denominator > 2 or size > _MOST_BITS_OF_FRACTION:
+        raise NotWritten("a power is no fraction")
+    if exponent.denominator == 2:
+        root = Fraction(isqrt(base.numerator), isqrt(base.denominator))
+        if root * root != base:
+            raise NotWritten("a root is no fraction")
+        base = root
+    return base**exponent.numerator
+
+
+# -- enclosed ----------------------------------------------------------------------------------------------------------
+
+
+class Enclosure(NamedTuple):
+    """Every number from ``low`` to ``high``, both in units of 2^-bits."""
+
+    low: int
+    high: int
+    bits = BITS
+
+    @classmethod
+    def between(cls, low: Fraction, high: Fraction) -> Enclosure:
+        """The least that holds both."""
+        return cls((low.numerator << cls.bits) // low.denominator, -((-high.numerator << cls.bits) // high.denominator))
+
+    @property
+    def sign(self) -> Sign:
+        """The signs in it."""
+        below, above = NEGATIVE if self.low < 0 else 0, POSITIVE if self.high > 0 else 0
+        return below | above | (ZERO if self.low <= 0 <= self.high else 0)
+
+    def plus(self, other: Enclosure) -> Enclosure:
+        """x + y."""
+        return type(self)(self.low + other.low, self.high + other.high)
+
+    def minus(self) -> Enclosure:
+        """-x."""
+        return type(self)(-self.high, -self.low)
+
+    def times(self, other: Enclosure) -> Enclosure:
+        """x y."""
+        ends = (self.low * other.low, self.low * other.high, self.high * other.low, self.high * other.high)
+        return type(self)(min(ends) >> self.bits, -(-max(ends) >> self.bits))
+
+    def inverse(self) -> Enclosure:
+        """1/x; ZeroDivisionError where x may be 0."""
+        if self.sign & ZERO:
+            raise ZeroDivisionError("an interval holds 0")
+        one = 1 << 2 * self.bits
+        return type(self)(one // self.high, -(-one // self.low))
+
+    def size(self) -> Enclosure:
+        """|x|."""
+        return type(self)(max(self.low, -self.high, 0), max(-self.low, self.high))
+
+    def power(self, n: int) -> Enclosure:
+        """x^n."""
+        base, found = self.size() if n % 2 == 0 else self, self.between(Fraction(1), Fraction(1))
+        for _ in range(abs(n)):
+            found = found.times(base)
+        return found if n >= 0 else found.inverse()
+
+    def root(self, k: int = 2) -> Enclosure:
+        """The k-th root; ValueError where x may be < 0."""
+        if self.low < 0:
+            raise ValueError("a root of what may be < 0")
+        shift = (k - 1) * self.bits
+        return type(self)(_whole_root(self.low << shift, k), _whole_root(self.high << shift, k) + 1)
+
+
+def finer(bits: int) -> type[Enclosure]:
+    """Enclosures in units of 2^-bits."""
+    return type("Enclosure", (Enclosure,), {"bits": bits})
+
+
+def _whole_root(x: int, k: int) -> int:
+    """The greatest whole number whose k-th power is at most x."""
+    if k == 2 or x < 2:
+        return isqrt(x)
+    found = 1 << -(-x.bit_length() // k)
+    while (lower := ((k - 1) * found + x // found ** (k - 1)) // k) < found:  # Newton's method, from above
+        found = lower
+    return found
+
+
+def sign_over(term: Term, bounds: Mapping[str, Bounds]) -> Sign:
+    """The sign of a constant, < 0 or > 0, over the ranges of its names; all three where that is not shown."""
+    names = sorted(term.names() - {"pi"})
+    ends = [bounds[n][:2] if n in bounds else (None, None) for n in names]
+    boxes, found = [[Enclosure.between(low, high) for low, high in ends if low is not None and high is not None]], 0
+    if len(boxes[0]) < len(names):
+        return ANY
+    for _ in range(_MOST_BOXES):
+        if not boxes:
+            return found
+        box = boxes.pop()
+        pay(100)
+        try:
+            sign = enclosed(term, dict(zip(names, box, strict=True))).sign
+        except (ValueError, ZeroDivisionError):
+            sign = ANY
+        if sign in (NEGATIVE, POSITIVE) and found in (0, sign):
+            found = sign
+            continue
+        i = max(range(len(box)), key=lambda i: box[i].high - box[i].low, default=None)
+        if i is None or sign in (NEGATIVE, POSITIVE):
+            return ANY
+        middle = (box[i].low + box[i].high) // 2
+        boxes += [[*box[:i], part, *box[i + 1 :]] for part in (Enclosure(box[i].low, middle), Enclosure(middle, box[i].high))]
+    return ANY
+
+
+def enclosed(term: Term, box: Mapping[str, Enclosure], unit: type[Enclosure] = Enclosure) -> Enclosure:
+    """What holds every value of ``term``; ValueError or ZeroDivisionError where it may be undefined or is no formula.
+
+    In another unit only what is made of roots has one.
+    """
+    if unit is not Enclosure and term.op not in _OF_ROOTS:
+        return _refused(term)
+    if term.op == "number":
+        return unit.between(term.value, term.value)
+    if term.op == "name":
+        return _pi() if term.name == "pi" else box[term.name]
+    if term.op == "where":
+        return _chosen(term, box)
+    if term.op == "**" and (n := _exponent(term)) is not None and (n.denominator <= 2 or unit is not Enclosure):
+        x = enclosed(term.args[0], box, unit)
+        return (x if n.denominator == 1 else x.root(n.denominator)).power(n.numerator)
+    x, *others = parts = [enclosed(a, box, unit) for a in term.args]
+    match term.op:
+        case "+":
+            return reduce(Enclosure.plus, parts)
+        case "*":
+            return reduce(Enclosure.times, parts)
+        case "**" if unit is Enclosure:
+            return _power(x, others[0])
+        case "norm":
+            return reduce(Enclosure.plus, (p.power(2) for p in parts)).root()
+        case "max":
+            return reduce(_greater, parts)
+        case "min":
+            return reduce(_greater, (p.minus() for p in parts)).minus()
+        case "abs":
+            return x.size()
+        case "pos" | "neg":
+            return _greater(x if term.op == "pos" else x.minus(), Enclosure(0, 0))
+        case "atan2":
+            return _angle(x, others[0])
+    return _WORDS[term.op](x) if term.op in _WORDS else _refused(term)
+
+
+def _refused(term: Term) -> Enclosure:
+    raise ValueError(f"no enclosure of {term.op}")
+
+
+def _chosen(term: Term, box: Mapping[str, Enclosure]) -> Enclosure:
+    comparison, *values = term.args
+    left, right = (enclosed(a, box) for a in comparison.args)
+    gap = left.plus(right.minus()).sign
+    holds = {"<": NEGATIVE, "<=": NEGATIVE | ZERO, ">": POSITIVE, ">=": POSITIVE | ZERO}[comparison.op]
+    taken = [enclosed(v, box) for v, kept in zip(values, (holds, ANY & ~holds), strict=True) if gap & kept]
+    return Enclosure(min(v.low for v in taken), max(v.high for v in taken))
+
+
+# -- sums of powers ----------------------------------------------------------------------------------------------------
+
+
+def _greater(x: Enclosure, y: Enclosure) -> Enclosure:
+    return Enclosure(max(x.low, y.low), max(x.high, y.high))
+
+
+def _shifted(x: Enclosure, whole: int) -> Enclosure:
+    return x.plus(Enclosure(whole * _ONE, whole * _ONE))
+
+
+def _over(x: Enclosure, n: int) -> Enclosure:
+    """x/n, n > 0."""
+    return Enclosure(x.low // n, -(-x.high // n))
+
+
+def _series(x: Enclosure, divisors: Callable[[int], int]) -> Enclosure:
+    """1 + x/d_1 (1 + x/d_2 (1 + ...)); the terms left out are together less than one unit."""
+    total = Enclosure(_ONE, _ONE)
+    for i in range(_TERMS, 0, -1):
+        total = _shifted(_over(total.times(x), divisors(i)), 1)
+    return Enclosure(total.low - 1, total.high + 1)
+
+
+def _odd_series(x: Enclosure, square: Enclosure) -> Enclosure:
+    """x (1 + q/3 + q^2/5 + ...) with q the ``square``, at most 1/9 in size."""
+    total = Enclosure(0, 0)
+    for i in range(_TERMS, -1, -1):
+        total = _over(Enclosure(_ONE, _ONE), 2 * i + 1).plus(total.times(square))
+    return Enclosure(total.low - 1, total.high + 1).times(x)
+
+
+def _power(x: Enclosure, p: Enclosure) -> Enclosure:
+    if x.low > 0:
+        return _exp(p.times(_log(x)))
+    if x.low < 0 or p.low <= 0:
+        raise ValueError("a root of what may be < 0")
+    return Enclosure(0, _exp(p.times(_log(Enclosure(x.high, x.high)))).high if x.high else 0)
+
+
+# -- words -------------------------------------------------------------------------------------------------------------
+
+
+def _rising(f: Callable[[Enclosure], Enclosure]) -> Callable[[Enclosure], Enclosure]:
+    """An increasing function from what holds its values at the ends."""
+    return lambda x: Enclosure(f(Enclosure(x.low, x.low)).low, f(Enclosure(x.high, x.high)).high)
+
+
+def _halved(x: Enclosure) -> tuple[Enclosure, int]:
+    """x/2^k, of size 1/3 at most, and k."""
+    if max(-x.low, x.high) > _FARTHEST:
+        raise ValueError("an argument is too large")
+    k = max(0, max(-x.low, x.high).bit_length() - BITS + 2)
+    return Enclosure(x.low >> k, -(-x.high >> k)), k
+
+
+def _exp_at(x: Enclosure) -> Enclosure:
+    y, k = _halved(x)
+    total = _series(y, lambda i: i)
+    for _ in range(k):
+        total = total.times(total)
+    return total
+
+
+def _log_at(x: Enclosure) -> Enclosure:
+    if x.low <= 0:
+        raise ValueError("a logarithm of what may be <= 0")
+    e = x.low.bit_length() - BITS - 1
+    m = Fraction(x.low, 1 << BITS + e)  # x = m 2^e, 1 <= m < 2, and log m = 2 atanh z
+    return _twice_atanh((m - 1) / (m + 1)).plus(_times_whole(_twice_atanh(Fraction(1, 3)), e))
+
+
+def _twice_atanh(z: Fraction) -> Enclosure:
+    x = Enclosure.between(z, z)
+    return _times_whole(_odd_series(x, x.times(x)), 2)
+
+
+def _times_whole(x: Enclosure, n: int) -> Enclosure:
+    return Enclosure(min(x.low * n, x.high * n), max(x.low * n, x.high * n))
+
+
+def _atan_at(x: Enclosure) -> Enclosure:
+    for _ in range(3):  # tan(t/2) = tan t/(1 + sqrt(1 + tan^2 t)), and tan(pi/16) < 1/3
+        x = x.times(_shifted(_shifted(x.power(2), 1).root(), 1).inverse())
+    return _times_whole(_odd_series(x, x.power(2).minus()), 8)
+
+
+def _asin_at(x: Enclosure) -> Enclosure:
+    if x.low < -_ONE or x.high > _ONE:
+        raise ValueError("an arc sine of what may lie beyond 1")
+    other = _greater(_shifted(x.power(2).minus(), 1), Enclosure(0, 0)).root()
+    return _times_whole(_atan_at(x.times(_shifted(other, 1).inverse())), 2)
+
+
+@cache
+def _pi() -> Enclosure:
+    return _times_whole(_atan_at(Enclosure(_ONE, _ONE)), 4)
+
+
+def _wave(x: Enclosure) -> tuple[Enclosure, Enclosure]:
+    """Cosine and sine: those of the middle, give or take half the width."""
+    middle = (x.low + x.high) // 2
+    y, k = _halved(Enclosure(middle, middle))
+    square = y.power(2).minus()
+    c, s = _series(square, lambda i: 2 * i * (2 * i - 1)), _series(square, lambda i: 2 * i * (2 * i + 1)).times(y)
+    for _ in range(k):
+        c, s = c.power(2).plus(s.power(2).minus()), _times_whole(c.times(s), 2)
+    away = max(x.high - middle, middle - x.low)
+    one, two = (Enclosure(max(v.low - away, -_ONE), min(v.high + away, _ONE)) for v in (c, s))
+    return one, two
+
+
+def _angle(y: Enclosure, x: Enclosure) -> Enclosure:
+    if x.sign == POSITIVE:
+        return _atan(y.times(x.inverse()))
+    if y.sign in (NEGATIVE, POSITIVE):
+        quarter = _over(_pi(), 2) if y.sign == POSITIVE else _over(_pi(), 2).minus()
+        return quarter.plus(_atan(x.times(y.inverse())).minus())
+    if x.sign != NEGATIVE:
+        raise ValueError("an angle of what may be (0, 0)")
+    return Enclosure(-_pi().high, _pi().high)
+
+
+def _tanh_at(x: Enclosure) -> Enclosure:
+    return _shifted(_times_whole(_shifted(_exp_at(_times_whole(x, 2)), 1).inverse(), 2).minus(), 1)
+
+
+def _tan(x: Enclosure) -> Enclosure:
+    c, s = _wave(x)
+    return s.times(c.inverse())
+
+
+_exp, _log, _atan, _asin = map(_rising, (_exp_at, _log_at, _atan_at, _asin_at))
+_sinh = _rising(lambda x: _over(_exp_at(x).plus(_exp_at(x.minus()).minus()), 2))
+_WORDS: Mapping[str, Callable[[Enclosure], Enclosure]] = {
+    "exp": _exp, "log": _log, "atan": _atan, "asin": _asin, "sinh": _sinh, "tanh": _rising(_tanh_at), "tan": _tan,
+    "acos": lambda x: _over(_pi(), 2).plus(_asin(x).minus()),
+    "sin": lambda x: _wave(x)[1], "cos": lambda x: _wave(x)[0],
+    "cosh": lambda x: _rising(lambda y: _over(_exp_at(y).plus(_exp_at(y.minus())), 2))(x.size()),
+}  # fmt: skip
+
+
+# -- of roots ----------------------------------------------------------------------------------------------------------
+
+
+def sign_of_radicals(term: Term) -> Sign:
+    """The sign; all three for what is no such number, may be undefined or would take too many digits."""
+    try:
+        term, roots = _without_norms(term), dict[Term, int]()
+        u, below = _sizes(term, roots)
+        if max(u, below) > _MOST_BITS:
+            return ANY
+        low, high = enclosed(term, {}, finer(_FEW))
+        if low > 0 or high < 0:
+            return POSITIVE if low > 0 else NEGATIVE
+        apart = u * (prod(roots.values()) - 1) + below
+        if apart > _MOST_BITS:
+            return ANY
+        bits = apart + u + _SPARE
+        low, high = enclosed(term, {}, finer(bits))
+    except (NotWritten, ValueError, ZeroDivisionError):
+        return ANY
+    if low > 0 or high < 0:
+        return POSITIVE if low > 0 else NEGATIVE
+    return ZERO if max(-low, high) < 1 << (bits - apart) else ANY
+
+
+def _without_norms(term: Term) -> Term:
+    """The term with every Euclidean norm written as a root."""
+    term = term._replace(args=tuple(map(_without_norms, term.args)))
+    return Term("**", (sum_of(*(product_of(a, a) for a in term.args)), number(Fraction(1, 2)))) if term.op == "norm" else term
+
+
+def _exponent(power: Term) -> Fraction | None:
+    """That of a power, if it is a small fraction; not 0 unless it is written so."""
+    with suppress(NotWritten):
+        n = exact_value(power.args[1])
+        return n if (n or power.args[1].op == "number") and max(abs(n.numerator), n.denominator) <= _LARGEST else None
+    return None
+
+
+def _sizes(term: Term, roots: dict[Term, int]) -> tuple[int, int]:
+    """The logarithms to base 2 of u and l, rounded up; ``roots`` takes up what roots are taken of, and of which index."""
+    if term.op == "number":
+        return max(0, abs(term.value.numerator) - 1).bit_length(), (term.value.denominator - 1).bit_length()
+    if term.op == "**":
+        if (n := _exponent(term)) is None:
+            raise NotWritten("an exponent is no small fraction")
+        k, (u, below) = n.denominator, _sizes(term.args[0], roots)
+        if k > 1:
+            roots[term.args[0]] = lcm(k, roots.get(term.args[0], 1))
+            u = -(-(u + (k - 1) * below) // k)  # the k-th root of U/L is that of U L^(k - 1), over L
+        u, below = abs(n.numerator) * u, abs(n.numerator) * below
+        return (u, below) if n > 0 else (below, u)
+    if term.op not in ("+", "*", "abs"):
+        raise NotWritten(f"{term.op} is no root")
+    parts = [_sizes(a, roots) for a in term.args]
+    below = sum(low for _, low in parts)
+    if term.op == "+":
+        return max(u + below - low for u, low in parts) + (len(parts) - 1).bit_length(), below
+    return sum(u for u, _ in parts), below

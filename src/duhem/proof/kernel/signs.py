@@ -1,0 +1,357 @@
+"""Signs over the whole domain of a law: of its constants, and of polynomials of one variable with constants as coefficients.
+
+Of numbers alone Sturm's theorem tells a polynomial's sign on an interval, in whole numbers, roots of even multiplicity told apart.
+
+A constant x between two ends is written as the mean of them with weights 1 and u >= 0 (or as its distance from the one end);
+with n its degree, (1 + u)^n P is a polynomial in u whose coefficients are P's Bernstein coefficients.  Where none of them is
+< 0, neither is P; where besides their sum is > 0, so is P between the ends.  One constant after another is removed so; the
+variable itself is left to Sturm's theorem.
+
+What is shown of the parts of a constant comes first.  If that leaves the sign of a sum, product or name open, the rules are asked in this
+order, the cheap ones first:
+
+1. a number that no parameter enters is enclosed (:mod:`constant_value`);
+2. a sum with |x| or with a root is compared with the rest of the sum by squares;
+3. the polynomial that the constant is has terms of one sign, measured from ends of ranges and with multiples of constraints taken away
+   (``StatedDomain.nonnegative``), or no Bernstein coefficient of the other sign, or its enclosures over boxes of the parameters have
+   one sign; so it is asked of the constant as written, and of what is left of it without what it divides by and what divides all of it;
+4. a number made by roots is 0 where it is closer to 0 than such a number can be otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from fractions import Fraction
+from itertools import pairwise
+from math import gcd, lcm
+from typing import NamedTuple
+
+from duhem.proof.kernel.bounds import Bounds
+from duhem.proof.kernel.constant_value import sign_of_radicals, sign_over
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain
+from duhem.proof.kernel.identity import multiplied_through
+from duhem.proof.kernel.polynomial import Polynomial, in_powers, joined, times, total, written
+from duhem.proof.kernel.shape import Shown
+from duhem.proof.kernel.term import NotWritten, Term, minus, number, sum_of
+
+__all__ = [
+    "RAY", "Interval", "Line", "divides", "line", "nonnegative", "nonnegative_on_the_line", "on_the_line", "parts", "roots",
+    "roots_of_both", "sign_at", "sign_inside", "sign_of_constant", "without_content",
+]  # fmt: skip
+
+Line = tuple[int, ...]  # the coefficients of a polynomial, that of 1 first, none at the top 0; a positive factor is as good as none
+Interval = tuple[Fraction, Fraction]
+RAY = Term("name", name="the ray's")  # no name of a law has blanks
+_FINEST = Fraction(1, 2**30)  # a root is enclosed at least as finely as this
+_MOST_HALVINGS = 3
+_MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
+_A_SHARE = 4  # what one is worth in products of terms
+_FEW, _SHORT = 3, 12  # names and terms of a polynomial
+_ONE_SIGN = (NEGATIVE, ZERO, POSITIVE)
+
+
+# -- of a constant -----------------------------------------------------------------------------------------------------
+
+
+def sign_of_constant(term: Term, known: Sign, domain: StatedDomain, shown: Shown) -> Sign:
+    """What is left of the ``known`` signs, which its parts leave to a constant."""
+    if known in _ONE_SIGN or term.op not in ("+", "*", "name"):
+        return known
+    if not term.names() - {"pi"} and (sign := sign_over(term, domain.bounds)) != ANY:
+        return known & sign
+    if (sign := _of_sum_with_a_size(term, domain, shown)) != ANY:
+        return known & sign
+    left = ANY
+    for form in _of_one_sign(term, domain):
+        for turned, sign in ((form, POSITIVE), (minus(form), NEGATIVE)):
+            if domain.nonnegative(turned) or _above_zero(turned, domain):
+                if domain.nonnegative(turned, strict=True) or _above_zero(turned, domain, strict=True):
+                    return known & sign
+                left &= sign | ZERO
+        left &= sign_over(form, domain.bounds)
+    return known & (left if left in _ONE_SIGN or term.names() else left & sign_of_radicals(term))
+
+
+def _of_sum_with_a_size(term: Term, domain: StatedDomain, shown: Shown) -> Sign:
+    """The sign of a sum that is < 0, or <= 0, although |x|, a norm or a root is one of its terms."""
+    for i, part in enumerate(map(domain.plain, term.args) if term.op == "+" else ()):
+        rest = sum_of(*term.args[:i], *term.args[i + 1 :])
+        if part.op == "abs":  # |x| + y < 0 where x + y < 0 and -x + y < 0
+            (x,) = part.args
+            signs = [shown(Term("+", (*term.args[:i], side, *term.args[i + 1 :])), domain).sign for side in (x, minus(x))]
+            if not (signs[0] | signs[1]) & POSITIVE:
+                return signs[0] | signs[1]
+        rooted = part.op == "**" and part.args[1] == number(Fraction(1, 2))
+        if part.op == "norm" or rooted:  # |x| + y <= 0 where y <= 0 and x . x <= y^2; so is sqrt(x) + y where x <= y^2
+            squares = part.args[:1] if rooted else [Term("*", (a, a)) for a in part.args]
+            gap = Term("+", (Term("*", (rest, rest)), *map(minus, squares)))
+            if not shown(rest, domain).sign & POSITIVE and domain.nonnegative(gap):
+                return NEGATIVE if domain.nonnegative(gap, strict=True) else NEGATIVE | ZERO
+    return ANY
+
+
+def _above_zero(constant: Term, domain: StatedDomain, strict: bool = False) -> bool:
+    """Whether a short polynomial has no Bernstein coefficient < 0."""
+    poly = domain.polynomial(constant)
+    if len({x for m in poly for x, _ in m}) > _FEW or len(poly) > _SHORT:
+        return False
+    with suppress(NotWritten):
+        return nonnegative(poly, (Fraction(0), Fraction(1)), domain, strict)
+    return False
+
+
+def _of_one_sign(term: Term, domain: StatedDomain) -> Iterator[Term]:
+    """A constant, and what is left of it without what it divides by and what divides all of it, where that is simpler."""
+    yield term
+    poly = domain.polynomial(term)
+    with suppress(NotWritten):
+        if (left := without_content(multiplied_through(poly, domain, signed=True), domain)) != poly:
+            yield written(left)
+
+
+# -- over ranges ---------------------------------------------------------------------------------------------------------
+
+
+class Reach(NamedTuple):
+    """Where a constant lies: from ``near`` to ``far``, or without end to one ``side``; an end that is ``open`` is none of its values."""
+
+    near: Fraction
+    near_open: bool
+    far: Fraction | None
+    far_open: bool = False
+    side: int = 1
+
+
+def without_content(poly: Polynomial, domain: StatedDomain) -> Polynomial:
+    """The polynomial without the constants != 0 that divide all of it, its sign kept."""
+    for x in {x for m in poly for x, _ in m if x != RAY}:
+        least, own = min(dict(m).get(x, 0) for m in poly), domain.of(x)
+        if own in (NEGATIVE, POSITIVE):
+            turn = Fraction(-1 if own == NEGATIVE and least % 2 else 1)
+            poly = {joined(m, ((x, -least),)): c * turn for m, c in poly.items()}
+        elif least < 0:
+            raise NotWritten("a constant that may be 0 divides")
+    return poly
+
+
+def on_the_line(poly: Polynomial) -> Line | None:
+    """A polynomial of the variable alone; None if constants are left in it."""
+    coefficients = in_powers(poly, RAY)
+    if len(coefficients) > _MOST_DEGREE:
+        raise NotWritten("a polynomial is too long")
+    return line([c.get((), Fraction(0)) for c in coefficients]) if all(set(c) <= {()} for c in coefficients) else None
+
+
+def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool = False) -> bool:
+    """Whether P >= 0, or P > 0, where the variable is ``between`` the ends and the constants are what they may be."""
+    if between[0] >= 0 and all(n % 2 == 0 for m in poly for x, n in m if x == RAY):  # a polynomial in its square
+        poly = {tuple((x, n // 2 if x == RAY else n) for x, n in m): c for m, c in poly.items()}
+        between = between[0] ** 2, between[1] ** 2
+    if _nonnegative_in_ranges(poly, between, domain, strict):
+        return True
+    moving = any(x == RAY for m in poly for x, _ in m)  # of a constant the constraints are asked by who asks for its sign
+    return bool(moving and domain.law.constraints) and not strict and _nonnegative_with_constraints(poly, between, domain, _MOST_HALVINGS)
+
+
+def _nonnegative_with_constraints(poly: Polynomial, between: Interval, domain: StatedDomain, halvings: int) -> bool:
+    """Whether the shares of a P in the powers of its variable are >= 0 by ranges and constraints together, perhaps in parts of the way."""
+    low, high = between
+    shares = _shares(in_powers(without_content(poly, domain), RAY), Reach(low, False, high))
+    if all(domain.nonnegative(written(share)) for share in shares):
+        return True
+    middle = (low + high) / 2
+    parts = ((low, middle), (middle, high)) if halvings and low < high else ()
+    return bool(parts) and all(_nonnegative_with_constraints(poly, part, domain, halvings - 1) for part in parts)
+
+
+def _nonnegative_in_ranges(poly: Polynomial, between: Interval, domain: StatedDomain, strict: bool) -> bool:
+    """The same, each constant being anywhere in its own range."""
+    poly = without_content(poly, domain)
+    if (plain := on_the_line(poly)) is not None:
+        return nonnegative_on_the_line(plain, *between, strict)
+    x = min(x for m in poly for x, _ in m if x != RAY)
+    coefficients = in_powers(poly, x)
+    for reach in _reaches(x, domain):
+        domain.spend(_A_SHARE * len(poly) * len(coefficients))
+        if not _nonnegative(_shares(coefficients, reach), reach, between, domain, strict):
+            return False
+    return True
+
+
+def _nonnegative(shares: list[Polynomial], reach: Reach, between: Interval, domain: StatedDomain, strict: bool) -> bool:
+    if not all(_nonnegative_in_ranges(share, between, domain, False) for share in shares):
+        return False
+    values = [total(*shares)]
+    values += [] if reach.near_open else [shares[0]]
+    values += [] if reach.far is None or reach.far_open else [shares[-1]]
+    return not strict or all(_nonnegative_in_ranges(value, between, domain, True) for value in values)
+
+
+def _shares(coefficients: list[Polynomial], reach: Reach) -> list[Polynomial]:
+    """What the powers of u >= 0 have in (c + d u)^n P((a + b u)/(c + d u)), where (a + b u)/(c + d u) runs from near to far."""
+    without_end, degree = reach.far is None, len(coefficients) - 1
+    above = (reach.near, Fraction(reach.side) if reach.far is None else reach.far)
+    below = (Fraction(1), Fraction(not without_end))
+    found: list[Polynomial] = [{} for _ in coefficients]
+    for k, c in enumerate(coefficients):
+        weights = [Fraction(1)]
+        for a, b in [above] * k + [below] * (degree - k):
+            weights = [a * p + b * q for p, q in zip([*weights, Fraction(0)], [Fraction(0), *weights], strict=True)]
+        for j, weight in enumerate(weights):
+            found[j] = total(found[j], times({(): weight}, c))
+    return found
+
+
+def _reaches(x: Term, domain: StatedDomain) -> Iterator[Reach]:
+    """Where a constant may lie, what has no end is cut at 0."""
+    sign = domain.of(x)
+    others = Bounds(None if sign & NEGATIVE else Fraction(0), None if sign & POSITIVE else Fraction(0), not sign & ZERO, not sign & ZERO)
+    low, high, low_open, high_open = domain.bounds.get(x.name, others)
+    if low is not None and high is not None:
+        yield Reach(low, low_open, high, high_open)
+    elif low is not None:
+        yield Reach(low, low_open, None)
+    elif high is not None:
+        yield Reach(high, high_open, None, side=-1)
+    else:
+        yield from (Reach(Fraction(0), False, None, side=side) for side in (1, -1))
+
+
+# -- on the line ---------------------------------------------------------------------------------------------------------
+
+
+def line(coefficients: Iterable[Fraction]) -> Line:
+    """The polynomial with these coefficients."""
+    given = list(coefficients)
+    scale = lcm(*(c.denominator for c in given))
+    return _reduced([int(c * scale) for c in given])
+
+
+def _reduced(p: list[int]) -> Line:
+    while p and not p[-1]:
+        p.pop()
+    shared = gcd(*p)
+    return tuple(c // shared for c in p)
+
+
+def sign_at(p: Line, x: Fraction) -> int:
+    """The sign of p(x)."""
+    value, power = 0, 1
+    for c in reversed(p):
+        value, power = value * x.numerator + c * power, power * x.denominator
+    return (value > 0) - (value < 0)
+
+
+def _remainder(p: Line, q: Line) -> Line:
+    """Of p by q, up to a positive factor."""
+    rest, lead, way = list(p), abs(q[-1]), 1 if q[-1] > 0 else -1
+    while len(rest) >= len(q):
+        top, shift = way * rest[-1], len(rest) - len(q)
+        rest = [lead * c for c in rest]
+        for i, c in enumerate(q):
+            rest[i + shift] -= top * c
+        while rest and not rest[-1]:
+            rest.pop()
+    return _reduced(rest)
+
+
+def _quotient(p: Line, q: Line) -> Line:
+    """p/q where q divides p; both are free of common factors, so the quotient is whole."""
+    rest, found = list(p), [0] * (len(p) - len(q) + 1)
+    for shift in reversed(range(len(found))):
+        found[shift], left = divmod(rest[shift + len(q) - 1], q[-1])
+        if left:
+            raise ValueError("it does not divide")
+        for i, c in enumerate(q):
+            rest[i + shift] -= found[shift] * c
+    if any(rest):
+        raise ValueError("it does not divide")
+    return _reduced(found)
+
+
+def _chain(p: Line, q: Line) -> list[Line]:
+    """Euclid's remainders of p and q, with Sturm's signs; the last one is their greatest common divisor."""
+    found = [p]
+    while q:
+        found.append(q)
+        p, q = q, tuple(-c for c in _remainder(p, q))
+    return found
+
+
+def _slope(p: Line) -> Line:
+    return _reduced([i * c for i, c in enumerate(p)][1:])
+
+
+def parts(p: Line) -> tuple[Line, Line]:
+    """The roots of p != 0 once each, and those of odd multiplicity once each."""
+    shared = _chain(p, _slope(p))[-1]  # every root once less often than in p
+    every = _quotient(p, shared)
+    if len(shared) == 1:
+        return every, every
+    repeated = _chain(shared, every)[-1]
+    odd = parts(_quotient(shared, repeated))[1]  # every repeated root twice less often than in p
+    return every, _product(_quotient(every, repeated), odd)
+
+
+def _product(p: Line, q: Line) -> Line:
+    found = [0] * (len(p) + len(q) - 1)
+    for i, c in enumerate(p):
+        for j, d in enumerate(q):
+            found[i + j] += c * d
+    return _reduced(found)
+
+
+def roots_of_both(p: Line, q: Line) -> Line:
+    """The roots of both, once each if they are so in each."""
+    return _product(p, _quotient(q, _chain(p, q)[-1]))
+
+
+def divides(p: Line, q: Line) -> bool:
+    """Whether q is a multiple of p."""
+    return not _remainder(q, p)
+
+
+def _count(chain: list[Line], low: Fraction, high: Fraction) -> int:
+    """How many roots the first of a Sturm chain without repeated roots has in (low, high]."""
+    return _changes(chain, low) - _changes(chain, high)
+
+
+def _changes(chain: list[Line], x: Fraction) -> int:
+    signs = [s for s in (sign_at(p, x) for p in chain) if s]
+    return sum(s != t for s, t in pairwise(signs))
+
+
+def nonnegative_on_the_line(p: Line, low: Fraction, high: Fraction, strict: bool = False) -> bool:
+    """Whether p >= 0, or p > 0, on [low, high]."""
+    if not p:
+        return not strict
+    if low == high or len(p) == 1 or (strict and sign_at(p, low) <= 0):
+        return sign_at(p, low) > -(not strict)
+    crossed = parts(p)[not strict]
+    inside = _count(_chain(crossed, _slope(crossed)), low, high) - (not strict and sign_at(crossed, high) == 0)
+    return inside == 0 and sign_inside(p, low, high) > 0
+
+
+def sign_inside(p: Line, low: Fraction, high: Fraction) -> int:
+    """The sign of p != 0 at a point between, not at a root."""
+    steps = len(p) + 1
+    return next(s for k in range(1, steps) if (s := sign_at(p, low + (high - low) * Fraction(k, steps))))
+
+
+def roots(p: Line, low: Fraction, high: Fraction) -> Iterator[tuple[Fraction, Fraction]]:
+    """Each root of p, none of them repeated, strictly between: the least first, exactly or between two numbers that are none."""
+    chain = _chain(p, _slope(p))
+
+    def between(a: Fraction, b: Fraction) -> Iterator[tuple[Fraction, Fraction]]:
+        inside = _count(chain, a, b) - (sign_at(p, b) == 0)
+        if inside == 1 and b - a <= _FINEST and sign_at(p, a) and sign_at(p, b):
+            yield a, b
+        elif inside:
+            middle = (a + b) / 2
+            yield from between(a, middle)
+            if sign_at(p, middle) == 0:
+                yield middle, middle
+            yield from between(middle, b)
+
+    return between(low, high)
