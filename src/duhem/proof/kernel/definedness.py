@@ -54,7 +54,8 @@ def has_value(term: Term, sign: Callable[[Term], Sign], domain: StatedDomain) ->
         case "asin" | "acos":
             return not any(sign(sum_of(_ONE, x)) & NEGATIVE for x in (*term.args, minus(term.args[0])))
         case "tan":
-            return not any(sign(sum_of(_NEAR_RIGHT, x)) & NEGATIVE for x in (*term.args, minus(term.args[0])))
+            near = not any(sign(sum_of(_NEAR_RIGHT, x)) & NEGATIVE for x in (*term.args, minus(term.args[0])))
+            return near or not sign(Term("cos", term.args)) & ZERO
         case "atan2":
             return any(not sign(x) & ZERO for x in term.args)
     return True

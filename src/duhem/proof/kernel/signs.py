@@ -56,6 +56,8 @@ _ONE_SIGN = (NEGATIVE, ZERO, POSITIVE)
 
 def sign_of_constant(term: Term, known: Sign, domain: StatedDomain, shown: Shown) -> Sign:
     """What is left of the ``known`` signs, which its parts leave to a constant."""
+    if term.op in ("sin", "cos", "tan") and known not in _ONE_SIGN:
+        return known & sign_over(term, domain.bounds)
     if known in _ONE_SIGN or term.op not in ("+", "*", "name"):
         return known
     if not term.names() - {"pi"} and (sign := sign_over(term, domain.bounds)) != ANY:
