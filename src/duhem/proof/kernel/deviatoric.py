@@ -29,7 +29,7 @@ from typing import NamedTuple
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.invariants import Invariants, invariants, of_tensor
-from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of, derivatives, multiplied, power_of
+from duhem.proof.kernel.plane_function import Base, PlaneFunction, PlaneVariable, base_of, derivatives, multiplied, power_of
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total, written
 from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
 from duhem.proof.kernel.signs import RAY
@@ -49,7 +49,7 @@ _D: Polynomial = {((RAY, 1),): Fraction(3)}
 _COSINE = times(_X, total(times(_X, _X), times({(): Fraction(-4)}, times(_D, _D))))  # cos 3 theta = this/N^3
 _SECOND = times({(): Fraction(3, 4)}, times(_NORM, _NORM))
 _THIRD = times({(): Fraction(1, 4)}, _COSINE)
-_PER_CUBE = {base_of(_NORM): {(): Fraction(-3)}}
+_PER_CUBE: dict[Base, Polynomial] = {base_of(_NORM): {(): Fraction(-3)}}
 _MOST_TENSORS = 6
 
 
@@ -164,7 +164,8 @@ class DeviatoricReader(PlaneVariable):
     def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
         """Those of the polynomial without the roots that it divides by, and what stands under these."""
         left, under = self.signs.split(poly)
-        return [*super().factors(left), *((inner(w, self.domain), {(): Fraction(n, 2)}) for w, n in under.items())]
+        halves: list[Polynomial] = [{(): Fraction(n, 2)} for n in under.values()]
+        return [*super().factors(left), *zip((inner(w, self.domain) for w in under), halves, strict=True)]
 
     # -- what is shown -------------------------------------------------------------------------------------------------
 
