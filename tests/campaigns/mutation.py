@@ -3,7 +3,7 @@
     pip install "duhem[mutation]"
     python -m tests.campaigns.mutation 200
     python -m tests.campaigns.mutation 60 --room kernel --seed 2 --slow
-    python -m tests.campaigns.mutation 20 --room kernel --module section
+    python -m tests.campaigns.mutation 20 --room kernel --module deviatoric
 
 Cosmic Ray makes the mutants, one in each of so many places drawn at random, in a copy of the tree.  Asked are the tests that
 run the place (coverage tells), the quickest first; a mutant is killed where one fails or uses up its processor time.  Who

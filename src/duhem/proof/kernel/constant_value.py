@@ -17,7 +17,7 @@ from contextlib import suppress
 from fractions import Fraction
 from functools import cache, reduce
 from math import isqrt, lcm, prod
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO, Bounds, Sign
 from duhem.proof.kernel.steps import pay
@@ -84,12 +84,15 @@ def _fraction_power(base: Fraction, exponent: Fraction) -> Fraction:
 # -- enclosed ----------------------------------------------------------------------------------------------------------
 
 
-class Enclosure(NamedTuple):
-    """Every number from ``low`` to ``high``, both in units of 2^-bits."""
-
+class _Ends(NamedTuple):
     low: int
     high: int
-    bits = BITS
+
+
+class Enclosure(_Ends):
+    """Every number from ``low`` to ``high``, both in units of 2^-bits."""
+
+    bits: ClassVar[int] = BITS
 
     @classmethod
     def between(cls, low: Fraction, high: Fraction) -> Enclosure:

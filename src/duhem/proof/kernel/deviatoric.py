@@ -29,7 +29,7 @@ from typing import NamedTuple
 from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.invariants import Invariants, invariants, of_tensor
-from duhem.proof.kernel.plane_function import PlaneFunction, PlaneVariable, base_of, derivatives, multiplied, power_of
+from duhem.proof.kernel.plane_function import Base, PlaneFunction, PlaneVariable, base_of, derivatives, multiplied, power_of
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total, written
 from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
 from duhem.proof.kernel.signs import RAY
@@ -49,7 +49,7 @@ _D: Polynomial = {((RAY, 1),): Fraction(3)}
 _COSINE = times(_X, total(times(_X, _X), times({(): Fraction(-4)}, times(_D, _D))))  # cos 3 theta = this/N^3
 _SECOND = times({(): Fraction(3, 4)}, times(_NORM, _NORM))
 _THIRD = times({(): Fraction(1, 4)}, _COSINE)
-_PER_CUBE = {base_of(_NORM): {(): Fraction(-3)}}
+_PER_CUBE: dict[Base, Polynomial] = {base_of(_NORM): {(): Fraction(-3)}}
 _MOST_TENSORS = 6
 
 
@@ -164,7 +164,8 @@ class DeviatoricReader(PlaneVariable):
     def factors(self, poly: Polynomial) -> list[tuple[Polynomial, Polynomial]]:
         """Those of the polynomial without the roots that it divides by, and what stands under these."""
         left, under = self.signs.split(poly)
-        return [*super().factors(left), *((inner(w, self.domain), {(): Fraction(n, 2)}) for w, n in under.items())]
+        halves: list[Polynomial] = [{(): Fraction(n, 2)} for n in under.values()]
+        return [*super().factors(left), *zip((inner(w, self.domain) for w in under), halves, strict=True)]
 
     # -- what is shown -------------------------------------------------------------------------------------------------
 
@@ -207,15 +208,15 @@ class DeviatoricReader(PlaneVariable):
             scale = rest.poly
             if rest.degree != 1 or rest.powers != {base_of(self.distance): ONE} or any(RAY.name in x.names() for m in scale for x, _ in m):
                 return None
-            known, offset = self.shown(written(scale), self.domain), self.offset(waves[0].args[0])
+            known, offset = self.shown(written(scale), self.domain), written(self.phase(waves[0].args[0])[0])
             ends = (offset, sum_of(product_of(number(Fraction(1, 3)), _PI), minus(offset)))
             inside = all(not self.shown(x, self.domain).sign & NEGATIVE for x in ends)
             if inside and known.nonnegative and self.shown(offset, self.domain).defined:
                 return Facts(known.defined, ZERO | POSITIVE, True, False, True)
         return None
 
-    def offset(self, angle: Term) -> Term:
-        """b where the angle is b - acos(g c)/3 or its negative, |g| <= 1; acos z may stand as pi/2 - atan(z/sqrt(1 - z^2))."""
+    def phase(self, angle: Term) -> tuple[Polynomial, Polynomial]:
+        """b and g where the angle is b - acos(g c)/3 or its negative, |g| <= 1; acos z may stand as pi/2 - atan(z/sqrt(1 - z^2))."""
         poly = self.domain.polynomial(angle)
         inverse = {x for m in poly for x, _ in m if not self.domain.constant(x)}
         if len(inverse) != 1 or (x := inverse.pop()).op not in ("acos", "atan"):
@@ -233,18 +234,12 @@ class DeviatoricReader(PlaneVariable):
             if z.powers != {base_of(under): {(): Fraction(-1, 2)}}:
                 raise NotWritten("an atan is no acos")
             z = z._replace(powers=_PER_CUBE)
-        rate = self.rate_of_cosine(z)
-        for side in (rate, negated(rate)):
-            if not self.above(total(ONE, side)):
-                raise NotWritten("an acos may have no value")
-        return written(b)
-
-    def rate_of_cosine(self, z: PlaneFunction) -> Polynomial:
-        """g, a constant, where z is g cos 3 theta."""
         rate = {m: c / _COSINE[()] for m, c in in_powers(z.poly, RAY)[0].items()}
         if z.degree or z.powers != _PER_CUBE or self.plain(total(z.poly, negated(times(rate, _COSINE)))):
             raise NotWritten("an acos is of another argument")
-        return rate
+        if not all(self.above(total(ONE, side)) for side in (rate, negated(rate))):
+            raise NotWritten("an acos may have no value")
+        return b, rate
 
     def together(self, values: list[PlaneFunction]) -> Facts:
         """What is shown of a sum of functions of one degree."""
@@ -372,13 +367,8 @@ class DeviatoricReader(PlaneVariable):
 
     def cosine(self, angle: Term) -> PlaneFunction:
         """cos(acos(cos 3 theta)/3) is cos theta = X/N."""
-        parts = factors(angle)
-        inverse = [f for f in parts if f.op == "acos"]
-        rest = self.domain.polynomial(product_of(*(f for f in parts if f.op != "acos")))
-        if len(inverse) != 1 or rest not in ({(): Fraction(1, 3)}, {(): Fraction(-1, 3)}):
-            raise NotWritten("a cosine is not of a third of an acos")
-        if self.rate_of_cosine(self.read(inverse[0].args[0])) != ONE:
-            raise NotWritten("an acos is of another argument")
+        if self.phase(angle) != ({}, ONE):
+            raise NotWritten("a cosine is of another angle")
         return PlaneFunction(Fraction(0), _X, {base_of(self.distance): {(): Fraction(-1)}}, False)
 
     def choice(self, condition: Term, one: Term, two: Term) -> PlaneFunction:

@@ -25,7 +25,6 @@ from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise
 from math import gcd, lcm
-from typing import NamedTuple
 
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.constant_value import sign_of_radicals, sign_over
@@ -115,16 +114,6 @@ def _of_one_sign(term: Term, domain: StatedDomain) -> Iterator[Term]:
 # -- over ranges ---------------------------------------------------------------------------------------------------------
 
 
-class Reach(NamedTuple):
-    """Where a constant lies: from ``near`` to ``far``, or without end to one ``side``; an end that is ``open`` is none of its values."""
-
-    near: Fraction
-    near_open: bool
-    far: Fraction | None
-    far_open: bool = False
-    side: int = 1
-
-
 def without_content(poly: Polynomial, domain: StatedDomain) -> Polynomial:
     """The polynomial without the constants != 0 that divide all of it, its sign kept."""
     for x in {x for m in poly for x, _ in m if x != RAY}:
@@ -159,7 +148,7 @@ def nonnegative(poly: Polynomial, between: Interval, domain: StatedDomain, stric
 def _nonnegative_with_constraints(poly: Polynomial, between: Interval, domain: StatedDomain, halvings: int) -> bool:
     """Whether the shares of a P in the powers of its variable are >= 0 by ranges and constraints together, perhaps in parts of the way."""
     low, high = between
-    shares = _shares(in_powers(without_content(poly, domain), RAY), Reach(low, False, high))
+    shares = _shares(in_powers(without_content(poly, domain), RAY), Bounds(low, high))
     if all(domain.nonnegative(written(share)) for share in shares):
         return True
     middle = (low + high) / 2
@@ -181,20 +170,23 @@ def _nonnegative_in_ranges(poly: Polynomial, between: Interval, domain: StatedDo
     return True
 
 
-def _nonnegative(shares: list[Polynomial], reach: Reach, between: Interval, domain: StatedDomain, strict: bool) -> bool:
+def _nonnegative(shares: list[Polynomial], reach: Bounds, between: Interval, domain: StatedDomain, strict: bool) -> bool:
     if not all(_nonnegative_in_ranges(share, between, domain, False) for share in shares):
         return False
     values = [total(*shares)]
-    values += [] if reach.near_open else [shares[0]]
-    values += [] if reach.far is None or reach.far_open else [shares[-1]]
+    values += [] if reach.low is None or reach.open else [shares[0]]
+    values += [] if reach.high is None or reach.open_high else [shares[-1]]
     return not strict or all(_nonnegative_in_ranges(value, between, domain, True) for value in values)
 
 
-def _shares(coefficients: list[Polynomial], reach: Reach) -> list[Polynomial]:
-    """What the powers of u >= 0 have in (c + d u)^n P((a + b u)/(c + d u)), where (a + b u)/(c + d u) runs from near to far."""
-    without_end, degree = reach.far is None, len(coefficients) - 1
-    above = (reach.near, Fraction(reach.side) if reach.far is None else reach.far)
-    below = (Fraction(1), Fraction(not without_end))
+def _shares(coefficients: list[Polynomial], reach: Bounds) -> list[Polynomial]:
+    """What the powers of u >= 0 have in (c + d u)^n P((a + b u)/(c + d u)), where (a + b u)/(c + d u) runs from low to high.
+
+    Where one of these is no end it is low + u, or high - 1/u.
+    """
+    (low, high, *_), degree = reach, len(coefficients) - 1
+    above = (Fraction(-1) if low is None else low, Fraction(1) if high is None else high)
+    below = (Fraction(low is not None), Fraction(high is not None))
     found: list[Polynomial] = [{} for _ in coefficients]
     for k, c in enumerate(coefficients):
         weights = [Fraction(1)]
@@ -205,19 +197,12 @@ def _shares(coefficients: list[Polynomial], reach: Reach) -> list[Polynomial]:
     return found
 
 
-def _reaches(x: Term, domain: StatedDomain) -> Iterator[Reach]:
+def _reaches(x: Term, domain: StatedDomain) -> Iterator[Bounds]:
     """Where a constant may lie, what has no end is cut at 0."""
     sign = domain.of(x)
     others = Bounds(None if sign & NEGATIVE else Fraction(0), None if sign & POSITIVE else Fraction(0), not sign & ZERO, not sign & ZERO)
-    low, high, low_open, high_open = domain.bounds.get(x.name, others)
-    if low is not None and high is not None:
-        yield Reach(low, low_open, high, high_open)
-    elif low is not None:
-        yield Reach(low, low_open, None)
-    elif high is not None:
-        yield Reach(high, high_open, None, side=-1)
-    else:
-        yield from (Reach(Fraction(0), False, None, side=side) for side in (1, -1))
+    found = domain.bounds.get(x.name, others)
+    yield from (found,) if found.low is not None or found.high is not None else (Bounds(Fraction(0), None), Bounds(None, Fraction(0)))
 
 
 # -- on the line ---------------------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from functools import reduce
 
 from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.polynomial import (
@@ -88,17 +89,17 @@ def _number_under(root: Term, domain: StatedDomain) -> Fraction | None:
 
 def _lowered(poly: Polynomial, x: Term, square: Polynomial, root: Polynomial | None = None) -> Polynomial:
     """x^n as square^(n // 2) x^(n % 2), for n > 1; of a number, for every n, with what ``root`` says that x is."""
-    found: Polynomial = {}
+    powers: dict[int, Polynomial] = {}
     for m, c in poly.items():
-        n = dict(m).get(x, 0)
+        powers.setdefault(dict(m).get(x, 0), {})[tuple((y, k) for y, k in m if y != x)] = c
+    found = list[Polynomial]()
+    for n, part in powers.items():
         half, odd = divmod(n, 2) if n > 1 or root is not None else (0, n)
-        part: Polynomial = {tuple((y, k) for y, k in m if y != x): c}
         if half < 0:
             part, half = times(part, {(): square[()] ** half}), 0
-        for factor in (*[square] * half, *([root] if odd and root is not None else [{((x, odd),): Fraction(1)}] if odd else [])):
-            part = times(part, factor)
-        found = total(found, part)
-    return found
+        own = [] if not odd else [{((x, odd),): Fraction(1)} if root is None else root]
+        found.append(reduce(times, [*[square] * half, *own], part))
+    return total(*found)
 
 
 def slope_along(poly: Polynomial, domain: StatedDomain) -> Polynomial:
