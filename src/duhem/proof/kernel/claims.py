@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 
 from duhem.proof.kernel import obligations
 from duhem.proof.kernel.boundary import curves_inward, falls_from_zero, flows_along_normals, flows_outward, rises_outward, with_convex_sums
-from duhem.proof.kernel.cases import cases, without_outer_map
 from duhem.proof.kernel.curvature import Facts, facts, over
 from duhem.proof.kernel.curve import StatedCurve
-from duhem.proof.kernel.definedness import divides_by_zero_force
+from duhem.proof.kernel.definedness import AGAINST, divides_by_zero_force
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.fan import Fan
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
@@ -22,7 +21,7 @@ from duhem.proof.kernel.star import StarGauge
 from duhem.proof.kernel.support import is_support_function
 from duhem.proof.kernel.term import UNREADABLE, NotWritten, Term, in_words, parse
 
-__all__ = ["CURVE_RULES", "RULES", "RuleRow", "needs_of", "objection", "row_of", "rules_of"]
+__all__ = ["CURVE_RULES", "RULES", "RuleRow", "cases", "needs_of", "objection", "row_of", "rules_of"]
 
 Evidence = Mapping[str, Any]
 
@@ -80,16 +79,47 @@ def _objection_in_cases(
 
 
 def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
-    """The law as written; with the same K, the same boundary and a simpler g, if there is one; both in principal stresses.
-
-    What K's support function is, is said of all components.
-    """
+    """The law as written; in principal stresses, if there it is another: what K's support function is, is said of all components."""
     yield law
-    if isinstance(law, StatedLaw):
-        if (simpler := without_outer_map(law)) != law:
-            yield simpler
-        if claim not in ("duality", "state_laws") and (principal := in_principal_stresses(simpler)) is not None:
-            yield principal
+    if claim not in ("duality", "state_laws") and isinstance(law, StatedLaw) and (principal := in_principal_stresses(law)) is not None:
+        yield principal
+
+
+def cases(law: StatedLaw) -> tuple[StatedLaw, ...]:
+    """The two laws that a choice which no force enters leaves, none where every choice is by the forces.
+
+    At each value of parameters and pressure the law is one of the two.  A claim is made at every such value: so it holds of the law if it
+    holds of either, the condition being one constraint more.
+    """
+    written = (law.g, *(law.flow or ()), *(part for g, flow in law.surfaces for part in (g, *(flow or ()))))
+    domain = over(law)
+    for term in (*written, *([] if law.potential is None else [law.potential])):
+        choice = _choice(term, domain)
+        if choice is not None and facts(choice.args[0], domain).defined:
+            condition, *values = choice.args
+            against = Term(AGAINST[condition.op], condition.args)
+            return tuple(_with(law, choice, value, holds) for value, holds in zip(values, (condition, against), strict=True))
+    return ()
+
+
+def _choice(term: Term, domain: StatedDomain) -> Term | None:
+    """A choice whose condition has no other choice in it and no force, and is open."""
+    within = next((found for a in term.args if (found := _choice(a, domain)) is not None), None)
+    is_open = term.op == "where" and domain.constant(term.args[0]) and domain.decided(term.args[0]) is None
+    return within or (term if is_open else None)
+
+
+def _with(law: StatedLaw, choice: Term, value: Term, condition: Term) -> StatedLaw:
+    def put(terms: tuple[Term, ...] | None) -> tuple[Term, ...] | None:
+        return None if terms is None else tuple(term.put({choice: value}) for term in terms)
+
+    return law._replace(
+        g=law.g.put({choice: value}),
+        flow=put(law.flow),
+        surfaces=tuple((g.put({choice: value}), put(flow)) for g, flow in law.surfaces),
+        potential=None if law.potential is None else law.potential.put({choice: value}),
+        constraints=(*law.constraints, condition),
+    )
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:
