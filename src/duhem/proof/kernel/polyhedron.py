@@ -40,7 +40,7 @@ def polyhedron(g: Term, forces: Sequence[str], domain: StatedDomain) -> tuple[li
     """The polyhedron {g <= 0}, at forces in units of r/l, and these units: r of the limits, l of the slopes."""
     arms = [affine(arm, forces, domain) for arm in greatest_of(g, domain)]
     steep, far = _unit([c for row, _ in arms for c in row], domain), _unit([offset for _, offset in arms], domain)
-    return [(measured(row, steep, domain), *measured([minus(offset)], far, domain)) for row, offset in arms], far, steep
+    return [(measured(row, steep, domain), measured([minus(offset)], far, domain)[0]) for row, offset in arms], far, steep
 
 
 def greatest_of(term: Term, domain: StatedDomain) -> list[Term]:

@@ -125,8 +125,8 @@ def _of_parts(term: Term, domain: StatedDomain) -> Kinks | None:
         whole = exponent is not None and exponent.denominator == 1 and exponent >= 0
         steep = exponent > 1 if whole and exponent is not None else facts(Term("+", (term.args[1], number(-1))), domain).sign == POSITIVE
         zeros = base.zeros if facts(term.args[1], domain).sign == POSITIVE else frozenset()
-        left = frozenset() if steep and base.kinks <= base.zeros else base.kinks
-        return Kinks(left, zeros, tips if whole or steep else tips | _zeros_of(term.args[0], domain))
+        bent = frozenset() if steep and base.kinks <= base.zeros else base.kinks
+        return Kinks(bent, zeros, tips if whole or steep else tips | _zeros_of(term.args[0], domain))
     return None
 
 
