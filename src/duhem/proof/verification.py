@@ -43,10 +43,10 @@ class Verification(Shown):
     """Everything found about ``criterion`` (with the asked parameters fixed).
 
     ``rests_on`` holds the claims that were not asked for, and that those asked for rest on.  ``vacuous`` where K has no boundary
-    point at which anything could dissipate: a remark says why.
+    point at which anything could dissipate: a remark says why.  ``interrupted`` where somebody stopped it: nothing is concluded then.
     """
 
-    printed_by: ClassVar[str] = "duhem.proof.report_text"
+    printed_by: ClassVar[str] = "duhem.proof.report"
 
     criterion: Law
     results: tuple[ClaimResult, ...]
@@ -55,6 +55,7 @@ class Verification(Shown):
     rests_on: tuple[ClaimResult, ...] = ()
     effort: str = "normal"
     vacuous: bool = False
+    interrupted: bool = False
 
     def __repr__(self) -> str:
         return f"<Verification of {self.criterion.name}: {', '.join(f'{r.claim} {r.verdict}' for r in self.results) or 'no claim'}>"
@@ -81,7 +82,7 @@ class Verification(Shown):
         return None if answer and self.vacuous else answer
 
     def _together(self, *claims: str) -> bool | None:
-        verdicts = {r.claim: r.verdict for r in self.results}
+        verdicts = {} if self.interrupted else {r.claim: r.verdict for r in self.results}
         found = [verdicts.get(c) for c in claims]
         if Verdict.REFUTED in found:
             return False
@@ -115,6 +116,7 @@ class Verification(Shown):
             "dissipative": self.dissipative,
             "left_out": [x.to_dict() for x in self.left_out],
             "remarks": list(self.remarks),
+            **({"interrupted": True} if self.interrupted else {}),
         }
 
 
