@@ -17,13 +17,12 @@ from duhem.expression.matrices import rows
 from duhem.identification.criterion_text import criterion_text
 from duhem.law.criterion_file import reads
 from duhem.law.domain import POSITIVE
-from duhem.proof.certificate import certificate
+from duhem.proof.certificate import certificate, law_as_text
 from duhem.proof.kernel import domain
 from duhem.proof.kernel.certificate import digest, recheck, stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.term import NotWritten, Term, parse, written
-from duhem.proof.law_text import law_as_text
 from tests.long import mostly_long
 
 HEAD = '[criterion]\nname = "x"\nforces = ["a", "b"]\npressure = false\n'

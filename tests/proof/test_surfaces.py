@@ -16,12 +16,11 @@ from duhem import load, verify
 from duhem.expression.below import smooth_below
 from duhem.expression.parse import parse_expression
 from duhem.law.criterion_file import reads
-from duhem.proof.certificate import certificate
+from duhem.proof.certificate import certificate, law_as_text
 from duhem.proof.kernel.certificate import digest, recheck, stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.term import NotWritten, parse
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verification import Verification
 from tests.campaigns.polygons import drawn, said
 from tests.oracles import drawn_formulas, reevaluation

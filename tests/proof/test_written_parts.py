@@ -14,11 +14,10 @@ from duhem.law.criterion_file import reads
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
-from duhem.proof.certificate import certificate
+from duhem.proof.certificate import certificate, law_as_text
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import recheck
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust
 
 ROOT = "sqrt(e**2 - 2)"

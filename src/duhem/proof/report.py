@@ -1,4 +1,4 @@
-"""A verification told: verdicts as rows, witnesses in sentences and what is concluded, as text, sheet, chapters of a page or JUnit suite."""
+"""A verification told: verdicts as rows, witnesses in sentences and the conclusion, as text, sheet, chapters of a page or JUnit suite."""
 
 from __future__ import annotations
 

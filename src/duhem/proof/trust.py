@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from duhem.law.curve_law import Law
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import OVER, stated
 from duhem.proof.kernel.claims import needs_of, objection, row_of, rules_of
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import ClaimResult, Evidence, Proof, Trust, Verdict
 
 __all__ = ["Confirmations", "Standing"]
