@@ -15,7 +15,6 @@ from duhem import Criterion, Verdict, Verification, load, verify
 from duhem.errors import InputError
 from duhem.law import builtin
 from duhem.law.builtin.lobes import lobe_law
-from duhem.proof.certificate import certificate
 from duhem.proof.claims import CLAIMS as REGISTERED
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.domain import StatedLaw
@@ -128,10 +127,10 @@ CONVEX: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
 
 SMOOTH: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
     ("antoni2007", {}, [composition.smoothness, polar.smoothness]),
-    ("coulomb", {}, [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary]),
-    ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary]),
+    ("coulomb", {}, [composition.smoothness, polar.smoothness, implicit.smoothness]),
+    ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, implicit.smoothness]),
     ("superellipse", {"p": "4"}, [composition.smoothness, polar.smoothness]),
-    ("shifted-ellipse", {}, [composition.smoothness, evidence.smoothness_on_boundary]),
+    ("shifted-ellipse", {}, [composition.smoothness, implicit.smoothness]),
 ]
 
 DISSIPATIVE: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
@@ -157,7 +156,7 @@ def test_independent_methods_prove_the_same(name: str, at: dict[str, str], metho
 
 PROVERS: dict[str, list[ProofMethod]] = {
     "convexity": [composition.convexity, polyhedral.convexity, polar.convexity, implicit.convexity, implicit.hessian],
-    "smoothness": [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary],
+    "smoothness": [composition.smoothness, polar.smoothness, implicit.smoothness],
     "dissipation": [polar.dissipation, evidence.dissipation_on_boundary],
     "normality": [implicit.normality],
     "origin": [evaluated.origin, polar.origin],
@@ -235,7 +234,7 @@ FORMULA_LAWS = [name for name in BUILT_IN if isinstance(load(name), Criterion)]
 
 @pytest.fixture(scope="module")
 def certificates() -> dict[str, dict[str, Any]]:
-    return {name: certificate(verified(name)) for name in FORMULA_LAWS}
+    return {name: verified(name).certificate() for name in FORMULA_LAWS}
 
 
 @pytest.mark.slow
@@ -267,7 +266,7 @@ def test_star_shaped_laws_rest_on_the_kernel(name: str, certificates: dict[str, 
 
 @pytest.mark.slow
 def test_certificates_are_the_same_bytes_each_time(certificates: dict[str, dict[str, Any]]) -> None:
-    assert json.dumps(certificate(verify("antoni2007"))) == json.dumps(certificates["antoni2007"])
+    assert json.dumps(verify("antoni2007").certificate()) == json.dumps(certificates["antoni2007"])
 
 
 @pytest.mark.slow

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import chain
-from typing import Any, Protocol
+from typing import Any
 
 import sympy as sp
 
@@ -82,28 +82,15 @@ def _domain(domain: Domain) -> dict[str, Any]:
     return {"positive": True, "max": high} if domain.positive else {"min": None if domain.low is None else str(domain.low), "max": high}
 
 
-class Verified(Protocol):
-    """What is written down of a :class:`duhem.Verification`."""
+def certificate(law: Law, results: Iterable[ClaimResult]) -> dict[str, Any]:
+    """What was decided of a law as a JSON object: deterministic, without times, with a hash of its content.
 
-    @property
-    def criterion(self) -> Law: ...
-    @property
-    def results(self) -> tuple[ClaimResult, ...]: ...
-    @property
-    def rests_on(self) -> tuple[ClaimResult, ...]: ...
-
-
-def certificate(verification: Verified) -> dict[str, Any]:
-    """The certificate as a JSON object: deterministic, without times, with a hash of its content.
-
-    Each claim has its :class:`~duhem.proof.verdict.Trust` and, where the kernel confirmed it, the rule and its evidence; the
-    claims that those asked for rest on are there too.  Raises InputError where no exact parameter values of the domain are found.
+    Each claim has its :class:`~duhem.proof.verdict.Trust` and, where the kernel confirmed it, the rule and its evidence.
+    Raises InputError where no exact parameter values of the domain are found.
     """
-    law = verification.criterion
     if (inhabited := admitted_values(law)) is None:
         raise InputError("no exact point of the parameters' domain was found", where=law.name, remedy="fix a parameter with --set")
-    claims = [_claim(result) for result in (*verification.rests_on, *verification.results)]
-    document = {"schema": SCHEMA, "law": law_as_text(law), "inhabited": dict(inhabited), "claims": claims}
+    document = {"schema": SCHEMA, "law": law_as_text(law), "inhabited": dict(inhabited), "claims": [_claim(result) for result in results]}
     return document | {"sha256": digest(document)}
 
 

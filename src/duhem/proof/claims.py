@@ -21,6 +21,7 @@ __all__ = ["CHEAP", "CLAIMS", "DEAR", "Claim", "Consequence", "Finder", "Kernel"
 
 S = TypeVar("S", bound=Subject)
 Settled = Mapping[str, Evidence]  # claims decided before, by name
+Confirms = Callable[[Evidence], bool]
 
 
 class Kernel(Protocol):
@@ -31,19 +32,6 @@ class Kernel(Protocol):
 
     def confirms(self, claim: str, evidence: Evidence) -> bool:
         """Whether it accepts a proof of the claim."""
-
-
-class _Nobody:
-    """A kernel without rules, for who asks a claim's methods alone."""
-
-    def proof(self, claim: str, steps: int) -> None:
-        return None
-
-    def confirms(self, claim: str, evidence: Evidence) -> bool:
-        return False
-
-
-NOBODY = _Nobody()
 
 
 @dataclass(frozen=True)
@@ -111,7 +99,7 @@ class Claim:
         self,
         subject: Subject,
         settled: Settled,
-        kernel: Kernel = NOBODY,
+        kernel: Kernel | None = None,
         on_method: Callable[[str], None] = lambda _: None,
     ) -> Evidence:
         """The first answer, or ``undecided`` when every method passed.
@@ -120,26 +108,27 @@ class Claim:
         ``on_method`` is told of each method for this kind of law before it tries.
         """
         subject.allow(self.steps)
+        confirms: Confirms = (lambda _: False) if kernel is None else partial(kernel.confirms, self.name)
         for method in self.methods:
             if not isinstance(subject, method.takes):
                 continue
             on_method(words(method, self.name))
             match method:
                 case Rules():
-                    found = kernel.proof(self.name, method.steps)
+                    found = None if kernel is None else kernel.proof(self.name, method.steps)
                 case Finder():
-                    found = next((proof for proof in method.run(subject) if kernel.confirms(self.name, proof)), None)
+                    found = next(filter(confirms, method.run(subject)), None)
                 case _:
                     found = method.run(subject, settled) if isinstance(method, Consequence) else method.run(subject)
-                    found = found if found is not None and self._counts(found, subject, kernel) else None
+                    found = found if found is not None and self._counts(found, subject, confirms) else None
             if found is not None:
                 return found
         return Evidence(Verdict.UNDECIDED, "none", "no method decided it within its budget of steps")
 
-    def _counts(self, found: Evidence, subject: Subject, kernel: Kernel) -> bool:
+    def _counts(self, found: Evidence, subject: Subject, confirms: Confirms) -> bool:
         if found.witness is not None:
             return subject.may_refute(self.name, found.witness.points.values())
-        return found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or kernel.confirms(self.name, found)
+        return found.verdict is not Verdict.PROVED or subject.may_prove(self.name) or confirms(found)
 
     def contradiction(self, subject: Subject, settled: Settled) -> Evidence | None:
         """What is left of a proof that a refuter disagrees with: one of the two is wrong, and who reads it is told so."""

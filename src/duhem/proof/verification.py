@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
-from fractions import Fraction
 from functools import partial
 from threading import RLock
 from typing import Any, ClassVar, NamedTuple
@@ -20,6 +19,7 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.left_out import LeftOut
+from duhem.proof.certificate import certificate
 from duhem.proof.claims import CLAIMS
 from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
@@ -94,11 +94,9 @@ class Verification(Shown):
         It has the law's text, each claim's verdict and trust and, where the kernel confirmed it, rule and evidence; the same at every run.
         Raises InputError where no exact values of the parameters are found in their domain, or where the file cannot be written.
         """
-        from duhem.proof.certificate import certificate
-
         if file is not None:
             check_place(file)
-        document = certificate(self)
+        document = certificate(self.criterion, (*self.rests_on, *self.results))
         if file is not None:
             write(file, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
         return document
@@ -177,7 +175,9 @@ def _examined(
     if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     with _alone():
-        subject = _subject(criterion, EFFORTS[effort])
+        kind: Any = FormulaSubject if isinstance(criterion, Criterion) else CurveSubject
+        subject: Subject = kind(criterion, EFFORTS[effort])
+        subject.check_defined()  # one that is undefined somewhere in its domain is an InputError
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)
     needed = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.needs(name)})
@@ -237,17 +237,6 @@ def _alone() -> Iterator[None]:
     """SymPy's assumptions and Arb's precision belong to the process: a thread has them to itself, as they are at the start."""
     with _TURN, precision(_BITS):
         yield
-
-
-def _subject(law: Law, effort: Fraction) -> Subject:
-    """The law as the methods take it; one that is undefined somewhere in its domain is an InputError."""
-    if not isinstance(law, Criterion):
-        curve = CurveSubject(law, effort)
-        curve.check_defined()
-        return curve
-    subject = FormulaSubject(law, effort)
-    subject.check_defined()
-    return subject
 
 
 def wanted_claims(claims: Iterable[str] | None) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from duhem.proof.search.boundary_identities import directions, inward, outward, 
 from duhem.proof.statement.problem import Face
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
-__all__ = ["convexity", "hessian", "normality"]
+__all__ = ["convexity", "hessian", "normality", "smoothness"]
 
 _MOST_PIECES = 8
 
@@ -129,6 +129,33 @@ def hessian(subject: FormulaSubject) -> Evidence | None:
         f"hessian ({', '.join(sorted(used))})",
         "g is convex: second derivatives >= 0 on each branch, gradient never jumps down",
     )
+
+
+def smoothness(subject: FormulaSubject) -> Evidence | None:
+    """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
+    pieces, forces = subject.pieces, subject.simple.forces
+    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
+        return None
+    used: set[str] = set()
+    for piece in pieces:
+        gradient = [sp.diff(piece.expr, x) for x in forces]
+        answer = subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
+        if answer.holds is not True:
+            return None
+        used.add(answer.method)
+    for between in seams(pieces):
+        before, after = between.before, between.after
+        one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
+        on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
+        minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
+        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
+            return None
+        if subject.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
+            return None
+    told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
+    method = f"regular-value ({', '.join(sorted(used))})"
+    proof = _rising("regular-value", subject)
+    return Evidence(Verdict.PROVED, method, f"grad g != 0 wherever g = 0{told}", proof=proof)
 
 
 def normality(subject: FormulaSubject) -> Evidence | None:

@@ -10,11 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import combinations
 
 import sympy as sp
 
-from duhem.expression.branches import seams
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
@@ -38,7 +36,7 @@ __all__ = [
 ]
 
 Terms = Mapping[tuple[int, ...], sp.Expr]
-_MOST_PIECES, _MOST_ROOTS, _MOST_SHARES = 8, 4, 6
+_MOST_ROOTS, _MOST_SHARES = 4, 6
 
 
 def convexity_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
@@ -80,28 +78,13 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
 
 
 def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
-    """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
-    pieces, forces = subject.pieces, subject.simple.forces
-    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
+    """grad g, of one smooth formula, does not vanish on the boundary."""
+    if subject.pieces is None or len(subject.pieces) > 1 or not subject.continuous:
         return None
-    used: set[str] = set()
-    for piece in pieces:
-        gradient = [sp.diff(piece.expr, x) for x in forces]
-        answer = subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
-        if answer.holds is not True:
-            return None
-        used.add(answer.method)
-    for between in seams(pieces):
-        before, after = between.before, between.after
-        one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
-        on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
-        minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
-        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
-            return None
-        if subject.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
-            return None
-    told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    return _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
+    (piece,) = subject.pieces
+    square = sp.Add(*(sp.diff(piece.expr, x) ** 2 for x in subject.simple.forces))
+    answer = subject.ask(square, Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
+    return _rising("regular-value", "grad g != 0 wherever g = 0", {answer.method}, subject) if answer.holds is True else None
 
 
 def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
