@@ -24,7 +24,7 @@ def subject(
     return FormulaSubject(Criterion("law", g, forces=tuple(forces), pressure=None, flow=flow and tuple(flow), parameters=parameters or {}))
 
 
-METHODS = {"c": implicit.convexity, "s": implicit.smoothness, "d": evidence.dissipation_on_boundary, "h": implicit.hessian}
+METHODS = {"c": implicit.convexity, "s": evidence.smoothness_on_boundary, "d": evidence.dissipation_on_boundary, "h": implicit.hessian}
 TWO: dict[str, str] = {  # by which methods it is proved: convexity, smoothness, dissipation, that g is convex
     "a**2 + b**2 - 1": "csdh",
     "a**2 + 2*b**2 + b - 1": "csdh",
@@ -63,7 +63,6 @@ def test_in_two_forces(g: str) -> None:
     law = subject(g)
     assert "".join(letter for letter, method in METHODS.items() if method(law) is not None) == TWO[g]
     assert not list(evidence.convexity_on_boundary(law)) or set(TWO[g]) & {"c", "h"}
-    assert evidence.smoothness_on_boundary(law) is None or "s" in TWO[g]
 
 
 THREE = {
@@ -93,7 +92,6 @@ def test_in_three_forces_and_in_one(g: str) -> None:
 
 OPEN = {  # that no rule of the kernel shows
     ("where(a > 0, a**2 + b**2, a**2 + b**2 - a) - 1", "convexity"),
-    ("a**2 - 3*abs(a) + 2", "smoothness"),
 }
 
 
@@ -115,7 +113,7 @@ def test_polygons_with_corners_outward_and_inward(turn: tuple[int, int, int, int
     u, v = f"abs({i}*a + {j}*b + a/7)", f"abs({k}*a + {m}*b)"
     for t, convex in (("1/4", True), ("2", False)):
         law = subject(f"max({u}, {v}) + {t}*min({u}, {v}) - 1")
-        assert [method(law) is not None for method in (implicit.convexity, implicit.smoothness)] == [convex, False]
+        assert [method(law) is not None for method in (implicit.convexity, evidence.smoothness_on_boundary)] == [convex, False]
         assert (polyhedral.convexity(law) is not None) is convex
 
 
@@ -133,7 +131,7 @@ def test_what_they_say() -> None:
         (Verdict.PROVED, "implicit-curvature", "K is an interval: star-shaped about 0 on a line"),
     ]
     assert [f and f.proof and f.proof.rule for f in found] == ["implicit-curvature", None, "implicit-curvature"]
-    smooth = implicit.smoothness(round_), implicit.smoothness(joined)
+    smooth = evidence.smoothness_on_boundary(round_), evidence.smoothness_on_boundary(joined)
     assert [f and (f.method, f.detail) for f in smooth] == [
         ("regular-value (plane-cells)", "grad g != 0 wherever g = 0"),
         ("regular-value (plane-cells)", "grad g != 0 wherever g = 0, with one direction on both sides of each seam"),
@@ -141,7 +139,6 @@ def test_what_they_say() -> None:
     assert [f and f.proof and f.proof.rule for f in smooth] == ["regular-value"] * 2
     assert found[0] and found[0].proof and set(found[0].proof.evidence) == {"outward", "directions", "inward"}
     assert smooth[0] and smooth[0].proof and set(smooth[0].proof.evidence) == {"outward"}
-    assert evidence.smoothness_on_boundary(round_) == smooth[0] and evidence.smoothness_on_boundary(joined) is None
     offered = [*evidence.convexity_on_boundary(round_), *evidence.convexity_on_boundary(flat)]
     assert [(f.method, f.detail, f.proof) for f in offered] == [("implicit-curvature", f.detail, f.proof) for f in found if f and f.proof]
     assert not list(evidence.convexity_on_boundary(kinked))
@@ -181,7 +178,7 @@ def test_the_power_of_a_flow_of_its_own(flow: Sequence[str], proved: bool) -> No
 def test_too_many_branches() -> None:
     eight, sixteen = subject("abs(a) + abs(b) + abs(a - b) - 1"), subject("abs(a) + abs(b) + abs(a - b) + abs(a + b) - 1")
     assert implicit.hessian(eight) is not None
-    assert [method(sixteen) for method in (implicit.hessian, implicit.convexity, implicit.smoothness)] == [None] * 3
+    assert [method(sixteen) for method in (implicit.hessian, implicit.convexity, evidence.smoothness_on_boundary)] == [None] * 3
 
 
 def test_the_second_derivative_along_a_tangent() -> None:

@@ -28,8 +28,7 @@ ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the
     (implicit.convexity, "a**2 + b**2 + c**2 - q", None, 0),
     (implicit.hessian, HALVES, None, 0),
     (implicit.hessian, "abs(a) + exp(b) - 1 - q", None, 0),
-    (implicit.smoothness, HALVES, None, 0),
-    (evidence.smoothness_on_boundary, DISC, None, 0),
+    (evidence.smoothness_on_boundary, HALVES, None, 0),
     (evidence.dissipation_on_boundary, HALVES, None, 0),
     (evidence.dissipation_on_boundary, DISC, A_B, 0),
     (implicit.normality, DISC, A_B, 0),
@@ -43,7 +42,7 @@ ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the
 
 @pytest.mark.parametrize(
     ("method", "g", "slip", "spare"),
-    mostly_slow(ROWS, ROWS[0], ROWS[9], ROWS[14]),
+    mostly_slow(ROWS, ROWS[0], ROWS[8], ROWS[13]),
     ids=[f"{m.__module__.rpartition('.')[2]}-{m.__name__}-{g}" for m, g, *_ in ROWS],
 )
 def test_no_answer_may_be_missing(method: Method, g: str, slip: Sequence[str] | None, spare: int, monkeypatch: pytest.MonkeyPatch) -> None:

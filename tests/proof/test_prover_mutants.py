@@ -31,7 +31,7 @@ from duhem.proof.trust import Confirmations, Standing
 from duhem.proof.verdict import Evidence, Proof, Trust
 from tests.long import mostly_long
 from tests.oracles.prover import evaluation as evaluated
-from tests.oracles.prover.consequences import by_convexity, by_normality, of_its_own
+from tests.oracles.prover.consequences import by_convexity, by_normality
 from tests.oracles.prover.polar_form import PolarForm
 from tests.oracles.prover.regularity import Regularity
 
@@ -246,14 +246,14 @@ LIES = (
         "undecided for proved", asking(lambda *q: YES if honest(*q).holds is None else honest(*q)),
         "convexity", implicit.hessian, law("sin(a)**2/1000 + exp(-b**2) - 2"),
     ),
-    Lie("strict signs made weak", asking(weak), "smoothness", implicit.smoothness, CROSS),
+    Lie("strict signs made weak", asking(weak), "smoothness", evidence.smoothness_on_boundary, CROSS),
     Lie("equalities not asked", asking(granted(Sense.ZERO)), "smoothness", polar.smoothness, CORNER),
-    Lie("equalities not asked on seams", asking(granted(Sense.ZERO)), "smoothness", implicit.smoothness, CORNERED),
+    Lie("equalities not asked on seams", asking(granted(Sense.ZERO)), "smoothness", evidence.smoothness_on_boundary, CORNERED),
     Lie("signs not asked", asking(granted(Sense.POSITIVE, Sense.NONNEGATIVE)), "dissipation", polar.dissipation, OUTSIDE),
     Lie("the sign asked of the opposite", asking(lambda s, e, *q: honest(s, -e, *q)), "origin", evaluated.origin, OUTSIDE),
     Lie("half of the circle asked", asking(only_if(lambda c: sp.Gt(c[0], 0) if c else sp.true)), "convexity", polar.convexity, LIMACON),
     Lie("hypotheses that contradict each other", asking(only_if(lambda c: sp.false)), "convexity", polar.convexity, WAVES),
-    Lie("ends of ranges left out", asking(strict), "smoothness", implicit.smoothness, law("a**2 - b**2 - q", q=UNIT)),
+    Lie("ends of ranges left out", asking(strict), "smoothness", evidence.smoothness_on_boundary, law("a**2 - b**2 - q", q=UNIT)),
     Lie(
         "one value of a parameter asked", asking(without_domain),
         "convexity", polar.convexity, law(f"{R}**2 - abs(p)*({R} + e*a)", e=UNIT),
@@ -325,8 +325,8 @@ LIES = (
         "normality", implicit.normality, flowing("a**2 + b**2 - 1", "-a", "-b")),
     Lie("parallel to no gradient", asking(granted(Sense.POSITIVE)),
         "normality", implicit.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
-    Lie("normal to a K not convex", no_patch, "normality", after()(of_its_own), flowing("1 - a**2 - b**2", "-a", "-b"),
-        after("convexity")(of_its_own)),
+    Lie("normal to a K not convex", no_patch, "normality", after()(evidence.normality_parallel), flowing("1 - a**2 - b**2", "-a", "-b"),
+        after("convexity")(evidence.normality_parallel)),
     Lie("associated with a K not convex", no_patch, "normality", after()(by_convexity), DENT, after("convexity")(by_convexity)),
     Lie("dissipation without the origin", no_patch, "dissipation", after("normality")(by_normality), SHIFTED,
         after("origin", "normality")(by_normality)),

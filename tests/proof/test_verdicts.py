@@ -127,10 +127,10 @@ CONVEX: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
 
 SMOOTH: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
     ("antoni2007", {}, [composition.smoothness, polar.smoothness]),
-    ("coulomb", {}, [composition.smoothness, polar.smoothness, implicit.smoothness]),
-    ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, implicit.smoothness]),
+    ("coulomb", {}, [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary]),
+    ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary]),
     ("superellipse", {"p": "4"}, [composition.smoothness, polar.smoothness]),
-    ("shifted-ellipse", {}, [composition.smoothness, implicit.smoothness]),
+    ("shifted-ellipse", {}, [composition.smoothness, evidence.smoothness_on_boundary]),
 ]
 
 DISSIPATIVE: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
@@ -156,7 +156,7 @@ def test_independent_methods_prove_the_same(name: str, at: dict[str, str], metho
 
 PROVERS: dict[str, list[ProofMethod]] = {
     "convexity": [composition.convexity, polyhedral.convexity, polar.convexity, implicit.convexity, implicit.hessian],
-    "smoothness": [composition.smoothness, polar.smoothness, implicit.smoothness],
+    "smoothness": [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary],
     "dissipation": [polar.dissipation, evidence.dissipation_on_boundary],
     "normality": [implicit.normality],
     "origin": [evaluated.origin, polar.origin],

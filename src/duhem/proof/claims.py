@@ -243,7 +243,7 @@ boundary points at exact angles show the violation.""",
         methods=(
             CHEAP,
             Consequence(FormulaSubject, refuters.normality_at_chord),
-            Finder(FormulaSubject, evidence.normality_parallel),
+            Consequence(FormulaSubject, evidence.normality_parallel),
             ProofMethod(FormulaSubject, refuters.normality_at_points),
             ProofMethod(FormulaSubject, refuters.normality_by_sampling),
             ProofMethod(CurveSubject, curves.normality),

@@ -12,7 +12,6 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import refuters
 from duhem.proof.verdict import Evidence
 from tests.campaigns.false_proofs.trap import Trap
-from tests.oracles.prover.consequences import by_convexity, of_its_own
 from tests.oracles.prover.table import PROVERS
 
 __all__ = ["false_proofs_alone", "proofs_alone", "provers"]
@@ -22,7 +21,6 @@ def provers(claim: str) -> tuple[ProofMethod[FormulaSubject] | Consequence[Formu
     """The methods that may prove a claim of a law given by a formula without the kernel, those that give a second opinion first."""
     return (
         *(ProofMethod(FormulaSubject, run) for run in PROVERS.get(claim, ())),
-        *(Consequence(FormulaSubject, run) for run in (by_convexity, of_its_own) if claim == "normality"),
         *(
             m
             for m in CLAIMS[claim].methods

@@ -6,9 +6,8 @@ from collections.abc import Mapping
 
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence, Verdict
-from tests.oracles.prover import implicit
 
-__all__ = ["by_convexity", "by_normality", "of_its_own"]
+__all__ = ["by_convexity", "by_normality"]
 
 
 def by_convexity(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
@@ -16,11 +15,6 @@ def by_convexity(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Ev
     if subject.problem.associated and settled["convexity"].verdict is Verdict.PROVED:
         return Evidence(Verdict.PROVED, "normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex")
     return None
-
-
-def of_its_own(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
-    """A flow of the law's own, on a convex K, is compared with grad g."""
-    return implicit.normality(subject) if settled["convexity"].verdict is Verdict.PROVED else None
 
 
 def by_normality(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:

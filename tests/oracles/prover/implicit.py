@@ -8,18 +8,18 @@ every tangent must be >= 0 on the boundary.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations, permutations
+from itertools import permutations
 
 import sympy as sp
 
 from duhem.expression.branches import Branch, seam, seams
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.boundary_identities import directions, inward, outward, parallel
-from duhem.proof.statement.problem import Face
+from duhem.proof.methods.evidence import normality_parallel
+from duhem.proof.search.boundary_identities import directions, inward, outward
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
-__all__ = ["convexity", "hessian", "normality", "smoothness"]
+__all__ = ["convexity", "hessian", "normality"]
 
 _MOST_PIECES = 8
 
@@ -131,64 +131,9 @@ def hessian(subject: FormulaSubject) -> Evidence | None:
     )
 
 
-def smoothness(subject: FormulaSubject) -> Evidence | None:
-    """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
-    pieces, forces = subject.pieces, subject.simple.forces
-    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
-        return None
-    used: set[str] = set()
-    for piece in pieces:
-        gradient = [sp.diff(piece.expr, x) for x in forces]
-        answer = subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
-        if answer.holds is not True:
-            return None
-        used.add(answer.method)
-    for between in seams(pieces):
-        before, after = between.before, between.after
-        one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
-        on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
-        minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
-        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
-            return None
-        if subject.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
-            return None
-    told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    method = f"regular-value ({', '.join(sorted(used))})"
-    proof = _rising("regular-value", subject)
-    return Evidence(Verdict.PROVED, method, f"grad g != 0 wherever g = 0{told}", proof=proof)
-
-
 def normality(subject: FormulaSubject) -> Evidence | None:
-    """A flow of the law's own, or of a surface, is parallel to grad g and points the same way, wherever g = 0 in K (K convex).
-
-    K lies in {g <= 0} and is convex, so g does not rise from the boundary point towards any point of K.
-    """
-    own = [face for face in subject.simple.faces if face.flow is not None]
-    if not own or not all(_parallel(subject, face) for face in own):
-        return None
-    proof = Proof("parallel", parallel(subject)) if parallel(subject) else None
-    detail = "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex"
-    return Evidence(Verdict.PROVED, "parallel", detail, proof=proof)
-
-
-def _parallel(subject: FormulaSubject, face: Face) -> bool:
-    """Whether the flow of a face is a positive multiple of grad g wherever the face is the boundary."""
-    pieces, flow, forces = subject.on_boundary(face), face.flow or (), subject.simple.forces
-    if pieces is None:
-        return False
-    for g, there in pieces:
-        gradient = [sp.diff(g, x) for x in forces]
-        if subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *there).holds is not True:
-            return False  # where grad g = 0 every flow would look parallel to it
-        if subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *there).holds is not True:
-            return False  # where the flow is 0 it has no direction
-        for i, j in combinations(range(len(gradient)), 2):
-            if subject.ask(flow[i] * gradient[j] - flow[j] * gradient[i], Sense.ZERO, *there).holds is not True:
-                return False
-        along = sum(d * n for d, n in zip(flow, gradient, strict=True))
-        if subject.ask(along, Sense.NONNEGATIVE, *there).holds is not True:
-            return False
-    return True
+    """A flow that is parallel to grad g, K taken for convex."""
+    return normality_parallel(subject, {"convexity": Evidence(Verdict.PROVED, "known", "so it is")})
 
 
 def _rising(rule: str, subject: FormulaSubject) -> Proof | None:

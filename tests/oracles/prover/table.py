@@ -31,7 +31,7 @@ PROVERS: Mapping[str, tuple[Callable[[FormulaSubject], Evidence | None], ...]] =
         implicit.convexity,
         implicit.hessian,
     ),
-    "smoothness": (composition.smoothness, rounded.smoothness, polar.smoothness, implicit.smoothness),
+    "smoothness": (composition.smoothness, rounded.smoothness, polar.smoothness),
     "dissipation": (degrees.dissipation, degrees.dissipation_of_potential, power_share.dissipation, polar.dissipation),
     "state_laws": (state_laws.state_laws,),
 }

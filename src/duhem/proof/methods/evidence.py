@@ -10,9 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import combinations
 
 import sympy as sp
 
+from duhem.expression.branches import seams
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
@@ -20,6 +22,7 @@ from duhem.proof.facts.definedness import met_for_all
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel
 from duhem.proof.statement.obligations import obligations
+from duhem.proof.statement.problem import Face
 from duhem.proof.statement.star import by_degree
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
@@ -36,7 +39,7 @@ __all__ = [
 ]
 
 Terms = Mapping[tuple[int, ...], sp.Expr]
-_MOST_ROOTS, _MOST_SHARES = 4, 6
+_MOST_PIECES, _MOST_ROOTS, _MOST_SHARES = 8, 4, 6
 
 
 def convexity_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
@@ -78,13 +81,28 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
 
 
 def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
-    """grad g, of one smooth formula, does not vanish on the boundary."""
-    if subject.pieces is None or len(subject.pieces) > 1 or not subject.continuous:
+    """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
+    pieces, forces = subject.pieces, subject.simple.forces
+    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
         return None
-    (piece,) = subject.pieces
-    square = sp.Add(*(sp.diff(piece.expr, x) ** 2 for x in subject.simple.forces))
-    answer = subject.ask(square, Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
-    return _rising("regular-value", "grad g != 0 wherever g = 0", {answer.method}, subject) if answer.holds is True else None
+    used: set[str] = set()
+    for piece in pieces:
+        gradient = [sp.diff(piece.expr, x) for x in forces]
+        answer = subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
+        if answer.holds is not True:
+            return None
+        used.add(answer.method)
+    for between in seams(pieces):
+        before, after = between.before, between.after
+        one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
+        on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
+        minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
+        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
+            return None
+        if subject.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
+            return None
+    told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
+    return _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
 
 
 def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
@@ -112,14 +130,37 @@ def _rising(rule: str, detail: str, used: set[str], subject: FormulaSubject) -> 
     return Evidence(Verdict.PROVED, f"{rule} ({', '.join(sorted(used))})", detail, proof=proof)
 
 
-def normality_parallel(subject: FormulaSubject) -> Iterator[Evidence]:
-    """A flow of the law's own, or of a surface, is parallel to grad g and points the same way, wherever g = 0 in K (K convex).
+def normality_parallel(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
+    """A flow of the law's own, or of a surface, is parallel to grad g and points the same way, wherever g = 0 in K, K being convex.
 
-    K lies in {g <= 0} and is convex, so g does not rise from the boundary point towards any point of K.
+    K lies in {g <= 0}, so g does not rise from the boundary point towards any point of K.
     """
-    if any(face.flow is not None for face in subject.simple.faces) and parallel(subject):
-        detail = "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex"
-        yield Evidence(Verdict.PROVED, "parallel", detail, proof=Proof("parallel", parallel(subject)))
+    own = [face for face in subject.simple.faces if face.flow is not None]
+    if settled["convexity"].verdict is not Verdict.PROVED or not own or not all(_parallel(subject, face) for face in own):
+        return None
+    proof = Proof("parallel", parallel(subject)) if parallel(subject) else None
+    detail = "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex"
+    return Evidence(Verdict.PROVED, "parallel", detail, proof=proof)
+
+
+def _parallel(subject: FormulaSubject, face: Face) -> bool:
+    """Whether the flow of a face is a positive multiple of grad g wherever the face is the boundary."""
+    pieces, flow, forces = subject.on_boundary(face), face.flow or (), subject.simple.forces
+    if pieces is None:
+        return False
+    for g, there in pieces:
+        gradient = [sp.diff(g, x) for x in forces]
+        if subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *there).holds is not True:
+            return False  # where grad g = 0 every flow would look parallel to it
+        if subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *there).holds is not True:
+            return False  # where the flow is 0 it has no direction
+        for i, j in combinations(range(len(gradient)), 2):
+            if subject.ask(flow[i] * gradient[j] - flow[j] * gradient[i], Sense.ZERO, *there).holds is not True:
+                return False
+        along = sum(d * n for d, n in zip(flow, gradient, strict=True))
+        if subject.ask(along, Sense.NONNEGATIVE, *there).holds is not True:
+            return False
+    return True
 
 
 def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
