@@ -26,7 +26,7 @@ from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
-from duhem.proof.trust import Confirmations, Standing
+from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Trust, Verdict
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.shown import Shown
@@ -188,12 +188,11 @@ def _examined(
             told = partial(_tell, on_method, subject, name)
             settled[name] = evidence = CLAIMS[name].examine(subject, settled, confirmations, told)
             standing = confirmations.of(name, evidence, CLAIMS[name].needs)
-            doubted = standing is not None and standing.trust is not Trust.CHECKED
+            doubted = standing.trust not in (None, Trust.CHECKED)
             if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:
                 settled[name] = evidence = against
-                standing = None
-                confirmations.withdraw(name)
-            if whole is not None and (proof := _of_the_whole(name, evidence, standing, whole, effort)) is not None:
+                standing = confirmations.withdraw(name)
+            if whole is not None and (proof := _of_the_whole(name, evidence, standing.trust, whole, effort)) is not None:
                 evidence = settled[name] = confirmations.of_a_part(name, proof, whole)
                 standing = confirmations.of(name, evidence, CLAIMS[name].needs)
         seconds = time.perf_counter() - start
@@ -205,8 +204,8 @@ def _examined(
             seconds,
             evidence.detail,
             evidence.witness,
-            None if standing is None else standing.trust,
-            None if standing is None else standing.proof,
+            standing.trust,
+            standing.proof,
             subject.spent + confirmations.spent - before,
         )
         results.append(found)
@@ -217,9 +216,8 @@ def _examined(
     return _Examined(subject, settled, wanted, asked, others)
 
 
-def _of_the_whole(name: str, evidence: Evidence, standing: Standing | None, whole: Law, effort: str) -> ClaimResult | None:
+def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law, effort: str) -> ClaimResult | None:
     """A claim of the whole law where that is proved with more trust than the part; None where it is not, or need not be asked."""
-    best = None if standing is None else standing.trust
     if evidence.verdict is Verdict.REFUTED or evidence.method == CONTRADICTION or best is Trust.CHECKED:
         return None
     (found,) = claim_results(whole, (name,), effort)

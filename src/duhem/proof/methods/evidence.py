@@ -8,7 +8,7 @@ inside its boundary and convexity is local (Tietze 1928, Nakajima 1928).  The po
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -87,19 +87,17 @@ def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
         return None
     used: set[str] = set()
     for piece in pieces:
-        gradient = [sp.diff(piece.expr, x) for x in forces]
-        answer = subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
+        answer = subject.ask(_square(_gradient(piece.expr, forces)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
         if answer.holds is not True:
             return None
         used.add(answer.method)
     for between in seams(pieces):
         before, after = between.before, between.after
-        one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
+        one, two = _gradient(before.expr, forces), _gradient(after.expr, forces)
         on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
-        minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
-        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
+        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *_minors(one, two))):
             return None
-        if subject.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
+        if subject.ask(_dot(one, two), Sense.POSITIVE, *on_seam).holds is not True:
             return None
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
     return _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
@@ -112,12 +110,10 @@ def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
         if (pieces := subject.on_boundary(face)) is None:
             return None
         for g, there in pieces:
-            gradient = tuple(sp.diff(g, x) for x in forces)
-            flow = face.flow or gradient
-            if flow is gradient and subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *there).holds is not True:
+            flow = face.flow or _gradient(g, forces)
+            if not face.flow and subject.ask(_square(flow), Sense.POSITIVE, *there).holds is not True:
                 return None  # where grad g = 0 it says nothing of the normal
-            power = sp.Add(*(x * d for x, d in zip(forces, flow, strict=True)))
-            answer = subject.ask(sp.factor_terms(sp.expand(power)), Sense.NONNEGATIVE, *there)
+            answer = subject.ask(sp.factor_terms(sp.expand(_dot(forces, flow))), Sense.NONNEGATIVE, *there)
             if answer.holds is not True:
                 return None
             used.add(answer.method)
@@ -149,18 +145,33 @@ def _parallel(subject: FormulaSubject, face: Face) -> bool:
     if pieces is None:
         return False
     for g, there in pieces:
-        gradient = [sp.diff(g, x) for x in forces]
-        if subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *there).holds is not True:
-            return False  # where grad g = 0 every flow would look parallel to it
-        if subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *there).holds is not True:
-            return False  # where the flow is 0 it has no direction
-        for i, j in combinations(range(len(gradient)), 2):
-            if subject.ask(flow[i] * gradient[j] - flow[j] * gradient[i], Sense.ZERO, *there).holds is not True:
-                return False
-        along = sum(d * n for d, n in zip(flow, gradient, strict=True))
-        if subject.ask(along, Sense.NONNEGATIVE, *there).holds is not True:
+        gradient = _gradient(g, forces)
+        asked = [
+            (_square(gradient), Sense.POSITIVE),  # where grad g = 0 every flow would look parallel to it
+            (_square(flow), Sense.POSITIVE),  # where the flow is 0 it has no direction
+            *((minor, Sense.ZERO) for minor in _minors(flow, gradient)),
+            (_dot(flow, gradient), Sense.NONNEGATIVE),
+        ]
+        if not all(subject.ask(expr, sense, *there).holds is True for expr, sense in asked):
             return False
     return True
+
+
+def _gradient(g: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
+    return tuple(sp.diff(g, x) for x in forces)
+
+
+def _square(vector: Sequence[sp.Expr]) -> sp.Expr:
+    return sp.Add(*(d**2 for d in vector))
+
+
+def _dot(one: Sequence[sp.Expr], two: Sequence[sp.Expr]) -> sp.Expr:
+    return sp.Add(*(a * b for a, b in zip(one, two, strict=True)))
+
+
+def _minors(one: Sequence[sp.Expr], two: Sequence[sp.Expr]) -> list[sp.Expr]:
+    """The components of their vector product."""
+    return [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(one)), 2)]
 
 
 def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
@@ -174,7 +185,7 @@ def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
         return
     forces, settled = law.force_symbols(), law.settled()
     g = law.g.xreplace(settled)
-    power = sp.Add(*(x * d.xreplace(settled) for x, d in zip(forces, law.flow, strict=True)))
+    power = _dot(forces, [d.xreplace(settled) for d in law.flow])
     roots = {y: sp.Dummy(f"r{i}", positive=True) for i, y in enumerate(_radicands(g + power, forces))}
     if len(roots) > _MOST_ROOTS or (of_power := _terms(power, forces, roots)) is None or (of_g := _terms(g, forces, roots)) is None:
         return
