@@ -175,8 +175,8 @@ def _examined(
     if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     with _alone():
-        kind: Any = FormulaSubject if isinstance(criterion, Criterion) else CurveSubject
-        subject: Subject = kind(criterion, EFFORTS[effort])
+        share = EFFORTS[effort]
+        subject = FormulaSubject(criterion, share) if isinstance(criterion, Criterion) else CurveSubject(criterion, share)
         subject.check_defined()  # one that is undefined somewhere in its domain is an InputError
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)

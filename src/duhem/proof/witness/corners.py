@@ -170,7 +170,7 @@ def sharp_point(
         for width, reach in _CONES:
             ends = ((into, Fraction(0), -1), (away, width, 1), (opposite, width, 1))
             if all(_Cone(subject.simple.forces, place, way, wide, reach).sign(g) == sign for way, wide, sign in ends):
-                ways = {"corner": [0] * len(away), "outside": away, "opposite": opposite, "inside": into}
+                ways = {"corner": [Fraction(0)] * len(away), "outside": away, "opposite": opposite, "inside": into}
                 points = {role: [x + reach * c for x, c in zip(place, way, strict=True)] for role, way in ways.items()}
                 statement = (
                     "g > 0 on all of the ways from the corner to `outside` and to `opposite`, and on those beside them (each force by up "

@@ -48,7 +48,7 @@ def triangle(subject: CurveSubject, values: Values, rim: Angles) -> Witness | No
         "z lies inside the triangle of the boundary points p, m, q (the cross products of its sides with z have one sign), "
         "yet the boundary curve winds around z 0 times: K is not convex"
     )
-    points = {**dict(zip("pmq", rim, strict=True)), "z": z}
+    points: dict[str, Fraction | Place] = {**dict(zip("pmq", rim, strict=True)), "z": z}
     return _witness(subject, values, points, {**shown, "winding number around z": ("0", "0")}, statement)
 
 
