@@ -21,7 +21,6 @@ import duhem
 from duhem.law import catalogue
 from duhem.law.curve_law import Law
 from duhem.proof import trust
-from duhem.proof.certificate import certificate
 from tests.campaigns.families.table import trials
 
 __all__ = ["KERNEL_ALONE", "Written", "rechecked", "written"]
@@ -74,7 +73,7 @@ def written(family: str, law: Law) -> Written:
         seconds = time.perf_counter() - start
     finally:
         trust.Confirmations.of = of  # type: ignore[method-assign]
-    return Written(family, certificate(found), seconds, spent[0])
+    return Written(family, found.certificate(), seconds, spent[0])
 
 
 def rechecked(documents: Sequence[Mapping[str, Any]]) -> list[dict[str, bool]]:

@@ -322,7 +322,7 @@ def prepare() -> None:
     import duhem.law.parameter_domain
     import duhem.path.scene_file
     import duhem.path.scene_run
-    import duhem.proof.report_text
+    import duhem.proof.report
     import duhem.proof.verification  # noqa: F401
 
     for law in ("coulomb", "limacon"):

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 from duhem import Criterion, Verdict, load, verify
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
-from duhem.proof.claims import CLAIMS
-from duhem.proof.claims.claim import ProofMethod
+from duhem.proof.claims import CLAIMS, ProofMethod
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import ClaimResult
 from tests.oracles.prover.table import PROVERS

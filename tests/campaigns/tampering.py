@@ -19,7 +19,6 @@ from random import Random
 from typing import Any, NamedTuple
 
 from duhem import Criterion, Domain, InputError, Verdict, verify
-from duhem.proof.certificate import certificate
 from duhem.proof.kernel.certificate import Rechecked, digest, recheck
 from duhem.proof.kernel.term import NotWritten, parse
 from duhem.proof.recheck import recheck as rechecked
@@ -184,8 +183,8 @@ def drawn() -> Iterator[Criterion]:
 
 
 if __name__ == "__main__":
-    certificates = {name: certificate(verify(name)) for name in (*LAWS, "polygon", "tresca", "von-mises", "hosford", "lobes")}
-    certificates |= {law.name: certificate(verify(law)) for law in drawn()}
+    certificates = {name: verify(name).certificate() for name in (*LAWS, "polygon", "tresca", "von-mises", "hosford", "lobes")}
+    certificates |= {law.name: verify(law).certificate() for law in drawn()}
     found = tampering(certificates, int(sys.argv[1]) if len(sys.argv) > 1 else 2000, 1, tuple(certificates))
     print(f"refused {found.refused}, about another law {found.other_laws}, nothing false {found.harmless}, wrong {len(found.wrong)}")
     print(*found.wrong, sep="\n")

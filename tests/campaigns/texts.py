@@ -32,11 +32,11 @@ from duhem.expression import mpmath_, symbol
 from duhem.expression.gradient import gradient
 from duhem.expression.parse import parse_as_written, parse_expression, parse_relation
 from duhem.expression.text import formula as text_of
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import Bounds
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.obligations import formula, numbers
 from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, parse
-from duhem.proof.law_text import law_as_text
 from tests.oracles.drawn_texts import NAMES, Drawn
 
 ZERO, NEGATIVE, POSITIVE = 2, 1, 4

@@ -9,6 +9,7 @@ import sys
 import time
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
@@ -22,12 +23,11 @@ from duhem.errors import MissingExtraError
 from duhem.law import catalogue
 from duhem.law.atlas.entry import groups
 from duhem.left_out import LeftOut
-from duhem.proof import report_json as json_report
-from duhem.proof import report_text as text_report
 from duhem.proof import verification
 from duhem.proof.claims import CLAIMS
 from duhem.proof.decide import Budget
 from duhem.proof.remarks import not_needed
+from duhem.proof.report import as_text
 from duhem.proof.verdict import Trust, Verdict, Witness
 from duhem.proof.verification import ClaimResult, Verification
 from tests.long import mostly_long
@@ -135,7 +135,7 @@ def test_all_is_said_to_be_settled_by_proof_only_where_it_is(verdicts: tuple[Ver
 def test_the_conclusion_names_the_trust_of_what_the_kernel_has_not_checked() -> None:
     trusts = {"origin": Trust.CHECKED, "convexity": Trust.SOLVER, "normality": Trust.SOLVER, "dissipation": Trust.PROVER}
     proved = {claim: ClaimResult(claim, Verdict.PROVED, "by hand", "everywhere", 0.0, "", trust=trust) for claim, trust in trusts.items()}
-    report = text_report.complete(Verification(duhem.load("coulomb"), tuple(proved.values()), (), ()))
+    report = as_text(Verification(duhem.load("coulomb"), tuple(proved.values()), (), ()))
     said = " ".join(report.split())
     assert "generalized standard: yes (origin, convexity and normality proved; trust: solver for convexity and normality)" in said
     assert "dissipative: yes (dissipation proved; trust: prover for dissipation)" in said
@@ -149,7 +149,7 @@ def test_text_report_shows_witness_conclusion_left_out_and_remarks() -> None:
     done = Verification(
         duhem.load("coulomb"), (result("origin", Verdict.PROVED), refuted), (LeftOut("thermal", "isothermal law"),), ("a remark",)
     )
-    report = text_report.complete(done)
+    report = as_text(done)
     for piece in (
         "mu*sigma_n + norm(sigma_a, sigma_b) <= 0",
         "source",
@@ -267,7 +267,7 @@ def test_ctrl_c_prints_what_was_decided(work: str, form: str) -> None:
 def test_interrupted_json_has_the_keys_of_the_complete_one(run: Run) -> None:
     complete = json.loads(run("verify", "coulomb", "--claims", "origin", "--format", "json")[1])
     law = duhem.load("coulomb")
-    partial = json.loads(json_report.interrupted(law, duhem.verify(law, claims=["origin"]).results))
+    partial = replace(duhem.verify(law, claims=["origin"]), interrupted=True).to_dict()
     assert partial.keys() - {"interrupted"} == complete.keys()
     assert partial["claims"][0].keys() == complete["claims"][0].keys()
     assert partial["parameters"] == complete["parameters"]

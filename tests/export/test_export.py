@@ -17,7 +17,6 @@ from duhem.export.c_file import c_file
 from duhem.export.fortran_file import fortran_file
 from duhem.export.header import identifier
 from duhem.export.routine import routine
-from duhem.proof.certificate import certificate
 from duhem.testing import checks_for, conformance, pressures
 from duhem.testing.foreign import shared_library, umat
 from tests.export.shared_library import OPTIMISED, compiled, compiler, shared
@@ -219,7 +218,7 @@ def test_the_head_says_what_it_is() -> None:
     assert run.one([3.0, 4.0], -1.0, EYE, [0.5])[1] == pytest.approx([0.3, 0.4])
     assert identifier(law.name) == "pr_v_t_law" and identifier("2d") == "law_2d"
     head = " ".join(text[: text.index("*/")].replace("*", "").split())
-    assert certificate(done)["sha256"] in head
+    assert done.certificate()["sha256"] in head
     assert "convexity proved, checked: all parameters" in head and "parameters[0] is mu positive" in head
     assert max(map(len, text[: text.index("*/")].splitlines())) <= 104
     assert "??" not in text

@@ -18,11 +18,11 @@ from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.matrices import rows
 from duhem.expression.parse import parse_expression
 from duhem.law.domain import POSITIVE
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import NEGATIVE
 from duhem.proof.kernel.term import parse
-from duhem.proof.law_text import law_as_text
 
 NAMES = [symbol(n) for n in ("xx", "yy", "zz", "yz", "xz", "xy")]
 FORM = EigMax(*NAMES)

@@ -16,8 +16,8 @@ from duhem.expression.inert_number import InertNumber, reckoned
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import faithful, formula
 from duhem.law import registry
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.term import parse
-from duhem.proof.law_text import law_as_text
 from tests.campaigns.texts import PLAIN, SIGNED, SIGNS, Texts, ask, by_kernel, texts
 from tests.long import mostly_long
 

@@ -11,7 +11,7 @@ from duhem import Criterion, criterion, derive
 from duhem.errors import InputError
 from duhem.law.criterion_file import reads
 from duhem.law.domain import POSITIVE, Domain
-from duhem.proof.law_text import law_as_text
+from duhem.proof.certificate import law_as_text
 from duhem.proof.statement.problem import as_written
 
 FILE = """\

@@ -17,12 +17,11 @@ from duhem.expression.matrices import rows
 from duhem.identification.criterion_text import criterion_text
 from duhem.law.criterion_file import reads
 from duhem.law.domain import POSITIVE
-from duhem.proof.certificate import certificate
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest, recheck, stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.gradient import gradient
 from duhem.proof.kernel.term import NotWritten, Term, parse
-from duhem.proof.law_text import law_as_text
 from tests.long import mostly_long
 
 HEAD = '[criterion]\nname = "x"\nforces = ["a", "b"]\npressure = false\n'
@@ -159,7 +158,7 @@ def test_at_the_tip_of_a_cone_the_flow_is_a_mean_of_those_around() -> None:
 
 def test_a_certificate_holds_the_potential_and_not_its_gradient() -> None:
     law = Criterion(name="x", g="a**2 + 2*b**2 - k", potential="a**2 + b**2", forces=("a", "b"), pressure=None, parameters={"k": POSITIVE})
-    written = certificate(duhem.verify(law, claims=["dissipation"]))
+    written = duhem.verify(law, claims=["dissipation"]).certificate()
     assert written["law"]["flow"] == {"potential": "a**2 + b**2"}
     assert all(row.confirmed for row in recheck(written) if row.claim == "dissipation")
     other = written | {"law": written["law"] | {"flow": {"potential": "a**2 - b**2"}}}

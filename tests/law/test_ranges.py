@@ -12,13 +12,12 @@ from duhem.errors import InputError
 from duhem.identification.criterion_text import criterion_text
 from duhem.law.criterion_file import reads
 from duhem.law.domain import POSITIVE
-from duhem.proof.certificate import certificate
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.bounds import NEGATIVE, ZERO, Bounds
 from duhem.proof.kernel.bounds import POSITIVE as ABOVE
 from duhem.proof.kernel.certificate import digest, recheck, stated
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.term import NotWritten, parse
-from duhem.proof.law_text import law_as_text
 from tests.long import mostly_long
 
 
@@ -77,7 +76,7 @@ def test_the_kernel_reads_them() -> None:
 
 
 def test_a_certificate_with_a_wider_range_is_not_confirmed() -> None:
-    written = certificate(duhem.verify(CASES[4][0], claims=["origin"]))
+    written = duhem.verify(CASES[4][0], claims=["origin"]).certificate()
     assert written["law"]["domain"] == {"sigma_n": {"min": None, "max": "-5"}}
     assert [row.confirmed for row in recheck(written)] == [True]
     for wider in ({}, {"sigma_n": {"max": "-4.9"}}):

@@ -10,7 +10,6 @@ from duhem import POSITIVE, Criterion, Domain, InputError
 from duhem.expression.spelling import spelled
 from duhem.law import criterion_file
 from duhem.path import scene_file
-from duhem.proof.certificate import certificate
 from duhem.proof.kernel import certificate as kernel
 
 MICRO, MU = "\u00b5", "\u03bc"  # two letters that look alike: the micro sign, and mu
@@ -79,7 +78,7 @@ def test_either_spelling_names_the_parameter(law):
 
 
 def test_the_kernel_checks_it(law):
-    found = certificate(duhem.verify(law, claims=["origin", "convexity"]))
+    found = duhem.verify(law, claims=["origin", "convexity"]).certificate()
     rows = kernel.recheck(json.loads(json.dumps(found)))
     assert [r.confirmed for r in rows if r.claim in ("origin", "convexity")] == [True, True]
 

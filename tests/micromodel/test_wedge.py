@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
@@ -22,8 +21,6 @@ from duhem import POSITIVE, Domain, ParametricCriterion, Verdict, Verification, 
 from duhem.cli import cli
 from duhem.errors import InputError
 from duhem.micromodel.wedge import limit_point
-from duhem.proof import report_json as json_report
-from duhem.proof import report_text as text_report
 from duhem.proof.verdict import Witness
 from tests.long import mostly_long
 from tests.oracles.curve_witness import holds, numeric
@@ -326,13 +323,13 @@ def test_a_curve_in_a_module_of_ones_own(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_reports() -> None:
-    report = json.loads(json_report.complete(found("specimen")))
+    report = found("specimen").to_dict()
     witness = next(c for c in report["claims"] if c["claim"] == "normality")["witness"]
     assert report["criterion"] == "wedge" and report["parameters"]["tan_beta"] == "1/4"
     assert math.isclose(witness["deviation_degrees"], 2.41905, abs_tol=1e-5)
     assert math.isclose(witness["slip_angle_degrees"], 67.8401, abs_tol=1e-3)
     assert all(Fraction(point["tan_half_phi"]) for point in witness["points"].values())
-    said = text_report.complete(found("specimen"))
+    said = found("specimen").to_text()
     assert "|sigma_n| (" in said and "phi from 0 to 2 pi" in said and "generalized standard: no (normality refuted)" in said
 
 

@@ -21,7 +21,7 @@ from duhem.expression import numpy_
 from duhem.expression.cvxpy_ import expression
 from duhem.law.catalogue import load_formula, names
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import chords
+from duhem.proof.methods import refuters
 from tests.long import mostly_long
 from tests.oracles.prover import composition
 from tests.oracles.prover.curvature import curvature
@@ -140,9 +140,9 @@ def test_what_cvxpy_proves_is_not_refuted(name: str) -> None:
     theirs = _cvxpy(subject.simple.g.subs(_numbers(name)), subject.simple.forces)
     convex = theirs is not None and theirs.is_dqcp() and theirs.is_quasiconvex()
     if convex and subject.simple.parameters == ():
-        assert chords.convexity_by_scouting(subject) is None
+        assert refuters.convexity_by_scouting(subject) is None
     if composition.convexity(subject) is not None:
-        assert chords.convexity_by_scouting(subject) is None
+        assert refuters.convexity_by_scouting(subject) is None
 
 
 def _agreement() -> dict[tuple[bool, bool], int]:

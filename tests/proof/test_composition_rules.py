@@ -13,9 +13,9 @@ import pytest
 
 from duhem import Criterion
 from duhem.law.domain import POSITIVE, REAL, Domain
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.law_text import law_as_text
 from tests.oracles import drawn_formulas
 from tests.proof.composed import by_kernel, by_prover
 

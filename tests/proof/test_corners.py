@@ -6,7 +6,7 @@ import pytest
 
 from duhem import Criterion, Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import corners
+from duhem.proof.methods import refuters
 from tests.oracles.reevaluation import confirmed
 
 J2 = "((a-b)**2+(b-c)**2+(c-a)**2)/6"
@@ -45,7 +45,7 @@ CORNERED = [
 @pytest.mark.parametrize("one", CORNERED)
 def test_a_corner_is_shown(one):
     one = one()
-    found = corners.smoothness(FormulaSubject(one))
+    found = refuters.smoothness_at_corners(FormulaSubject(one))
     assert found is not None and found.witness is not None
     assert confirmed(one, "smoothness", found.witness)
 
@@ -67,7 +67,7 @@ SMOOTH = [
 @pytest.mark.slow
 @pytest.mark.parametrize("one", SMOOTH)
 def test_what_is_smooth_has_no_corner(one):
-    assert corners.smoothness(FormulaSubject(one())) is None
+    assert refuters.smoothness_at_corners(FormulaSubject(one())) is None
 
 
 TWO = ("a", "b")
@@ -86,7 +86,7 @@ SHARP = [
 @pytest.mark.parametrize("one", SHARP)
 def test_a_sharp_point_is_shown(one):
     one = one()
-    found = corners.smoothness_at_sharp_points(FormulaSubject(one))
+    found = refuters.smoothness_at_sharp_points(FormulaSubject(one))
     assert found is not None and found.witness is not None
     assert confirmed(one, "smoothness", found.witness)
 
@@ -107,4 +107,4 @@ NOT_SHARP = [
 
 @pytest.mark.parametrize("one", NOT_SHARP)
 def test_a_smooth_boundary_has_no_sharp_point(one):
-    assert corners.smoothness_at_sharp_points(FormulaSubject(one())) is None
+    assert refuters.smoothness_at_sharp_points(FormulaSubject(one())) is None

@@ -15,7 +15,7 @@ from duhem import Domain, InputError, Verdict, verify
 from duhem.law.curve_law import ParametricCriterion
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.numeric_curve import Greatest, NumericCurve
-from duhem.proof.methods import curve_deviation, curve_refutation, curve_signs
+from duhem.proof.methods import curves
 from duhem.proof.verdict import Evidence
 
 C, S = "cos(phi)", "sin(phi)"
@@ -58,7 +58,7 @@ LETTERS = {"o": "origin", "c": "convexity", "s": "smoothness", "n": "normality",
 @pytest.mark.parametrize("name", CURVES)
 def test_only_what_is_true_of_a_curve_is_proved(name: str, claim: str) -> None:
     boundary, flow, true = CURVES[name]
-    found = getattr(curve_signs, LETTERS[claim])(CurveSubject(ParametricCriterion(name, boundary, flow=flow)))  # type: ignore[arg-type]
+    found = getattr(curves, LETTERS[claim])(CurveSubject(ParametricCriterion(name, boundary, flow=flow)))  # type: ignore[arg-type]
     assert found is None or claim in true
 
 
@@ -67,7 +67,7 @@ def test_what_is_true_of_a_plain_one_is_proved(name: str) -> None:
     boundary, flow, true = CURVES[name]
     proved = []
     for claim in true:
-        found = getattr(curve_signs, LETTERS[claim])(CurveSubject(ParametricCriterion(name, boundary, flow=flow)))  # type: ignore[arg-type]
+        found = getattr(curves, LETTERS[claim])(CurveSubject(ParametricCriterion(name, boundary, flow=flow)))  # type: ignore[arg-type]
         proved += [claim] if found is not None and found.verdict is Verdict.PROVED else []
     assert "".join(proved) == true
 
@@ -92,7 +92,7 @@ def test_a_curve_run_the_other_way_gets_the_same_verdicts(name: str) -> None:
 @pytest.mark.parametrize(("most", "true"), [("2/5", "ocsnd"), ("3/5", "osd"), ("99/100", "osd")])
 def test_over_a_range_of_parameters(most: str, true: str) -> None:
     law = ParametricCriterion("limacon", limacon("e"), {"e": Domain.between(0, most)})  # type: ignore[arg-type]
-    proved = [claim for claim, name in LETTERS.items() if getattr(curve_signs, name)(CurveSubject(law)) is not None]
+    proved = [claim for claim, name in LETTERS.items() if getattr(curves, name)(CurveSubject(law)) is not None]
     assert set(proved) <= set(true)
     assert "o" in proved and ("c" in proved) is ("c" in true)
 
@@ -110,8 +110,8 @@ def test_a_curve_whose_derivatives_may_jump_gets_a_verdict(word: str) -> None:
 )
 def test_a_root_of_what_may_be_zero_is_not_analytic(root: str, analytic: bool) -> None:
     law = ParametricCriterion("root", (f"{C}*{root}", f"{S}*{root}"), {"e": Domain.between(0, 1)})  # type: ignore[arg-type]
-    assert (curve_signs.smoothness(CurveSubject(law)) is not None) <= analytic
-    assert curve_signs._analytic(CurveSubject(law)) is analytic
+    assert (curves.smoothness(CurveSubject(law)) is not None) <= analytic
+    assert curves._analytic(CurveSubject(law)) is analytic
 
 
 def _subject(boundary: tuple[str, str], flow: tuple[str, str] | None = None, **parameters: Domain) -> CurveSubject:
@@ -137,36 +137,36 @@ PROVED = {
 
 @pytest.mark.parametrize("claim", PROVED)
 def test_what_is_said_of_an_ellipse(claim: str) -> None:
-    found = getattr(curve_signs, claim)(_subject((f"2*{C}", f"{S}/3")))
+    found = getattr(curves, claim)(_subject((f"2*{C}", f"{S}/3")))
     method, detail = PROVED[claim]
     assert found is not None and found.verdict is Verdict.PROVED and (found.method, found.detail) == (method, detail)
 
 
 def test_what_is_said_of_others() -> None:
-    own = curve_signs.normality(_subject((C, S), NORMAL))
+    own = curves.normality(_subject((C, S), NORMAL))
     assert own is not None and (own.method, own.detail) == (
         "parallel",
         "d . T' = 0 and d x T' > 0: the flow is the outward normal at every angle, and K is convex",
     )
-    star = curve_signs.smoothness(_subject(limacon("3/5")))
+    star = curves.smoothness(_subject(limacon("3/5")))
     assert star is not None and star.detail.startswith("T x T' > 0, the curve running around 0 once: simple and never at rest")
-    twice = curve_signs.origin(_subject(DOUBLE))
+    twice = curves.origin(_subject(DOUBLE))
     assert twice is not None and twice.detail == "the curve never meets 0 and winds around it 2 times"
-    free = curve_signs.origin(_subject(limacon("e"), NORMAL, e=Domain.between(0, "2/5")))
+    free = curves.origin(_subject(limacon("e"), NORMAL, e=Domain.between(0, "2/5")))
     assert free is not None and free.detail == "T . d > 0, so T is never opposite to d and winds around 0 as d turns: once"
-    assert [curve_signs._times(n) for n in (1, 2, -1)] == ["once", "2 times", "-1 times"]
+    assert [curves._times(n) for n in (1, 2, -1)] == ["once", "2 times", "-1 times"]
     reasons = {
         None: "the support function of K is known along the curve only, Phi = T . n at the normal n, not in closed form",
         NORMAL: "the law has a flow of its own, which no potential of K gives",
     }
     for flow, reason in reasons.items():
-        assert curve_signs.duality(_subject((C, S), flow)) == Evidence(Verdict.NOT_APPLICABLE, "curve", reason)
+        assert curves.duality(_subject((C, S), flow)) == Evidence(Verdict.NOT_APPLICABLE, "curve", reason)
 
 
 REFUTERS = {
-    "o": curve_refutation.origin,
-    "c": curve_refutation.convexity,
-    "d": curve_refutation.dissipation,
+    "o": curves.origin_refuted,
+    "c": curves.convexity_refuted,
+    "d": curves.dissipation_refuted,
 }
 
 
@@ -180,17 +180,17 @@ def test_only_what_is_false_of_a_curve_is_refuted(name: str) -> None:
 
 
 def test_what_is_said_of_a_violation() -> None:
-    outside = curve_refutation.origin(_subject((f"{C} + 3/2", S)))
+    outside = curves.origin_refuted(_subject((f"{C} + 3/2", S)))
     assert outside is not None and (outside.method, outside.detail) == ("winding (interval)", "zero force is outside K")
-    dent = curve_refutation.convexity(_subject(limacon("4/5")))
+    dent = curves.convexity_refuted(_subject(limacon("4/5")))
     assert dent is not None and dent.detail == "a triangle of boundary points holds a point outside K"
-    power = curve_refutation.dissipation(_subject((C, S), (f"-{C}", f"-{S}")))
+    power = curves.dissipation_refuted(_subject((C, S), (f"-{C}", f"-{S}")))
     assert power is not None and (power.method, power.detail) == ("witness-power", "force . flow is negative on the boundary")
-    edge = curve_refutation.normality_of_a_dent(_subject(limacon("4/5")))
+    edge = curves.normality_refuted(_subject(limacon("4/5")))
     assert edge is not None and (edge.verdict, edge.method) == (Verdict.REFUTED, "witness-normal")
     assert edge.detail == "the normal is not in the normal cone at the edge of a dent"
-    assert curve_refutation.normality_of_a_dent(_subject(limacon("2/5"))) is None
-    assert curve_refutation.normality_of_a_dent(_subject(limacon("4/5"), NORMAL)) is None
+    assert curves.normality_refuted(_subject(limacon("2/5"))) is None
+    assert curves.normality_refuted(_subject(limacon("4/5"), NORMAL)) is None
 
 
 PLACES = [Fraction(n, 5) for n in (-17, -4, -1, 0, 2, 5, 11)]
@@ -200,7 +200,7 @@ PLACES = [Fraction(n, 5) for n in (-17, -4, -1, 0, 2, 5, 11)]
 @pytest.mark.parametrize("t", PLACES)
 def test_the_deviation_with_its_slope_and_second_derivative(across: int, t: Fraction) -> None:
     """Of a flow with tangential part 3 + sin phi and normal part 1 or -1: atan2(3 + sin phi, 1 or -1)."""
-    value, slope, second = curve_deviation.deviation(_subject((C, S), _turned(f"3 + {S}", str(across))).at({}).at(t, 3))
+    value, slope, second = curves.deviation(_subject((C, S), _turned(f"3 + {S}", str(across))).at({}).at(t, 3))
     phi = 2 * math.atan(float(t))
     u, v, w = 3 + math.sin(phi), math.cos(phi), -math.sin(phi)
     size = 1 + u * u
@@ -214,47 +214,47 @@ def test_the_deviation_with_its_slope_and_second_derivative(across: int, t: Frac
     [("1", "1", 45), ("-1", "1", -45), ("1", "-1", 135), ("-1", "-1", -135), ("1", "0", 90), ("-1", "0", -90), ("0", "1", 0)],
 )
 def test_a_deviation_by_so_many_degrees(by: str, across: str, angle: int) -> None:
-    value, slope, second = curve_deviation.deviation(_subject((C, S), _turned(by, across)).at({}).at(Fraction(1, 3), 3))
+    value, slope, second = curves.deviation(_subject((C, S), _turned(by, across)).at({}).at(Fraction(1, 3), 3))
     assert math.degrees(float(value.mid())) == pytest.approx(angle) and abs(slope) < 1e-9 and abs(second) < 1e-9
 
 
 def test_a_deviation_that_jumps_or_has_no_meaning() -> None:
-    backward = curve_deviation.deviation(_subject((C, S), (f"-{C}", f"-{S}")).at({}).at(Fraction(0), 3))
+    backward = curves.deviation(_subject((C, S), (f"-{C}", f"-{S}")).at({}).at(Fraction(0), 3))
     assert float(backward[0].mid()) == pytest.approx(math.pi) and not backward[1].is_finite() and not backward[2].is_finite()
-    slanted = curve_deviation.deviation(_subject((C, S), _turned(S, "-1")).at({}).over((Fraction(-1, 100), Fraction(1, 50)), 3))
+    slanted = curves.deviation(_subject((C, S), _turned(S, "-1")).at({}).over((Fraction(-1, 100), Fraction(1, 50)), 3))
     assert all(slanted[0].contains(flint.arb(math.pi - s)) for s in (0, 0.01, 0.05)) and not slanted[0].contains(flint.arb(2.6))
-    none = curve_deviation.deviation(_subject((C, S), (f"0*{C}", f"0*{S}")).at({}).at(Fraction(0), 3))
+    none = curves.deviation(_subject((C, S), (f"0*{C}", f"0*{S}")).at({}).at(Fraction(0), 3))
     assert none[0].contains(flint.arb(0)) and none[0].contains(flint.arb(3)) and not none[0].contains(flint.arb(4))
     assert not none[1].is_finite() and not none[2].is_finite() and not none[0].contains(flint.arb(-0.5))
 
 
 def test_neighbouring_arcs_are_one() -> None:
     f = Fraction
-    assert curve_deviation._cluster(((f(0), f(1, 4)), (f(1, 4), f(1, 2)), (f(3, 4), f(1)))) == (0, f(1, 2))
-    assert curve_deviation._cluster(((f(-1), f(-1, 2)), (f(1, 4), f(1, 2)), (f(1, 2), f(1)))) == (f(1, 4), 1)
-    assert curve_deviation._cluster(((f(-1), f(-1, 2)), (f(-1, 4), f(-1, 8)))) == (f(-1, 4), f(-1, 8))
-    assert curve_deviation._cluster(((f(-1, 2), f(0)), (f(0), f(1, 2)))) == (f(-1, 2), f(1, 2))
+    assert curves._cluster(((f(0), f(1, 4)), (f(1, 4), f(1, 2)), (f(3, 4), f(1)))) == (0, f(1, 2))
+    assert curves._cluster(((f(-1), f(-1, 2)), (f(1, 4), f(1, 2)), (f(1, 2), f(1)))) == (f(1, 4), 1)
+    assert curves._cluster(((f(-1), f(-1, 2)), (f(-1, 4), f(-1, 8)))) == (f(-1, 4), f(-1, 8))
+    assert curves._cluster(((f(-1, 2), f(0)), (f(0), f(1, 2)))) == (f(-1, 2), f(1, 2))
     later = (f(3, 4), f(1))
     for first, found in (((f(-1, 2), f(1, 2)), True), ((f(-1, 8), f(1, 4)), True), ((f(-1, 4), f(1, 8)), False)):
-        assert curve_deviation._cluster((first, later)) == (first if found else later)
+        assert curves._cluster((first, later)) == (first if found else later)
 
 
 def test_the_greatest_deviation_and_where_it_is() -> None:
-    found = curve_deviation.normality(_subject((C, S), _turned(f"(1 + {C}/2)*2/3")))
+    found = curves.normality_by_deviation(_subject((C, S), _turned(f"(1 + {C}/2)*2/3")))
     assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "deviation (interval)") and found.witness is not None
     assert found.detail == "the flow leaves the normal by 45 degrees at angle 0, and nowhere by more"
-    turned = curve_deviation.normality(_subject((C, S), _turned(S)))
+    turned = curves.normality_by_deviation(_subject((C, S), _turned(S)))
     assert turned is not None and turned.detail == "the flow leaves the normal by 45 degrees at angle 90, and nowhere by more"
     curve = _subject((C, S), _turned(f"({C}*3/5 + {S}*4/5)/2")).at({})
-    worst = curve.greatest(curve_deviation.deviation, 3, 1e-9)
+    worst = curve.greatest(curves.deviation, 3, 1e-9)
     assert worst is not None and math.tan(float(worst.value.mid())) == pytest.approx(0.5)
-    assert curve_deviation._place(curve, worst) == pytest.approx(math.atan2(4, 3), abs=1e-6)
+    assert curves._place(curve, worst) == pytest.approx(math.atan2(4, 3), abs=1e-6)
     for flow in (None, NORMAL):
-        assert curve_deviation.normality(_subject((C, S), flow)) is None
+        assert curves.normality_by_deviation(_subject((C, S), flow)) is None
 
 
 def test_a_few_angles_show_whether_there_is_a_deviation() -> None:
-    assert not curve_deviation._deviates(_subject((C, S), NORMAL), {})
+    assert not curves._deviates(_subject((C, S), NORMAL), {})
     for flow in (
         _turned("1/100"),
         _turned("-1/100"),
@@ -263,22 +263,22 @@ def test_a_few_angles_show_whether_there_is_a_deviation() -> None:
         _turned(f"pos({C} - 4/5)"),
         _turned(f"pos(-{S} - 4/5)"),
     ):
-        assert curve_deviation._deviates(_subject((C, S), flow), {})
+        assert curves._deviates(_subject((C, S), flow), {})
 
 
 def test_where_the_flow_runs_backward_it_deviates() -> None:
     """Along the normal throughout, but turned round for angles of less than 66 degrees, or of more than 114."""
     for flow in ((f"({C} - 2/5)*{C}", f"({C} - 2/5)*{S}"), (f"(2/5 - {C})*{C}", f"(2/5 - {C})*{S}")):
-        assert curve_deviation._deviates(_subject((C, S), flow), {})
+        assert curves._deviates(_subject((C, S), flow), {})
 
 
 @pytest.mark.slow
 def test_no_deviation_of_a_curve_that_is_not_simple() -> None:
     for boundary in (limacon("3/2"), DOUBLE, (C, f"{C}*{S}")):
         for flow in (_turned(S), ("1", "0")):
-            assert curve_deviation.normality(_subject(boundary, flow)) is None
+            assert curves.normality_by_deviation(_subject(boundary, flow)) is None
     ranged = _subject(limacon("e"), _turned("1"), e=Domain.between(0, "3/2"))
-    found = curve_deviation.normality(ranged)
+    found = curves.normality_by_deviation(ranged)
     assert found is None or (found.witness is not None and Fraction(found.witness.parameters["e"]) < 1)
 
 
@@ -292,24 +292,24 @@ def test_where_the_greatest_deviation_is_known_roughly(monkeypatch: pytest.Monke
             return found and Greatest(found.value.union(found.value + by * flint.arb(5, 0) / 9), found.arcs)
 
         monkeypatch.setattr(NumericCurve, "greatest", widened)
-        told = curve_deviation.normality(subject)
+        told = curves.normality_by_deviation(subject)
         assert told is not None and told.detail.partition("nowhere by more")[2].strip() == bound
     monkeypatch.setattr(NumericCurve, "greatest", lambda *_: None)
-    assert curve_deviation.normality(subject) is None
+    assert curves.normality_by_deviation(subject) is None
 
 
 def test_the_place_of_the_greatest_deviation_for_flows_turned_either_way() -> None:
     for sign in ("", "-"):
         curve = _subject((C, S), _turned(f"{sign}({C}*4/5 - {S}*3/5 + 2)/2")).at({})
-        worst = curve.greatest(curve_deviation.deviation, 3, 1e-9)
-        assert worst is not None and curve_deviation._place(curve, worst) == pytest.approx(-math.atan2(3, 4), abs=1e-7)
+        worst = curve.greatest(curves.deviation, 3, 1e-9)
+        assert worst is not None and curves._place(curve, worst) == pytest.approx(-math.atan2(3, 4), abs=1e-7)
 
 
 def test_what_is_analytic() -> None:
     for factor, always, fixed in ((f"norm(2, {C})", False, True), (f"abs({C} - 2)", False, False), (f"(2 + {C})**3", True, True)):
         curve = (f"{C}*{factor}", f"{S}*{factor}")
-        assert curve_signs._analytic(_subject(curve)) is fixed
-        assert curve_signs._analytic(_subject((curve[0] + "*(1 + e)", curve[1]), e=Domain.between(0, 1))) is always
+        assert curves._analytic(_subject(curve)) is fixed
+        assert curves._analytic(_subject((curve[0] + "*(1 + e)", curve[1]), e=Domain.between(0, 1))) is always
 
 
 def test_a_violation_of_a_clockwise_curve_is_told_in_its_own_angle() -> None:
@@ -352,13 +352,13 @@ def test_a_constraint_on_what_the_curve_does_not_hold_keeps_no_claim_open() -> N
 
 def test_zero_force_and_power_over_a_range() -> None:
     span = Domain.between(0, 1)
-    assert curve_signs.origin(_subject((f"{C} + 3/2 + e", S), NORMAL, e=span)) is None
-    assert curve_signs.origin(_subject((f"{C} + e", S), NORMAL, e=Domain.between(0, "2/5"))) is not None
+    assert curves.origin(_subject((f"{C} + 3/2 + e", S), NORMAL, e=span)) is None
+    assert curves.origin(_subject((f"{C} + e", S), NORMAL, e=Domain.between(0, "2/5"))) is not None
     touching = _subject((f"{C} + e", S), NORMAL, e=span)
-    assert curve_signs.origin(touching) is None
-    power = curve_signs.dissipation(touching)  # it is 1 + e cos phi, and 0 for e = 1 where the curve meets 0
+    assert curves.origin(touching) is None
+    power = curves.dissipation(touching)  # it is 1 + e cos phi, and 0 for e = 1 where the curve meets 0
     assert power is not None and power.detail == "T . d >= 0 at every angle, so force . flow = |sigma_n| T . d >= 0"
     beyond = _subject((f"{C} + e", S), NORMAL, e=Domain.between(0, "10001/10000"))
-    assert curve_signs.dissipation(beyond) is None
-    wound = curve_signs.origin(_subject(limacon("e"), e=Domain.between(0, "3/5")))
+    assert curves.dissipation(beyond) is None
+    wound = curves.origin(_subject(limacon("e"), e=Domain.between(0, "3/5")))
     assert wound is not None and (wound.method, wound.detail) == ("winding", "T x T' > 0: the curve runs around 0 once")

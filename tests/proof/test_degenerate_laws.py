@@ -13,7 +13,6 @@ from duhem import POSITIVE, Criterion, Domain, InputError, Verdict, verify
 from duhem.proof.claims import Claim
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import rationals
-from duhem.proof.report_text import complete
 from duhem.proof.verdict import Evidence
 from tests.long import mostly_long
 
@@ -118,7 +117,7 @@ def test_an_odd_law_is_named_first(g: str, said: str, vacuous: bool) -> None:
     assert found.remarks[0].startswith(said) and (said.endswith(". ") or found.remarks[0] == said)
     assert found.vacuous is vacuous
     assert found.dissipative is not True or not vacuous
-    assert not vacuous or "dissipative: vacuous" in complete(found)
+    assert not vacuous or "dissipative: vacuous" in found.to_text()
 
 
 def test_a_remark_has_the_law_s_own_name_of_the_pressure() -> None:

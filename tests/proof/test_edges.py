@@ -6,9 +6,7 @@ import pytest
 
 from duhem import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods.chords import convexity_beside_edges
-from duhem.proof.methods.corners import smoothness_at_sharp_points
-from duhem.proof.methods.flow import normality_refuted_by_chord
+from duhem.proof.methods.refuters import convexity_beside_edges, normality_at_chord, smoothness_at_sharp_points
 from duhem.proof.search.edges import edges
 from tests.oracles.reevaluation import confirmed
 
@@ -108,6 +106,6 @@ def test_the_slip_beside_such_a_dent(g: str) -> None:
     one = subject(criterion)
     chord = convexity_beside_edges(one)
     assert chord is not None and chord.witness is not None
-    found = normality_refuted_by_chord(one, chord.witness)
+    found = normality_at_chord(one, {"convexity": chord})
     assert found is not None and found.witness is not None
     assert confirmed(criterion, "normality", found.witness)

@@ -6,7 +6,7 @@ import pytest
 
 from duhem import Criterion, verify
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import chords
+from duhem.proof.methods import refuters
 from duhem.proof.verdict import Verdict
 
 CONE = "max(-a, -b, -c, (a + b + c)*(a*b + b*c + c*a) - 35/3*a*b*c)"  # Matsuoka, Nakai (1974): with the axes
@@ -20,7 +20,7 @@ def turned(g: str) -> str:
 def found(g: str, forces: tuple[str, ...]) -> bool:
     subject = FormulaSubject(Criterion(name="law", g=g, forces=forces, pressure=None))
     subject.allow(4_000_000)
-    return chords.convexity_between_exact_rays(subject) is not None
+    return refuters.convexity_between_exact_rays(subject) is not None
 
 
 @pytest.mark.parametrize(
@@ -69,5 +69,5 @@ def test_what_follows_for_the_slip() -> None:
 def test_dents_too_narrow_for_samples(g: str, forces: str, dented: bool) -> None:
     subject = FormulaSubject(Criterion(name="law", g=g, forces=tuple(forces), pressure=None))
     subject.allow(4_000_000)
-    evidence = chords.convexity_at_narrow_dents(subject)
+    evidence = refuters.convexity_at_narrow_dents(subject)
     assert (evidence is not None) is dented

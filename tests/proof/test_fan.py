@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 import duhem
+from duhem.proof.certificate import law_as_text
 from duhem.proof.decide.radicals import sign_of_radicals as sign_by_prover
 from duhem.proof.kernel.bounds import ANY, NEGATIVE, POSITIVE, ZERO
 from duhem.proof.kernel.certificate import stated
@@ -15,7 +16,6 @@ from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.constant_value import sign_of_radicals
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import parse
-from duhem.proof.law_text import law_as_text
 
 TINY = "1/10**80"
 DENESTED = "sqrt(2) + sqrt(3) - sqrt(5 + 2*sqrt(6))"

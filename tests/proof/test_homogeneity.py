@@ -5,10 +5,10 @@ from fractions import Fraction
 import pytest
 
 from duhem import Criterion, Domain, verify
+from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust, Verdict
 from tests.oracles.prover import degrees
 

@@ -7,9 +7,9 @@ import pytest
 from duhem import Criterion, Domain, verify
 from duhem.expression.isotropy import shears_of_isotropic
 from duhem.law.criterion_file import reads
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.law_text import law_as_text
 from tests.oracles.reevaluation import confirmed
 
 FORCES = ("xx", "yy", "zz", "yz", "xz", "xy")

@@ -11,6 +11,7 @@ import pytest
 
 from duhem import Criterion
 from duhem.law.domain import Domain
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedDomain, StatedLaw
 from duhem.proof.kernel.identity import alike
@@ -18,7 +19,6 @@ from duhem.proof.kernel.polynomial import Polynomial, negated, times, total
 from duhem.proof.kernel.signs import RAY, nonnegative
 from duhem.proof.kernel.square_roots import Signs, inner, plain, root_of, roots_in, slope_along
 from duhem.proof.kernel.term import NotWritten, Term, parse
-from duhem.proof.law_text import law_as_text
 from tests.proof import small_laws
 
 E = Term("name", name="e")

@@ -11,7 +11,6 @@ import pytest
 
 import duhem
 from duhem.law.curve_law import ParametricCriterion
-from duhem.proof.certificate import certificate
 from duhem.proof.kernel.certificate import recheck
 from duhem.proof.kernel.claims import CURVE_RULES, objection
 from duhem.proof.kernel.constant_value import Enclosure, enclosed
@@ -136,7 +135,7 @@ def test_star_shapes_of_random_harmonics_agree_with_their_own_curvature() -> Non
 
 def test_the_certificate_of_a_wedge_is_confirmed_and_that_of_another_wedge_is_not() -> None:
     values = {"tan_alpha": "1", "tan_beta": "1/4", "mu_alpha": "1/4", "mu_beta": "1/4"}
-    made = certificate(duhem.verify("wedge", values))
+    made = duhem.verify("wedge", values).certificate()
     assert {r.claim for r in recheck(made) if r.confirmed} == ALL
     assert {c["trust"] for c in made["claims"] if c["verdict"] == "proved"} == {"checked"}
 
@@ -146,8 +145,8 @@ def test_what_is_refuted_of_a_curve_is_not_confirmed() -> None:
     bent = ParametricCriterion(name="bent", boundary=("(1 + 3/5*cos(phi))*cos(phi)", "(1 + 3/5*cos(phi))*sin(phi)"), flow=("1", "0"))
     found = duhem.verify(bent)
     assert {r.claim for r in found.results if r.verdict == "refuted"} >= {"convexity", "dissipation"}
-    assert not any(r.confirmed for r in recheck(certificate(found)) if found[r.claim].verdict == "refuted")
-    assert not shown(StatedCurve.read(certificate(found)["law"])) & {"convexity", "dissipation", "normality"}
+    assert not any(r.confirmed for r in recheck(found.certificate()) if found[r.claim].verdict == "refuted")
+    assert not shown(StatedCurve.read(found.certificate()["law"])) & {"convexity", "dissipation", "normality"}
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,7 @@ import pytest
 import duhem.proof
 from duhem import load
 from duhem.law.curve_law import ParametricCriterion
-from duhem.proof.claims import CLAIMS
-from duhem.proof.claims.claim import Claim, ProofMethod, Rules, words
+from duhem.proof.claims import CLAIMS, Claim, ProofMethod, Rules, words
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject, fact

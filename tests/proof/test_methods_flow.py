@@ -12,10 +12,11 @@ import pytest
 from duhem import Criterion, Domain, Verdict
 from duhem.law.criterion_file import reads
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import chords, corners, flow
+from duhem.proof.methods import evidence, refuters
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
-from duhem.proof.verdict import Proof, Witness
-from duhem.proof.witness.enclosed_point import EnclosedPoint
+from duhem.proof.verdict import Evidence, Proof, Witness
+from duhem.proof.witness.points import EnclosedPoint
+from tests.oracles.prover import implicit
 
 A_B, DISC = ("a", "b"), "a**2 + b**2 - 1"
 STAR = "min(a**2 + 4*b**2, 4*a**2 + b**2) - 1"
@@ -57,7 +58,7 @@ def floats(point: Any, names: Sequence[str] = A_B) -> list[float]:
     ],
 )
 def test_a_flow_parallel_to_the_normal(g: str, slip: Sequence[str] | None, normal: bool) -> None:
-    found = flow.normality(subject(g, slip))
+    found = implicit.normality(subject(g, slip))
     if not normal:
         assert found is None
         return
@@ -68,13 +69,18 @@ def test_a_flow_parallel_to_the_normal(g: str, slip: Sequence[str] | None, norma
 
 def test_in_three_forces_every_pair_of_components_counts() -> None:
     for slip, normal in (("a b c", True), ("a b 2*c", False), ("a 2*b c", False), ("2*a b c", False), ("a b -c", False)):
-        assert (flow.normality(subject("a**2 + b**2 + c**2 - 1", slip.split(), "abc")) is not None) is normal
-    proved = flow.normality(subject(DISC, ("2*a", "2*b")))
+        assert (implicit.normality(subject("a**2 + b**2 + c**2 - 1", slip.split(), "abc")) is not None) is normal
+    proved = implicit.normality(subject(DISC, ("2*a", "2*b")))
     assert proved is not None and proved.proof is not None and isinstance(proved.proof, Proof)
 
 
 def _chord(parameters: dict[str, str] | None = None, **points: dict[str, str]) -> Witness:
     return Witness(parameters or {}, points, {}, "made up")
+
+
+def left_by(chord: Witness) -> dict[str, Evidence]:
+    """What is settled where a chord leaves K."""
+    return {"convexity": Evidence(Verdict.REFUTED, "witness-chord", "", chord)}
 
 
 ACROSS = _chord(p={"a": "1", "b": "0"}, q={"a": "0", "b": "1"}, midpoint={"a": "1/2", "b": "1/2"})
@@ -83,7 +89,7 @@ ACROSS = _chord(p={"a": "1", "b": "0"}, q={"a": "0", "b": "1"}, midpoint={"a": "
 @pytest.mark.parametrize("turn", [1, -1])
 def test_the_normal_where_a_chord_leaves_the_set(turn: int) -> None:
     ends = {"p": {"a": "1", "b": "0"}, "q": {"a": "0", "b": str(turn)}, "midpoint": {"a": "1/2", "b": f"{turn}/2"}}
-    found = flow.normality_refuted_by_chord(subject(STAR), _chord(**ends))
+    found = refuters.normality_at_chord(subject(STAR), left_by(_chord(**ends)))
     assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "witness-normal")
     assert found.detail == "grad g is not in the normal cone where a chord leaves K" and found.witness is not None
     shown, (a, b) = found.witness, floats(found.witness.points["inside"])
@@ -98,15 +104,17 @@ def test_the_normal_where_a_chord_leaves_the_set(turn: int) -> None:
 
 
 def test_a_chord_says_nothing_of_another_flow() -> None:
-    assert flow.normality_refuted_by_chord(subject(STAR, A_B), ACROSS) is None
+    assert refuters.normality_at_chord(subject(STAR, A_B), left_by(ACROSS)) is None
     inside = _chord(p={"a": "1/2", "b": "0"}, q={"a": "0", "b": "1/2"}, midpoint={"a": "1/4", "b": "1/4"})
-    assert flow.normality_refuted_by_chord(subject(DISC), inside) is None
+    found = refuters.normality_at_chord(subject(DISC), left_by(inside))
+    assert found is not None and (found.verdict, found.method) == (Verdict.UNDECIDED, "witness-chord")
+    assert refuters.normality_at_chord(subject(DISC), {"convexity": Evidence(Verdict.UNDECIDED, "none", "")}) is None
 
 
 def test_a_chord_is_read_with_its_parameters_and_its_pressure() -> None:
     law = subject("a**2 + b**2 - q*abs(p) - p**2", pressure="p", q=Domain.between(0, 1))
     ends = {role: {"a": x, "b": y, "p": "-3"} for role, x, y in (("p", "1", "0"), ("q", "0", "1/3"), ("midpoint", "1/2", "1/6"))}
-    parameters, p, q, middle = flow._read(law, _chord({"q": "2/3"}, **ends))
+    parameters, p, q, middle = refuters._read(law, _chord({"q": "2/3"}, **ends))
     table = law.law.symbols()
     magnitude = law.simple.magnitude
     expected = {table["q"]: Fraction(2, 3)} | (
@@ -118,7 +126,7 @@ def test_a_chord_is_read_with_its_parameters_and_its_pressure() -> None:
 @pytest.mark.parametrize("degrees", [45, -45])
 def test_a_flow_that_leans(degrees: int) -> None:
     slip = ("a - b", "b + a") if degrees > 0 else ("a + b", "b - a")
-    found = flow.normality_refuted(subject(DISC, slip))
+    found = refuters.normality_at_points(subject(DISC, slip))
     assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "witness-flow")
     assert found.detail == "the flow leaves the normal cone of K" and found.witness is not None
     shown, (x, y) = found.witness, floats(found.witness.points["inside"])
@@ -133,22 +141,22 @@ def test_a_flow_that_leans(degrees: int) -> None:
 
 def test_a_flow_that_leans_a_little_shows_close_by() -> None:
     law = subject("a**2 + 2*b**2 - 1", ("a", "2*b + a/500"))
-    found = flow.normality_refuted(law, 1)
+    found = refuters.normality_at_points(law, 1)
     assert found is not None and found.witness is not None and 0 < found.witness.measures["deviation_degrees"] < 0.2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("slip", [("a", "b"), ("2*a*(3 + b)", "2*b*(3 + b)"), None])
 def test_a_normal_flow_is_not_refuted(slip: Sequence[str] | None) -> None:
-    assert flow.normality_refuted(subject(DISC, slip), 1) is None
-    assert flow.dissipation_refuted(subject(DISC, slip), 1) is None
+    assert refuters.normality_at_points(subject(DISC, slip), 1) is None
+    assert refuters.dissipation_at_points(subject(DISC, slip), 1) is None
 
 
 @pytest.mark.parametrize(
     ("g", "slip"), [(DISC, ("-a", "-b")), (DISC, ("a - 3*b", "b - 3*a")), ("(a - 2)**2 + b**2 - 1", None), (DISC, ("a - 3/2", "b"))]
 )
 def test_a_flow_of_negative_power(g: str, slip: Sequence[str] | None) -> None:
-    found = flow.dissipation_refuted(subject(g, slip), 1)
+    found = refuters.dissipation_at_points(subject(g, slip), 1)
     assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "witness-power")
     assert found.detail == "force . flow is negative on the boundary" and found.witness is not None
     x, y = floats(found.witness.points["inside"])
@@ -159,14 +167,14 @@ def test_a_flow_of_negative_power(g: str, slip: Sequence[str] | None) -> None:
 
 
 def test_a_flow_of_power_that_is_seldom_negative() -> None:
-    assert flow.dissipation_refuted(subject(DISC, ("a - 2*b", "b + 2*a")), 1) is None
-    assert flow.dissipation_refuted(subject("(a - 1)**2 + b**2 - 1"), 1) is None
+    assert refuters.dissipation_at_points(subject(DISC, ("a - 2*b", "b + 2*a")), 1) is None
+    assert refuters.dissipation_at_points(subject("(a - 1)**2 + b**2 - 1"), 1) is None
 
 
 def test_angles_between_flow_and_normal() -> None:
     def angles(slip: Sequence[str], x: Fraction, y: Fraction, forces: Sequence[str] = A_B, g: str = DISC) -> dict[str, float]:
         beside = (x + Fraction(1, 10**15), y, Fraction(0))[: len(forces)]
-        return flow._angles(subject(g, slip, forces), EnclosedPoint({}, (x, y, Fraction(0))[: len(forces)], beside))
+        return refuters._angles(subject(g, slip, forces), EnclosedPoint({}, (x, y, Fraction(0))[: len(forces)], beside))
 
     x, y = Fraction(3, 5), Fraction(4, 5)
     along = math.degrees(math.atan2(4, 3))
@@ -185,7 +193,7 @@ def test_angles_between_flow_and_normal() -> None:
 
 
 def test_chords_of_a_star() -> None:
-    for method in (chords.convexity_by_scouting, chords.convexity_at_seams):
+    for method in (refuters.convexity_by_scouting, refuters.convexity_at_seams):
         found = method(subject(STAR))
         assert found is not None and (found.verdict, found.method) == (Verdict.REFUTED, "witness-chord")
         assert found.detail == "a chord between two points of K leaves K" and found.witness is not None
@@ -198,17 +206,17 @@ def test_chords_of_a_star() -> None:
 
 def test_chords_across_a_dent() -> None:
     dented = subject("a**4 + b**4 - 3*a**2*b**2/2 - 1")
-    for method in (chords.convexity_at_clear_dents, chords.convexity_at_deepest_dents, chords.convexity_at_dents):
+    for method in (refuters.convexity_at_clear_dents, refuters.convexity_at_deepest_dents, refuters.convexity_at_dents):
         found = method(dented)
         assert found is not None and found.verdict is Verdict.REFUTED and found.method == "witness-chord"
         assert method(subject("a**4 + b**4 + a**2*b**2 - 1")) is None
-    assert chords.convexity_at_dents(subject("a - b**2 - 1")) is None and chords.convexity_at_seams(dented) is None
-    assert chords.convexity_at_seams(subject("min(a, b, c) - 1", forces="abc")) is None
+    assert refuters.convexity_at_dents(subject("a - b**2 - 1")) is None and refuters.convexity_at_seams(dented) is None
+    assert refuters.convexity_at_seams(subject("min(a, b, c) - 1", forces="abc")) is None
 
 
 @pytest.mark.slow
 def test_corners_and_sharp_points() -> None:
-    found = corners.smoothness(subject("abs(a) + b**2 - 1"))
+    found = refuters.smoothness_at_corners(subject("abs(a) + b**2 - 1"))
     assert found is not None and found.witness is not None and found.witness.points
     assert (found.verdict, found.method, found.detail) == (
         Verdict.REFUTED,
@@ -217,24 +225,28 @@ def test_corners_and_sharp_points() -> None:
     )
     at = next(iter(found.witness.points.values()))
     assert abs(float(Fraction(at["a"]))) < 1e-6 and abs(abs(float(Fraction(at["b"]))) - 1) < 1e-6
-    assert corners.smoothness(subject("a**2 + b**2 + pos(b)**2 - 1")) is None and corners.smoothness(subject(DISC)) is None
-    tip = corners.smoothness_at_sharp_points(subject("norm(a, b) + c - 1", forces="abc"))
+    assert (
+        refuters.smoothness_at_corners(subject("a**2 + b**2 + pos(b)**2 - 1")) is None
+        and refuters.smoothness_at_corners(subject(DISC)) is None
+    )
+    tip = refuters.smoothness_at_sharp_points(subject("norm(a, b) + c - 1", forces="abc"))
     assert tip is not None and (tip.verdict, tip.method, tip.detail) == (
         Verdict.REFUTED,
         "witness-sharp-point",
         "the boundary has a sharp point",
     )
-    assert corners.smoothness_at_sharp_points(subject(DISC)) is None
+    assert refuters.smoothness_at_sharp_points(subject(DISC)) is None
     within = {"b": Domain.between("-1/2", "1/2")}
-    assert corners.smoothness(subject("abs(a) + b**2 - 1", domain=within)) is None  # where the claim is not asked
-    edge = corners.smoothness(subject("max(norm(a, b), abs(c)) - 1", forces="abc"))
+    assert refuters.smoothness_at_corners(subject("abs(a) + b**2 - 1", domain=within)) is None  # where the claim is not asked
+    edge = refuters.smoothness_at_corners(subject("max(norm(a, b), abs(c)) - 1", forces="abc"))
     assert edge is not None and edge.method == "witness-corner"
 
 
 def test_what_shows_that_a_flow_is_parallel() -> None:
     for slip in (A_B, ("a*(1 + abs(b))", "b*(1 + abs(b))")):
-        known = flow.normality(subject(DISC, slip))
+        known = implicit.normality(subject(DISC, slip))
         assert known is not None and known.proof is not None and set(known.proof.evidence) == {"along", "across"}
+        assert evidence.normality_parallel(subject(DISC, slip), {"convexity": Evidence(Verdict.TESTED, "", "")}) is None
 
 
 def test_of_two_surfaces_each_flow_counts() -> None:
@@ -243,41 +255,41 @@ def test_of_two_surfaces_each_flow_counts() -> None:
     )
     for slips, normal in ((("a", "b", "1", "0"), True), (("a", "b", "1", "1/9"), False), (("a", "2*b", "1", "0"), False)):
         law = reads(text.format(*slips))
-        assert (flow.normality(FormulaSubject(law)) is not None) is normal  # type: ignore[arg-type]
+        assert (implicit.normality(FormulaSubject(law)) is not None) is normal  # type: ignore[arg-type]
 
 
 def test_a_centre_is_inside_at_the_same_parameters() -> None:
     law = subject("(a - 2)**2 + b**2 - q", q=Domain.between(1, 2))
     choice = next(law.choices(1))
     (q,) = choice
-    inside = list(flow._centre(law, choice))
+    inside = list(refuters._centre(law, choice))
     assert inside and all((x - 2) ** 2 + y * y < choice[q] for x, y in inside)
-    assert not list(flow._centre(law, {q: Fraction(1234, 1001)}))
+    assert not list(refuters._centre(law, {q: Fraction(1234, 1001)}))
 
 
 def test_targets_close_by_are_inside() -> None:
     law = subject("a**2 + 2*b**2 - 1", ("a", "2*b + a/500"))
     scout = next(scouts(law, 1))
-    near = list(flow._on_the_boundary(law, scout))
+    near = list(refuters._on_the_boundary(law, scout))
     assert near and all(0 <= 1 - x * x - 2 * y * y < Fraction(1, 10**9) for _, (x, y) in near)
 
 
 def test_a_deviation_that_shows_close_by_alone() -> None:
     law = subject("a**2 + 2*b**2 - 1", ("a", "2*b + a/500"))
-    assert flow.normality_refuted(law, 1, near=False) is None
+    assert refuters.normality_at_points(law, 1, near=False) is None
 
 
 def test_a_flow_towards_zero_force() -> None:
     """At its least power the flow leans towards zero force, wherever else it may lean."""
     law = subject(DISC, ("-a", "-b"))
     exit = next(iter(next(scouts(law, 1)).least_power(5)))
-    found = flow._leans_towards(law, exit, (Fraction(0), Fraction(0)))
+    found = refuters._leans_towards(law, exit, (Fraction(0), Fraction(0)))
     assert found is not None and found.points["tau"] == {"a": "0", "b": "0"}
-    assert flow._leans_towards(law, exit, (Fraction(5), Fraction(5))) is None  # no point of K
-    assert flow._leans_towards(subject(DISC, A_B), exit, (Fraction(0), Fraction(0))) is None
+    assert refuters._leans_towards(law, exit, (Fraction(5), Fraction(5))) is None  # no point of K
+    assert refuters._leans_towards(subject(DISC, A_B), exit, (Fraction(0), Fraction(0))) is None
 
 
 def test_zero_force_is_a_target_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(BoundaryScout, "far_targets", lambda scout: iter(()))
-    found = flow.normality_refuted(subject(DISC, ("-a", "-b")), 1, near=False)
+    found = refuters.normality_at_points(subject(DISC, ("-a", "-b")), 1, near=False)
     assert found is not None and found.witness is not None and found.witness.points["tau"] == {"a": "0", "b": "0"}

@@ -11,7 +11,7 @@ import sympy as sp
 from duhem import POSITIVE, Criterion, Domain, Verdict
 from duhem.expression import Norm
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import evaluation, polar_gauge, sampling
+from duhem.proof.methods import evidence, refuters
 from duhem.proof.verdict import Evidence, Proof
 from tests.oracles.prover import composition, convex_sums, degrees, polar, rounded, state_laws
 from tests.oracles.prover import evaluation as evaluated
@@ -283,13 +283,13 @@ def test_the_sign_at_zero_force() -> None:
         assert told(found) == ("proved", "evaluation (sign-rules)", f"g(0) = {at} <= 0", "")
     for g in ("norm(a - 2, b) - 1", "norm(a, b) + a*b/norm(a, b)/4 - 1", "norm(a, b) - q + 1/2"):
         assert evaluated.origin(subject(g, **({"q": UNIT} if "q" in g else {}))) is None
-    out = evaluation.origin_refuted(subject("(a - 1)**2 + b**2 - q", q=Domain.between(0, 2)))
+    out = refuters.origin_at_parameters(subject("(a - 1)**2 + b**2 - q", q=Domain.between(0, 2)))
     assert out is not None and (out.verdict, out.method, out.detail) == (Verdict.REFUTED, "witness-point", "zero force is outside K")
     assert (
         out.witness is not None and sp.Rational(out.witness.parameters["q"]) < 1 and out.witness.points == {"origin": {"a": "0", "b": "0"}}
     )
-    assert evaluation.origin_refuted(subject("norm(a, b) - 1")) is None
-    assert evaluation.origin_refuted(subject("norm(a, b) + a*b/norm(a, b)/4 - 1")) is None
+    assert refuters.origin_at_parameters(subject("norm(a, b) - 1")) is None
+    assert refuters.origin_at_parameters(subject("norm(a, b) + a*b/norm(a, b)/4 - 1")) is None
 
 
 EULER = "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g = (a - b) A > 0 on the boundary"
@@ -331,19 +331,17 @@ def test_a_flow_of_its_own_is_no_gradient_of_the_gauge() -> None:
 
 
 def test_the_potential_of_a_gauge() -> None:
-    found = polar_gauge.duality(subject("norm(a, q*b) - 1", q=POSITIVE))
+    found = evidence.duality(subject("norm(a, q*b) - 1", q=POSITIVE))
     assert found is not None and found.verdict is Verdict.PROVED and found.method == "polar-gauge"
     assert found.detail.startswith("Phi(d) = norm(d_a, d_b/q); the dissipation potential is the conjugate")
     assert found.proof == Proof("polar-gauge", {"potential": "norm(d_a, d_b/q)", "slips": {"a": "d_a", "b": "d_b"}})
-    flat = polar_gauge.duality(subject("abs(a) - 1"))
+    flat = evidence.duality(subject("abs(a) - 1"))
     assert flat is not None and flat.proof is not None and flat.proof.evidence["flat"] == ["d_b"]
-    assert (
-        polar_gauge.duality(subject("norm(a, q*b) - 1", q=UNIT)) is None and polar_gauge.duality(subject("norm(a, b) - q", q=UNIT)) is None
-    )
+    assert evidence.duality(subject("norm(a, q*b) - 1", q=UNIT)) is None and evidence.duality(subject("norm(a, b) - q", q=UNIT)) is None
     none = "the rules of the polar gauge give this law no closed-form dissipation potential"
-    assert polar_gauge.duality(subject("abs(a) + b**2 - 1")) == Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", none)
+    assert evidence.duality(subject("abs(a) + b**2 - 1")) == Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", none)
     part = "the claims are asked in a range of a, and no closed form is known of a part of K"
-    assert polar_gauge.duality(subject("norm(a, b) - 1", domain={"a": UNIT})) == Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", part)
+    assert evidence.duality(subject("norm(a, b) - 1", domain={"a": UNIT})) == Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", part)
 
 
 @pytest.mark.parametrize("forces", ["a", "ab", "abc"])
@@ -354,16 +352,16 @@ def test_the_state_laws(forces: str) -> None:
 
 
 def test_what_was_looked_at_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = sampling._tested("no violation at", [720])
+    one = refuters._tested("no violation at", [720])
     assert one == Evidence(
         Verdict.TESTED, "sampling", "no violation at 720 boundary points of 1 parameter choice (fixed seeds); nothing is proved"
     )
-    two = sampling._tested("no chord was found to leave K between", [3, 4])
+    two = refuters._tested("no chord was found to leave K between", [3, 4])
     assert two is not None
     assert two.detail == "no chord was found to leave K between 7 boundary points of 2 parameter choices (fixed seeds); nothing is proved"
-    assert sampling._tested("no violation at", []) is None
-    slips = sampling.dissipation(subject("norm(a, b) - 1", flow=A_B))
-    assert slips == one and sampling.normality(subject("norm(a, b) - 1", flow=A_B)) == one
-    monkeypatch.setattr(sampling, "chords", lambda subject: two)
-    assert sampling.normality(subject("norm(a, b) - 1")) == two
-    assert sampling.dissipation(subject("norm(a, b) + 1", flow=A_B)) is None
+    assert refuters._tested("no violation at", []) is None
+    slips = refuters.dissipation_by_sampling(subject("norm(a, b) - 1", flow=A_B))
+    assert slips == one and refuters.normality_by_sampling(subject("norm(a, b) - 1", flow=A_B)) == one
+    monkeypatch.setattr(refuters, "convexity_by_sampling", lambda subject: two)
+    assert refuters.normality_by_sampling(subject("norm(a, b) - 1")) == two
+    assert refuters.dissipation_by_sampling(subject("norm(a, b) + 1", flow=A_B)) is None

@@ -13,7 +13,7 @@ from duhem import Criterion, Domain, Verdict
 from duhem.expression import Norm, Where
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import chords, corners, evaluation
+from duhem.proof.methods import refuters
 from duhem.proof.search import polynomial_dents, sampled_chords
 from duhem.proof.verdict import Proof
 from tests.oracles.prover import composition, convex_sums, degrees, power_share, rounded
@@ -295,12 +295,12 @@ def test_the_origin_where_g_has_no_value_there() -> None:
     assert found is not None and (found.verdict, found.method) == (Verdict.PROVED, "evaluation (sign-rules)")
     assert found.detail == "the limit of g at zero force is -q <= 0"
     for g in ("a/b - 1", "log(a) - 1"):
-        why = evaluation.origin_undefined(subject(g))
+        why = refuters.origin_undefined(subject(g))
         assert why is not None and (why.verdict, why.method) == (Verdict.UNDECIDED, "none")
         assert why.detail.startswith("g has no value at zero force; if its limit is meant there, write where(")
-    assert evaluation.origin_undefined(subject("norm(a, b) - 1")) is None
-    assert evaluated.origin(subject("a/b - 1")) is None and evaluation.origin_refuted(subject("a/b - 1")) is None
-    apart = evaluation.origin_refuted(subject("norm(a - q, b) - 999/1000", q=UNIT))  # outside at the end of a range alone
+    assert refuters.origin_undefined(subject("norm(a, b) - 1")) is None
+    assert evaluated.origin(subject("a/b - 1")) is None and refuters.origin_at_parameters(subject("a/b - 1")) is None
+    apart = refuters.origin_at_parameters(subject("norm(a - q, b) - 999/1000", q=UNIT))  # outside at the end of a range alone
     assert apart is not None and apart.witness is not None and sp.Rational(apart.witness.parameters["q"]) > sp.Rational("0.999")
 
 
@@ -313,7 +313,7 @@ def test_the_origin_where_g_has_no_value_there() -> None:
 )
 def test_what_to_write_for_quotients_that_tend_to_0_at_zero_force(g: str, quotients: list[str]) -> None:
     law = {"q": UNIT} if "q" in g else {}
-    why = evaluation.origin_undefined(subject(g, **law))
+    why = refuters.origin_undefined(subject(g, **law))
     said = f"{' and '.join(quotients)} {'are' if quotients[1:] else 'is'} 0/0 there, with the limit 0; write where(norm(a, b) > 0, ..., 0)"
     assert why is not None and why.detail.startswith(f"g has no value at zero force: {said} around ")
     mended = g.replace("q*b**2", "b**2*q")
@@ -333,7 +333,7 @@ def test_what_to_write_for_quotients_that_tend_to_0_at_zero_force(g: str, quotie
     ],
 )
 def test_no_limit_is_promised_where_there_is_none(g: str, does: str) -> None:
-    why = evaluation.origin_undefined(subject(g))
+    why = refuters.origin_undefined(subject(g))
     assert why is not None and "limit" not in why.detail
     assert why.detail.startswith(f"g has no value at zero force: it {does}, which is 0 there; write where(norm(a, b) > 0, ..., ...)")
 
@@ -344,10 +344,10 @@ def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(polynomial_dents, "chords_across_dents", lambda subject, most, thorough: asked.append(thorough) or ())
     law = subject("a**2 + b**2 - 1")
     for method in (
-        chords.convexity_by_scouting,
-        chords.convexity_by_thorough_scouting,
-        chords.convexity_at_clear_dents,
-        chords.convexity_at_deepest_dents,
+        refuters.convexity_by_scouting,
+        refuters.convexity_by_thorough_scouting,
+        refuters.convexity_at_clear_dents,
+        refuters.convexity_at_deepest_dents,
     ):
         assert method(law) is None
     few, many, clear, deepest = asked
@@ -356,22 +356,22 @@ def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_the_first_chord_that_holds_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = [SimpleNamespace(parameters={}, p=k, q=-k) for k in range(4)]
-    monkeypatch.setattr(chords, "chord", lambda subject, parameters, p, q, touching: None if p < 2 else (p, q))
-    found = chords._refuted(subject("a**2 + b**2 - 1"), tried)  # type: ignore[arg-type]
+    monkeypatch.setattr(refuters, "chord", lambda subject, parameters, p, q, touching: None if p < 2 else (p, q))
+    found = refuters._refuted(subject("a**2 + b**2 - 1"), tried)  # type: ignore[arg-type]
     assert found is not None and found.witness == (2, -2)
 
 
 def test_dents_in_one_arc_and_seams_of_two_pieces() -> None:
     """The first arc is round, the second is dented; the third has no counterexample of its own."""
     half = subject("where(b > 0, norm(a, b), norm(a, b) + 2*a**2*b**2/norm(a, b)**3) - 1")
-    found = chords.convexity_at_dents(half)
+    found = refuters.convexity_at_dents(half)
     assert found is not None and found.verdict is Verdict.REFUTED
     two = subject("norm(a, b) - abs(a)/2 - 1")
     assert two.pieces is not None and len(two.pieces) == 2
-    kinked = chords.convexity_at_seams(two)
+    kinked = refuters.convexity_at_seams(two)
     assert kinked is not None and kinked.verdict is Verdict.REFUTED
-    assert chords.convexity_at_seams(subject("abs(abs(a) - 2) - 1", "a")) is None
-    assert corners.smoothness(subject("abs(a) - 1", "a")) is None
+    assert refuters.convexity_at_seams(subject("abs(abs(a) - 2) - 1", "a")) is None
+    assert refuters.smoothness_at_corners(subject("abs(a) - 1", "a")) is None
 
 
 @pytest.mark.parametrize(
@@ -390,10 +390,10 @@ def test_the_power_of_a_flow_that_is_defined_everywhere(g: str, slip: tuple[str,
 
 def test_a_denial_without_a_point_shows_no_dent(monkeypatch: pytest.MonkeyPatch) -> None:
     law = subject("norm(a, b) - 9*a*b/norm(a, b)/10 - 1")
-    assert chords.convexity_at_dents(law) is not None
+    assert refuters.convexity_at_dents(law) is not None
     for answer in (Answer(False), Answer(None), Answer(True)):
         monkeypatch.setattr(FormulaSubject, "ask", lambda *_, told=answer, **__: told)
-        assert chords.convexity_at_dents(law) is None
+        assert refuters.convexity_at_dents(law) is None
 
 
 @pytest.mark.parametrize("g", ["atan(norm(a, b)) - e", "exp(norm(a, b)) + a - 1", "sin(norm(a, b)) + a/2", "tanh(norm(a, b) + a) - e/2"])

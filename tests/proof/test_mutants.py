@@ -18,15 +18,15 @@ import sympy as sp
 
 import duhem.proof.decide.line_cells as cells
 import duhem.proof.facts.subject as subject_module
-import duhem.proof.methods.chords as chords_module
-import duhem.proof.methods.implicit as implicit
+import duhem.proof.methods.refuters as refuters_module
 import duhem.proof.statement.problem as problem_module
-import duhem.proof.witness.rational_points as witness_module
+import duhem.proof.witness.points as witness_module
 import tests.oracles.prover.curvature as curvature_module
+import tests.oracles.prover.implicit as implicit
 import tests.oracles.prover.polar as polar
 from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
 from duhem.proof.claims import CLAIMS as CLAIMS_BY_NAME
-from duhem.proof.claims.claim import ProofMethod
+from duhem.proof.claims import ProofMethod
 from duhem.proof.decide import Answer, Budget, Question, Sense, decide
 from duhem.proof.facts.formula_subject import FormulaSubject
 from tests.long import mostly_long
@@ -367,14 +367,9 @@ def _chord(skipped: tuple[str, ...]) -> Patch:
                 sign, _ = look(subject.problem.g, values)
                 if role not in skipped and (sign is None or (sign > 0) != (role == "midpoint")):
                     return None
-            return Witness(
-                witness_module.describe(subject, at["p"], forces=False),
-                {role: witness_module.describe(subject, v) for role, v in at.items()},
-                {},
-                "a chord",
-            )
+            return witness_module.witness(subject, at, {}, "a chord")
 
-        monkeypatch.setattr(chords_module, "chord", chord)
+        monkeypatch.setattr(refuters_module, "chord", chord)
 
     return patch
 

@@ -9,11 +9,11 @@ import pytest
 
 from duhem import Criterion
 from duhem.law.domain import Domain
+from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.law_text import law_as_text
-from duhem.proof.methods.chords import convexity_at_far_points
+from duhem.proof.methods.refuters import convexity_at_far_points
 from tests.oracles.prover.curvature import convex_in_its_region
 from tests.oracles.reevaluation import confirmed
 

@@ -13,10 +13,10 @@ import pytest
 from duhem import Criterion, Domain
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import flow, implicit
+from duhem.proof.methods import evidence
 from duhem.proof.verdict import Evidence, Verdict
 from tests.long import mostly_slow
-from tests.oracles.prover import degrees, polar
+from tests.oracles.prover import degrees, implicit, polar
 from tests.oracles.prover import evaluation as evaluated
 
 Method = Callable[[FormulaSubject], Evidence | None]
@@ -28,11 +28,11 @@ ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the
     (implicit.convexity, "a**2 + b**2 + c**2 - q", None, 0),
     (implicit.hessian, HALVES, None, 0),
     (implicit.hessian, "abs(a) + exp(b) - 1 - q", None, 0),
-    (implicit.smoothness, HALVES, None, 0),
-    (implicit.dissipation, HALVES, None, 0),
-    (implicit.dissipation, DISC, A_B, 0),
-    (flow.normality, DISC, A_B, 0),
-    (flow.normality, "a**2 + b**2 + c**2 - q", ("a", "b", "c"), 0),
+    (evidence.smoothness_on_boundary, HALVES, None, 0),
+    (evidence.dissipation_on_boundary, HALVES, None, 0),
+    (evidence.dissipation_on_boundary, DISC, A_B, 0),
+    (implicit.normality, DISC, A_B, 0),
+    (implicit.normality, "a**2 + b**2 + c**2 - q", ("a", "b", "c"), 0),
     (polar.convexity, "norm(a, b) + abs(a)/2 - q", None, 6),  # its arcs are asked by composition first
     (polar.smoothness, "norm(a, b) + a*b/norm(a, b)/4 + abs(a)*a/norm(a, b)/8 - q", None, 0),
     (degrees.dissipation, "a**2 + b**2 - q", None, 1),

@@ -8,7 +8,7 @@ import pytest
 
 from duhem import Criterion, Domain
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import chords
+from duhem.proof.methods import refuters
 from duhem.proof.verdict import Evidence
 from tests.oracles import plane_quartics
 
@@ -26,7 +26,7 @@ def ball(c: Fraction, forces: str) -> str:
 
 
 def dented(stated: Criterion) -> Evidence | None:
-    return chords.convexity_at_deepest_dents(FormulaSubject(stated))
+    return refuters.convexity_at_deepest_dents(FormulaSubject(stated))
 
 
 @pytest.mark.parametrize("forces", ["a b c", pytest.param("a b c d", marks=pytest.mark.slow)])
@@ -89,14 +89,14 @@ NARROW = (  # beside a hollow that is broad and lies lower at every start
 
 def test_a_narrow_dent_beside_a_broad_hollow() -> None:
     stated = law(NARROW, "sx sy t")
-    for method in (chords.convexity_at_clear_dents, chords.convexity_at_deepest_dents):
+    for method in (refuters.convexity_at_clear_dents, refuters.convexity_at_deepest_dents):
         found = method(FormulaSubject(stated))
         assert found is not None and found.witness is not None
 
 
 @pytest.mark.parametrize(("depth", "seen"), [(F(1, 10**9), True), (F(0), False), (F(-1, 10**9), False)])
 def test_what_is_all_but_flat_is_followed_at_once(depth: Fraction, seen: bool) -> None:
-    found = chords.convexity_at_clear_dents(FormulaSubject(law(f"{ball(F(8, 9) + depth, 'a b c')} - 1", "a b c")))
+    found = refuters.convexity_at_clear_dents(FormulaSubject(law(f"{ball(F(8, 9) + depth, 'a b c')} - 1", "a b c")))
     assert (found is not None) is seen
 
 
@@ -113,4 +113,4 @@ def long_quartic(depth: Fraction, length: int) -> str:
 def test_dents_of_long_sets(length: int, depth: Fraction, seen: bool) -> None:
     stated = law(long_quartic(depth, length), "x y z")
     assert (dented(stated) is not None) is seen
-    assert (chords.convexity_at_clear_dents(FormulaSubject(stated)) is not None) is seen
+    assert (refuters.convexity_at_clear_dents(FormulaSubject(stated)) is not None) is seen

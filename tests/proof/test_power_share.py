@@ -7,10 +7,10 @@ import re
 import pytest
 
 from duhem import Criterion, Domain, verify
+from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust, Verdict
 from tests.long import mostly_slow
 from tests.oracles.prover import power_share

@@ -8,10 +8,10 @@ import pytest
 
 from duhem import Criterion, verify
 from duhem.law.domain import POSITIVE, Domain
+from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust, Verdict
 from tests.oracles.prover.curvature import convex_in_its_region
 

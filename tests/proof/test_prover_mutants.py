@@ -13,22 +13,20 @@ from typing import Any
 import pytest
 import sympy as sp
 
-import duhem.proof.methods.implicit as implicit
-import duhem.proof.methods.polar_gauge as polar_gauge
 import duhem.proof.statement.problem as problem
 import tests.oracles.prover.composition as composition
 import tests.oracles.prover.curvature as curvature_facts
+import tests.oracles.prover.implicit as implicit
 import tests.oracles.prover.polar as polar
 import tests.oracles.prover.polar_form as polar_facts
 import tests.oracles.prover.polyhedral as polyhedral
 from duhem import POSITIVE, Criterion, Domain, Verdict
 from duhem.derivation.potential import SupportFunction
 from duhem.expression import Norm
-from duhem.proof.claims import normality
 from duhem.proof.decide import Answer, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import CLAIMS
-from duhem.proof.methods import flow
+from duhem.proof.methods import evidence
 from duhem.proof.trust import Confirmations, Standing
 from duhem.proof.verdict import Evidence, Proof, Trust
 from tests.long import mostly_long
@@ -248,14 +246,14 @@ LIES = (
         "undecided for proved", asking(lambda *q: YES if honest(*q).holds is None else honest(*q)),
         "convexity", implicit.hessian, law("sin(a)**2/1000 + exp(-b**2) - 2"),
     ),
-    Lie("strict signs made weak", asking(weak), "smoothness", implicit.smoothness, CROSS),
+    Lie("strict signs made weak", asking(weak), "smoothness", evidence.smoothness_on_boundary, CROSS),
     Lie("equalities not asked", asking(granted(Sense.ZERO)), "smoothness", polar.smoothness, CORNER),
-    Lie("equalities not asked on seams", asking(granted(Sense.ZERO)), "smoothness", implicit.smoothness, CORNERED),
+    Lie("equalities not asked on seams", asking(granted(Sense.ZERO)), "smoothness", evidence.smoothness_on_boundary, CORNERED),
     Lie("signs not asked", asking(granted(Sense.POSITIVE, Sense.NONNEGATIVE)), "dissipation", polar.dissipation, OUTSIDE),
     Lie("the sign asked of the opposite", asking(lambda s, e, *q: honest(s, -e, *q)), "origin", evaluated.origin, OUTSIDE),
     Lie("half of the circle asked", asking(only_if(lambda c: sp.Gt(c[0], 0) if c else sp.true)), "convexity", polar.convexity, LIMACON),
     Lie("hypotheses that contradict each other", asking(only_if(lambda c: sp.false)), "convexity", polar.convexity, WAVES),
-    Lie("ends of ranges left out", asking(strict), "smoothness", implicit.smoothness, law("a**2 - b**2 - q", q=UNIT)),
+    Lie("ends of ranges left out", asking(strict), "smoothness", evidence.smoothness_on_boundary, law("a**2 - b**2 - q", q=UNIT)),
     Lie(
         "one value of a parameter asked", asking(without_domain),
         "convexity", polar.convexity, law(f"{R}**2 - abs(p)*({R} + e*a)", e=UNIT),
@@ -294,9 +292,10 @@ LIES = (
     Lie("jumps of g not asked", put(FormulaSubject, "continuous", True),
         "convexity", implicit.convexity, law("a**2 + b**2 - where(a > 0, 1, 2)")),
     Lie("the gradient for the flow", put(FormulaSubject, "simple", property(associated)),
-        "dissipation", implicit.dissipation, flowing("a**2 + b**2 - 1", "-a", "-b")),
-    Lie("no gradient, no power", asking(granted(Sense.POSITIVE)), "dissipation", implicit.dissipation, law("pos(norm(a - 2, b) - 1)**2")),
-    Lie("the power not asked", asking(granted(Sense.NONNEGATIVE)), "dissipation", implicit.dissipation, OUTSIDE),
+        "dissipation", evidence.dissipation_on_boundary, flowing("a**2 + b**2 - 1", "-a", "-b")),
+    Lie("no gradient, no power", asking(granted(Sense.POSITIVE)),
+        "dissipation", evidence.dissipation_on_boundary, law("pos(norm(a - 2, b) - 1)**2")),
+    Lie("the power not asked", asking(granted(Sense.NONNEGATIVE)), "dissipation", evidence.dissipation_on_boundary, OUTSIDE),
     # composition
     Lie("kinks cancel everywhere", put(Regularity, "cancelling", property(lambda self: True)),
         "smoothness", composition.smoothness, law("norm(abs(a - 1) + abs(b), b) - 3")),
@@ -321,21 +320,21 @@ LIES = (
     Lie("K not compared with its half-spaces", put(polyhedral.Affine, "solution", faces_alone), "convexity", polyhedral.convexity, NOTCHED),
     # flows and premises
     Lie("the direction of the flow not asked", asking(granted(Sense.ZERO)),
-        "normality", flow.normality, flowing("a**2 + b**2 - 1", "a", "2*b")),
+        "normality", implicit.normality, flowing("a**2 + b**2 - 1", "a", "2*b")),
     Lie("the sense of the flow not asked", asking(granted(Sense.NONNEGATIVE)),
-        "normality", flow.normality, flowing("a**2 + b**2 - 1", "-a", "-b")),
+        "normality", implicit.normality, flowing("a**2 + b**2 - 1", "-a", "-b")),
     Lie("parallel to no gradient", asking(granted(Sense.POSITIVE)),
-        "normality", flow.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
-    Lie("normal to a K not convex", no_patch, "normality", after()(normality.by_convexity), flowing("1 - a**2 - b**2", "-a", "-b"),
-        after("convexity")(normality.by_convexity)),
+        "normality", implicit.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
+    Lie("normal to a K not convex", no_patch, "normality", after()(evidence.normality_parallel), flowing("1 - a**2 - b**2", "-a", "-b"),
+        after("convexity")(evidence.normality_parallel)),
     Lie("associated with a K not convex", no_patch, "normality", after()(by_convexity), DENT, after("convexity")(by_convexity)),
     Lie("dissipation without the origin", no_patch, "dissipation", after("normality")(by_normality), SHIFTED,
         after("origin", "normality")(by_normality)),
     # duality
     Lie("requirements not asked", duality(without_requirements),
-        "duality", polar_gauge.duality, law("norm(a, b) - q", q=Domain.between(-1, 1))),
-    Lie("half of the potential", duality(half_of_it), "duality", polar_gauge.duality, DISC),
-    Lie("the senses of the slips exchanged", duality(turned_round), "duality", polar_gauge.duality, RAMPS),
+        "duality", evidence.duality, law("norm(a, b) - q", q=Domain.between(-1, 1))),
+    Lie("half of the potential", duality(half_of_it), "duality", evidence.duality, DISC),
+    Lie("the senses of the slips exchanged", duality(turned_round), "duality", evidence.duality, RAMPS),
 )  # fmt: skip
 DEAR = (  # of a method whose other lies stay
     *("arcs forgotten but the first", "ends of ranges left out", "half of the circle asked", "one value of a parameter asked"),

@@ -8,10 +8,10 @@ import pytest
 
 from duhem import Criterion
 from duhem.law.domain import POSITIVE, Domain
+from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.claims import convexity
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.law_text import law_as_text
 from tests.long import mostly_long, mostly_slow
 from tests.oracles import drawn_formulas
 from tests.oracles.prover.curvature import convex_in_its_region, curvature

@@ -9,11 +9,11 @@ from random import Random
 import pytest
 
 from duhem import Criterion, Domain
+from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.law_text import law_as_text
 from tests.oracles import drawn_formulas
 from tests.oracles.prover import rounded
 

@@ -4,13 +4,13 @@ import pytest
 import sympy as sp
 
 from duhem import Criterion, Domain
+from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.curvature import over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
-from duhem.proof.law_text import law_as_text
 from tests.long import mostly_slow
 from tests.oracles.prover import composition
 from tests.oracles.prover.even_roots import even, freed

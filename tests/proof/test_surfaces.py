@@ -16,12 +16,11 @@ from duhem import load, verify
 from duhem.expression.below import smooth_below
 from duhem.expression.parse import parse_expression
 from duhem.law.criterion_file import reads
-from duhem.proof.certificate import certificate
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import digest, recheck, stated
 from duhem.proof.kernel.claims import objection
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.term import NotWritten, parse
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verification import Verification
 from tests.campaigns.polygons import drawn, said
 from tests.oracles import drawn_formulas, reevaluation
@@ -171,7 +170,7 @@ def confirmed(document: Mapping[str, Any]) -> dict[str, bool]:
 
 
 def test_the_kernel_rebuilds_the_question_from_the_surfaces() -> None:
-    document = certificate(verified(interface("1/2"), *KOITER))
+    document = verified(interface("1/2"), *KOITER).certificate()
     assert confirmed(document) == dict.fromkeys(KOITER, True)
 
     def less_dilatant(surfaces: list[dict[str, Any]]) -> None:
@@ -188,7 +187,7 @@ def test_the_kernel_rebuilds_the_question_from_the_surfaces() -> None:
 
 
 def test_the_kernel_needs_the_surface_that_a_proof_speaks_of() -> None:
-    document = certificate(verified(interface("-1/10"), "dissipation"))
+    document = verified(interface("-1/10"), "dissipation").certificate()
     assert confirmed(document)["dissipation"]
     for change in (lambda s: s.pop(0), lambda s: s[0].update(g="s - 2"), lambda s: s[1].update(flow=["-3/4", "1"])):
         assert not confirmed(changed(document, change))["dissipation"]
@@ -271,7 +270,7 @@ T = ["rho*cos(phi)", "rho*sin(phi)"]
     verification = verify(reads(curve), claims=("origin", "convexity", "normality", "dissipation"))
     assert {r.claim: r.verdict.value for r in verification.results}["origin"] == "proved"
     assert found(curve, "convexity") == {"convexity": convexity}
-    rows = confirmed(certificate(verification))
+    rows = confirmed(verification.certificate())
     assert rows["origin"] and rows["convexity"] == (convexity == "proved checked") and rows["dissipation"]
 
 

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from duhem import verify
-from duhem.proof.certificate import certificate
 from duhem.proof.kernel.certificate import digest, recheck, stated
 from duhem.proof.kernel.term import NotWritten
 from duhem.proof.recheck import recheck as rechecked
@@ -22,7 +21,7 @@ ODD: tuple[Any, ...] = (None, True, 0, -1, 0.5, float("inf"), "", "1e9999999999"
 
 @cache
 def made(name: str) -> dict[str, Any]:
-    return certificate(verify(name))
+    return verify(name).certificate()
 
 
 def changed(path: tuple[Any, ...], value: Any) -> dict[str, Any]:

@@ -15,17 +15,16 @@ from duhem import Criterion, Verdict, Verification, load, verify
 from duhem.errors import InputError
 from duhem.law import builtin
 from duhem.law.builtin.lobes import lobe_law
-from duhem.proof.certificate import certificate
 from duhem.proof.claims import CLAIMS as REGISTERED
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.domain import StatedLaw
-from duhem.proof.methods import chords, corners, evaluation, flow, implicit
+from duhem.proof.methods import evidence, refuters
 from duhem.proof.verdict import Evidence
 from tests.campaigns.certificates import rechecked
 from tests.campaigns.tampering import tampering
 from tests.long import mostly_long, mostly_slow
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
-from tests.oracles.prover import composition, polar, polyhedral
+from tests.oracles.prover import composition, implicit, polar, polyhedral
 from tests.oracles.prover import evaluation as evaluated
 from tests.oracles.reevaluation import confirmed
 from tests.proof.test_kernel import confirmed as confirmed_by_rules
@@ -128,17 +127,17 @@ CONVEX: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
 
 SMOOTH: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
     ("antoni2007", {}, [composition.smoothness, polar.smoothness]),
-    ("coulomb", {}, [composition.smoothness, polar.smoothness, implicit.smoothness]),
-    ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, implicit.smoothness]),
+    ("coulomb", {}, [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary]),
+    ("quartic", {"c": "7"}, [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary]),
     ("superellipse", {"p": "4"}, [composition.smoothness, polar.smoothness]),
-    ("shifted-ellipse", {}, [composition.smoothness, implicit.smoothness]),
+    ("shifted-ellipse", {}, [composition.smoothness, evidence.smoothness_on_boundary]),
 ]
 
 DISSIPATIVE: list[tuple[str, dict[str, str], list[ProofMethod]]] = [
-    ("antoni2007", {}, [polar.dissipation, implicit.dissipation]),
-    ("coulomb", {}, [polar.dissipation, implicit.dissipation]),
-    ("quartic", {"c": "7"}, [polar.dissipation, implicit.dissipation]),
-    ("box", {}, [polar.dissipation, implicit.dissipation]),
+    ("antoni2007", {}, [polar.dissipation, evidence.dissipation_on_boundary]),
+    ("coulomb", {}, [polar.dissipation, evidence.dissipation_on_boundary]),
+    ("quartic", {"c": "7"}, [polar.dissipation, evidence.dissipation_on_boundary]),
+    ("box", {}, [polar.dissipation, evidence.dissipation_on_boundary]),
 ]
 AGREEING = [*CONVEX, *SMOOTH, *DISSIPATIVE]
 
@@ -157,22 +156,22 @@ def test_independent_methods_prove_the_same(name: str, at: dict[str, str], metho
 
 PROVERS: dict[str, list[ProofMethod]] = {
     "convexity": [composition.convexity, polyhedral.convexity, polar.convexity, implicit.convexity, implicit.hessian],
-    "smoothness": [composition.smoothness, polar.smoothness, implicit.smoothness],
-    "dissipation": [polar.dissipation, implicit.dissipation],
-    "normality": [flow.normality],
+    "smoothness": [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary],
+    "dissipation": [polar.dissipation, evidence.dissipation_on_boundary],
+    "normality": [implicit.normality],
     "origin": [evaluated.origin, polar.origin],
 }
 REFUTERS: dict[str, list[ProofMethod]] = {
     "convexity": [
-        chords.convexity_by_scouting,
-        chords.convexity_at_dents,
-        chords.convexity_at_seams,
-        chords.convexity_by_thorough_scouting,
+        refuters.convexity_by_scouting,
+        refuters.convexity_at_dents,
+        refuters.convexity_at_seams,
+        refuters.convexity_by_thorough_scouting,
     ],
-    "smoothness": [corners.smoothness],
-    "dissipation": [flow.dissipation_refuted],
-    "normality": [flow.normality_refuted],
-    "origin": [evaluation.origin_refuted],
+    "smoothness": [refuters.smoothness_at_corners],
+    "dissipation": [refuters.dissipation_at_points],
+    "normality": [refuters.normality_at_points],
+    "origin": [refuters.origin_at_parameters],
 }
 Asked = tuple[str, dict[str, str], str]
 STATED: list[Asked] = [(name, {}, claim) for name, claims in KNOWN.items() for claim in claims]
@@ -212,7 +211,7 @@ def test_no_method_refutes_what_is_true(name: str, at: dict[str, str], claim: st
 def test_scouting_and_curvature_find_the_same_dent() -> None:
     for name, at in (("quartic", {"c": "7"}), ("limacon", {"e": "3/4"}), ("matchstick", {"mu_a": "1", "mu_b": "2"})):
         law: Criterion = load(name).fix(at)
-        for method in (chords.convexity_by_scouting, chords.convexity_at_dents):
+        for method in (refuters.convexity_by_scouting, refuters.convexity_at_dents):
             answer = method(_subject(name, at))
             assert answer is not None and answer.witness is not None and confirmed(law, "convexity", answer.witness)
 
@@ -235,7 +234,7 @@ FORMULA_LAWS = [name for name in BUILT_IN if isinstance(load(name), Criterion)]
 
 @pytest.fixture(scope="module")
 def certificates() -> dict[str, dict[str, Any]]:
-    return {name: certificate(verified(name)) for name in FORMULA_LAWS}
+    return {name: verified(name).certificate() for name in FORMULA_LAWS}
 
 
 @pytest.mark.slow
@@ -267,7 +266,7 @@ def test_star_shaped_laws_rest_on_the_kernel(name: str, certificates: dict[str, 
 
 @pytest.mark.slow
 def test_certificates_are_the_same_bytes_each_time(certificates: dict[str, dict[str, Any]]) -> None:
-    assert json.dumps(certificate(verify("antoni2007"))) == json.dumps(certificates["antoni2007"])
+    assert json.dumps(verify("antoni2007").certificate()) == json.dumps(certificates["antoni2007"])
 
 
 @pytest.mark.slow

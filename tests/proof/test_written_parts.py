@@ -14,11 +14,10 @@ from duhem.law.criterion_file import reads
 from duhem.law.curve_law import Law, ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
-from duhem.proof.certificate import certificate
+from duhem.proof.certificate import law_as_text
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import recheck
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import Trust
 
 ROOT = "sqrt(e**2 - 2)"
@@ -87,7 +86,7 @@ def test_what_has_a_value_stays_proved(make: Callable[..., Law], place: str, par
         assert part in str(law_as_text(each))
         if place.startswith("constraint") and part not in ("0/e", "(e/e - 1)"):
             continue  # whether a domain is empty the kernel works out in fractions, so not from a constraint with a root or a logarithm
-        rows = recheck(certificate(found))
+        rows = recheck(found.certificate())
         proofs = {r.claim for r in found.results if r.verdict is Verdict.PROVED}
         checked = {r.claim for r in found.results if r.trust is Trust.CHECKED}
         assert {row.claim for row in rows if row.confirmed} == checked

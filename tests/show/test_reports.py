@@ -20,7 +20,7 @@ from duhem.benchmark.work_precision.text import text as precision_text
 from duhem.left_out import LeftOut
 from duhem.micromodel.experiment import STEEL_ON_ALUMINIUM
 from duhem.projection import report as increment
-from duhem.proof import report_text
+from duhem.proof.report import as_text
 from duhem.show.page import Page
 from duhem.show.printing import draw, latex, markdown, text
 from tests.long import mostly_long
@@ -65,7 +65,7 @@ def extreme_cases() -> ExtremeCases:
 @cache
 def verified(name: str = "rotated-flow") -> Callable[[Page], str]:
     done = duhem.verify(name)
-    return lambda page: report_text.complete(done, page)
+    return lambda page: as_text(done, page)
 
 
 def projected() -> Callable[[Page], str]:
@@ -195,7 +195,7 @@ def test_a_long_fraction_is_short_in_the_scope_and_whole_in_json() -> None:
     exact = "1250019684171951/6250000000000000"
     values = {"mu_a_plus": "0.20000314946751216", "mu_a_minus": "1e30", "mu_b_plus": "1/3"}
     found = duhem.verify("antoni2007", values, claims="origin")
-    (row,) = re.findall(r"^origin +proved.*$", report_text.complete(found, Page(None)), flags=re.M)
+    (row,) = re.findall(r"^origin +proved.*$", as_text(found, Page(None)), flags=re.M)
     assert "all other parameters, mu_a_plus ~ 0.20000315, mu_a_minus = 1E+30, mu_b_plus = 1/3" in row
     assert exact in text(found)  # what the law states has it whole
     assert found.to_dict()["claims"][0]["scope"].startswith(f"all other parameters, mu_a_plus = {exact}, mu_a_minus = 1{'0' * 30}, ")

@@ -33,7 +33,7 @@ def recheck(certificate: str, law: str | None, settings: Sequence[str]) -> int:
         raise InputError("no file is named", where="CERTIFICATE", remedy="make one with: duhem verify LAW --certificate FILE")
     done = rechecking.recheck(Path(certificate))
     if law is not None:
-        from duhem.proof.law_text import law_as_text
+        from duhem.proof.certificate import law_as_text
 
         if law_as_text(read_fixed_law(law, settings)) != done.law:
             say(f"{certificate} is about another law than {law}, or about other values of its parameters")

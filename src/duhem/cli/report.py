@@ -24,16 +24,16 @@ _SHOWN_WITH = ("matplotlib", "latex2mathml")
 
 def article(found: Verification, command: str, law: str) -> Article:
     """One law on the page; ``command`` is the line that verifies it again, ``law`` its text."""
-    from duhem.proof import report_html
+    from duhem.proof import report
     from duhem.show.document import Article
 
     document = _certificate(found)
     derived, missing = _derivation(found)
     chapters = (
-        report_html.stated(found),
-        *report_html.decided(found),
+        report.stated(found),
+        *report.decided(found),
         _pictures(found),
-        *report_html.left_aside(found, missing),
+        *report.left_aside(found, missing),
         *derived,
         _certified(document),
         _again(command, law),
@@ -105,7 +105,7 @@ def _certificate(found: Verification) -> dict[str, Any] | InputError:
 
 
 def _certified(document: Mapping[str, Any] | InputError) -> Chapter:
-    from duhem.proof.report_html import certified
+    from duhem.proof.report import certified
     from duhem.show.document import Chapter, Paragraph
 
     return Chapter("Certificate", (Paragraph(f"None: {document}."),)) if isinstance(document, InputError) else certified(document)

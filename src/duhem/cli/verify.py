@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -124,39 +125,29 @@ class _Told:
     def complete(self, found: Verification) -> None:
         """Add what was found of a law."""
         if self.form == "text":
-            from duhem.proof import report_text
+            from duhem.show.printing import text
 
-            self._text(report_text.complete(found, page()))
+            report = text(found, page())
+            say(f"\n{report}" if self.done else report)
         self.done.append(found)
-
-    def end(self) -> None:
-        """Say what is still to say."""
-        if self.form == "json":
-            from duhem.proof import report_json
-
-            self._json([report_json.complete(found) for found in self.done])
-        elif self.form == "junit":
-            from duhem.proof import report_junit
-            from duhem.show.junit import as_xml
-
-            say(as_xml(report_junit.complete(found, strict=self.strict) for found in self.done))
 
     def interrupted(self, law: Law, decided: Sequence[ClaimResult]) -> None:
         """Say what was found before somebody interrupted."""
-        if self.form == "text":
-            from duhem.proof import report_text
+        from duhem.proof.verification import Verification
 
-            self._text(report_text.interrupted(law, decided, page(), self.effort))
-        elif self.form == "json":
-            from duhem.proof import report_json
+        self.complete(Verification(law, tuple(decided), (), (), effort=self.effort, interrupted=True))
+        self.end()
 
-            self._json([*map(report_json.complete, self.done), report_json.interrupted(law, decided, self.effort)])
-        else:
-            from duhem.proof import report_junit
+    def end(self) -> None:
+        """Say what is still to say: one object, or a list of them where several laws are asked for."""
+        if self.form == "json":
+            objects = [json.dumps(found.to_dict(), indent=2, ensure_ascii=False) for found in self.done]
+            say("[\n" + ",\n".join(objects) + "\n]" if self.several else objects[0])
+        elif self.form == "junit":
+            from duhem.proof.report import as_suite
             from duhem.show.junit import as_xml
 
-            suites = [report_junit.complete(found, strict=self.strict) for found in self.done]
-            say(as_xml([*suites, report_junit.interrupted(law, decided, self.effort, strict=self.strict)]))
+            say(as_xml(as_suite(found, strict=self.strict) for found in self.done))
 
     def code(self) -> int:
         """The exit code of all laws together."""
@@ -164,10 +155,3 @@ class _Told:
         if "refuted" in verdicts:
             return REFUTED
         return UNDECIDED if self.strict and {"undecided", "tested"} & verdicts else HELD
-
-    def _text(self, report: str) -> None:
-        say(f"\n{report}" if self.done else report)
-
-    def _json(self, objects: Sequence[str]) -> None:
-        """One object, or a list of them where several laws are asked for."""
-        say("[\n" + ",\n".join(objects) + "\n]" if self.several else objects[0])

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 from duhem.expression.text import formula
 from duhem.law.formula_law import Criterion
-from duhem.proof.certificate import certificate
 from duhem.proof.verification import Verification
 from duhem.show.page import PAGE
 from duhem.version import __version__
@@ -48,7 +47,7 @@ def header(verification: Verification, law: Criterion, parameters: Sequence[str]
         "",
         *_said(f"Verdicts of duhem {__version__}:"),
         *(line for result in verification.results for line in _said(_verdict(result.verdict, result.trust, result.scope), result.claim)),
-        *_said(f"{certificate(verification)['sha256']} (of the law as fixed here: duhem verify LAW --certificate FILE)", "sha256"),
+        *_said(f"{verification.certificate()['sha256']} (of the law as fixed here: duhem verify LAW --certificate FILE)", "sha256"),
         "",
         *_said("Left out:"),
         *(line for text in _LEFT_OUT for line in _said(text, "")),

@@ -1,40 +1,96 @@
-"""A verification written down so that the kernel can check it: the law's text, the claims, the rule and evidence of each."""
+"""A law as text, which is all that the kernel knows of it, and a verification written down so that the kernel can check it."""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Iterable, Iterator, Mapping
+from fractions import Fraction
+from itertools import chain
+from typing import Any
+
+import sympy as sp
 
 from duhem.errors import InputError
-from duhem.law.curve_law import Law
+from duhem.expression import holds_at
+from duhem.law.curve_law import Law, ParametricCriterion
+from duhem.law.domain import Domain
+from duhem.law.formula_law import Criterion
+from duhem.law.parameter_domain import simple_points
+from duhem.law.yield_surface import YieldSurface
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.parameter_choices import plain_choices, rationals
 from duhem.proof.kernel.certificate import SCHEMA, digest
-from duhem.proof.law_text import admitted_values, law_as_text
+from duhem.proof.statement.problem import as_written, texts
 from duhem.proof.verdict import ClaimResult
 
-__all__ = ["certificate"]
+__all__ = ["admitted_values", "certificate", "law_as_text"]
 
 
-class Verified(Protocol):
-    """What is written down of a :class:`duhem.Verification`."""
+def law_as_text(law: Law) -> dict[str, Any]:
+    """The law as the kernel reads it: every formula as text, numbers too."""
+    return {
+        "name": law.name,
+        "forces": list(law.forces),
+        "pressure": law.pressure,
+        "parameters": {name: _domain(domain) for name, domain in law.parameters.items()},
+        "constraints": texts(law, law.constraints, law.written_constraints),
+        **(_curve(law) if isinstance(law, ParametricCriterion) else _formula(law)),
+    }
 
-    @property
-    def criterion(self) -> Law: ...
-    @property
-    def results(self) -> tuple[ClaimResult, ...]: ...
-    @property
-    def rests_on(self) -> tuple[ClaimResult, ...]: ...
+
+def _curve(law: ParametricCriterion) -> dict[str, Any]:
+    parts = texts(law, law.components(), law.written)
+    return {"angle": law.angle, "boundary": parts[:2], "flow": None if law.flow is None else parts[2:]}
 
 
-def certificate(verification: Verified) -> dict[str, Any]:
-    """The certificate as a JSON object: deterministic, without times, with a hash of its content.
+def _formula(law: Criterion) -> dict[str, Any]:
+    domain = {"domain": {n: _domain(d) for n, d in law.domain.items()}} if law.domain else {}
+    return ({"surfaces": [_bound(law, s) for s in law.surfaces]} if law.surfaces else _bound(law, law)) | domain
 
-    Each claim has its :class:`~duhem.proof.verdict.Trust` and, where the kernel confirmed it, the rule and its evidence; the
-    claims that those asked for rest on are there too.  Raises InputError where no exact parameter values of the domain are found.
+
+def _bound(law: Criterion, stated: Criterion | YieldSurface) -> dict[str, Any]:
+    g, *flow = as_written(law, stated)
+    own = flow if stated.potential is None else {"potential": stated.potential}
+    return {"g": g, "flow": None if stated.flow is None else own}
+
+
+def admitted_values(law: Law) -> Mapping[str, str] | None:
+    """Parameter values inside the domain, which show that a claim over it is not empty; None where no exact ones were found."""
+    table = law.symbols()
+    free = [table[name] for name, domain in law.parameters.items() if domain.value is None]
+    given = [*(r for x in free for r in law.parameters[x.name].relations(x)), *law.constraints]
+    for point in chain(simple_points(law), map(rationals, plain_choices(free, given)), _sought(law)):
+        whole = {table[n]: d.value for n, d in law.parameters.items() if d.value is not None} | dict(point)
+        if all(holds_at(r, whole) for r in given):
+            return {x.name: str(value) for x, value in whole.items()}
+    return None
+
+
+def _sought(law: Law) -> Iterator[Mapping[sp.Symbol, sp.Rational]]:
+    """Where constraints leave no plain ones."""
+    if isinstance(law, Criterion):
+        subject = FormulaSubject(law)
+        nowhere = (Fraction(0),) * len(subject.simple.forces)
+        for found in subject.choices(1):
+            values = rationals(subject.values_at(found, nowhere))
+            yield {x: value for x, value in values.items() if x.name in law.parameters}
+
+
+def _domain(domain: Domain) -> dict[str, Any]:
+    if domain.value is not None:
+        return {"value": str(domain.value)}
+    high = None if domain.high is None else str(domain.high)
+    return {"positive": True, "max": high} if domain.positive else {"min": None if domain.low is None else str(domain.low), "max": high}
+
+
+def certificate(law: Law, results: Iterable[ClaimResult]) -> dict[str, Any]:
+    """What was decided of a law as a JSON object: deterministic, without times, with a hash of its content.
+
+    Each claim has its :class:`~duhem.proof.verdict.Trust` and, where the kernel confirmed it, the rule and its evidence.
+    Raises InputError where no exact parameter values of the domain are found.
     """
-    law = verification.criterion
     if (inhabited := admitted_values(law)) is None:
         raise InputError("no exact point of the parameters' domain was found", where=law.name, remedy="fix a parameter with --set")
-    claims = [_claim(result) for result in (*verification.rests_on, *verification.results)]
-    document = {"schema": SCHEMA, "law": law_as_text(law), "inhabited": dict(inhabited), "claims": claims}
+    document = {"schema": SCHEMA, "law": law_as_text(law), "inhabited": dict(inhabited), "claims": [_claim(result) for result in results]}
     return document | {"sha256": digest(document)}
 
 

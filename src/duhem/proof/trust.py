@@ -7,13 +7,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from duhem.law.curve_law import Law
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import OVER, stated
 from duhem.proof.kernel.claims import needs_of, objection, row_of, rules_of
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.steps import TooDearError, within
 from duhem.proof.kernel.term import NotWritten
-from duhem.proof.law_text import law_as_text
 from duhem.proof.verdict import ClaimResult, Evidence, Proof, Trust, Verdict
 
 __all__ = ["Confirmations", "Standing"]
@@ -26,9 +26,9 @@ _ANY = 1 << 62  # more steps than anybody allows
 
 @dataclass(frozen=True)
 class Standing:
-    """Of a proof: what it rests on and, where the kernel confirmed it, how."""
+    """Of a proof: what it rests on and, where the kernel confirmed it, how; of what is none, nothing."""
 
-    trust: Trust
+    trust: Trust | None = None
     proof: Proof | None = None
 
 
@@ -64,20 +64,19 @@ class Confirmations:
         found = self._accepted(claim, evidence.proof)
         return found is not None and self._needed(claim, found) <= self._checked()
 
-    def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Standing | None:
-        """How a proof stands, where the claims it may have started from, ``rests_on``, came before; None for no proof."""
+    def of(self, claim: str, evidence: Evidence, rests_on: Iterable[str]) -> Standing:
+        """How a proof stands, where the claims it may have started from, ``rests_on``, came before."""
         if evidence.verdict is not Verdict.PROVED:
-            return None
-        if (proof := self._accepted(claim, evidence.proof)) is not None:
-            found = Standing(Trust.weakest(Trust.CHECKED, *(self.standings[name].trust for name in self._needed(claim, proof))), proof)
-            if found.trust is not Trust.CHECKED:
-                found = Standing(found.trust)
+            return Standing()
+        proof = self._accepted(claim, evidence.proof)
+        if proof is not None:
+            own, premises = Trust.CHECKED, self._needed(claim, proof)
         else:
             by_solver = any(s in evidence.method.partition(" (")[2] for s in _SOLVERS)
-            premises = [self.standings[name].trust for name in rests_on if name in self.standings]
-            found = Standing(Trust.weakest(Trust.SOLVER if by_solver else Trust.PROVER, *premises))
-        self.standings[claim] = found
-        return found
+            own, premises = Trust.SOLVER if by_solver else Trust.PROVER, frozenset(rests_on) & self.standings.keys()
+        trust = Trust.weakest(own, *(self.standings[name].trust or Trust.PROVER for name in premises))
+        self.standings[claim] = Standing(trust, proof if trust is Trust.CHECKED else None)
+        return self.standings[claim]
 
     def of_a_part(self, claim: str, whole: ClaimResult, law: Law) -> Evidence:
         """A proof that holds over all of a ``law``, said of this one, which has parts of the domains of its parameters."""
@@ -89,9 +88,10 @@ class Confirmations:
             proof = replace(proof, evidence={**proof.evidence, OVER: domains})
         return Evidence(Verdict.PROVED, whole.method, detail, proof=proof)
 
-    def withdraw(self, claim: str) -> None:
+    def withdraw(self, claim: str) -> Standing:
         """The proof turned out to be none."""
         del self.standings[claim]
+        return Standing()
 
     def _checked(self) -> frozenset[str]:
         return frozenset(name for name, found in self.standings.items() if found.trust is Trust.CHECKED)

@@ -71,7 +71,7 @@ class Witness(Shown):
     ``measures`` are extra figures such as ``deviation_degrees``.
     """
 
-    printed_by: ClassVar[str] = "duhem.proof.report_text"
+    printed_by: ClassVar[str] = "duhem.proof.report"
 
     parameters: Mapping[str, str]
     points: Mapping[str, Mapping[str, str]]
@@ -130,7 +130,7 @@ class ClaimResult(Shown):
     ``trust`` says what a proof rests on; ``proof`` is how the kernel confirmed it; ``steps`` is what it cost, counted.
     """
 
-    printed_by: ClassVar[str] = "duhem.proof.report_text"
+    printed_by: ClassVar[str] = "duhem.proof.report"
 
     claim: str
     verdict: Verdict

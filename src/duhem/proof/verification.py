@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
-from fractions import Fraction
 from functools import partial
 from threading import RLock
 from typing import Any, ClassVar, NamedTuple
@@ -20,13 +19,14 @@ from duhem.law.curve_law import Law
 from duhem.law.formula_law import Criterion
 from duhem.law.parameter_domain import check_domain
 from duhem.left_out import LeftOut
+from duhem.proof.certificate import certificate
 from duhem.proof.claims import CLAIMS
 from duhem.proof.decide import EFFORTS, Budget
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import Subject
 from duhem.proof.remarks import not_needed, remarks, scope
-from duhem.proof.trust import Confirmations, Standing
+from duhem.proof.trust import Confirmations
 from duhem.proof.verdict import CONTRADICTION, ClaimResult, Evidence, Trust, Verdict
 from duhem.show.place import AnyPath, check_place, write
 from duhem.show.shown import Shown
@@ -43,10 +43,10 @@ class Verification(Shown):
     """Everything found about ``criterion`` (with the asked parameters fixed).
 
     ``rests_on`` holds the claims that were not asked for, and that those asked for rest on.  ``vacuous`` where K has no boundary
-    point at which anything could dissipate: a remark says why.
+    point at which anything could dissipate: a remark says why.  ``interrupted`` where somebody stopped it: nothing is concluded then.
     """
 
-    printed_by: ClassVar[str] = "duhem.proof.report_text"
+    printed_by: ClassVar[str] = "duhem.proof.report"
 
     criterion: Law
     results: tuple[ClaimResult, ...]
@@ -55,6 +55,7 @@ class Verification(Shown):
     rests_on: tuple[ClaimResult, ...] = ()
     effort: str = "normal"
     vacuous: bool = False
+    interrupted: bool = False
 
     def __repr__(self) -> str:
         return f"<Verification of {self.criterion.name}: {', '.join(f'{r.claim} {r.verdict}' for r in self.results) or 'no claim'}>"
@@ -81,7 +82,7 @@ class Verification(Shown):
         return None if answer and self.vacuous else answer
 
     def _together(self, *claims: str) -> bool | None:
-        verdicts = {r.claim: r.verdict for r in self.results}
+        verdicts = {} if self.interrupted else {r.claim: r.verdict for r in self.results}
         found = [verdicts.get(c) for c in claims]
         if Verdict.REFUTED in found:
             return False
@@ -93,11 +94,9 @@ class Verification(Shown):
         It has the law's text, each claim's verdict and trust and, where the kernel confirmed it, rule and evidence; the same at every run.
         Raises InputError where no exact values of the parameters are found in their domain, or where the file cannot be written.
         """
-        from duhem.proof.certificate import certificate
-
         if file is not None:
             check_place(file)
-        document = certificate(self)
+        document = certificate(self.criterion, (*self.rests_on, *self.results))
         if file is not None:
             write(file, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
         return document
@@ -115,6 +114,7 @@ class Verification(Shown):
             "dissipative": self.dissipative,
             "left_out": [x.to_dict() for x in self.left_out],
             "remarks": list(self.remarks),
+            **({"interrupted": True} if self.interrupted else {}),
         }
 
 
@@ -174,7 +174,9 @@ def _examined(
     if not isinstance(effort, str) or effort not in EFFORTS:
         raise InputError(f"unknown effort {effort!r}", remedy=f"one of: {', '.join(EFFORTS)}")
     with _alone():
-        subject = _subject(criterion, EFFORTS[effort])
+        share = EFFORTS[effort]
+        subject = FormulaSubject(criterion, share) if isinstance(criterion, Criterion) else CurveSubject(criterion, share)
+        subject.check_defined()  # one that is undefined somewhere in its domain is an InputError
     settled: dict[str, Evidence] = {}
     confirmations = Confirmations(criterion)
     needed = _closed(wanted, lambda name: {*CLAIMS[name].needs, *confirmations.needs(name)})
@@ -185,12 +187,11 @@ def _examined(
             told = partial(_tell, on_method, subject, name)
             settled[name] = evidence = CLAIMS[name].examine(subject, settled, confirmations, told)
             standing = confirmations.of(name, evidence, CLAIMS[name].needs)
-            doubted = standing is not None and standing.trust is not Trust.CHECKED
+            doubted = standing.trust not in (None, Trust.CHECKED)
             if doubted and (against := CLAIMS[name].contradiction(subject, settled)) is not None:
                 settled[name] = evidence = against
-                standing = None
-                confirmations.withdraw(name)
-            if whole is not None and (proof := _of_the_whole(name, evidence, standing, whole, effort)) is not None:
+                standing = confirmations.withdraw(name)
+            if whole is not None and (proof := _of_the_whole(name, evidence, standing.trust, whole, effort)) is not None:
                 evidence = settled[name] = confirmations.of_a_part(name, proof, whole)
                 standing = confirmations.of(name, evidence, CLAIMS[name].needs)
         seconds = time.perf_counter() - start
@@ -202,8 +203,8 @@ def _examined(
             seconds,
             evidence.detail,
             evidence.witness,
-            None if standing is None else standing.trust,
-            None if standing is None else standing.proof,
+            standing.trust,
+            standing.proof,
             subject.spent + confirmations.spent - before,
         )
         results.append(found)
@@ -214,9 +215,8 @@ def _examined(
     return _Examined(subject, settled, wanted, asked, others)
 
 
-def _of_the_whole(name: str, evidence: Evidence, standing: Standing | None, whole: Law, effort: str) -> ClaimResult | None:
+def _of_the_whole(name: str, evidence: Evidence, best: Trust | None, whole: Law, effort: str) -> ClaimResult | None:
     """A claim of the whole law where that is proved with more trust than the part; None where it is not, or need not be asked."""
-    best = None if standing is None else standing.trust
     if evidence.verdict is Verdict.REFUTED or evidence.method == CONTRADICTION or best is Trust.CHECKED:
         return None
     (found,) = claim_results(whole, (name,), effort)
@@ -234,17 +234,6 @@ def _alone() -> Iterator[None]:
     """SymPy's assumptions and Arb's precision belong to the process: a thread has them to itself, as they are at the start."""
     with _TURN, precision(_BITS):
         yield
-
-
-def _subject(law: Law, effort: Fraction) -> Subject:
-    """The law as the methods take it; one that is undefined somewhere in its domain is an InputError."""
-    if not isinstance(law, Criterion):
-        curve = CurveSubject(law, effort)
-        curve.check_defined()
-        return curve
-    subject = FormulaSubject(law, effort)
-    subject.check_defined()
-    return subject
 
 
 def wanted_claims(claims: Iterable[str] | None) -> tuple[str, ...]:

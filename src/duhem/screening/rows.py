@@ -46,7 +46,7 @@ class LawName:
     def told(self) -> str:
         """The law in words that tell it from every other; those of duhem are told by the version."""
         if self.value is not None:
-            from duhem.proof.law_text import law_as_text
+            from duhem.proof.certificate import law_as_text
 
             return json.dumps([self.shown, law_as_text(self.value)])
         if self.path is None:

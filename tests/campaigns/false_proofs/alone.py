@@ -6,17 +6,15 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from duhem import Criterion, InputError, Verdict
-from duhem.proof.claims import CLAIMS
-from duhem.proof.claims.claim import Consequence, ProofMethod
+from duhem.proof.claims import CLAIMS, Consequence, ProofMethod
 from duhem.proof.decide import EFFORTS
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import refuters
 from duhem.proof.verdict import Evidence
 from tests.campaigns.false_proofs.trap import Trap
 from tests.oracles.prover.table import PROVERS
 
 __all__ = ["false_proofs_alone", "proofs_alone", "provers"]
-
-_REFUTERS = ("chords", "corners", "sampling")  # modules of methods that prove nothing
 
 
 def provers(claim: str) -> tuple[ProofMethod[FormulaSubject] | Consequence[FormulaSubject], ...]:
@@ -26,10 +24,7 @@ def provers(claim: str) -> tuple[ProofMethod[FormulaSubject] | Consequence[Formu
         *(
             m
             for m in CLAIMS[claim].methods
-            if isinstance(m, ProofMethod | Consequence)
-            and m.takes is FormulaSubject
-            and m.run.__module__.rpartition(".")[2] not in _REFUTERS
-            and "refuted" not in m.run.__name__
+            if isinstance(m, ProofMethod | Consequence) and m.takes is FormulaSubject and m.run.__module__ != refuters.__name__
         ),
     )
 

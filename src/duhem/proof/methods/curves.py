@@ -1,0 +1,254 @@
+"""Laws given by a boundary curve T: proofs by signs of derivatives all around and by how often vectors turn; refutations in balls.
+
+Theorems used: a closed curve whose tangent turns once and to the left throughout is simple and bounds a convex set; one
+that runs around 0 in polar order once is simple and bounds a set star-shaped about 0 (M. P. do Carmo 1976, section 5-7);
+two fields that are nowhere opposite turn equally often.  Angles at which something seems violated are suggested in floats.
+How far the flow leaves the normal is the greatest deviation of all directions, by branch and bound.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from math import factorial
+from typing import TYPE_CHECKING
+
+import flint
+import sympy as sp
+
+from duhem.expression.balls import certain_sign
+from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.proof.decide import Sense
+from duhem.proof.facts.curve_quantities import LEAD, LEAN, POWER, STAR, TURNING
+from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.numeric_curve import Ball, CurveJet, Greatest, NumericCurve, Span, Vector, cross, dot
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.verdict import Evidence, Verdict, Witness
+from duhem.proof.witness.curves import backward_flow, leaning_flow, leaning_normal, origin_outside, triangle
+
+if TYPE_CHECKING:
+    from duhem.proof.search.curve_angles import Dent
+
+__all__ = [
+    "convexity",
+    "convexity_refuted",
+    "deviation",
+    "dissipation",
+    "dissipation_refuted",
+    "duality",
+    "normality",
+    "normality_by_deviation",
+    "normality_refuted",
+    "origin",
+    "origin_refuted",
+    "smoothness",
+]
+
+_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
+_WIDTH = 1e-9  # radians, that is 6e-8 degrees
+
+
+# -- proofs -----------------------------------------------------------------------------------------------------------
+
+
+def origin(subject: CurveSubject) -> Evidence | None:
+    """The curve winds around 0."""
+    if not subject.shaped_by_parameters:
+        turns = next((subject.turns_at(values, 0) for values in subject.choices(1)), None)
+        return _proved("winding (interval)", f"the curve never meets 0 and winds around it {_times(turns)}") if turns else None
+    turns = subject.flow_turns()
+    if turns and (method := subject.positive(POWER)):
+        return _proved(f"winding ({method})", f"T . d > 0, so T is never opposite to d and winds around 0 as d turns: {_times(turns)}")
+    return _proved("winding", "T x T' > 0: the curve runs around 0 once") if _star(subject) else None
+
+
+def convexity(subject: CurveSubject) -> Evidence | None:
+    """T' x T'' > 0 and the tangent turns once."""
+    method = _convex(subject)
+    return _proved(f"turning-tangent ({method})", "T' x T'' > 0 at every angle and the tangent turns once") if method else None
+
+
+def smoothness(subject: CurveSubject) -> Evidence | None:
+    """A simple closed curve, smooth in its angle, that never stops."""
+    method, reason = _convex(subject), "T' x T'' > 0, the tangent turning once"
+    if not method:
+        method, reason = _star(subject), "T x T' > 0, the curve running around 0 once"
+    if not method or not _analytic(subject):
+        return None
+    return _proved(f"regular-curve ({method})", f"{reason}: simple and never at rest; T is an analytic function of the angle")
+
+
+def normality(subject: CurveSubject) -> Evidence | None:
+    """The flow is normal by definition, or d . T' = 0 with d on the outer side; K convex in either case."""
+    if not _convex(subject):
+        return None
+    if subject.law.flow is None:
+        return _proved("normality-rule", "the law is associated: its flow is the normal cone of K, and K is convex")
+    if subject.vanishes(LEAN) and subject.positive(LEAD):
+        return _proved("parallel", "d . T' = 0 and d x T' > 0: the flow is the outward normal at every angle, and K is convex")
+    return None
+
+
+def dissipation(subject: CurveSubject) -> Evidence | None:
+    """T . d >= 0 at every angle."""
+    pressure = subject.law.pressure
+    if method := subject.positive(POWER):
+        return _proved(f"power ({method})", f"T . d > 0 at every angle, so force . flow = |{pressure}| T . d > 0")
+    if subject.law.flow is not None and (method := subject.nonnegative(POWER)):
+        return _proved(f"power ({method})", f"T . d >= 0 at every angle, so force . flow = |{pressure}| T . d >= 0")
+    return None
+
+
+def duality(subject: CurveSubject) -> Evidence | None:
+    """A boundary curve gives its support function point by point only."""
+    if subject.law.flow is not None:
+        return Evidence(Verdict.NOT_APPLICABLE, "curve", "the law has a flow of its own, which no potential of K gives")
+    reason = "the support function of K is known along the curve only, Phi = T . n at the normal n, not in closed form"
+    return Evidence(Verdict.NOT_APPLICABLE, "curve", reason)
+
+
+def _convex(subject: CurveSubject) -> str | None:
+    return subject.positive(TURNING) if subject.turns_once(1, TURNING) else None
+
+
+def _star(subject: CurveSubject) -> str | None:
+    return subject.positive(STAR) if subject.turns_once(0, STAR) else None
+
+
+def _analytic(subject: CurveSubject) -> bool:
+    """Whether T is built from analytic functions, roots of what is > 0 only (balls show that where parameters are fixed)."""
+    if any(x.has(*_KINKS) or (subject.free and x.has(Norm)) for x in subject.boundary):
+        return False
+    radicands = {p.base for x in subject.boundary for p in x.atoms(sp.Pow) if not p.exp.is_Integer}
+    return not subject.free or all(subject.ask(r, Sense.POSITIVE).method for r in radicands)
+
+
+def _times(turns: int | None) -> str:
+    return "once" if turns == 1 else f"{turns} times"
+
+
+def _proved(method: str, detail: str) -> Evidence:
+    return Evidence(Verdict.PROVED, method, detail)
+
+
+# -- refutations ------------------------------------------------------------------------------------------------------
+
+
+def origin_refuted(subject: CurveSubject) -> Evidence | None:
+    """The curve does not meet 0 and does not wind around it."""
+    for values in subject.choices(12):
+        if (witness := origin_outside(subject, values)) is not None:
+            return Evidence(Verdict.REFUTED, "winding (interval)", "zero force is outside K", witness)
+    return None
+
+
+def convexity_refuted(subject: CurveSubject) -> Evidence | None:
+    """A point between three points of K that the curve does not wind around."""
+    for _, witness in _dents(subject):
+        return Evidence(Verdict.REFUTED, "winding (interval)", "a triangle of boundary points holds a point outside K", witness)
+    return None
+
+
+def dissipation_refuted(subject: CurveSubject) -> Evidence | None:
+    """A boundary point where T . d < 0."""
+    from duhem.proof.search.curve_angles import least_powers  # numpy, only when something is looked for
+
+    for values, t in least_powers(subject, 12):
+        if (witness := backward_flow(subject, values, t)) is not None:
+            return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
+    return None
+
+
+def normality_refuted(subject: CurveSubject) -> Evidence | None:
+    """Associated flow on a non-convex K: at the edge of a dent the normal points towards the other edge."""
+    if subject.law.flow is not None:
+        return None
+    for dent, _ in _dents(subject):
+        if (witness := leaning_normal(subject, dent.parameters, dent.rim[0], dent.rim[2])) is not None:
+            return Evidence(Verdict.REFUTED, "witness-normal", "the normal is not in the normal cone at the edge of a dent", witness)
+    return None
+
+
+def _dents(subject: CurveSubject) -> Iterator[tuple[Dent, Witness]]:
+    """Those that surely hold a point outside K, with such a point."""
+    from duhem.proof.search.curve_angles import dents
+
+    for dent in dents(subject, 200):
+        if (witness := triangle(subject, dent.parameters, dent.rim)) is not None:
+            yield dent, witness
+
+
+def normality_by_deviation(subject: CurveSubject) -> Evidence | None:
+    """A flow that leans from the boundary point of greatest deviation towards another boundary point."""
+    if subject.law.flow is None:
+        return None
+    from duhem.proof.search.curve_angles import half_tangent, targets  # numpy, only when something is looked for
+
+    for values in subject.choices(12):
+        if not subject.simple_at(values) or not _deviates(subject, values):
+            continue
+        curve = subject.at(values)
+        worst = curve.greatest(deviation, 3, _WIDTH)
+        if worst is None:
+            continue
+        angle = _place(curve, worst)
+        t, leans = half_tangent(angle), targets(subject, values, angle)
+        if (witness := next(filter(None, (leaning_flow(subject, values, t, u, worst.value) for u in leans)), None)) is not None:
+            least, most = (math.degrees(float(x)) for x in (worst.value.lower(), worst.value.upper()))
+            bound = "nowhere by more" if most - least < 1e-6 else f"nowhere by more than {most:.6g}"
+            detail = f"the flow leaves the normal by {least:.6g} degrees at angle {subject.sense * math.degrees(angle):.6g}, and {bound}"
+            return Evidence(Verdict.REFUTED, "deviation (interval)", detail, witness)
+    return None
+
+
+def _deviates(subject: CurveSubject, values: Values) -> bool:
+    """Whether a few angles show a deviation at all."""
+    curve = subject.at(values)
+    jets = (curve.at(Fraction(k, 7), 1) for k in range(-20, 21, 3))
+    return any(certain_sign(LEAN.of(jet)) or certain_sign(LEAD.of(jet)) == -1 for jet in jets)
+
+
+def deviation(jet: CurveJet) -> tuple[Ball, Ball, Ball]:
+    """The angle from the outward normal to the flow, its slope and second derivative by the angle (not a number at a jump)."""
+    flow, tangent = _series(jet.flow), _series(jet.boundary[1:])
+    lead, lean = cross(flow, tangent), dot(flow, tangent)
+    side, half = certain_sign(lean[0]), flint.arb.pi() / 2
+    if lead[0] > 0:
+        signed, shift = (lean / lead).atan(), flint.arb(0)
+    elif side in (1, -1):
+        signed, shift = -(lead / lean).atan(), side * half
+    elif lead[0] < 0:  # about pi, on either side
+        return 2 * half - abs((lean / -lead).atan()[0]), flint.arb("nan"), flint.arb("nan")
+    else:
+        return half + half * flint.arb(0, 1), flint.arb("nan"), flint.arb("nan")
+    return signed[0] + shift, signed[1], 2 * signed[2]
+
+
+def _series(derivatives: Sequence[Vector]) -> list[Ball]:
+    """Both components of a vector with its derivatives 0, 1, 2, ... by the angle, as far as the second."""
+    return [flint.arb_series([v[i] / factorial(k) for k, v in enumerate(derivatives)], prec=3) for i in (0, 1)]
+
+
+def _place(curve: NumericCurve, worst: Greatest) -> float:
+    """An angle (radians) of greatest deviation: where its slope changes sign, by bisection; one that is >= 0 if there is."""
+    low, high = _cluster(worst.arcs)
+    for _ in range(40):
+        middle = (low + high) / 2
+        value, slope, _ = deviation(curve.over((middle, middle), 3))
+        rising = certain_sign(value * slope)
+        if rising is None:
+            break
+        low, high = (middle, high) if rising > 0 else (low, middle)
+    return math.pi * float((low + high) / 2)
+
+
+def _cluster(arcs: tuple[Span, ...]) -> Span:
+    """Neighbouring arcs joined; the first such cluster at an angle >= 0, else the last."""
+    joined: list[Span] = []
+    for low, high in arcs:
+        if joined and joined[-1][1] == low:
+            joined[-1] = (joined[-1][0], high)
+        else:
+            joined.append((low, high))
+    return next((span for span in joined if span[0] + span[1] >= 0), joined[-1])

@@ -1,0 +1,275 @@
+"""Evidence that a claim holds, most of it for a rule of the kernel, which decides.
+
+Composition with sums of squares in it: Helton, Nie (2010), Math. Program. 122, 21; Ahmadi, Parrilo (2013), SIAM J. Optim. 23, 811.
+The squares come from a conic solver and are made exact: what proves it is an identity of fractions.  So it is of a boundary that
+rises and curves inward: if g < 0 at the origin and sigma . grad g > 0 wherever g = 0, each ray leaves K once, so K is the region
+inside its boundary and convexity is local (Tietze 1928, Nakajima 1928).  The polar gauge: Rockafellar (1970), sections 13-15.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import sympy as sp
+
+from duhem.expression.branches import seams
+from duhem.expression.parse import parse_expression
+from duhem.expression.text import formula
+from duhem.proof.decide import Question, Sense
+from duhem.proof.facts.definedness import met_for_all
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel
+from duhem.proof.statement.obligations import obligations
+from duhem.proof.statement.problem import Face
+from duhem.proof.statement.star import by_degree
+from duhem.proof.verdict import Evidence, Proof, Verdict
+
+__all__ = [
+    "convexity_by_sums",
+    "convexity_on_boundary",
+    "dissipation_by_shares",
+    "dissipation_of_potential",
+    "dissipation_on_boundary",
+    "duality",
+    "normality_parallel",
+    "smoothness_by_sums",
+    "smoothness_on_boundary",
+]
+
+Terms = Mapping[tuple[int, ...], sp.Expr]
+_MOST_PIECES, _MOST_ROOTS, _MOST_SHARES = 8, 4, 6
+
+
+def convexity_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
+    """K is convex if g is quasiconvex by composition, polynomials in it being convex by sums of squares.
+
+    Where the law has a gauge in the plane that says more, dents included.
+    """
+    if (len(subject.simple.forces) == 2 and subject.star is not None) or not convex_sums(subject):
+        return
+    detail = f"g is quasiconvex by composition, in it by sums of squares: {', '.join(map(formula, convex_sums(subject)))}"
+    yield Evidence(Verdict.PROVED, "sos-convexity", detail, proof=Proof("composition", composed_of_sums(subject)))
+
+
+def smoothness_by_sums(subject: FormulaSubject) -> Iterator[Evidence]:
+    """The boundary is C^1 if g is C^1 near it and convex so, and negative somewhere: at the origin, or at the centre of K."""
+    sums, support = composed_of_sums(subject), subject.support
+    centre = {} if support is None else {x: formula(c) for x, c in zip(subject.law.forces, support.centre, strict=True)}
+    inside = {"inside": centre} if support is not None and any(support.centre) else {}
+    told = "g is C^1 wherever g = 0, and grad g != 0 there because g is convex"
+    if inside:
+        detail = f"{told} and negative at ({', '.join(centre.values())})"
+        yield Evidence(Verdict.PROVED, "composition", detail, proof=Proof("composition", {**inside, **sums}))
+    if sums:
+        yield Evidence(Verdict.PROVED, "sos-convexity", f"{told}, by sums of squares, and negative at 0", proof=Proof("composition", sums))
+        detail = "g is C^1 wherever g = 0, and sigma . grad g > 0 there by Euler's relation, so that grad g != 0"
+        yield Evidence(Verdict.PROVED, "euler", detail, proof=Proof("euler", sums))
+
+
+def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
+    """The boundary rises outward and, in more than one force, curves inward, where g has no kink."""
+    rises = {"outward": list(outward(subject))}
+    if rises["outward"] and len(subject.law.forces) == 1:
+        detail = "K is an interval: star-shaped about 0 on a line"
+        yield Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=Proof("implicit-curvature", rises))
+    elif rises["outward"] and inward(subject):
+        proof = Proof("implicit-curvature", {**rises, "directions": directions(subject.law), "inward": list(inward(subject))})
+        detail = "K is star-shaped about 0 and its boundary curves inward everywhere"
+        yield Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=proof)
+
+
+def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
+    """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
+    pieces, forces = subject.pieces, subject.simple.forces
+    if pieces is None or len(pieces) > _MOST_PIECES or not subject.continuous:
+        return None
+    used: set[str] = set()
+    for piece in pieces:
+        answer = subject.ask(_square(_gradient(piece.expr, forces)), Sense.POSITIVE, *piece.conditions(), sp.Eq(piece.expr, 0))
+        if answer.holds is not True:
+            return None
+        used.add(answer.method)
+    for between in seams(pieces):
+        before, after = between.before, between.after
+        one, two = _gradient(before.expr, forces), _gradient(after.expr, forces)
+        on_seam = (*between.within(), *between.on(), sp.Eq(before.expr, 0))
+        if any(subject.ask(m, Sense.ZERO, *on_seam).holds is not True for m in (after.expr, *_minors(one, two))):
+            return None
+        if subject.ask(_dot(one, two), Sense.POSITIVE, *on_seam).holds is not True:
+            return None
+    told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
+    return _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
+
+
+def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
+    """force . flow >= 0 on the boundary, face by face and branch by branch; the flow is grad g where there is none of its own."""
+    forces, used = subject.simple.forces, set[str]()
+    for face in subject.simple.faces:
+        if (pieces := subject.on_boundary(face)) is None:
+            return None
+        for g, there in pieces:
+            flow = face.flow or _gradient(g, forces)
+            if not face.flow and subject.ask(_square(flow), Sense.POSITIVE, *there).holds is not True:
+                return None  # where grad g = 0 it says nothing of the normal
+            answer = subject.ask(sp.factor_terms(sp.expand(_dot(forces, flow))), Sense.NONNEGATIVE, *there)
+            if answer.holds is not True:
+                return None
+            used.add(answer.method)
+    return _rising("boundary-power", "force . flow >= 0 wherever g = 0", used, subject)
+
+
+def _rising(rule: str, detail: str, used: set[str], subject: FormulaSubject) -> Evidence:
+    """What deciders have shown, with what shows the kernel that force . flow > 0 wherever g = 0."""
+    proof = Proof(rule, {"outward": list(outward(subject))}) if outward(subject) else None
+    return Evidence(Verdict.PROVED, f"{rule} ({', '.join(sorted(used))})", detail, proof=proof)
+
+
+def normality_parallel(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
+    """A flow of the law's own, or of a surface, is parallel to grad g and points the same way, wherever g = 0 in K, K being convex.
+
+    K lies in {g <= 0}, so g does not rise from the boundary point towards any point of K.
+    """
+    own = [face for face in subject.simple.faces if face.flow is not None]
+    if settled["convexity"].verdict is not Verdict.PROVED or not own or not all(_parallel(subject, face) for face in own):
+        return None
+    proof = Proof("parallel", parallel(subject)) if parallel(subject) else None
+    detail = "the flow is a non-negative multiple of grad g wherever g = 0, and K is convex"
+    return Evidence(Verdict.PROVED, "parallel", detail, proof=proof)
+
+
+def _parallel(subject: FormulaSubject, face: Face) -> bool:
+    """Whether the flow of a face is a positive multiple of grad g wherever the face is the boundary."""
+    pieces, flow, forces = subject.on_boundary(face), face.flow or (), subject.simple.forces
+    if pieces is None:
+        return False
+    for g, there in pieces:
+        gradient = _gradient(g, forces)
+        asked = [
+            (_square(gradient), Sense.POSITIVE),  # where grad g = 0 every flow would look parallel to it
+            (_square(flow), Sense.POSITIVE),  # where the flow is 0 it has no direction
+            *((minor, Sense.ZERO) for minor in _minors(flow, gradient)),
+            (_dot(flow, gradient), Sense.NONNEGATIVE),
+        ]
+        if not all(subject.ask(expr, sense, *there).holds is True for expr, sense in asked):
+            return False
+    return True
+
+
+def _gradient(g: sp.Expr, forces: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
+    return tuple(sp.diff(g, x) for x in forces)
+
+
+def _square(vector: Sequence[sp.Expr]) -> sp.Expr:
+    return sp.Add(*(d**2 for d in vector))
+
+
+def _dot(one: Sequence[sp.Expr], two: Sequence[sp.Expr]) -> sp.Expr:
+    return sp.Add(*(a * b for a, b in zip(one, two, strict=True)))
+
+
+def _minors(one: Sequence[sp.Expr], two: Sequence[sp.Expr]) -> list[sp.Expr]:
+    """The components of their vector product."""
+    return [one[i] * two[j] - one[j] * two[i] for i, j in combinations(range(len(one)), 2)]
+
+
+def dissipation_by_shares(subject: FormulaSubject) -> Iterator[Evidence]:
+    """sigma . d = c g + rest >= 0, for the constants c with which a term of the power goes, as of sqrt(J2) + beta I1 of a cone.
+
+    Where a tip of g is 0, as at an apex, the formula of the flow may have no value: there the slip is any mean of limits of the flow
+    from around (Koiter 1953), and the power of these is >= 0 too.
+    """
+    law = subject.law
+    if law.flow is None or law.surfaces or law.potential is not None:
+        return
+    forces, settled = law.force_symbols(), law.settled()
+    g = law.g.xreplace(settled)
+    power = _dot(forces, [d.xreplace(settled) for d in law.flow])
+    roots = {y: sp.Dummy(f"r{i}", positive=True) for i, y in enumerate(_radicands(g + power, forces))}
+    if len(roots) > _MOST_ROOTS or (of_power := _terms(power, forces, roots)) is None or (of_g := _terms(g, forces, roots)) is None:
+        return
+    back = {r: sp.sqrt(y) for y, r in roots.items()}
+    variables = (*forces, *roots.values())
+    ratios = (sp.cancel(of_power.get(m, sp.S.Zero) / c) for m, c in of_g.items() if any(m))
+    for share in [*dict.fromkeys([sp.S.Zero, *ratios])][:_MOST_SHARES]:
+        coefficients = {m: sp.factor(of_power.get(m, sp.S.Zero) - share * of_g.get(m, sp.S.Zero)) for m in {**of_power, **of_g}}
+        rest = sp.Add(*(c * sp.Mul(*(x**n for x, n in zip(variables, m, strict=True))) for m, c in coefficients.items())).xreplace(back)
+        detail = f"force . flow = {formula(share)}*g + {formula(rest)}, which is >= 0 wherever g = 0; at an apex so are the flow's limits"
+        proof = Proof("power-share", {"share": formula(share), "rest": formula(rest)})
+        yield Evidence(Verdict.PROVED, "power-share", detail, proof=proof)
+
+
+def _radicands(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> list[sp.Expr]:
+    """What stands under square roots and depends on the forces."""
+    powers = (p for p in expr.atoms(sp.Pow) if p.exp.is_Rational and p.exp.q == 2 and p.base.free_symbols & set(forces))
+    return sorted({p.base for p in powers}, key=sp.default_sort_key)
+
+
+def _terms(expr: sp.Expr, forces: tuple[sp.Symbol, ...], roots: Mapping[sp.Expr, sp.Symbol]) -> Terms | None:
+    """The coefficients by powers of forces and roots r, r^2 put for what is under them; None where it is no such polynomial."""
+    plain = expr.replace(lambda p: p.is_Pow and p.base in roots and p.exp.is_Rational, lambda p: roots[p.base] ** (2 * p.exp))
+    over, under = sp.fraction(sp.together(plain))
+    if not all(part.is_polynomial(*forces, *roots.values()) for part in (over, under)):
+        return None
+    for y, r in roots.items():
+        over = sp.reduced(over, [y - r**2], *forces)[1] if y.is_polynomial(*forces) else over
+    whole = sp.cancel(over / under)
+    if not whole.is_polynomial(*forces, *roots.values()):
+        return None
+    return dict(sp.Poly(whole, *forces, *roots.values()).terms())
+
+
+def dissipation_of_potential(subject: FormulaSubject) -> Iterator[Evidence]:
+    """A flow that is the gradient of a potential P has sigma . d = sum of k P_k; where g = 0 a multiple of g may be taken from it.
+
+    So it is for every mean of gradients that meet at a kink or a tip, of which the formula of the flow says nothing.
+    """
+    law, problem = subject.law, subject.problem
+    if law.potential is None:
+        return
+    potential = parse_expression(law.potential, law.symbols()).subs({**law.settled(), **problem.compressed})
+    if (parts := by_degree(replace(problem, g=potential))) is None:
+        return
+    power, g = (_by_forces(expr, problem.forces) for expr in (sp.Add(*(k * part for k, part in parts.items())), problem.g))
+    degrees = ", ".join(map(str, sorted(parts)))
+    detail = f"the potential has parts of degree {degrees} in the forces, so force . flow >= 0 wherever g = 0"
+    for share in dict.fromkeys([sp.S.Zero, *(sp.cancel(power[part] / c) for part, c in g.items() if part in power and part != 1)]):
+        yield Evidence(Verdict.PROVED, "potential", detail, proof=Proof("potential", {"share": formula(_in_pressure(subject, share))}))
+
+
+def _by_forces(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> Mapping[sp.Expr, sp.Expr]:
+    """The terms of a sum: what depends on the forces, and its coefficient."""
+    found: dict[sp.Expr, sp.Expr] = {}
+    for term in sp.Add.make_args(sp.expand(expr, deep=False)):
+        scale, part = term.as_independent(*forces, as_Add=False)
+        found[part] = found.get(part, sp.S.Zero) + scale
+    return found
+
+
+def _in_pressure(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
+    """In the law's own names."""
+    magnitude, pressure = subject.problem.magnitude, subject.law.pressure
+    return expr if magnitude is None or pressure is None else expr.xreplace({magnitude: -subject.law.symbols()[pressure]})
+
+
+def duality(subject: FormulaSubject) -> Evidence | None:
+    """Phi is the support function of K: each step is a theorem, its positivity hypotheses decided over the whole domain."""
+    if bounded := [name for name in subject.law.forces if name in subject.law.domain]:
+        reason = f"the claims are asked in a range of {', '.join(bounded)}, and no closed form is known of a part of K"
+        return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
+    if (found := subject.support) is None:
+        reason = "the rules of the polar gauge give this law no closed-form dissipation potential"
+        return Evidence(Verdict.NOT_APPLICABLE, "polar-gauge", reason)
+    swap = subject.problem.compressed
+    # What the potential divides by must not vanish for any admitted parameters, whatever the rules that gave it have asked.
+    asked = [o for o in obligations(found.potential.xreplace(swap)) if not o.symbols() & set(found.rates)]
+    if not all(met_for_all(subject, subject.problem, o) for o in asked):
+        return None
+    for needed in found.requires:
+        if subject.decided(Question(sp.sympify(needed).xreplace(swap), Sense.POSITIVE, subject.problem.given)).holds is not True:
+            return None
+    slips = {f: x.name for f, x in zip(subject.law.forces, found.rates, strict=True)}
+    told = {"potential": formula(found.potential), "slips": slips, "flat": [formula(form) for form in found.domain]}
+    proof = Proof("polar-gauge", {key: value for key, value in told.items() if value})
+    return Evidence(Verdict.PROVED, "polar-gauge", f"Phi(d) = {formula(found.potential)}; " + "; ".join(found.steps), proof=proof)

@@ -1,0 +1,372 @@
+"""Refuters: a place that a search suggests counts where an exact check confirms a violation; and last, what was tried in vain.
+
+The origin outside K; a chord of K whose midpoint is outside; a corner, or a point to which K narrows; a slip that is not normal
+to K, or does not dissipate.  For an associated law the flow is the normality rule itself (Moreau 1970; Antoni et al. 2007,
+Eqs. 28, 36): it lies in the normal cone of K exactly when K is convex there.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import sympy as sp
+
+from duhem.expression import Where
+from duhem.expression.branches import almost_everywhere
+from duhem.expression.number import rational
+from duhem.proof.decide import Sense
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.plane_section import PlaneSection
+from duhem.proof.facts.undefined import undefined_at_zero
+from duhem.proof.search.polar_form import polar_form
+from duhem.proof.search.seam_crossings import crossings
+from duhem.proof.search.section_corners import section_corners
+from duhem.proof.search.sharp_points import sharp_points
+from duhem.proof.search.suggestion import Chord, Exit, Point, SectionCorner
+from duhem.proof.verdict import Evidence, Verdict, Witness
+from duhem.proof.witness.corners import corner, sharp_point
+from duhem.proof.witness.points import EnclosedPoint, chord, enclosed, enclosed_flow, enclosed_normal, origin_outside, over_box, violation
+
+if TYPE_CHECKING:
+    from duhem.proof.search.boundary_points import BoundaryScout
+
+__all__ = [
+    "convexity_at_clear_dents",
+    "convexity_at_deepest_dents",
+    "convexity_at_dents",
+    "convexity_at_far_points",
+    "convexity_at_narrow_dents",
+    "convexity_at_seams",
+    "convexity_beside_edges",
+    "convexity_between_exact_rays",
+    "convexity_by_sampling",
+    "convexity_by_scouting",
+    "convexity_by_thorough_scouting",
+    "dissipation_at_points",
+    "dissipation_by_sampling",
+    "normality_at_chord",
+    "normality_at_points",
+    "normality_by_sampling",
+    "origin_at_parameters",
+    "origin_undefined",
+    "smoothness_at_corners",
+    "smoothness_at_sharp_points",
+]
+
+_NO_POINT = "a chord leaves K, so K is not convex; no boundary point is confirmed at which grad g leaves the normal cone of K"
+_CHORD = (
+    "the way from `inside` to the midpoint of a chord of K crosses the boundary outward, at a sigma between `inside` and `outside`, "
+    "so grad g . (tau - sigma) > 0 there for one end tau of the chord: the normal is not in the normal cone of K"
+)
+_NORMALITY = "the flow at the boundary point between `inside` and `outside` points towards tau, a point of K: it is not in the normal cone"
+_DISSIPATION = "force . flow < 0 at the boundary point between `inside` and `outside`"
+
+
+# -- the origin -------------------------------------------------------------------------------------------------------
+
+
+def origin_at_parameters(subject: FormulaSubject) -> Evidence | None:
+    """Parameters at which g(0) > 0."""
+    hint = None if subject.at_origin is None else subject.ask(-subject.at_origin, Sense.NONNEGATIVE).point
+    for parameters in subject.choices(40, [hint] if hint else []):
+        if (witness := origin_outside(subject, parameters)) is not None:
+            return Evidence(Verdict.REFUTED, "witness-point", "zero force is outside K", witness)
+    return None
+
+
+def origin_undefined(subject: FormulaSubject) -> Evidence | None:
+    """Why it stays open: g has no value at zero force."""
+    said = undefined_at_zero(subject)
+    return Evidence(Verdict.UNDECIDED, "none", said) if said else None
+
+
+# -- chords -----------------------------------------------------------------------------------------------------------
+# Searches with floats in them are imported only when something is looked for: numpy comes with them.
+
+
+def _refuted(subject: FormulaSubject, suggested: Iterable[Chord], touching: bool = False) -> Evidence | None:
+    """By the first chord that passes the exact check."""
+    for one in suggested:
+        if (witness := chord(subject, one.parameters, one.p, one.q, touching)) is not None:
+            return Evidence(Verdict.REFUTED, "witness-chord", "a chord between two points of K leaves K", witness)
+    return None
+
+
+def convexity_by_scouting(subject: FormulaSubject, choices: int = 6) -> Evidence | None:
+    """At a few parameter choices."""
+    from duhem.proof.search.sampled_chords import sampled_chords
+
+    return _refuted(subject, sampled_chords(subject, choices))
+
+
+def convexity_by_thorough_scouting(subject: FormulaSubject) -> Evidence | None:
+    """At many parameter choices."""
+    return convexity_by_scouting(subject, 60)
+
+
+def convexity_at_far_points(subject: FormulaSubject) -> Evidence | None:
+    """From where a ball in a maximum lies farthest along a load."""
+    from duhem.proof.search.far_points import chords_from_far_points
+
+    return _refuted(subject, chords_from_far_points(subject), touching=True)
+
+
+def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:
+    """Between points of faces, edges or whiskers of K that no sample meets."""
+    from duhem.proof.search.exact_rays import chords_between_exact_rays
+
+    return _refuted(subject, chords_between_exact_rays(subject))
+
+
+def convexity_at_narrow_dents(subject: FormulaSubject) -> Evidence | None:
+    """Where a ray that is known exactly leaves K at a point without second derivatives, or with none inward."""
+    from duhem.proof.search.exact_rays import dents_on_exact_rays
+
+    return _refuted(subject, dents_on_exact_rays(subject))
+
+
+def convexity_beside_edges(subject: FormulaSubject) -> Evidence | None:
+    """Where g rises beside an edge a little less than in proportion, as powers a little below 1 do."""
+    from duhem.proof.search.edge_chords import chords_beside_edges
+
+    return _refuted(subject, chords_beside_edges(subject))
+
+
+def convexity_at_clear_dents(subject: FormulaSubject, thorough: bool = False) -> Evidence | None:
+    """Where the boundary of a polynomial law bends outward in one of many directions."""
+    from duhem.proof.search.polynomial_dents import chords_across_dents
+
+    return _refuted(subject, chords_across_dents(subject, 24, thorough))
+
+
+def convexity_at_deepest_dents(subject: FormulaSubject) -> Evidence | None:
+    """Where the boundary of a polynomial law bends outward most, however little."""
+    return convexity_at_clear_dents(subject, thorough=True)
+
+
+def convexity_at_dents(subject: FormulaSubject) -> Evidence | None:
+    """Where an arc's curvature question has a counterexample, a chord through the boundary point in that direction."""
+    from duhem.proof.search.precise_chords import dent_chords
+
+    if (form := polar_form(subject)) is None:
+        return None
+    for arc in form.arcs:
+        answer = subject.ask(form.curvature(arc), Sense.NONNEGATIVE, *arc.conditions(strict=True), circle=(form.x, form.y))
+        if answer.holds is not False or answer.point is None:
+            continue
+        point: Mapping[sp.Symbol, Any] = answer.point
+        for parameters in subject.choices(1, [point]):
+            if found := _refuted(subject, dent_chords(subject, parameters, [point[form.x], point[form.y]])):
+                return found
+    return None
+
+
+def convexity_at_seams(subject: FormulaSubject) -> Evidence | None:
+    """Where the boundary crosses a seam with a kink inward, a chord across it (two forces)."""
+    if len(subject.simple.forces) != 2 or subject.pieces is None or len(subject.pieces) < 2:
+        return None
+    from duhem.proof.search.precise_chords import kink_chords
+
+    return _refuted(subject, kink_chords(subject))
+
+
+# -- corners ----------------------------------------------------------------------------------------------------------
+
+
+def smoothness_at_corners(subject: FormulaSubject) -> Evidence | None:
+    """A boundary point on a seam where the one-sided normals differ: in two forces on any seam, in more in some planes."""
+    jumps: bool | None = None
+    for parameters in subject.choices(6 if len(subject.simple.forces) == 2 else 2):
+        for one in _suggested(subject, parameters):
+            if jumps is None:
+                jumps = almost_everywhere(subject.simple.g).has(Where) and not subject.continuous
+            witness = corner(subject, parameters, one.section, one.place, jumps)
+            if witness is not None and subject.may_refute("smoothness", witness.points.values()):
+                return Evidence(Verdict.REFUTED, "witness-corner", "the outward normal jumps at a corner of the boundary", witness)
+    return None
+
+
+def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
+    """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp."""
+    for parameters in subject.choices(1):
+        for one in sharp_points(subject, parameters):
+            witness = sharp_point(subject, parameters, one.place, one.away, one.into)
+            if witness is not None and subject.may_refute("smoothness", witness.points.values()):
+                return Evidence(Verdict.REFUTED, "witness-sharp-point", "the boundary has a sharp point", witness)
+    return None
+
+
+def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
+    forces = subject.simple.forces
+    if len(forces) > 2:
+        yield from section_corners(subject, parameters)
+    elif len(forces) == 2:
+        plane = PlaneSection.whole((forces[0], forces[1]))
+        yield from (SectionCorner(parameters, plane, crossing.point) for crossing in crossings(subject, parameters))
+
+
+# -- the slip ---------------------------------------------------------------------------------------------------------
+
+
+def normality_at_chord(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
+    """Associated flow on a non-convex K: where a chord from p to q leaves K, the normal there points towards one of them."""
+    left = settled["convexity"].witness
+    if not subject.problem.associated or left is None:
+        return None
+    parameters, p, q, middle = _read(subject, left)
+    # n . (midpoint - sigma) > 0 where a segment to the midpoint leaves K, whatever it comes from; so for p or q as well
+    starts = [p, q, [Fraction(0)] * len(p), *([c * s for c in end] for s in (Fraction(1, 2), Fraction(7, 8)) for end in (p, q))]
+    starts += [[s * Fraction(c) for c in _beside(len(p))] for s in (Fraction(1, 2**6), Fraction(1, 2**30), Fraction(1, 2**60))]
+    for start in itertools.chain(starts, _centre(subject, parameters)):
+        for target in (q, p):
+            if start is target:
+                continue
+
+            def away(point: EnclosedPoint, target: Sequence[Fraction] = target) -> sp.Expr | None:
+                return _towards(subject, enclosed_normal(subject, point), target)
+
+            witness = violation(subject, parameters, start, middle, away, "grad g . (tau - sigma)", _CHORD, wanted=1, target=target)
+            if witness is not None:
+                return Evidence(Verdict.REFUTED, "witness-normal", "grad g is not in the normal cone where a chord leaves K", witness)
+    return Evidence(Verdict.UNDECIDED, "witness-chord", _NO_POINT)
+
+
+def _towards(subject: FormulaSubject, vector: Sequence[sp.Expr] | None, target: Sequence[Fraction]) -> sp.Expr | None:
+    """vector . (target - sigma); None where there is no vector."""
+    if vector is None:
+        return None
+    return sp.Add(*(d * (rational(t) - x) for d, t, x in zip(vector, target, subject.simple.forces, strict=True)))
+
+
+def _beside(n: int) -> list[int]:
+    """Whole numbers of many sizes: beside 0 along them few kinks are met, along all of which both ends of a chord may lie."""
+    return [(-1) ** (i // 2) * (1 + i * i % 7 + 10 * i) for i in range(n)]
+
+
+def _centre(subject: FormulaSubject, parameters: Values) -> Iterator[list[Fraction]]:
+    """A point well inside K; the ends of a chord may lie on its boundary, with no way into K between them."""
+    from duhem.proof.search.boundary_points import scouts
+
+    yield from (list(exit.inside) for scout in scouts(subject, 6) if scout.parameters == parameters for exit in scout.towards_zero_force())
+
+
+def _read(subject: FormulaSubject, left: Witness) -> tuple[Values, list[Fraction], list[Fraction], list[Fraction]]:
+    """The parameters, the ends and the midpoint of a chord that leaves K."""
+    table, simple = subject.law.symbols(), subject.simple
+    parameters = {table[name]: Fraction(value) for name, value in left.parameters.items() if table[name] in simple.parameters}
+    if simple.magnitude is not None and simple.magnitude in simple.parameters:
+        parameters[simple.magnitude] = -Fraction(left.points["p"][str(subject.law.pressure)])
+    points = [[Fraction(left.points[role][str(x)]) for x in simple.forces] for role in ("p", "q", "midpoint")]
+    return parameters, points[0], points[1], points[2]
+
+
+def normality_at_points(subject: FormulaSubject, choices: int = 12, near: bool = True) -> Evidence | None:
+    """A boundary point whose flow points towards another point of K, the worst direction first.
+
+    The other point is first sought all along the boundary, then it is zero force, towards which a flow of negative power
+    points, then (if ``near``) close by, at the scale of the deviation itself; at so many choices of the parameters.
+    """
+    if subject.simple.associated:
+        return None
+    from duhem.proof.search.boundary_points import scouts
+
+    for scout in scouts(subject, choices):
+        if len(scout.boundary) < 2:
+            continue
+        zero = (Fraction(0),) * len(subject.simple.forces)
+        at_rest = ((exit, zero) for exit in scout.least_power(5))
+        for exit, target in itertools.chain(scout.far_targets(), at_rest, _on_the_boundary(subject, scout) if near else ()):
+            if witness := _leans_towards(subject, exit, target):
+                return Evidence(Verdict.REFUTED, "witness-flow", "the flow leaves the normal cone of K", witness)
+    return None
+
+
+def _on_the_boundary(subject: FormulaSubject, scout: BoundaryScout) -> Iterator[tuple[Exit, Point]]:
+    """Targets close by as points that are surely in K."""
+    for exit, turned in scout.near_targets():
+        if found := enclosed(subject, turned.parameters, turned.inside, turned.outside, 80):
+            yield exit, found.inside
+
+
+def _leans_towards(subject: FormulaSubject, exit: Exit, target: Point) -> Witness | None:
+    def leaning(point: EnclosedPoint) -> sp.Expr | None:
+        return _towards(subject, enclosed_flow(subject, point), target)
+
+    name = "flow . (tau - sigma)"
+    return violation(
+        subject, exit.parameters, exit.inside, exit.outside, leaning, name, _NORMALITY, 1, target, lambda b: _angles(subject, b)
+    )
+
+
+def _angles(subject: FormulaSubject, point: EnclosedPoint) -> dict[str, float]:
+    """Deviation of the flow from the normal at the enclosed point, and the flow's own angle (two forces), in degrees."""
+    normal, flow = enclosed_normal(subject, point), enclosed_flow(subject, point)
+    if normal is None or flow is None:
+        return {}
+    n, d = ([float(over_box(c, subject, point).mid()) for c in vector] for vector in (normal, flow))
+    n_size, d_size = math.hypot(*n), math.hypot(*d)
+    apart, along = (math.hypot(*(a / n_size + way * b / d_size for a, b in zip(n, d, strict=True))) for way in (-1, 1))
+    measures = {"deviation_degrees": math.degrees(2 * math.atan2(apart, along))}  # exact for small angles too (Kahan 2006)
+    if len(d) == 2:
+        measures["slip_angle_degrees"] = math.degrees(math.atan2(d[1], d[0]))
+    return measures
+
+
+def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidence | None:
+    """A boundary point where force . flow < 0, at so many choices of the parameters."""
+    from duhem.proof.search.boundary_points import scouts
+
+    def power(point: EnclosedPoint) -> sp.Expr | None:
+        flow = enclosed_flow(subject, point)
+        return None if flow is None else sp.Add(*(x * d for x, d in zip(subject.simple.forces, flow, strict=True)))
+
+    for scout in scouts(subject, choices):
+        for exit in itertools.chain(scout.towards_zero_force(), scout.least_power(5)):
+            if witness := violation(subject, exit.parameters, exit.inside, exit.outside, power, "force . flow", _DISSIPATION):
+                return Evidence(Verdict.REFUTED, "witness-power", "force . flow is negative on the boundary", witness)
+    return None
+
+
+# -- what was tried in vain: it proves nothing and says so -------------------------------------------------------------
+
+
+def convexity_by_sampling(subject: FormulaSubject) -> Evidence | None:
+    """Between how many boundary points, of how many parameter choices, chords were tried in vain; None where none were."""
+    from duhem.proof.search.sampled_chords import looked_between
+
+    return _tested("no chord was found to leave K between", looked_between(subject))
+
+
+def normality_by_sampling(subject: FormulaSubject) -> Evidence | None:
+    """Of an associated law it is the convexity of K."""
+    if subject.problem.associated:
+        return convexity_by_sampling(subject)
+    return _flow(subject, "the slip leans towards another point of K", lambda scout: scout.seem_to_lean_inward())
+
+
+def dissipation_by_sampling(subject: FormulaSubject) -> Evidence | None:
+    """At how many boundary points, of how many parameter choices, the slip was looked at in vain; None where none were found."""
+    return _flow(subject, "the power is negative", lambda scout: scout.seem_to_dissipate_less_than_0())
+
+
+def _flow(subject: FormulaSubject, what: str, seem: Callable[[BoundaryScout], int]) -> Evidence | None:
+    from duhem.proof.search.boundary_points import scouts
+
+    looked = [scout for scout in scouts(subject, 12) if scout.found > 0]
+    for scout in looked:
+        if count := seem(scout):
+            detail = f"in floats {what} at {count} of {scout.found} boundary points of a parameter choice, which no exact witness confirms"
+            return Evidence(Verdict.UNDECIDED, "sampling", detail)
+    return _tested("no violation at", [scout.found for scout in looked])
+
+
+def _tested(what: str, found: Sequence[int]) -> Evidence | None:
+    if not found:
+        return None
+    choices = "1 parameter choice" if len(found) == 1 else f"{len(found)} parameter choices"
+    return Evidence(Verdict.TESTED, "sampling", f"{what} {sum(found)} boundary points of {choices} (fixed seeds); nothing is proved")

@@ -1,0 +1,222 @@
+"""The exact check that makes a refutation: signs at rational points and between two of them, in balls of rising precision.
+
+Nothing is refuted by a float.  A candidate is made rational, evaluated in the law as stated (no simplification), and
+kept only if every sign is certain; where one stays open the candidate is dropped.  A boundary point that is not rational is
+held between two rational ones: by continuity the boundary crosses a segment from a point inside K to one outside, and what is
+shown in balls for the whole box around the segment holds at that boundary point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import sympy as sp
+
+from duhem.expression import EigMax
+from duhem.expression.balls import ball, certain_sign, enclose, precision
+from duhem.expression.number import fraction
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.facts.plane_section import KINKS, kinks_decided
+from duhem.proof.verdict import Witness
+
+__all__ = [
+    "EnclosedPoint",
+    "chord",
+    "decimal_pair",
+    "enclosed",
+    "enclosed_flow",
+    "enclosed_normal",
+    "origin_outside",
+    "over_box",
+    "sign_at",
+    "violation",
+    "witness",
+]
+
+_PRECISIONS = (64, 128, 256, 512, 1024, 2048)
+_WIDTHS = (20, 40, 60, 90, 120)
+
+
+def sign_at(expr: sp.Expr, values: Values, exact: bool = False) -> tuple[int | None, Any]:
+    """Certain sign of ``expr`` at exact values (None if no precision settles it) and the enclosure that shows it.
+
+    If ``exact``, also of what is 0 as a fraction, which balls cannot tell.
+    """
+    enclosure = None
+    for bits in _PRECISIONS:
+        with precision(bits):
+            enclosure = enclose(expr, {x: ball(v) for x, v in values.items()})
+            if (sign := certain_sign(enclosure)) is not None:
+                return sign, enclosure
+    if exact and enclosure is not None and enclosure.is_finite():
+        number = expr.xreplace(rationals(values))
+        if number.is_Rational:
+            return int(sp.sign(number)), ball(fraction(number))
+    return None, enclosure
+
+
+def witness(
+    subject: FormulaSubject,
+    points: Mapping[str, Values],
+    values: Mapping[str, tuple[str, str]],
+    statement: str,
+    measures: Mapping[str, float] | None = None,
+) -> Witness:
+    """A violation at points by role, each with the values of forces, pressure and parameters; these are the same at all of them."""
+    law, magnitude = subject.law, subject.problem.magnitude
+    table, any_point = law.symbols(), next(iter(points.values()))
+    shown = {role: {str(x): str(at[x]) for x in subject.problem.forces} for role, at in points.items()}
+    if law.pressure is not None and magnitude is not None:
+        for role, at in points.items():
+            shown[role][law.pressure] = str(-at.get(magnitude, Fraction(1)))
+    parameters = {name: str(any_point[table[name]]) for name in law.parameters if table[name] in any_point}
+    return Witness(parameters, shown, values, statement, measures or {})
+
+
+def decimal_pair(enclosure: Any) -> tuple[str, str]:
+    """The ends of a ball in decimal with 17 digits, rounded outward."""
+    ends = []
+    for end, rounding in ((enclosure.lower(), ROUND_FLOOR), (enclosure.upper(), ROUND_CEILING)):
+        exact = end.fmpq()
+        context = Context(prec=17, rounding=rounding)
+        ends.append(str(context.divide(Decimal(int(exact.p)), Decimal(int(exact.q)))))
+    return ends[0], ends[1]
+
+
+def chord(
+    subject: FormulaSubject, parameters: Values, p: Sequence[Fraction], q: Sequence[Fraction], touching: bool = False
+) -> Witness | None:
+    """Non-convexity: g(p) <= 0, g(q) <= 0 and g > 0 at the midpoint, or None if that is not certain.
+
+    If ``touching``, points on the boundary count too where their coordinates show it in fractions.
+    """
+    middle = [(a + b) / 2 for a, b in zip(p, q, strict=True)]
+    points = {role: subject.values_at(parameters, point) for role, point in (("p", p), ("q", q), ("midpoint", middle))}
+    if not subject.admits(points["p"]):
+        return None
+    shown = {}
+    for role, values in points.items():
+        sign, enclosure = sign_at(subject.problem.stated, values, touching)
+        if sign is None or (sign > 0) != (role == "midpoint"):
+            return None
+        shown[f"g({role})"] = decimal_pair(enclosure)
+    return witness(subject, points, shown, "g(p) <= 0 and g(q) <= 0, yet g > 0 at the midpoint of p and q: {g <= 0} is not convex")
+
+
+def origin_outside(subject: FormulaSubject, parameters: Values) -> Witness | None:
+    """g(0) > 0 at admitted parameters, or None if that is not certain."""
+    values = subject.values_at(parameters, [Fraction(0)] * len(subject.simple.forces))
+    sign, enclosure = sign_at(subject.problem.stated, values)
+    if sign != 1:
+        return None
+    return witness(subject, {"origin": values}, {"g(0)": decimal_pair(enclosure)}, "g > 0 at zero force: 0 is not in K")
+
+
+@dataclass(frozen=True)
+class EnclosedPoint:
+    """Between ``inside`` and ``outside`` (simple problem's forces), g <= 0 at the one and g > 0 at the other, both certain."""
+
+    parameters: Values
+    inside: tuple[Fraction, ...]
+    outside: tuple[Fraction, ...]
+
+
+def enclosed(
+    subject: FormulaSubject, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], bits: int
+) -> EnclosedPoint | None:
+    """The crossing between ``start`` in K and ``end`` outside, narrowed 2^bits times; None if a sign stays open."""
+    return next(_narrowed(subject, parameters, start, end, (bits,)), None)
+
+
+def _narrowed(
+    subject: FormulaSubject, parameters: Values, start: Sequence[Fraction], end: Sequence[Fraction], widths: Sequence[int]
+) -> Iterator[EnclosedPoint]:
+    """The crossing after each of so many halvings, which rise; no more where a sign stays open."""
+    low, high = Fraction(0), Fraction(1)
+
+    def at(s: Fraction) -> tuple[Fraction, ...]:
+        return tuple(a + s * (b - a) for a, b in zip(start, end, strict=True))
+
+    def inside(s: Fraction) -> bool | None:
+        sign, _ = sign_at(subject.problem.stated, subject.values_at(parameters, at(s)))
+        return None if sign is None else sign <= 0
+
+    if inside(low) is not True or inside(high) is not False:
+        return
+    for done, bits in pairwise((0, *widths)):
+        for _ in range(done, bits):
+            middle = (low + high) / 2
+            here = inside(middle)
+            if here is None:
+                return
+            low, high = (middle, high) if here else (low, middle)
+        yield EnclosedPoint(parameters, at(low), at(high))
+
+
+def over_box(expr: sp.Expr, subject: FormulaSubject, point: EnclosedPoint) -> Any:
+    """Ball containing ``expr`` over the box around the point (pressure and parameters exact)."""
+    with precision(256):
+        return enclose(expr, _box(subject, point))
+
+
+def _box(subject: FormulaSubject, point: EnclosedPoint) -> dict[sp.Symbol, Any]:
+    a, b = subject.values_at(point.parameters, point.inside), subject.values_at(point.parameters, point.outside)
+    return {x: ball(min(a[x], b[x]), max(a[x], b[x])) for x in a}
+
+
+def enclosed_normal(subject: FormulaSubject, point: EnclosedPoint) -> tuple[sp.Expr, ...] | None:
+    """Gradient of the one smooth branch of the simple problem that holds on the whole box; None on a seam.
+
+    Where there are too many branches to list, what the box leaves of the formula is that one.
+    """
+    if subject.pieces is None:
+        with precision(256):
+            here = kinks_decided(subject.simple.g, _box(subject, point))
+        return None if here.has(*KINKS, EigMax) else tuple(sp.diff(here, x) for x in subject.simple.forces)
+    for piece in subject.pieces:
+        if all(certain_sign(over_box(sign * switch, subject, point)) == 1 for switch, sign in piece.signs.items()):
+            return tuple(sp.diff(piece.expr, x) for x in subject.simple.forces)
+    return None
+
+
+def enclosed_flow(subject: FormulaSubject, point: EnclosedPoint) -> tuple[sp.Expr, ...] | None:
+    """The slip at the enclosed point: that of the one surface that can be 0 there; None at a corner, or on a seam of a normal."""
+    acting = [face for face in subject.simple.faces if all(certain_sign(over_box(other, subject, point)) == -1 for other in face.others)]
+    return (acting[0].flow or enclosed_normal(subject, point)) if len(acting) == 1 else None
+
+
+def violation(
+    subject: FormulaSubject,
+    parameters: Values,
+    start: Sequence[Fraction],
+    end: Sequence[Fraction],
+    quantity: Callable[[EnclosedPoint], sp.Expr | None],
+    name: str,
+    statement: str,
+    wanted: int = -1,
+    target: Sequence[Fraction] | None = None,
+    measures: Callable[[EnclosedPoint], dict[str, float]] = lambda point: {},
+) -> Witness | None:
+    """A witness that ``quantity`` has the ``wanted`` sign at the boundary point between ``start`` and ``end``."""
+    if not subject.admits(subject.values_at(parameters, start)):
+        return None
+    others: dict[str, Values] = {} if target is None else {"tau": subject.values_at(parameters, target)}
+    if any(sign_at(subject.problem.stated, at)[0] not in (-1, 0) for at in others.values()):
+        return None
+    for point in _narrowed(subject, parameters, start, end, _WIDTHS):
+        expr = quantity(point)
+        if expr is None or not all(over_box(tree, subject, point).is_finite() for tree in subject.doubted):
+            continue
+        value = over_box(expr, subject, point)
+        if certain_sign(value) == wanted:
+            ends = {"inside": subject.values_at(parameters, point.inside), "outside": subject.values_at(parameters, point.outside)}
+            points = {**ends, **others}
+            shown = {f"g({role})": decimal_pair(sign_at(subject.problem.stated, at)[1]) for role, at in points.items()}
+            return witness(subject, points, {**shown, name: decimal_pair(value)}, statement, measures(point))
+    return None
