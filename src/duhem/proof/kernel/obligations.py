@@ -15,7 +15,7 @@ from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_be
 from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
-from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
+from duhem.proof.kernel.term import Term, minus, number, parse, parts, sum_of
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
@@ -36,20 +36,15 @@ def nothing(_: StatedLaw) -> str:
 def numbers(text: str) -> str:
     """Each part of a formula's text that is a number has a value, whether or not a condition lets it be read, and is of ordinary size."""
     reader = _reader(over(StatedLaw(("x",), None, number(0), None, {}, ())))
-    for part in _numbers(parse(text)):
-        if not part.names() - {"pi"} and reader.undecided(part) is part:
+    for part in parts(parse(text)):
+        named = bool(part.names() - {"pi"})
+        if not named and reader.undecided(part) is part:
             return _said("a number in the law", part)
-        if any(reader.sign(x) & NEGATIVE for x in _below_its_limit(part)):
+        if not (part.args[1].names() - {"pi"} if part.op == "**" else named) and any(
+            reader.sign(x) & NEGATIVE for x in _below_its_limit(part)
+        ):
             return f"a number in the law is too large: {part.op} in it"
     return ""
-
-
-def _numbers(term: Term) -> Iterator[Term]:
-    """The parts that no name enters, and powers whose exponent is one, the inner ones first."""
-    for a in term.args:
-        yield from _numbers(a)
-    if term.args and (not term.names() - {"pi"} or (term.op == "**" and not term.args[1].names() - {"pi"})):
-        yield term
 
 
 def _below_its_limit(part: Term) -> Iterator[Term]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -25,6 +25,7 @@ __all__ = [
     "minus",
     "number",
     "parse",
+    "parts",
     "product_of",
     "sum_of",
 ]
@@ -141,6 +142,13 @@ def product_of(*factors: Term) -> Term:
 def factors(term: Term) -> list[Term]:
     """What is multiplied, in products within products too."""
     return [f for a in term.args for f in factors(a)] if term.op == "*" else [term]
+
+
+def parts(term: Term) -> Iterator[Term]:
+    """Every part of a formula, and the formula, the inner ones first."""
+    for a in term.args:
+        yield from parts(a)
+    yield term
 
 
 def parse(text: str) -> Term:
@@ -277,6 +285,8 @@ def _call(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
     at = _closed(tokens, at)
     if not least <= len(args) <= most:
         raise NotWritten(f"{word} with {len(args)} arguments is no word")
+    if word == "atan2" and any(part.op == "atan2" and part.names() for a in args for part in parts(a)):
+        raise NotWritten("atan2 stands within atan2")
     return _meaning(word, args), at
 
 
