@@ -12,7 +12,7 @@ from fractions import Fraction
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
-from duhem.proof.kernel.domain import ANY, NEGATIVE, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import Term, minus, number, parse, parts, sum_of
@@ -44,6 +44,8 @@ def numbers(text: str) -> str:
             reader.sign(x) & NEGATIVE for x in _below_its_limit(part)
         ):
             return f"a number in the law is too large: {part.op} in it"
+        if part.op == "**" and part.args[1].names() and not part.args[0].names() - {"pi"} and reader.sign(part.args[0]) == ZERO:
+            return "0 is raised to a power that varies"
     return ""
 
 
