@@ -14,7 +14,7 @@ from duhem.expression import Norm, Where
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import chords, corners, evaluation
-from duhem.proof.search import polynomial_dents, sampled_chords
+from duhem.proof.search import dents, sampled_chords
 from duhem.proof.verdict import Proof
 from tests.oracles.prover import composition, convex_sums, degrees, power_share, rounded
 from tests.oracles.prover import evaluation as evaluated
@@ -341,7 +341,7 @@ def test_no_limit_is_promised_where_there_is_none(g: str, does: str) -> None:
 def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
     monkeypatch.setattr(sampled_chords, "sampled_chords", lambda subject, most: asked.append(most) or ())
-    monkeypatch.setattr(polynomial_dents, "chords_across_dents", lambda subject, most, thorough: asked.append(thorough) or ())
+    monkeypatch.setattr(dents, "chords_across_dents", lambda subject, most, thorough: asked.append(thorough) or ())
     law = subject("a**2 + b**2 - 1")
     for method in (
         chords.convexity_by_scouting,

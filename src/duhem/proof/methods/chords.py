@@ -68,14 +68,14 @@ def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:
 
 def convexity_at_narrow_dents(subject: FormulaSubject) -> Evidence | None:
     """Where a ray that is known exactly leaves K at a point without second derivatives, or with none inward."""
-    from duhem.proof.search.exact_rays import dents_on_exact_rays
+    from duhem.proof.search.dents import dents_on_exact_rays
 
     return _refuted(subject, dents_on_exact_rays(subject))
 
 
 def convexity_beside_edges(subject: FormulaSubject) -> Evidence | None:
     """Where g rises beside an edge a little less than in proportion, as powers a little below 1 do."""
-    from duhem.proof.search.edge_chords import chords_beside_edges
+    from duhem.proof.search.precise_chords import chords_beside_edges
 
     return _refuted(subject, chords_beside_edges(subject))
 
@@ -91,7 +91,7 @@ def convexity_at_deepest_dents(subject: FormulaSubject) -> Evidence | None:
 
 
 def _dented(subject: FormulaSubject, thorough: bool) -> Evidence | None:
-    from duhem.proof.search.polynomial_dents import chords_across_dents
+    from duhem.proof.search.dents import chords_across_dents
 
     return _refuted(subject, chords_across_dents(subject, 24, thorough))
 

@@ -17,7 +17,7 @@ import sympy as sp
 from duhem.expression import Norm
 from duhem.expression.number import fraction, rational
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.loads import affine, largest_loads
+from duhem.proof.search.edges import affine, largest_loads
 from duhem.proof.search.suggestion import Chord
 
 __all__ = ["chords_from_far_points"]
