@@ -28,6 +28,7 @@ from duhem.proof.search.suggestion import Chord, Point
 __all__ = ["chords_beside_edges", "dent_chords", "kink_chords"]
 
 _DIGITS, _PRICE = 60, 20_000  # steps of an edge
+_SHORTEST, _TURNED = 58, 10  # powers of 1/2 that a chord is made shorter by; after so many the tangent is sought again
 _NEAR = 2.0**-40  # how far from an edge it is seen that g rises less than in proportion
 _PLACES = range(2, 60, 3)  # powers of 2: how far the other end may be
 _FROM = 4  # edges
@@ -53,7 +54,7 @@ class _Level:
 def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence[Any]) -> Iterator[Chord]:
     """Chords through the boundary point seen from the origin in ``direction`` that seem to leave K, the longest first.
 
-    In more than two forces along the tangent in which the second differences of that length are least.
+    In more than two forces along the tangent in which the second differences of about that length are least.
     """
     value = _Level(subject, parameters)
     context = value.context
@@ -73,9 +74,11 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
     def bend(t: Any, tangent: Sequence[Any]) -> Any:
         return value(_moved(x, (t, tangent))) + value(_moved(x, (-t, tangent)))
 
-    for k in range(2, 60):
-        t = end * context.mpf(2) ** -k
-        tangent = frame[0] if len(frame) == 1 else _least(context, frame, partial(bend, t))
+    tangent: list[Any] | None = frame[0]
+    for k in range(_SHORTEST):
+        t = end * context.mpf(2) ** -(k + 2)
+        if len(frame) > 1 and k % _TURNED == 0:
+            tangent = _least(context, frame, partial(bend, t))
         if tangent is not None and (rise := -bend(t, tangent) / (2 * length)) > 0:
             ends = [_moved(x, (s * t, tangent), (rise / 2, normal)) for s in (1, -1)]
             if max(map(value, ends)) <= 0:
