@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
 
-import sympy as sp
-
-from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.polar_form import polar_form
 from duhem.proof.search.suggestion import Chord
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.rational_points import chord
@@ -97,21 +92,10 @@ def _dented(subject: FormulaSubject, thorough: bool) -> Evidence | None:
 
 
 def convexity_at_dents(subject: FormulaSubject) -> Evidence | None:
-    """Where an arc's curvature question has a counterexample, a chord through the boundary point in that direction."""
-    from duhem.proof.search.precise_chords import dent_chords
+    """Where the boundary of any law bends outward most, between its kinks."""
+    from duhem.proof.search.dents import chords_across_smooth_dents
 
-    form = polar_form(subject)
-    if form is None:
-        return None
-    for arc in form.arcs:
-        answer = subject.ask(form.curvature(arc), Sense.NONNEGATIVE, *arc.conditions(strict=True), circle=(form.x, form.y))
-        if answer.holds is not False or answer.point is None:
-            continue
-        point: Mapping[sp.Symbol, Any] = answer.point
-        for parameters in subject.choices(1, [point]):
-            if found := _refuted(subject, dent_chords(subject, parameters, [point[form.x], point[form.y]])):
-                return found
-    return None
+    return _refuted(subject, chords_across_smooth_dents(subject))
 
 
 def convexity_at_seams(subject: FormulaSubject) -> Evidence | None:

@@ -68,6 +68,17 @@ def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> I
             yield from dent_chords(subject, parameters, direction)
 
 
+def chords_across_smooth_dents(subject: FormulaSubject, most: int = 2) -> Iterator[Chord]:
+    """The same for what is no polynomial, where it has second derivatives; 0 must be inside K."""
+    forces = subject.simple.forces
+    price = _PRICE * _STARTS * len(forces) * sum(1 for _ in sp.preorder_traversal(subject.simple.g))
+    for parameters in subject.choices(most) if len(forces) > 1 else ():
+        if not subject.budget.pays(price):
+            return
+        for direction in Boundary(subject.formula_at(parameters), forces).lowest(True):
+            yield from dent_chords(subject, parameters, direction)
+
+
 def _terms(g: sp.Expr, forces: Sequence[sp.Symbol]) -> int:
     """How many a polynomial of degree 3 or more has that is < 0 at 0, and so a positive power of it less a number; of others, 0."""
     constant, rest = g.as_independent(*(g.atoms(sp.Pow) or {g}), as_Add=True) if g.is_Add else (sp.S.Zero, g)
@@ -88,7 +99,7 @@ def dents_on_exact_rays(subject: FormulaSubject, most: int = 2) -> Iterator[Chor
         g = subject.formula_at(parameters)
         boundary, rays = Boundary(g, forces), list(exact_rays(g, forces))
         bends, distances = boundary.bends(np.array(rays, dtype=float))
-        unsettled = np.flatnonzero(np.isfinite(distances) & ~((_FLAT < bends) & (bends < np.inf)))
+        unsettled = np.flatnonzero(np.isfinite(distances) & ~((bends > _FLAT) & (bends < np.inf)))
         for k in islice(unsettled, _RAYS):
             if not subject.budget.pays(_PRECISE):
                 return
@@ -205,7 +216,7 @@ class Boundary:
         """The distance at which each ray first leaves K; infinite where it does not."""
         ways = u @ self._axes.T
         last, first = first_exit(self._levels(_RADII[:, None] * ways[:, None, :]) <= 0, _RADII)
-        left = np.flatnonzero((last < first) & (self._levels(np.zeros(self.n)) < 0))
+        left = np.flatnonzero((last > 0) & (last < first))  # not where 0 is outside
         shares, none = crossing(lambda points, _: self._levels(points), np.zeros((len(left), self.n)), first[left, None] * ways[left])
         found = np.full(len(u), np.inf)
         found[left[~none]] = first[left[~none]] * shares[~none]

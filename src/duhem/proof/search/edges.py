@@ -92,5 +92,3 @@ def exact_rays(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[int, .
         if any(ray) and ray not in seen:
             seen.add(ray)
             yield ray
-
-

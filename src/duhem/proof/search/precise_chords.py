@@ -88,6 +88,8 @@ def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence
 def _moved(x: Sequence[Any], *steps: tuple[Any, Sequence[Any]]) -> list[Any]:
     """By some lengths along some ways."""
     return [sum((length * way[i] for length, way in steps), c) for i, c in enumerate(x)]
+
+
 def _tangents(context: Any, normal: Sequence[Any]) -> list[list[Any]]:
     """Unit vectors across the normal and each other."""
     if len(normal) == 2:
