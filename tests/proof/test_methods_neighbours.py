@@ -13,7 +13,7 @@ from duhem import Criterion, Domain, Verdict
 from duhem.expression import Norm, Where
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.methods import chords, corners, evaluation
-from duhem.proof.search import dents, sampled_chords
+from duhem.proof.search import dents, long_chords
 from duhem.proof.verdict import Proof
 from tests.oracles.prover import composition, convex_sums, degrees, power_share, rounded
 from tests.oracles.prover import evaluation as evaluated
@@ -339,7 +339,7 @@ def test_no_limit_is_promised_where_there_is_none(g: str, does: str) -> None:
 
 def test_how_hard_a_chord_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
-    monkeypatch.setattr(sampled_chords, "sampled_chords", lambda subject, most: asked.append(most) or ())
+    monkeypatch.setattr(long_chords, "sampled_chords", lambda subject, most: asked.append(most) or ())
     monkeypatch.setattr(dents, "chords_across_dents", lambda subject, most, thorough: asked.append(thorough) or ())
     law = subject("a**2 + b**2 - 1")
     for method in (

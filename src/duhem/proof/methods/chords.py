@@ -42,21 +42,21 @@ def convexity_by_thorough_scouting(subject: FormulaSubject) -> Evidence | None:
 
 
 def _scouted(subject: FormulaSubject, most: int) -> Evidence | None:
-    from duhem.proof.search.sampled_chords import sampled_chords  # numpy, only when something is looked for
+    from duhem.proof.search.long_chords import sampled_chords  # numpy, only when something is looked for
 
     return _refuted(subject, sampled_chords(subject, most))
 
 
 def convexity_at_far_points(subject: FormulaSubject) -> Evidence | None:
     """From where a ball in a maximum lies farthest along a load."""
-    from duhem.proof.search.far_points import chords_from_far_points
+    from duhem.proof.search.long_chords import chords_from_far_points
 
     return _refuted(subject, chords_from_far_points(subject), touching=True)
 
 
 def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:
     """Between points of faces, edges or whiskers of K that no sample meets."""
-    from duhem.proof.search.exact_rays import chords_between_exact_rays
+    from duhem.proof.search.long_chords import chords_between_exact_rays
 
     return _refuted(subject, chords_between_exact_rays(subject))
 

@@ -9,8 +9,6 @@ from duhem.expression.branches import almost_everywhere
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection
-from duhem.proof.search.seam_crossings import crossings
-from duhem.proof.search.section_corners import section_corners
 from duhem.proof.search.sharp_points import sharp_points
 from duhem.proof.search.suggestion import SectionCorner
 from duhem.proof.verdict import Evidence, Verdict
@@ -44,6 +42,8 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
 
 
 def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
+    from duhem.proof.search.corners import crossings, section_corners  # numpy, only when something is looked for
+
     forces = subject.simple.forces
     if len(forces) > 2:
         yield from section_corners(subject, parameters)

@@ -16,7 +16,7 @@ __all__ = ["chords", "dissipation", "normality"]
 
 def chords(subject: FormulaSubject) -> Evidence | None:
     """Between how many boundary points, of how many parameter choices, chords were tried in vain; None where none were."""
-    from duhem.proof.search.sampled_chords import looked_between  # numpy, only when something was looked for
+    from duhem.proof.search.long_chords import looked_between  # numpy, only when something was looked for
 
     return _tested("no chord was found to leave K between", looked_between(subject))
 

@@ -58,9 +58,9 @@ def chords_across_dents(subject: FormulaSubject, most: int, thorough: bool) -> I
         if not terms or not subject.budget.pays(price):
             return
         seen.add(g)
-        if (Boundary, g) not in subject.known:
-            subject.known[Boundary, g] = Boundary(g, forces)
-        boundary: Boundary = subject.known[Boundary, g]
+        if (BoundaryBends, g) not in subject.known:
+            subject.known[BoundaryBends, g] = BoundaryBends(g, forces)
+        boundary: BoundaryBends = subject.known[BoundaryBends, g]
         searched = [boundary]
         if boundary.doubtful(thorough) and boundary.long and subject.budget.pays(price):
             searched = [boundary.rounder, *searched[:thorough]]
@@ -75,7 +75,7 @@ def chords_across_smooth_dents(subject: FormulaSubject, most: int = 2) -> Iterat
     for parameters in subject.choices(most) if len(forces) > 1 else ():
         if not subject.budget.pays(price):
             return
-        for direction in Boundary(subject.formula_at(parameters), forces).lowest(True):
+        for direction in BoundaryBends(subject.formula_at(parameters), forces).lowest(True):
             yield from dent_chords(subject, parameters, direction)
 
 
@@ -97,7 +97,7 @@ def dents_on_exact_rays(subject: FormulaSubject, most: int = 2) -> Iterator[Chor
     forces = subject.simple.forces
     for parameters in subject.choices(most) if len(forces) > 1 else ():
         g = subject.formula_at(parameters)
-        boundary, rays = Boundary(g, forces), list(exact_rays(g, forces))
+        boundary, rays = BoundaryBends(g, forces), list(exact_rays(g, forces))
         bends, distances = boundary.bends(np.array(rays, dtype=float))
         unsettled = np.flatnonzero(np.isfinite(distances) & ~((bends > _FLAT) & (bends < np.inf)))
         for k in islice(unsettled, _RAYS):
@@ -106,7 +106,7 @@ def dents_on_exact_rays(subject: FormulaSubject, most: int = 2) -> Iterator[Chor
             yield from islice(dent_chords(subject, parameters, rays[k]), _TRIED)
 
 
-class Boundary:
+class BoundaryBends:
     """The boundary around 0 of {g <= 0}, g < 0 at 0, in floats and at many points at once."""
 
     def __init__(self, g: sp.Expr, forces: Sequence[sp.Symbol], axes: Array | None = None) -> None:
@@ -127,10 +127,10 @@ class Boundary:
         return bool(len(met) and met.max() > self._longest * met.min())
 
     @cached_property
-    def rounder(self) -> Boundary:
+    def rounder(self) -> BoundaryBends:
         """The same in coordinates in which K is round."""
         axes = round_coordinates(self.reach, self._starts[0][::3], self._longest)
-        return self if axes is None else Boundary(self.g, self.forces, axes)
+        return self if axes is None else BoundaryBends(self.g, self.forces, axes)
 
     def lowest(self, thorough: bool) -> list[Array]:
         """Directions of boundary points that seem to bend outward, the lowest first."""

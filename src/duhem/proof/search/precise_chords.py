@@ -21,8 +21,8 @@ from duhem.expression.number import fraction
 from duhem.expression.rays_mpmath import reach
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
+from duhem.proof.search.corners import Crossing, crossings
 from duhem.proof.search.edges import edges
-from duhem.proof.search.seam_crossings import Crossing, crossings
 from duhem.proof.search.suggestion import Chord, Point
 
 __all__ = ["chords_beside_edges", "dent_chords", "kink_chords"]

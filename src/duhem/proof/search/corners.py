@@ -1,4 +1,4 @@
-"""Where the boundary of K has a corner in some plane of the force space, in more than two forces.
+"""Where the boundary of K has a corner: at a seam in two forces, in some plane of the force space in more.
 
 Two kinds of planes are looked at: those through the zeros of a root (the axis of a cone, where its tip is), and some through a
 point of K, in which the boundary is followed around and its normal is seen to jump.  Directions are small whole numbers (fixed seed).
@@ -6,28 +6,36 @@ point of K, in which the boundary is followed around and its normal is seen to j
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
-from math import frexp
 from typing import Any
 
+import numpy as np
 import sympy as sp
+from scipy.optimize import brentq
 
-from duhem.expression import EigMax, Neg, Norm, Pos, Where
+from duhem.expression import EigMax, Neg, Norm, Pos, Where, mpmath_
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, seams
 from duhem.expression.gradient import jacobian
 from duhem.expression.number import fraction, rational
+from duhem.expression.numpy_ import compiled
+from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
-from duhem.proof.search.newton import common_zero
+from duhem.proof.search.boundary_points import scout
 from duhem.proof.search.suggestion import Point, SectionCorner
 
-__all__ = ["section_corners"]
+__all__ = ["Crossing", "crossings", "section_corners"]
 
+_MOST = 16  # crossings of one seam
+_MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
+_START = 8_000  # steps from one place to a crossing, or to none
 _PLANES, _TIPS, _PLACES = 6, 6, 6
 _DIRECTIONS = 1440
 _JUMP = 1e-4  # of the direction, in radians: a smooth boundary turns less where it is looked at so closely
@@ -37,6 +45,57 @@ _DIGITS = 40
 _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pieces are opened there
 
 Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """``point`` (decimals of high precision) on the boundary, on a seam with one switch."""
+
+    seam: Seam
+    point: Point
+
+
+def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
+    """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain; while steps are left."""
+    exact, forces = rationals(parameters), subject.simple.forces
+    exponents = {x for power in subject.simple.g.atoms(sp.Pow) for x in power.exp.free_symbols}
+    if any(abs(value.p) > _MOST_EXPONENT for x, value in exact.items() if x in exponents):
+        return
+    around = scout(subject, parameters).boundary
+    for seam in seams(subject.pieces or ()) if len(around) else ():
+        if len(seam.crossed) != 1:
+            continue
+        system = sp.Matrix([seam.after.expr, *seam.crossed]).subs(exact)
+        signs = np.sign(np.broadcast_to(compiled(system[1], forces)(*around.T), len(around)))
+        slopes, known = jacobian(system, forces), list[Point]()
+        for start in around[signs != np.roll(signs, -1)][:_MOST] if slopes is not None else ():
+            if any(math.dist(map(float, point), start) < 0.1 * math.hypot(*start) for point in known):
+                continue  # a place beside one that led here
+            if not subject.budget.pays(_START):
+                return
+            if (point := common_zero(system, slopes, forces, start, digits)) is not None:
+                known.append(point)
+                yield Crossing(seam, point)
+
+
+def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symbol], start: Sequence[float], digits: int) -> Point | None:
+    """The zero that Newton's method comes to, to about ``digits`` decimals; None where it comes to none.
+
+    ``slopes`` are the derivatives of the formulas, row by row.
+    """
+    context = mpmath_.kept_digits(digits)
+    values, derivatives = (mpmath_.compiled(list(exprs), unknowns, context) for exprs in (system, slopes))
+
+    def jacobian_at(*x: Any) -> Any:
+        a, b, c, d = derivatives(*x)
+        return context.matrix([[a, b], [c, d]])
+
+    try:
+        found = context.findroot(values, list(map(float, start)), J=jacobian_at, maxsteps=60)
+    except (ValueError, ZeroDivisionError):
+        return None
+    whole = 10 ** (digits - 4)
+    return tuple(Fraction(int(context.nint(p * whole)), whole) for p in found) if all(map(context.isfinite, found)) else None
 
 
 def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
@@ -57,7 +116,7 @@ def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection
     box = {x: ball(c - reach, c + reach) for x, c in zip(section.at, middle, strict=True)}
     for seam in seams(local_pieces(subject, parameters, section, box, whole_space=False)):
         if len(seam.crossed) == 1:
-            system = [seam.after.expr, *seam.crossed]
+            system = sp.Matrix([seam.after.expr, *seam.crossed])
             slopes = jacobian(system, section.at)
             found = None if slopes is None else common_zero(system, slopes, section.at, [float(c) for c in middle], _DIGITS)
             near = found is not None and all(abs(f - c) <= 2 * reach for f, c in zip(found, middle, strict=True))
@@ -116,36 +175,20 @@ def _is_square(term: sp.Expr) -> bool:
 
 def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
     """Where h changes its sign along b = 0, taken a little beside it, for it may be 0/0 on the line itself."""
-    import numpy as np
-
-    from duhem.expression.numpy_ import compiled
-    from duhem.expression.rays import Rays
-
-    level = compiled(h, (a, b))
-    radii = 10.0 ** np.linspace(-4, 4, 400)
+    level, radii = compiled(h, (a, b)), 10.0 ** np.linspace(-4, 4, 400)
     grid = np.concatenate([-radii[::-1], radii])
-
-    def height(points: Any) -> Any:
-        return level(points[..., 0], np.full(points.shape[:-1], 1e-9))
-
-    signs = np.sign(height(grid[:, None]))
-    changes = np.flatnonzero(signs[:-1] * signs[1:] < 0)
-    rises = signs[changes] < 0
-    rays = Rays(height, np.zeros(1), np.ones((len(changes), 1)))
-    low, high = rays.narrowed(grid[changes + ~rises], grid[changes + rises])
-    return [float(x) for x in (low + high) / 2]
+    signs = np.sign(level(grid, np.full_like(grid, 1e-9)))
+    return [float(brentq(lambda x: float(level(x, 1e-9)), grid[k], grid[k + 1])) for k in np.flatnonzero(signs[:-1] * signs[1:] < 0)]
 
 
 def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator[tuple[PlaneSection, list[Place]]]:
     """Some through a point of K, each force in units of how far K reaches along it, as far as is seen."""
-    from duhem.proof.search.boundary_points import BoundaryScout
-
-    scout, rng, forces = BoundaryScout(subject, parameters), random.Random(4), subject.simple.forces
-    if scout.centre is None or not len(scout.boundary):
+    seen, rng, forces = scout(subject, parameters), random.Random(4), subject.simple.forces
+    if seen.centre is None or not len(seen.boundary):
         return
     still = _shears(subject.simple.g)
-    base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, scout.centre, strict=True)]
-    units = [Fraction(2) ** frexp(max(abs(column), default=1))[1] for column in (scout.boundary - scout.centre).T]
+    base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, seen.centre, strict=True)]
+    units = [Fraction(2) ** math.frexp(max(abs(column), default=1))[1] for column in (seen.boundary - seen.centre).T]
     units = [unit * (x not in still) for x, unit in zip(forces, units, strict=True)]
     for _ in range(_PLANES):
         if not subject.budget.pays(price):
@@ -167,11 +210,6 @@ def _direction(rng: random.Random, dimension: int) -> Point:
 
 def _turns(subject: FormulaSubject, parameters: Values, section: PlaneSection) -> list[Place]:
     """Places of the boundary in a plane at which its direction jumps, seen from a = b = 0."""
-    import numpy as np
-
-    from duhem.expression.numpy_ import compiled
-    from duhem.expression.rays import Rays
-
     level = compiled(subject.formula_at(parameters).xreplace(section.coordinates()), section.at)
 
     def points(angles: Any) -> Any:
