@@ -21,7 +21,7 @@ from duhem.expression.lineality import invariant_directions
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
-from duhem.proof.search.blocks import Polynomial
+from duhem.proof.search.forms import Polynomial
 from duhem.proof.search.identities import Condition, identity, text
 from duhem.proof.statement.problem import Face, faces
 
