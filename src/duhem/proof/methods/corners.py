@@ -9,7 +9,6 @@ from duhem.expression.branches import almost_everywhere
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection
-from duhem.proof.search.sharp_points import sharp_points
 from duhem.proof.search.suggestion import SectionCorner
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.corner import corner
@@ -33,6 +32,8 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
 
 def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
     """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp."""
+    from duhem.proof.search.corners import sharp_points
+
     for parameters in subject.choices(1):
         for one in sharp_points(subject, parameters):
             witness = sharp_point(subject, parameters, one.place, one.away, one.into)

@@ -1,7 +1,10 @@
-"""Where the boundary of K has a corner: at a seam in two forces, in some plane of the force space in more.
+"""Where the boundary of K has a corner or comes to a point.
+
+Corners lie at a seam in two forces, and in some plane of the force space in more.
 
 Two kinds of planes are looked at: those through the zeros of a root (the axis of a cone, where its tip is), and some through a
 point of K, in which the boundary is followed around and its normal is seen to jump.  Directions are small whole numbers (fixed seed).
+Points are sought at zero force, and where the boundary meets axes or edges at plain fractions.
 """
 
 from __future__ import annotations
@@ -11,14 +14,14 @@ import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain
+from itertools import chain, islice, product
 from typing import Any
 
 import numpy as np
 import sympy as sp
 from scipy.optimize import brentq
 
-from duhem.expression import EigMax, Neg, Norm, Pos, Where, mpmath_
+from duhem.expression import EigMax, Neg, Norm, Pos, Where, defined_at, mpmath_
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, seams
 from duhem.expression.gradient import jacobian
@@ -29,9 +32,10 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
 from duhem.proof.search.boundary_points import scout
-from duhem.proof.search.suggestion import Point, SectionCorner
+from duhem.proof.search.edges import edges
+from duhem.proof.search.suggestion import Point, SectionCorner, SharpPoint
 
-__all__ = ["Crossing", "crossings", "section_corners"]
+__all__ = ["Crossing", "crossings", "section_corners", "sharp_points"]
 
 _MOST = 16  # crossings of one seam
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
@@ -43,6 +47,12 @@ _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, EigMax, Where)
 _STEPS = 4_000  # of a place, or of looking around a plane, by the operations in the formula
 _DIGITS = 40
 _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pieces are opened there
+_SHARP = 1e-5
+_MOST_WAYS, _SHOWN = 400, 6
+_PLACE = 20_000  # steps of one
+_SAME = 3.0  # how much more one may fall than the other on a tenth of the way
+_LARGEST = 10_000  # the denominator of a plain fraction
+_ALONG = 10.0 ** np.linspace(-5, 5, 61)
 
 Place = tuple[float, float]
 
@@ -241,3 +251,69 @@ def _turns(subject: FormulaSubject, parameters: Values, section: PlaneSection) -
             if left.max() > _JUMP and np.all(np.isfinite(place)) and not again:
                 found.append((float(place[0]), float(place[1])))
     return found
+
+
+def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpPoint]:
+    """Places with directions: on both ends of the one g > 0, as it seems, and on the other g < 0; while steps are left."""
+    forces = subject.simple.forces
+    g = subject.formula_at(parameters)
+    level, pointed = compiled(g, forces), edges(g, forces)
+    ways = list(dict.fromkeys([*_ways(len(forces)), *(tuple(Fraction(c, max(map(abs, edge))) for c in edge) for edge in pointed)]))
+    opposite = [ways.index(tuple(-c for c in way)) for way in ways]
+    steps = np.array([[float(c) for c in way] for way in ways])
+
+    def values(place: Point, reach: float) -> Any:
+        points = np.array([float(c) for c in place]) + reach * steps
+        with np.errstate(all="ignore"):
+            return np.broadcast_to(level(*points.T), len(ways))
+
+    for place in dict.fromkeys([*_plain_places(g, forces), *_on_edges(g, forces, pointed)]):
+        if not subject.budget.pays(_PLACE):
+            return
+        size = _SHARP * max(1.0, *(abs(float(c)) for c in place))
+        found, nearer = values(place, size), values(place, size / 10)
+        both, both_nearer = (np.minimum(v, v[opposite]) for v in (found, nearer))
+        home = tuple(-c / max(map(abs, place)) for c in place) if any(place) else None
+        back = [k for k, way in enumerate(ways) if way == home]  # on which floats may not see that a load is 0
+        falls = [(k, 0.1) for k in back] + [(k, nearer[k] / found[k]) for k in np.argsort(found)[:2] if found[k] < 0]
+        outside = [k for k in np.argsort(-both) if both[k] > 0]
+        for k, fall in falls[:2]:  # where g rises less steeply than it falls, K has a tangent
+            steep = [i for i in outside if both_nearer[i] > both[i] * fall / _SAME][:_SHOWN]
+            yield from (SharpPoint(parameters, place, ways[i], ways[k]) for i in steep)
+
+
+def _plain_places(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:
+    yield tuple(Fraction(0) for _ in forces)
+    for i, x in enumerate(forces):
+        along = defined_at(g, {y: sp.S.Zero for y in forces if y != x})
+        if along is not None and along.is_polynomial(x) and (form := sp.Poly(along, x)).domain in (sp.ZZ, sp.QQ) and not form.is_ground:
+            for root in sorted(form.ground_roots()):
+                if root:
+                    yield tuple(Fraction(int(root.p), int(root.q)) if k == i else Fraction(0) for k in range(len(forces)))
+
+
+def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[int, ...]]) -> Iterator[Point]:
+    """Where rays along edges leave K, at fractions."""
+    r = sp.Symbol("r", positive=True)
+    for edge in pointed:  # what is 0 on it must be seen to be
+        along = defined_at(g, {x: c * r for x, c in zip(forces, edge, strict=True)})
+        if along is None:
+            continue
+        level = compiled(along, (r,))
+        last, first = Rays(lambda points, level=level: level(points[..., 0]), np.zeros(1), np.ones((1, 1))).left(_ALONG)
+        far = Fraction(float(last[0])).limit_denominator(_LARGEST) if 0 < last[0] < first[0] else Fraction(0)
+        place = tuple(far * c for c in edge)
+        value = defined_at(g, rationals(dict(zip(forces, place, strict=True)))) if far else None
+        if value is not None and value.is_zero:
+            yield place
+
+
+def _ways(dimension: int) -> list[Point]:
+    """Directions of small whole numbers, each with its opposite: all of them in few forces, else some at random (fixed seed)."""
+    if dimension <= 3:
+        return [tuple(map(Fraction, way)) for way in product(range(-2, 3), repeat=dimension) if any(way)]
+    rng = random.Random(6)
+    drawn = ([rng.randint(-2, 2) for _ in range(dimension)] for _ in iter(int, 1))
+    found = dict.fromkeys(tuple(map(Fraction, way)) for way in islice((w for w in drawn if any(w)), _MOST_WAYS // 2))
+    axes = [tuple(Fraction(int(i == k)) for i in range(dimension)) for k in range(dimension)]
+    return list(dict.fromkeys(sign for way in (*found, *axes) for sign in (way, tuple(-c for c in way))))

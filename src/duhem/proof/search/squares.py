@@ -11,18 +11,27 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product as pairs
 from typing import Any
 
-from duhem.proof.search.forms import Exponents, Polynomial, added, on_spheres, times, touching_points, values_at
+import clarabel
+import flint
+import numpy as np
+from scipy import sparse
+
 from duhem.proof.search.inner_point import inner_point
 
-__all__ = ["Balance", "Block", "Multiples", "balanced"]
+__all__ = ["Balance", "Block", "Exponents", "Multiples", "Polynomial", "balanced", "times"]
 
+Exponents = tuple[int, ...]
+Polynomial = Mapping[Exponents, Fraction]
 Gram = tuple[tuple[Fraction, ...], ...]
 _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
 _CHEAP_INSIDE, _MOST_INSIDE = 20_000, 7_000_000  # products of numbers a step: what costs less than another search, and what seconds
+_TRIED, _IMPROVED, _ENOUGH = 40, 80, 1e-12  # random points for each start; how often a start is improved; a gradient taken for 0
+_MOST_ENTRIES = 40_000_000  # entries of second derivatives, all starts together
 _LOOKS, _FAR = 500, 1e-6  # points at which a form is looked at, and what is taken for another sign
 _STARTS, _GAP = 4, 1e-4  # looks for zeros a square; how far singular values drop behind the last that is not 0
 
@@ -112,10 +121,6 @@ class _System:
 
     def solved(self) -> tuple[float, Any] | None:
         """The greatest t <= 1 with G - t I >= 0 for every Gram matrix G, and the numbers of all columns."""
-        import clarabel
-        import numpy as np
-        from scipy import sparse
-
         sizes = [len(b.squares) for b in self.blocks]
         diagonal = np.array([i == j for size in sizes for j in range(size) for i in range(j + 1)])
         n, m = len(self.columns), len(diagonal)
@@ -182,8 +187,6 @@ class _System:
 
     def _projected(self) -> Callable[[Sequence[Fraction]], list[Fraction]] | None:
         """The way to the nearest solution of the equations; None where they contradict each other."""
-        import flint
-
         rank, equations = self._independent()
         if equations is None:
             return None
@@ -202,8 +205,6 @@ class _System:
 
     def _independent(self) -> tuple[int, Any]:
         """The reduced equations with their right-hand sides; None where they contradict each other."""
-        import flint
-
         n = len(self.columns)
         table = [[flint.fmpq(0)] * (n + 1) for _ in self.rows]
         for j, p in enumerate(self.columns):
@@ -253,18 +254,16 @@ def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:
 
 def _positive_somewhere(start: Polynomial, spheres: Sequence[Sequence[int]]) -> bool:
     """Whether it is, by far, at one of many points."""
-    values = values_at(on_spheres(len(next(iter(start))), spheres, _LOOKS), start)
+    values = _values_at(_on_spheres(len(next(iter(start))), spheres, _LOOKS), start)
     return bool(values.max() > _FAR * max(abs(float(c)) for c in start.values()))
 
 
 def _vanishing(start: Polynomial, blocks: Sequence[Block], spheres: Sequence[Sequence[int]]) -> list[Block] | None:
     """The blocks without what does not vanish at the zeros of ``start``, as far as these look rational; None if all does."""
-    import numpy as np
-
-    points = touching_points({m: -c for m, c in start.items()}, spheres, _STARTS * sum(len(b.squares) for b in blocks))
+    points = _touching_points({m: -c for m, c in start.items()}, spheres, _STARTS * sum(len(b.squares) for b in blocks))
     spans = list[tuple[Any, tuple[int, float]]]()
     for block in blocks if len(points) else ():
-        _, sizes, axes = np.linalg.svd(values_at(points, *block.squares))
+        _, sizes, axes = np.linalg.svd(_values_at(points, *block.squares))
         sizes = np.concatenate([sizes, np.zeros(len(axes) - len(sizes))])
         drops = sizes[1:] / np.maximum(sizes[:-1], 1e-300)
         rank, precision = (int(np.argmin(drops)) + 1 if len(drops) else 1), 1e-14  # how many directions, and how sharply they end
@@ -304,3 +303,71 @@ def _complement(squares: tuple[Polynomial, ...], null: Any, rational: tuple[int,
         taken = [(f, Fraction(1)), *((p, -row[f]) for p, row in zip(pivots, exact, strict=True))]
         found.append(added(*({m: x * c for m, c in squares[k].items()} for k, x in taken if x)))
     return tuple(found)
+
+
+def added(*polynomials: Polynomial) -> Polynomial:
+    """Their sum."""
+    total: dict[Exponents, Fraction] = {}
+    for p in polynomials:
+        for m, c in p.items():
+            total[m] = total.get(m, Fraction(0)) + c
+    return {m: c for m, c in total.items() if c}
+
+
+def times(p: Polynomial, q: Polynomial) -> Polynomial:
+    """Their product."""
+    total: dict[Exponents, Fraction] = {}
+    for (m, c), (n, d) in pairs(p.items(), q.items()):
+        k = tuple(map(int.__add__, m, n))
+        total[k] = total.get(k, Fraction(0)) + c * d
+    return {m: c for m, c in total.items() if c}
+
+
+def _slope(p: Polynomial, i: int) -> Polynomial:
+    return {(*m[:i], m[i] - 1, *m[i + 1 :]): c * m[i] for m, c in p.items() if m[i]}
+
+
+def _values_at(x: Any, *forms: Polynomial) -> Any:
+    """The forms at each row of x, a column each."""
+    monomials = list(dict.fromkeys(m for p in forms for m in p))
+    powers = np.array(monomials).reshape(len(monomials), x.shape[1])
+    table = x[:, :, None] ** np.arange(powers.max(initial=0) + 1)
+    values = np.ones((len(x), len(monomials)))
+    for i in range(x.shape[1]):
+        values *= table[:, i, powers[:, i]]
+    return values @ np.array([[float(p.get(m, 0)) for p in forms] for m in monomials])
+
+
+def _on_spheres(n: int, spheres: Sequence[Sequence[int]], count: int) -> Any:
+    """Random points of n variables (fixed seed), those of each sphere of unit length."""
+    x = np.random.default_rng(7).standard_normal((count, n))
+    for s in spheres:
+        x[:, s] /= np.linalg.norm(x[:, s], axis=1, keepdims=True)
+    return x
+
+
+def _touching_points(form: Polynomial, spheres: Sequence[Sequence[int]], starts: int) -> Any:
+    """Zeros of the form as rows, the variables of each of ``spheres``, in which it is homogeneous, having unit length."""
+    n = len(next(iter(form)))
+    if starts * n * n * len(form) > _MOST_ENTRIES:
+        return np.empty((0, n))
+    slopes = [_slope(form, i) for i in range(n)]
+    bends = [_slope(p, j) for p in slopes for j in range(n)]
+    lengths: list[Polynomial] = [{tuple(2 * (i == j) for i in range(n)): Fraction(1) for j in s} for s in spheres]
+    gaps, derivatives = [*slopes, *lengths], [*bends, *(_slope(p, j) for p in lengths for j in range(n))]
+    level = np.array([0.0] * n + [1.0] * len(spheres))
+    x = _on_spheres(n, spheres, _TRIED * starts)
+    x = x[np.argsort(_values_at(x, form)[:, 0], kind="stable")[:starts]]
+    gap, damping = _values_at(x, *gaps) - level, np.full(len(x), 1e-2)
+    for _ in range(_IMPROVED):
+        size = (gap**2).sum(axis=1)
+        if (size < _ENOUGH**2).all():
+            break
+        left, sizes, axes = np.linalg.svd(_values_at(x, *derivatives).reshape(len(x), len(gaps), n), full_matrices=False)
+        parts = np.einsum("pgk,pg->pk", left, gap) * sizes / (sizes**2 + (damping * sizes[:, 0] ** 2)[:, None] + 1e-300)
+        tried = x - np.einsum("pkv,pk->pv", axes, parts)
+        new_gap = _values_at(tried, *gaps) - level
+        better = (new_gap**2).sum(axis=1) < size
+        x, gap = np.where(better[:, None], tried, x), np.where(better[:, None], new_gap, gap)
+        damping = np.clip(np.where(better, damping / 10, damping * 5), 1e-16, 1e6)
+    return x[np.abs(gap).max(axis=1) < _ENOUGH * max(1.0, max(abs(float(c)) for c in form.values()))]
