@@ -98,7 +98,7 @@ def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symb
 
     def jacobian_at(*x: Any) -> Any:
         a, b, c, d = derivatives(*x)
-        if not context.isfinite(a * d - b * c):
+        if not (det := a * d - b * c) or not context.isfinite(det):
             raise ZeroDivisionError
         return context.matrix([[a, b], [c, d]])
 
