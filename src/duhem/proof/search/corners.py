@@ -14,6 +14,7 @@ import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import chain, islice, product
 from typing import Any
 
@@ -300,12 +301,16 @@ def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[i
         if along is None:
             continue
         level = compiled(along, (r,))
-        last, first = Rays(lambda points, level=level: level(points[..., 0]), np.zeros(1), np.ones((1, 1))).left(_ALONG)
+        last, first = Rays(partial(_on_line, level), np.zeros(1), np.ones((1, 1))).left(_ALONG)
         far = Fraction(float(last[0])).limit_denominator(_LARGEST) if 0 < last[0] < first[0] else Fraction(0)
         place = tuple(far * c for c in edge)
         value = defined_at(g, rationals(dict(zip(forces, place, strict=True)))) if far else None
         if value is not None and value.is_zero:
             yield place
+
+
+def _on_line(level: Any, points: Any) -> Any:
+    return level(points[..., 0])
 
 
 def _ways(dimension: int) -> list[Point]:

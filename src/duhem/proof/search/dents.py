@@ -132,7 +132,7 @@ class BoundaryBends:
         axes = round_coordinates(self.reach, self._starts[0][::3], self._longest)
         return self if axes is None else BoundaryBends(self.g, self.forces, axes)
 
-    def lowest(self, thorough: bool) -> list[Array]:
+    def lowest(self, thorough: bool) -> list[list[float]]:
         """Directions of boundary points that seem to bend outward, the lowest first."""
         starts, bends, _ = self._starts
         if bends[0] < _CLEAR:
@@ -141,7 +141,7 @@ class BoundaryBends:
             found = self._minima[0][self._minima[1] < (_NOISE if thorough else -_NOISE)]
         else:
             return []
-        return list(found @ self._axes.T)
+        return [list(map(float, direction)) for direction in found @ self._axes.T]
 
     @cached_property
     def _starts(self) -> tuple[Array, Array, Array]:
@@ -181,7 +181,7 @@ class BoundaryBends:
             here, width = found[going], widths[going]
             frames = width[:, None, None] * np.linalg.svd(here[:, None, :])[2][:, 1:]
             around, values = self._beside(here, steps @ frames)
-            inside = np.isfinite(values).all(axis=1)
+            inside = np.asarray(np.isfinite(values).all(axis=1))
             values = np.where(inside[:, None], values, 0.0)
             one, other = values[:, 1 : m + 1], values[:, m + 1 : 2 * m + 1]
             slope, curve = (one - other) / 2, np.zeros((len(going), m, m))
@@ -229,6 +229,7 @@ class BoundaryBends:
         there = np.isfinite(distances)
         r = np.where(there, distances, 1.0)
         jet = self._jets(r[:, None] * u @ self._axes.T, ())[0]
+        assert jet.gradient is not None and jet.hessian is not None
         gradient, hessian = jet.gradient @ self._axes, self._axes.T @ jet.hessian @ self._axes
         rise = (u * gradient).sum(axis=1)
         good = there & (rise > 0) & np.isfinite(hessian).all(axis=(1, 2)) & np.isfinite(gradient).all(axis=1)
