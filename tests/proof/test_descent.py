@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from duhem import Criterion, verify
-from duhem.proof.search.descent import lowest
+from duhem.proof.search.boundary_points import lowest
 from duhem.proof.verdict import Verdict
 from tests.oracles.reevaluation import confirmed
 

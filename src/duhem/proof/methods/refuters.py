@@ -11,7 +11,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sympy as sp
 
@@ -23,10 +23,6 @@ from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection
 from duhem.proof.facts.undefined import undefined_at_zero
-from duhem.proof.search.polar_form import polar_form
-from duhem.proof.search.seam_crossings import crossings
-from duhem.proof.search.section_corners import section_corners
-from duhem.proof.search.sharp_points import sharp_points
 from duhem.proof.search.suggestion import Chord, Exit, Point, SectionCorner
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point
@@ -99,7 +95,7 @@ def _refuted(subject: FormulaSubject, suggested: Iterable[Chord], touching: bool
 
 def convexity_by_scouting(subject: FormulaSubject, choices: int = 6) -> Evidence | None:
     """At a few parameter choices."""
-    from duhem.proof.search.sampled_chords import sampled_chords
+    from duhem.proof.search.long_chords import sampled_chords
 
     return _refuted(subject, sampled_chords(subject, choices))
 
@@ -111,35 +107,35 @@ def convexity_by_thorough_scouting(subject: FormulaSubject) -> Evidence | None:
 
 def convexity_at_far_points(subject: FormulaSubject) -> Evidence | None:
     """From where a ball in a maximum lies farthest along a load."""
-    from duhem.proof.search.far_points import chords_from_far_points
+    from duhem.proof.search.long_chords import chords_from_far_points
 
     return _refuted(subject, chords_from_far_points(subject), touching=True)
 
 
 def convexity_between_exact_rays(subject: FormulaSubject) -> Evidence | None:
     """Between points of faces, edges or whiskers of K that no sample meets."""
-    from duhem.proof.search.exact_rays import chords_between_exact_rays
+    from duhem.proof.search.long_chords import chords_between_exact_rays
 
     return _refuted(subject, chords_between_exact_rays(subject))
 
 
 def convexity_at_narrow_dents(subject: FormulaSubject) -> Evidence | None:
     """Where a ray that is known exactly leaves K at a point without second derivatives, or with none inward."""
-    from duhem.proof.search.exact_rays import dents_on_exact_rays
+    from duhem.proof.search.dents import dents_on_exact_rays
 
     return _refuted(subject, dents_on_exact_rays(subject))
 
 
 def convexity_beside_edges(subject: FormulaSubject) -> Evidence | None:
     """Where g rises beside an edge a little less than in proportion, as powers a little below 1 do."""
-    from duhem.proof.search.edge_chords import chords_beside_edges
+    from duhem.proof.search.precise_chords import chords_beside_edges
 
     return _refuted(subject, chords_beside_edges(subject))
 
 
 def convexity_at_clear_dents(subject: FormulaSubject, thorough: bool = False) -> Evidence | None:
     """Where the boundary of a polynomial law bends outward in one of many directions."""
-    from duhem.proof.search.polynomial_dents import chords_across_dents
+    from duhem.proof.search.dents import chords_across_dents
 
     return _refuted(subject, chords_across_dents(subject, 24, thorough))
 
@@ -150,20 +146,10 @@ def convexity_at_deepest_dents(subject: FormulaSubject) -> Evidence | None:
 
 
 def convexity_at_dents(subject: FormulaSubject) -> Evidence | None:
-    """Where an arc's curvature question has a counterexample, a chord through the boundary point in that direction."""
-    from duhem.proof.search.precise_chords import dent_chords
+    """Where the boundary of any law bends outward most, between its kinks."""
+    from duhem.proof.search.dents import chords_across_smooth_dents
 
-    if (form := polar_form(subject)) is None:
-        return None
-    for arc in form.arcs:
-        answer = subject.ask(form.curvature(arc), Sense.NONNEGATIVE, *arc.conditions(strict=True), circle=(form.x, form.y))
-        if answer.holds is not False or answer.point is None:
-            continue
-        point: Mapping[sp.Symbol, Any] = answer.point
-        for parameters in subject.choices(1, [point]):
-            if found := _refuted(subject, dent_chords(subject, parameters, [point[form.x], point[form.y]])):
-                return found
-    return None
+    return _refuted(subject, chords_across_smooth_dents(subject))
 
 
 def convexity_at_seams(subject: FormulaSubject) -> Evidence | None:
@@ -193,6 +179,8 @@ def smoothness_at_corners(subject: FormulaSubject) -> Evidence | None:
 
 def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
     """An exact boundary point to which K narrows: the tip of a cone, of a drop, a cusp."""
+    from duhem.proof.search.corners import sharp_points  # numpy, only when something is looked for
+
     for parameters in subject.choices(1):
         for one in sharp_points(subject, parameters):
             witness = sharp_point(subject, parameters, one.place, one.away, one.into)
@@ -202,6 +190,8 @@ def smoothness_at_sharp_points(subject: FormulaSubject) -> Evidence | None:
 
 
 def _suggested(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
+    from duhem.proof.search.corners import crossings, section_corners  # numpy, only when something is looked for
+
     forces = subject.simple.forces
     if len(forces) > 2:
         yield from section_corners(subject, parameters)
@@ -337,7 +327,7 @@ def dissipation_at_points(subject: FormulaSubject, choices: int = 12) -> Evidenc
 
 def convexity_by_sampling(subject: FormulaSubject) -> Evidence | None:
     """Between how many boundary points, of how many parameter choices, chords were tried in vain; None where none were."""
-    from duhem.proof.search.sampled_chords import looked_between
+    from duhem.proof.search.long_chords import looked_between
 
     return _tested("no chord was found to leave K between", looked_between(subject))
 

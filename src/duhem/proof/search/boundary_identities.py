@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
 from math import comb, prod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import sympy as sp
 
@@ -21,9 +21,10 @@ from duhem.expression.lineality import invariant_directions
 from duhem.law.formula_law import Criterion
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
-from duhem.proof.search.blocks import Polynomial
-from duhem.proof.search.identities import Condition, identity, text
 from duhem.proof.statement.problem import Face, faces
+
+if TYPE_CHECKING:
+    from duhem.proof.search.squares import Polynomial
 
 __all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward", "parallel"]
 
@@ -210,6 +211,8 @@ class _Forms:
         names: Sequence[str] = (),
     ) -> Mapping[str, Any] | None:
         """Why ``goal`` is never ``op`` 0 in the law's domain where ``zero`` is 0 and ``sides`` are >= 0; ``names`` for the generators."""
+        from duhem.proof.search.identities import Condition, identity, text  # numpy, only when something is looked for
+
         names = names or self.names
         bounds = [*((side, ">=") for side in sides), *((self.form(gap), op) for gap, op in self._domain())]
         given = [Condition(name, _terms(poly), "==") for name, poly in zero.items()]
@@ -236,6 +239,8 @@ class _Forms:
         _, bend = self.derivatives(f)
         if bend.is_zero:
             return None
+        from duhem.proof.search.identities import text
+
         n, names = len(self.forces), self.names
         for i, x in enumerate(self.forces):
             if len(rows) < n and x in rows:

@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
-from duhem.proof.search.descent import lowest
 from duhem.proof.search.suggestion import Exit, Point
 
-__all__ = ["BoundaryScout", "scouts"]
+__all__ = ["BoundaryScout", "lowest", "scout", "scouts"]
 
 _DIRECTIONS = 720
 _BITS = 50  # finer than any fraction made of them; the ends of witnesses in print depend on them
 _TOUCHING, _ROUNDING, _NEAR = 1e-9, 1e-7, 1e-6  # heights of faces that meet; cosines, by differences too; a point itself
 _RADII = 10.0 ** np.linspace(-5, 5, 61)
+_DRAWN, _DEEPENED, _AROUND = 4000, 80, 64
+_DEEP = 3  # how many rounds are worth while inside
 
 
 class BoundaryScout:
@@ -195,9 +197,40 @@ def _spread(heights: Any, most: int) -> list[int]:
 
 
 def scouts(subject: FormulaSubject, most: int) -> Iterator[BoundaryScout]:
-    """At so many choices of the parameters; each is made once for a subject."""
-    for parameters in subject.choices(most):
-        key = (BoundaryScout, tuple(parameters.items()))
-        if key not in subject.known:
-            subject.known[key] = BoundaryScout(subject, parameters)
-        yield subject.known[key]
+    """At so many choices of the parameters."""
+    return map(partial(scout, subject), subject.choices(most))
+
+
+def scout(subject: FormulaSubject, parameters: Values) -> BoundaryScout:
+    """Made once for a subject."""
+    key = (BoundaryScout, tuple(parameters.items()))
+    if key not in subject.known:
+        subject.known[key] = BoundaryScout(subject, parameters)
+    found: BoundaryScout = subject.known[key]
+    return found
+
+
+def lowest(value: Callable[[Any], Any], d: int, rng: np.random.Generator, sizes: tuple[float, float]) -> NDArray[np.float64] | None:
+    """The lowest of random points, 10 to such powers in size; where that is outside of K, from there downhill, or None."""
+
+    def heights(points: Any) -> Any:
+        found = np.asarray(value(points), dtype=float)
+        return np.where(np.isfinite(found), found, np.inf)
+
+    points = rng.standard_normal((_DRAWN, d)) * 10.0 ** rng.uniform(*sizes, (_DRAWN, 1))
+    found = heights(points)
+    here, height = points[int(np.argmin(found))], float(found.min())
+    if not height > 0:
+        return here
+    width, deeper = float(np.linalg.norm(here)), 0
+    for _ in range(_DEEPENED):  # around the lowest so far, ever closer where none is lower
+        near = here + width * rng.standard_normal((_AROUND, d))
+        found = heights(near)
+        if found.min() < height:
+            here, height = near[int(np.argmin(found))], float(found.min())
+            deeper += height <= 0
+            if deeper == _DEEP:
+                break
+        else:
+            width /= 2
+    return here if height <= 0 else None

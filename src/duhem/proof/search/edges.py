@@ -1,18 +1,49 @@
-"""Rays from 0 along which all but one of as many loads as there are forces vanish: what is pointed is so there, be it by a hair."""
+"""Loads, which are affine in the forces, and rays from 0 that are known exactly by them.
+
+Along an edge all but one of as many loads as there are forces vanish: what is pointed is so there, be it by a hair.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import combinations, islice
+from collections.abc import Collection, Iterator, Sequence
+from itertools import combinations, islice, product
 from math import gcd, lcm
 
 import sympy as sp
 
-from duhem.proof.search.loads import largest_loads
+from duhem.expression import Where
 
-__all__ = ["edges", "edges_of"]
+__all__ = ["affine", "edges", "edges_of", "exact_rays", "greatest", "largest_loads", "loads_of"]
 
 _MOST = 12
+
+
+def loads_of(g: sp.Expr, forces: Collection[sp.Symbol]) -> Iterator[sp.Expr]:
+    """What is >= 0 wherever g has a value and is <= 0: loads in a maximum, turned round, and those under a logarithm."""
+    if g.has(Where):
+        return
+    for part in greatest(g):
+        if affine(part, forces):
+            yield sp.expand(-part)
+        yield from (x.args[0] for x in sorted(part.atoms(sp.log), key=sp.default_sort_key) if affine(x.args[0], forces))
+
+
+def greatest(g: sp.Expr) -> tuple[sp.Expr, ...]:
+    """What a maximum is taken of; a formula that is none, alone."""
+    return g.args if isinstance(g, sp.Max) else (g,)
+
+
+def affine(expr: sp.Expr, forces: Collection[sp.Symbol]) -> bool:
+    """Whether an expression is a load: of degree 1 in the forces."""
+    moving = sorted(expr.free_symbols & set(forces), key=str)
+    return bool(moving) and expr.is_polynomial(*moving) and sp.Poly(expr, *moving).total_degree() == 1
+
+
+def largest_loads(expr: sp.Basic, forces: Collection[sp.Symbol]) -> list[sp.Expr]:
+    """The parts of a formula that are loads and no part of a greater one."""
+    if isinstance(expr, sp.Expr) and affine(expr, forces):
+        return [expr]
+    return [load for a in expr.args if a.free_symbols & set(forces) for load in largest_loads(a, forces)]
 
 
 def edges(g: sp.Expr, forces: Sequence[sp.Symbol]) -> list[tuple[int, ...]]:
@@ -45,3 +76,19 @@ def _off_each(rows: Sequence[Sequence[sp.Expr]], n: int) -> Iterator[tuple[int, 
         basis = sp.Matrix([rows[i] for i in turned]).T.rref()[1]
         if len(basis) == n and basis[0] == 0:
             yield tuple(sorted(turned[i] for i in basis[1:]))
+
+
+def exact_rays(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[int, ...]]:
+    """Along edges, along, between and opposite to the axes of the forces, and between edges, in whole numbers."""
+    n, seen = len(forces), set[tuple[int, ...]]()
+    rows = [[load.diff(x) for x in forces] for load in loads_of(g, forces)]
+    along = list(edges_of(rows, n))
+    axes = product((-1, 0, 1), repeat=n) if n < 4 else ()
+    few = (
+        tuple(s * (k == i) + t * (k == j) for k in range(n)) for i, j in combinations(range(n), 2) for s, t in product((-1, 0, 1), repeat=2)
+    )
+    between = (tuple(a + b for a, b in zip(one, two, strict=True)) for one, two in combinations(along, 2))
+    for ray in (*along, *few, *axes, *between):
+        if any(ray) and ray not in seen:
+            seen.add(ray)
+            yield ray

@@ -14,8 +14,7 @@ from itertools import combinations, islice, product
 from math import comb
 from typing import Any
 
-from duhem.proof.search.blocks import Block, Exponents, Polynomial, times
-from duhem.proof.search.squares import Balance, Multiples, balanced
+from duhem.proof.search.squares import Balance, Block, Exponents, Multiples, Polynomial, balanced, times
 
 __all__ = ["Condition", "identity", "text"]
 

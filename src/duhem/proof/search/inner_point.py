@@ -12,6 +12,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+import flint
+import numpy as np
+
 from duhem.expression.balls import ball, precision
 
 __all__ = ["Blocks", "inner_point"]
@@ -36,8 +39,6 @@ def inner_point(base: Blocks, ways: Sequence[Blocks], start: Sequence[Fraction])
 
 def _found(base: Blocks, ways: Sequence[Blocks], start: Sequence[Fraction]) -> list[Fraction] | None:
     """In phase one s is made small, in phase two the determinant great."""
-    import numpy as np
-
     cone = _Slice.of(base, ways)
     y = [ball(x) for x in start]
     here = cone.at(y)
@@ -86,8 +87,6 @@ class _Slice:
 
     @classmethod
     def of(cls, base: Blocks, ways: Sequence[Blocks]) -> _Slice:
-        import flint
-
         def matrices(blocks: Blocks) -> list[Any]:
             return [flint.arb_mat(len(b), len(b), [ball(x) for row in b for x in row]) for b in blocks]
 
@@ -95,8 +94,6 @@ class _Slice:
 
     def raised(self) -> _Slice:
         """With the unit matrix as the last way."""
-        import flint
-
         unit = [flint.arb_mat(b.nrows(), b.nrows(), [int(i == j) for i in range(b.nrows()) for j in range(b.nrows())]) for b in self.base]
         return _Slice(self.base, [*self.ways, unit])
 
@@ -109,9 +106,6 @@ class _Slice:
 
     def step(self, here: list[Any], weight: float) -> _Step | None:
         """Newton's for ``weight`` times the last number minus log det, or so much of it as stays inside; None where it fails."""
-        import flint
-        import numpy as np
-
         try:
             inverse = [block.inv().mid() for block in here]
             turned = [[(w * n).mid() for w, n in zip(inverse, way, strict=True)] for way in self.ways]
@@ -132,6 +126,4 @@ class _Slice:
 
 
 def _floats(matrix: Any) -> Any:
-    import numpy as np
-
     return np.array([float(x) for x in matrix.entries()]).reshape(matrix.nrows(), matrix.ncols())

@@ -1,7 +1,9 @@
 """Chords built in high precision at one place of the boundary: they show violations far below double precision.
 
 Dents: at a boundary point whose curvature has the wrong sign, a short chord along the tangent.  Kinks: where the boundary
-crosses a seam and its two tangents point inward, a chord from one side to the other, however slight the kink.
+crosses a seam and its two tangents point inward, a chord from one side to the other, however slight the kink.  Edges: where g rises
+beside one a little less than in proportion, a chord from the edge to a place beside it; so do sums of powers of loads of which one is
+a little below 1: the dent is as close to the edge as the power to 1, and shallower.
 """
 
 from __future__ import annotations
@@ -19,53 +21,73 @@ from duhem.expression.number import fraction
 from duhem.expression.rays_mpmath import reach
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
-from duhem.proof.search.seam_crossings import Crossing, crossings
+from duhem.proof.search.corners import Crossing, crossings
+from duhem.proof.search.edges import edges
 from duhem.proof.search.suggestion import Chord, Point
 
-__all__ = ["dent_chords", "kink_chords"]
+__all__ = ["chords_beside_edges", "dent_chords", "kink_chords"]
+
+_DIGITS, _PRICE = 60, 20_000  # steps of an edge
+_SHORTEST, _TURNED = 58, 10  # powers of 1/2 that a chord is made shorter by; after so many the tangent is sought again
+_NEAR = 2.0**-40  # how far from an edge it is seen that g rises less than in proportion
+_PLACES = range(2, 60, 3)  # powers of 2: how far the other end may be
+_FROM = 4  # edges
 
 
-def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence[Any], dps: int = 60) -> Iterator[Chord]:
-    """Chords through the boundary point seen from the origin in ``direction``, the longest first.
+class _Level:
+    """g at a parameter choice in many digits; infinite where it has no value."""
 
-    In more than two forces along the tangent in which the second differences of that length are least.
+    def __init__(self, subject: FormulaSubject, parameters: Values) -> None:
+        self.context = mpmath_.kept_digits(_DIGITS)
+        self._run = mpmath_.compiled([subject.formula_at(parameters)], subject.simple.forces, self.context)
+
+    def __call__(self, point: Sequence[Any]) -> Any:
+        (found,) = self._run(*point)
+        return found if self.context.isfinite(found) else self.context.inf
+
+    def end(self, ray: Sequence[Any]) -> list[Any] | None:
+        """Where a ray from 0 leaves K."""
+        t = reach(self.context, self, [0] * len(ray), ray, int(3.4 * _DIGITS))
+        return None if t is None else [t * c for c in ray]
+
+
+def dent_chords(subject: FormulaSubject, parameters: Values, direction: Sequence[Any]) -> Iterator[Chord]:
+    """Chords through the boundary point seen from the origin in ``direction`` that seem to leave K, the longest first.
+
+    In more than two forces along the tangent in which the second differences of about that length are least.
     """
-    context = mpmath_.kept_digits(dps)
-    forces = subject.simple.forces
-    run = mpmath_.compiled([subject.formula_at(parameters)], forces, context)
-
-    def value(point: Sequence[Any]) -> Any:
-        return run(*point)[0]
-
-    ray = [context.mpf(c.numerator) / c.denominator for c in map(fraction, direction)]
-    size = context.norm(ray)
-    ray = [c / size for c in ray]
-    end = reach(context, value, [0] * len(ray), ray, int(3.4 * dps))
-    if end is None:
+    value = _Level(subject, parameters)
+    context = value.context
+    ray = _unit([mpmath_.number(context, fraction(c)) for c in direction], context)
+    if (x := value.end(ray)) is None:
         return
-    x = [end * c for c in ray]
-    step = end * context.mpf(10) ** (-dps // 3)
+    end = context.norm(x)
+    step = end * context.mpf(10) ** (-_DIGITS // 3)
     units = [[context.mpf(i == k) for i in range(len(ray))] for k in range(len(ray))]
-
-    def moved(along: Any, tangent: Sequence[Any], out: Any = 0, normal: Sequence[Any] = ray) -> list[Any]:
-        return [c + along * t + out * n for c, t, n in zip(x, tangent, normal, strict=True)]
-
-    slope = [(value(moved(step, unit)) - value(moved(-step, unit))) / (2 * step) for unit in units]
+    slope = [(value(_moved(x, (step, unit))) - value(_moved(x, (-step, unit)))) / (2 * step) for unit in units]
     length = context.norm(slope)
-    if not length > 0:
+    if not 0 < length < context.inf:
         return
     normal = [c / length for c in slope]
     frame = _tangents(context, normal)
 
     def bend(t: Any, tangent: Sequence[Any]) -> Any:
-        return value(moved(t, tangent)) + value(moved(-t, tangent))
+        return value(_moved(x, (t, tangent))) + value(_moved(x, (-t, tangent)))
 
-    for k in range(2, 60):
-        t = end * context.mpf(2) ** -k
-        tangent = frame[0] if len(frame) == 1 else _least(context, frame, partial(bend, t))
+    tangent: list[Any] | None = frame[0]
+    for k in range(_SHORTEST):
+        t = end * context.mpf(2) ** -(k + 2)
+        if len(frame) > 1 and k % _TURNED == 0:
+            tangent = _least(context, frame, partial(bend, t))
         if tangent is not None and (rise := -bend(t, tangent) / (2 * length)) > 0:
-            p, q = (_rounded(moved(s * t, tangent, rise / 2, normal), rise / 1000) for s in (1, -1))
-            yield Chord(parameters, p, q)
+            ends = [_moved(x, (s * t, tangent), (rise / 2, normal)) for s in (1, -1)]
+            if max(map(value, ends)) <= 0:
+                yield Chord(parameters, *(_rounded(end, rise / 1000) for end in ends))
+
+
+def _moved(x: Sequence[Any], *steps: tuple[Any, Sequence[Any]]) -> list[Any]:
+    """By some lengths along some ways."""
+    return [sum((length * way[i] for length, way in steps), c) for i, c in enumerate(x)]
 
 
 def _tangents(context: Any, normal: Sequence[Any]) -> list[list[Any]]:
@@ -137,12 +159,54 @@ def _across(subject: FormulaSubject, parameters: Values, crossing: Crossing, dps
         yield Chord(parameters, p, q)
 
 
-def _unit(vector: list[Any], context: Any) -> list[Any]:
+def chords_beside_edges(subject: FormulaSubject, most: int = 2) -> Iterator[Chord]:
+    """Those that seem to leave K, the longest first, at so many choices of the parameters; 0 must be inside K."""
+    forces = subject.simple.forces
+    for parameters in subject.choices(most) if len(forces) > 1 else ():
+        rays = edges(subject.formula_at(parameters), forces)
+        if not rays or not subject.budget.pays(_PRICE * len(rays)):
+            return
+        value = _Level(subject, parameters)
+        if value([0] * len(forces)) >= 0:
+            continue
+        for ray in rays[:_FROM]:
+            if (start := value.end(ray)) is not None:
+                for other in rays[::2]:
+                    if other not in (ray, tuple(-c for c in ray)):
+                        yield from (Chord(parameters, p, q) for p, q in _beside(value, start, other))
+
+
+def _beside(value: _Level, start: Sequence[Any], other: Sequence[int]) -> Iterator[tuple[Point, Point]]:
+    context = value.context
+    size = context.norm(start) / context.norm(other)
+
+    def at(share: Any, back: Any = 0) -> list[Any]:
+        return _moved(start, (-back, start), (share * size, other))
+
+    def rise(share: Any) -> Any:
+        return value(at(share)) - value(start)
+
+    near = context.mpf(_NEAR)
+    fall = (value(start) - value(at(0, near))) / near
+    if not (fall > 0 and 0 < rise(2 * near) < 2 * rise(near) * (1 - context.mpf(10) ** -30)):  # fall is 0 or none where g jumps
+        return
+    for k in _PLACES:
+        share = context.mpf(2) ** -k
+        back = rise(share) / fall
+        for _ in range(6):
+            back += value(at(share, back)) / fall
+        height = value(at(share / 2, back / 2))
+        if context.isfinite(back) and 0 < back < 0.5 and height > 0:
+            pull = height / fall / 4
+            yield _rounded(at(0, pull), pull * size / 1000), _rounded(at(share, back + pull), pull * size / 1000)
+
+
+def _unit(vector: Sequence[Any], context: Any) -> list[Any]:
     size = context.norm(vector)
     return [c / size if size else context.zero for c in vector]
 
 
 def _rounded(point: Sequence[Any], tolerance: Any) -> Point:
     """The point rounded to the coarsest decimals within the tolerance."""
-    denominator = 10 ** max(1, int(-floor(float(sp.log(sp.Float(str(tolerance)), 10)))) + 1)
-    return tuple(Fraction(int(c.context.nint(c * denominator)), denominator) for c in point)
+    digits = max(1, 1 - floor(float(tolerance.context.log10(tolerance))))
+    return tuple(Fraction(int(c.context.nint(c * 10**digits)), 10**digits) for c in point)

@@ -1,7 +1,8 @@
 """Sums of squares with which a polynomial cancels, found by a conic solver and made exact.
 
 Peyrl, Parrilo (2008), Theor. Comput. Sci. 409, 269: the numbers of a solution inside the cone are rounded and moved back onto
-the equations.  On the edge of the cone the directions in which every solution is flat are left out first (facial reduction).
+the equations.  On the edge of the cone the directions in which every solution is flat are left out first (facial reduction): where
+the form is 0 each square vanishes.  These are found in floats and made rational: a wrong guess finds no identity, and nothing else.
 Nothing here is trusted: what comes out is an identity of fractions.
 """
 
@@ -10,23 +11,38 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
+from itertools import product as pairs
 from typing import Any
 
-from duhem.proof.search.blocks import Block, Exponents, Polynomial, added, times
-from duhem.proof.search.faces import combined, positive_somewhere, stretched, vanishing, without_flat_directions
+import clarabel
+import flint
+import numpy as np
+from scipy import sparse
+
 from duhem.proof.search.inner_point import inner_point
 
-__all__ = ["Balance", "Multiples", "balanced"]
+__all__ = ["Balance", "Block", "Exponents", "Multiples", "Polynomial", "balanced", "times"]
 
+Exponents = tuple[int, ...]
+Polynomial = Mapping[Exponents, Fraction]
 Gram = tuple[tuple[Fraction, ...], ...]
 _DENOMINATORS = (1, 2, 12, 60, 1000, 10**5, 10**8, 10**11)
 _MOST_COLUMNS, _MOST_ROWS = 1500, 500
 _MOST_DIGITS = 25_000  # binary ones of an entry, times the rows: beyond, an elimination takes seconds
-_PROJECTED, _INSIDE = 400, 0.2  # times a solution is moved onto the equations and so far into the cone, in its own units
 _CHEAP_INSIDE, _MOST_INSIDE = 20_000, 7_000_000  # products of numbers a step: what costs less than another search, and what seconds
-_SETTLED = 3  # times it is moved onto the equations in the end
-_FLAT = (1e-4, 1e-5, 1e-6)  # an eigenvalue that small, relative to the greatest, is taken for 0
+_TRIED, _IMPROVED, _ENOUGH = 40, 80, 1e-12  # random points for each start; how often a start is improved; a gradient taken for 0
+_MOST_ENTRIES = 40_000_000  # entries of second derivatives, all starts together
+_LOOKS, _FAR = 500, 1e-6  # points at which a form is looked at, and what is taken for another sign
+_STARTS, _GAP = 4, 1e-4  # looks for zeros a square; how far singular values drop behind the last that is not 0
+
+
+@dataclass(frozen=True)
+class Block:
+    """The sums of squares of combinations of ``squares``, multiplied by ``factor``; ``name`` tells whoever asks which."""
+
+    name: Any
+    factor: Polynomial
+    squares: tuple[Polynomial, ...]
 
 
 @dataclass(frozen=True)
@@ -53,31 +69,23 @@ def balanced(
 
     -start is homogeneous in the variables of each of ``spheres``, if they are given, and nothing is known but that it is to be >= 0.
     """
-    if spheres and positive_somewhere(start, spheres):
+    if spheres and _positive_somewhere(start, spheres):
         return None
-    touched = not spheres or bool(multiples) or any(set(b.factor) != {(0,) * len(next(iter(start)))} for b in blocks)
-    for flat in (*_FLAT, None):
+    plain = bool(spheres) and not multiples and all(set(b.factor) == {(0,) * len(next(iter(start)))} for b in blocks)
+    for again in (False, True):
         system = _System.of(start, blocks, multiples)
         if system is None or (solution := system.solved()) is None:
             return None
         margin, values = solution
         if margin < -1e-4:
             return None
-        exact, price = system.exact(values), system.price_inside()
-        if exact is None and price <= _CHEAP_INSIDE:
-            exact = system.exact_inside(values)
-        found = None if touched or exact is not None else vanishing(start, blocks, spheres)
-        if exact is None and found is None and not touched:
-            exact = system.exact_by_stretching(spheres)
-            if exact is None and _CHEAP_INSIDE < price <= _MOST_INSIDE:
-                exact = system.exact_inside(values)
-        if exact is not None:
+        if (exact := system.exact(values)) is not None:
             return system.found(exact)
-        touched = True
-        if found is None and flat is not None:
-            found = without_flat_directions(blocks, list(system._grams(values)), flat)
+        found = _vanishing(start, blocks, spheres) if plain and not again else None
         if found is None:
-            return None
+            cheap = system.price_inside() <= (_MOST_INSIDE if plain and not again else _CHEAP_INSIDE)
+            exact = system.exact_inside(values) if cheap else None
+            return None if exact is None else system.found(exact)
         blocks = found
     return None
 
@@ -113,49 +121,38 @@ class _System:
 
     def solved(self) -> tuple[float, Any] | None:
         """The greatest t <= 1 with G - t I >= 0 for every Gram matrix G, and the numbers of all columns."""
-        import clarabel
-        import numpy as np
-        from scipy import sparse
-
-        n, entries = len(self.columns), [(self.rows[m], j, float(c)) for j, p in enumerate(self.columns) for m, c in p.items()]
-        rhs = np.zeros(len(self.rows))
-        for m, c in self.start.items():
-            rhs[self.rows[m]] = -float(c)
-        scale = max(1.0, float(np.abs(rhs).max(initial=0.0)))
-        at, to, what = zip(*entries, strict=True)
-        equations = sparse.csc_matrix((what, (at, to)), shape=(len(self.rows), n + 1))
-        parts, right = [equations, sparse.csc_matrix(([1.0], ([0], [n])), shape=(1, n + 1))], [rhs / scale, np.ones(1)]
-        cones: list[Any] = [clarabel.ZeroConeT(len(self.rows)), clarabel.NonnegativeConeT(1)]
-        first = 0
-        for b in self.blocks:
-            size = len(b.squares)
-            upper = [(i, j) for j in range(size) for i in range(j + 1)]
-            cells = [(r, first + r, -1.0 if i == j else -(2**0.5)) for r, (i, j) in enumerate(upper)]
-            cells += [(r, n, 1.0) for r, (i, j) in enumerate(upper) if i == j]
-            at, to, what = zip(*cells, strict=True)
-            parts.append(sparse.csc_matrix((what, (at, to)), shape=(len(upper), n + 1)))
-            right.append(np.zeros(len(upper)))
-            cones.append(clarabel.PSDTriangleConeT(size))
-            first += len(upper)
-        goal = np.zeros(n + 1)
-        goal[n] = -1.0
+        sizes = [len(b.squares) for b in self.blocks]
+        diagonal = np.array([i == j for size in sizes for j in range(size) for i in range(j + 1)])
+        n, m = len(self.columns), len(diagonal)
+        table = np.zeros((len(self.rows) + 1 + m, n + 1))  # the equations, then 1 - t, then the cones, upper triangle by column
+        bound, goal = np.zeros(len(table)), np.zeros(n + 1)
+        for j, p in enumerate(self.columns):
+            for k, c in p.items():
+                table[self.rows[k], j] = c
+        for k, c in self.start.items():
+            bound[self.rows[k]] = -c
+        scale = max(1.0, float(np.abs(bound).max(initial=0.0)))
+        bound, goal[n] = bound / scale, -1.0
+        table[len(self.rows), n] = bound[len(self.rows)] = 1.0
+        table[len(self.rows) + 1 :, :m] = np.diag(np.where(diagonal, -1.0, -(2**0.5)))
+        table[len(self.rows) + 1 :, n] = diagonal
+        cones = [clarabel.ZeroConeT(len(self.rows)), clarabel.NonnegativeConeT(1), *map(clarabel.PSDTriangleConeT, sizes)]
         settings = clarabel.DefaultSettings()
         settings.verbose, settings.max_iter = False, 100
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
-        matrix, bound = sparse.vstack(parts).tocsc(), np.concatenate(right)
-        answer = clarabel.DefaultSolver(sparse.csc_matrix((n + 1, n + 1)), goal, matrix, bound, cones, settings).solve()
+        nothing = sparse.csc_matrix((n + 1, n + 1))
+        answer = clarabel.DefaultSolver(nothing, goal, sparse.csc_matrix(table), bound, cones, settings).solve()
         x = np.array(answer.x)
         return (float(x[n]), scale * x[:n]) if np.isfinite(x).all() and "Infeasible" not in str(answer.status) else None
 
     def exact(self, values: Any) -> list[Fraction] | None:
         """Fractions near ``values`` that satisfy the equations, with positive semidefinite Gram matrices."""
-        alone = self._alone()
-        nearest = partial(self._corrected, alone) if alone else self._projected()
+        nearest = self._projected()
         if nearest is None:
             return None
         for d in _DENOMINATORS:
             exact = nearest([Fraction(round(float(x) * d), d) for x in values])
-            if all(_positive_semidefinite(gram) for gram in self._grams(exact)):
+            if all(_positive_semidefinite(gram) for gram in self.grams(exact)):
                 return exact
         return None
 
@@ -174,12 +171,12 @@ class _System:
                 z[p] = right * row[n] - sum((row[j] * c for j, c in free.items() if row[j]), Fraction(0))
             return z
 
-        base = list(self._grams(solution({}, 1)))
-        ways = [list(self._grams(solution({j: Fraction(1)}, 0))) for j in chosen]
+        base = list(self.grams(solution({}, 1)))
+        ways = [list(self.grams(solution({j: Fraction(1)}, 0))) for j in chosen]
         start = [Fraction(float(values[j])) for j in chosen]
         for y in inner_point(base, ways, start):
             exact = solution(dict(zip(chosen, y, strict=True)), 1)
-            if all(_positive_semidefinite(gram) for gram in self._grams(exact)):
+            if all(_positive_semidefinite(gram) for gram in self.grams(exact)):
                 return exact
         return None
 
@@ -188,85 +185,8 @@ class _System:
         free = len(self.columns) - len(self.rows)
         return float("inf") if self.multiples or free <= 0 else free**2 * sum(len(b.squares) ** 2 for b in self.blocks)
 
-    def exact_by_stretching(self, spheres: Sequence[Sequence[int]]) -> list[Fraction] | None:
-        """The same from a solution in other units, where a margin is so thin that in these it drowns; for columns in one row each."""
-        import numpy as np
-
-        alone = self._alone()
-        if not alone or (matrices := stretched(self.start, self.blocks, spheres)) is None:
-            return None
-        changed = [
-            replace(b, squares=tuple(combined(b.squares, row) for row in rows)) for b, rows in zip(self.blocks, matrices, strict=True)
-        ]
-        other = _System.of(self.start, changed, ())
-        if other is None or other.rows.keys() != self.rows.keys() or (solution := other.solved()) is None or solution[0] <= 0:
-            return None
-        grams = [np.array(gram, dtype=float) for gram in other._grams(solution[1])]
-        try:
-            units = [np.linalg.cholesky(gram).T @ np.array(rows, dtype=float) for gram, rows in zip(grams, matrices, strict=True)]
-        except np.linalg.LinAlgError:
-            return None
-        exact_units = [[[Fraction(float(x)) for x in row] for row in unit] for unit in units]
-        table, target = self._table(units), np.zeros(len(self.rows))
-        for m, c in self.start.items():
-            target[self.rows[m]] = -float(c)
-        back, values = np.linalg.pinv(table), [np.eye(len(unit)) for unit in units]
-        for _ in range(_PROJECTED):  # onto the equations and into the cone in turn
-            values = _less(values, back @ (table @ np.concatenate([v.ravel() for v in values]) - target))
-            spectra = [np.linalg.eigh(v) for v in values]
-            if min(float(sizes[0]) for sizes, _ in spectra) > _INSIDE / 2:
-                break
-            values = [axes @ np.diag(np.maximum(sizes, _INSIDE)) @ axes.T for sizes, axes in spectra]
-        here = list[Fraction]()
-        for _ in range(_SETTLED):
-            here = [x for gram, rows in zip(values, exact_units, strict=True) for x in _upper(_congruent(gram, rows))]
-            gap, parts = np.zeros(len(self.rows)), ({m: x * c for m, c in p.items()} for x, p in zip(here, self.columns, strict=True))
-            for m, missing in added(self.start, *parts).items():
-                gap[self.rows[m]] = float(missing)
-            values = _less(values, back @ gap)
-        exact = self._corrected(alone, here)
-        return exact if all(_positive_semidefinite(gram) for gram in self._grams(exact)) else None
-
-    def _table(self, units: Sequence[Any]) -> Any:
-        """The equations by the entries of matrices Y, the Gram matrices being U' Y U."""
-        import numpy as np
-
-        table, first, parts = np.zeros((len(self.rows), len(self.columns))), 0, list[Any]()
-        for j, p in enumerate(self.columns):
-            for m, c in p.items():
-                table[self.rows[m], j] = float(c)
-        for unit in units:
-            size = len(unit)
-            cells = [(i, j) for j in range(size) for i in range(j + 1)]
-            both = (np.outer(unit[:, i], unit[:, j]) for i, j in cells)
-            entries = np.stack([((b + b.T) / 2).ravel() for b in both])
-            parts.append(table[:, first : first + len(cells)] @ entries)
-            first += len(cells)
-        return np.hstack(parts)
-
-    def _alone(self) -> Mapping[int, Sequence[tuple[int, Fraction]]]:
-        """For each row the columns in nothing but it, with their numbers there; empty where some row has none."""
-        alone: dict[int, list[tuple[int, Fraction]]] = {}
-        for j, p in enumerate(self.columns):
-            if len(p) == 1:
-                ((m, c),) = p.items()
-                alone.setdefault(self.rows[m], []).append((j, c))
-        return alone if len(alone) == len(self.rows) else {}
-
-    def _corrected(self, alone: Mapping[int, Sequence[tuple[int, Fraction]]], values: Sequence[Fraction]) -> list[Fraction]:
-        """What is missing in each row, given to the columns in nothing but it: the denominators stay small."""
-        z, parts = list(values), ({m: x * c for m, c in p.items()} for x, p in zip(values, self.columns, strict=True) if x)
-        for m, missing in added(self.start, *parts).items():
-            own = alone[self.rows[m]]
-            size = sum(c * c for _, c in own)
-            for j, c in own:
-                z[j] -= missing * c / size
-        return z
-
     def _projected(self) -> Callable[[Sequence[Fraction]], list[Fraction]] | None:
         """The way to the nearest solution of the equations; None where they contradict each other."""
-        import flint
-
         rank, equations = self._independent()
         if equations is None:
             return None
@@ -285,8 +205,6 @@ class _System:
 
     def _independent(self) -> tuple[int, Any]:
         """The reduced equations with their right-hand sides; None where they contradict each other."""
-        import flint
-
         n = len(self.columns)
         table = [[flint.fmpq(0)] * (n + 1) for _ in self.rows]
         for j, p in enumerate(self.columns):
@@ -298,7 +216,8 @@ class _System:
         contradiction = rank > 0 and all(reduced[rank - 1, j] == 0 for j in range(n))
         return rank, None if contradiction else reduced
 
-    def _grams(self, values: Sequence[Any]) -> Iterator[list[list[Any]]]:
+    def grams(self, values: Sequence[Any]) -> Iterator[list[list[Any]]]:
+        """The Gram matrices in the numbers of the columns."""
         first = 0
         for b in self.blocks:
             size = range(len(b.squares))
@@ -308,35 +227,13 @@ class _System:
     def found(self, values: Sequence[Fraction]) -> Balance:
         """The numbers of the columns put together again."""
         sums = []
-        for b, gram in zip(self.blocks, self._grams(values), strict=True):
+        for b, gram in zip(self.blocks, self.grams(values), strict=True):
             if used := [i for i, row in enumerate(gram) if any(row)]:
                 squares = tuple(b.squares[i] for i in used)
                 sums.append((replace(b, squares=squares), tuple(tuple(gram[i][j] for j in used) for i in used)))
         rest = iter(values[len(values) - sum(len(m.by) for m in self.multiples) :])
         by = [(m.name, {k: c for k, c in zip(m.by, rest, strict=False) if c}) for m in self.multiples]
         return Balance(tuple(sums), tuple((name, p) for name, p in by if p))
-
-
-def _less(matrices: Sequence[Any], entries: Any) -> list[Any]:
-    """The symmetric matrices without the entries, one after the other."""
-    left = []
-    for one in matrices:
-        part, entries = entries[: one.size].reshape(one.shape), entries[one.size :]
-        left.append(one - (part + part.T) / 2)
-    return left
-
-
-def _congruent(gram: Any, rows: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
-    """S' G S."""
-    exact = [[Fraction(float(x)) for x in row] for row in gram]
-    size = range(len(exact))
-    half = [[sum((exact[i][k] * rows[k][j] for k in size if rows[k][j]), Fraction(0)) for j in size] for i in size]
-    return [[sum((rows[k][i] * half[k][j] for k in size if rows[k][i]), Fraction(0)) for j in size] for i in size]
-
-
-def _upper(gram: Sequence[Sequence[Fraction]]) -> list[Fraction]:
-    """Its entries as the columns have them."""
-    return [gram[i][j] for j in range(len(gram)) for i in range(j + 1)]
 
 
 def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:
@@ -353,3 +250,124 @@ def _positive_semidefinite(rows: list[list[Fraction]]) -> bool:
         if any(row[i] < 0 for i, row in enumerate(rows)):
             return False
     return True
+
+
+def _positive_somewhere(start: Polynomial, spheres: Sequence[Sequence[int]]) -> bool:
+    """Whether it is, by far, at one of many points."""
+    values = _values_at(_on_spheres(len(next(iter(start))), spheres, _LOOKS), start)
+    return bool(values.max() > _FAR * max(abs(float(c)) for c in start.values()))
+
+
+def _vanishing(start: Polynomial, blocks: Sequence[Block], spheres: Sequence[Sequence[int]]) -> list[Block] | None:
+    """The blocks without what does not vanish at the zeros of ``start``, as far as these look rational; None if all does."""
+    points = _touching_points({m: -c for m, c in start.items()}, spheres, _STARTS * sum(len(b.squares) for b in blocks))
+    spans = list[tuple[Any, tuple[int, float]]]()
+    for block in blocks if len(points) else ():
+        _, sizes, axes = np.linalg.svd(_values_at(points, *block.squares))
+        sizes = np.concatenate([sizes, np.zeros(len(axes) - len(sizes))])
+        drops = sizes[1:] / np.maximum(sizes[:-1], 1e-300)
+        rank, precision = (int(np.argmin(drops)) + 1 if len(drops) else 1), 1e-14  # how many directions, and how sharply they end
+        if len(drops):
+            precision = max(precision, float(sizes[rank] / sizes[0]))
+        none = sizes[0] < _GAP or (len(drops) and drops[rank - 1] > _GAP)
+        spans.append((axes[: 0 if none else rank], (int((0.01 / precision) ** 0.5), 100 * precision)))
+    return _without(blocks, spans)
+
+
+def _without(blocks: Sequence[Block], spans: Sequence[tuple[Any, tuple[int, float]]]) -> list[Block] | None:
+    """The blocks without some directions each; None if that leaves out nothing."""
+    kept = [replace(b, squares=_complement(b.squares, *span)) for b, span in zip(blocks, spans, strict=False)]
+    less = any(len(b.squares) < len(before.squares) for b, before in zip(kept, blocks, strict=False))
+    return [b for b in kept if b.squares] if less else None
+
+
+def _complement(squares: tuple[Polynomial, ...], null: Any, rational: tuple[int, float]) -> tuple[Polynomial, ...]:
+    """Combinations of ``squares`` that span what is orthogonal to the rows of ``null``, these made rational; all where they are not.
+
+    They are rational if all are as near as said to fractions with such denominators.
+    """
+    rows, pivots, (most, near) = null.copy(), list[int](), rational
+    for r in range(len(rows)):  # Gauss-Jordan, the greatest entry as pivot: entries of a rational space come out rational
+        p, c = max(((p, c) for p in range(r, len(rows)) for c in range(rows.shape[1])), key=lambda at: abs(rows[at]))
+        rows[[r, p]] = rows[[p, r]]
+        rows[r] /= rows[r, c]
+        for i in range(len(rows)):
+            if i != r:
+                rows[i] -= rows[i, c] * rows[r]
+        pivots.append(c)
+    exact = [[Fraction(float(x)).limit_denominator(most) for x in row] for row in rows]
+    if any(abs(float(f) - x) > near for row, given in zip(exact, rows, strict=True) for f, x in zip(row, given, strict=True)):
+        return squares
+    found = list[Polynomial]()
+    for f in (c for c in range(len(squares)) if c not in pivots):
+        taken = [(f, Fraction(1)), *((p, -row[f]) for p, row in zip(pivots, exact, strict=True))]
+        found.append(added(*({m: x * c for m, c in squares[k].items()} for k, x in taken if x)))
+    return tuple(found)
+
+
+def added(*polynomials: Polynomial) -> Polynomial:
+    """Their sum."""
+    total: dict[Exponents, Fraction] = {}
+    for p in polynomials:
+        for m, c in p.items():
+            total[m] = total.get(m, Fraction(0)) + c
+    return {m: c for m, c in total.items() if c}
+
+
+def times(p: Polynomial, q: Polynomial) -> Polynomial:
+    """Their product."""
+    total: dict[Exponents, Fraction] = {}
+    for (m, c), (n, d) in pairs(p.items(), q.items()):
+        k = tuple(map(int.__add__, m, n))
+        total[k] = total.get(k, Fraction(0)) + c * d
+    return {m: c for m, c in total.items() if c}
+
+
+def _slope(p: Polynomial, i: int) -> Polynomial:
+    return {(*m[:i], m[i] - 1, *m[i + 1 :]): c * m[i] for m, c in p.items() if m[i]}
+
+
+def _values_at(x: Any, *forms: Polynomial) -> Any:
+    """The forms at each row of x, a column each."""
+    monomials = list(dict.fromkeys(m for p in forms for m in p))
+    powers = np.array(monomials).reshape(len(monomials), x.shape[1])
+    table = x[:, :, None] ** np.arange(powers.max(initial=0) + 1)
+    values = np.ones((len(x), len(monomials)))
+    for i in range(x.shape[1]):
+        values *= table[:, i, powers[:, i]]
+    return values @ np.array([[float(p.get(m, 0)) for p in forms] for m in monomials])
+
+
+def _on_spheres(n: int, spheres: Sequence[Sequence[int]], count: int) -> Any:
+    """Random points of n variables (fixed seed), those of each sphere of unit length."""
+    x = np.random.default_rng(7).standard_normal((count, n))
+    for s in spheres:
+        x[:, s] /= np.linalg.norm(x[:, s], axis=1, keepdims=True)
+    return x
+
+
+def _touching_points(form: Polynomial, spheres: Sequence[Sequence[int]], starts: int) -> Any:
+    """Zeros of the form as rows, the variables of each of ``spheres``, in which it is homogeneous, having unit length."""
+    n = len(next(iter(form)))
+    if starts * n * n * len(form) > _MOST_ENTRIES:
+        return np.empty((0, n))
+    slopes = [_slope(form, i) for i in range(n)]
+    bends = [_slope(p, j) for p in slopes for j in range(n)]
+    lengths: list[Polynomial] = [{tuple(2 * (i == j) for i in range(n)): Fraction(1) for j in s} for s in spheres]
+    gaps, derivatives = [*slopes, *lengths], [*bends, *(_slope(p, j) for p in lengths for j in range(n))]
+    level = np.array([0.0] * n + [1.0] * len(spheres))
+    x = _on_spheres(n, spheres, _TRIED * starts)
+    x = x[np.argsort(_values_at(x, form)[:, 0], kind="stable")[:starts]]
+    gap, damping = _values_at(x, *gaps) - level, np.full(len(x), 1e-2)
+    for _ in range(_IMPROVED):
+        size = (gap**2).sum(axis=1)
+        if (size < _ENOUGH**2).all():
+            break
+        left, sizes, axes = np.linalg.svd(_values_at(x, *derivatives).reshape(len(x), len(gaps), n), full_matrices=False)
+        parts = np.einsum("pgk,pg->pk", left, gap) * sizes / (sizes**2 + (damping * sizes[:, 0] ** 2)[:, None] + 1e-300)
+        tried = x - np.einsum("pkv,pk->pv", axes, parts)
+        new_gap = _values_at(tried, *gaps) - level
+        better = (new_gap**2).sum(axis=1) < size
+        x, gap = np.where(better[:, None], tried, x), np.where(better[:, None], new_gap, gap)
+        damping = np.clip(np.where(better, damping / 10, damping * 5), 1e-16, 1e6)
+    return x[np.abs(gap).max(axis=1) < _ENOUGH * max(1.0, max(abs(float(c)) for c in form.values()))]

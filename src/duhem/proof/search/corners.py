@@ -1,33 +1,46 @@
-"""Where the boundary of K has a corner in some plane of the force space, in more than two forces.
+"""Where the boundary of K has a corner or comes to a point.
+
+Corners lie at a seam in two forces, and in some plane of the force space in more.
 
 Two kinds of planes are looked at: those through the zeros of a root (the axis of a cone, where its tip is), and some through a
 point of K, in which the boundary is followed around and its normal is seen to jump.  Directions are small whole numbers (fixed seed).
+Points are sought at zero force, and where the boundary meets axes or edges at plain fractions.
 """
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from itertools import chain
-from math import frexp
+from functools import partial
+from itertools import chain, islice, product
 from typing import Any
 
+import numpy as np
 import sympy as sp
+from scipy.optimize import brentq
 
-from duhem.expression import EigMax, Neg, Norm, Pos, Where
+from duhem.expression import EigMax, Neg, Norm, Pos, Where, defined_at, mpmath_
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, seams
 from duhem.expression.gradient import jacobian
 from duhem.expression.number import fraction, rational
+from duhem.expression.numpy_ import compiled
+from duhem.expression.rays import Rays
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
-from duhem.proof.search.newton import common_zero
-from duhem.proof.search.suggestion import Point, SectionCorner
+from duhem.proof.search.boundary_points import scout
+from duhem.proof.search.edges import edges
+from duhem.proof.search.suggestion import Point, SectionCorner, SharpPoint
 
-__all__ = ["section_corners"]
+__all__ = ["Crossing", "crossings", "section_corners", "sharp_points"]
 
+_MOST = 16  # crossings of one seam
+_MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
+_START = 8_000  # steps from one place to a crossing, or to none
 _PLANES, _TIPS, _PLACES = 6, 6, 6
 _DIRECTIONS = 1440
 _JUMP = 1e-4  # of the direction, in radians: a smooth boundary turns less where it is looked at so closely
@@ -35,8 +48,67 @@ _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, EigMax, Where)
 _STEPS = 4_000  # of a place, or of looking around a plane, by the operations in the formula
 _DIGITS = 40
 _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pieces are opened there
+_SHARP = 1e-5
+_MOST_WAYS, _SHOWN = 400, 6
+_PLACE = 20_000  # steps of one
+_SAME = 3.0  # how much more one may fall than the other on a tenth of the way
+_LARGEST = 10_000  # the denominator of a plain fraction
+_ALONG = 10.0 ** np.linspace(-5, 5, 61)
 
 Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """``point`` (decimals of high precision) on the boundary, on a seam with one switch."""
+
+    seam: Seam
+    point: Point
+
+
+def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> Iterator[Crossing]:
+    """Common zeros of g and of one seam at a parameter choice, to about ``digits`` decimals; found, not certain; while steps are left."""
+    exact, forces = rationals(parameters), subject.simple.forces
+    exponents = {x for power in subject.simple.g.atoms(sp.Pow) for x in power.exp.free_symbols}
+    if any(abs(value.p) > _MOST_EXPONENT for x, value in exact.items() if x in exponents):
+        return
+    around = scout(subject, parameters).boundary
+    for seam in seams(subject.pieces or ()) if len(around) else ():
+        if len(seam.crossed) != 1:
+            continue
+        system = sp.Matrix([seam.after.expr, *seam.crossed]).subs(exact)
+        signs = np.sign(np.broadcast_to(compiled(system[1], forces)(*around.T), len(around)))
+        slopes, known = jacobian(system, forces), list[Point]()
+        for start in around[signs != np.roll(signs, -1)][:_MOST] if slopes is not None else ():
+            if any(math.dist(map(float, point), start) < 0.1 * math.hypot(*start) for point in known):
+                continue  # a place beside one that led here
+            if not subject.budget.pays(_START):
+                return
+            if (point := common_zero(system, slopes, forces, start, digits)) is not None:
+                known.append(point)
+                yield Crossing(seam, point)
+
+
+def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symbol], start: Sequence[float], digits: int) -> Point | None:
+    """The zero that Newton's method comes to, to about ``digits`` decimals; None where it comes to none.
+
+    ``slopes`` are the derivatives of the formulas, row by row.
+    """
+    context = mpmath_.kept_digits(digits)
+    values, derivatives = (mpmath_.compiled(list(exprs), unknowns, context) for exprs in (system, slopes))
+
+    def jacobian_at(*x: Any) -> Any:
+        a, b, c, d = derivatives(*x)
+        if not (det := a * d - b * c) or not context.isfinite(det):
+            raise ZeroDivisionError
+        return context.matrix([[a, b], [c, d]])
+
+    try:
+        found = context.findroot(values, list(map(float, start)), J=jacobian_at, maxsteps=60)
+    except (ValueError, ZeroDivisionError):
+        return None
+    whole = 10 ** (digits - 4)
+    return tuple(Fraction(int(context.nint(p * whole)), whole) for p in found) if all(map(context.isfinite, found)) else None
 
 
 def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
@@ -57,7 +129,7 @@ def _polished(subject: FormulaSubject, parameters: Values, section: PlaneSection
     box = {x: ball(c - reach, c + reach) for x, c in zip(section.at, middle, strict=True)}
     for seam in seams(local_pieces(subject, parameters, section, box, whole_space=False)):
         if len(seam.crossed) == 1:
-            system = [seam.after.expr, *seam.crossed]
+            system = sp.Matrix([seam.after.expr, *seam.crossed])
             slopes = jacobian(system, section.at)
             found = None if slopes is None else common_zero(system, slopes, section.at, [float(c) for c in middle], _DIGITS)
             near = found is not None and all(abs(f - c) <= 2 * reach for f, c in zip(found, middle, strict=True))
@@ -116,36 +188,20 @@ def _is_square(term: sp.Expr) -> bool:
 
 def _zeros_along(h: sp.Expr, a: sp.Symbol, b: sp.Symbol) -> list[float]:
     """Where h changes its sign along b = 0, taken a little beside it, for it may be 0/0 on the line itself."""
-    import numpy as np
-
-    from duhem.expression.numpy_ import compiled
-    from duhem.expression.rays import Rays
-
-    level = compiled(h, (a, b))
-    radii = 10.0 ** np.linspace(-4, 4, 400)
+    level, radii = compiled(h, (a, b)), 10.0 ** np.linspace(-4, 4, 400)
     grid = np.concatenate([-radii[::-1], radii])
-
-    def height(points: Any) -> Any:
-        return level(points[..., 0], np.full(points.shape[:-1], 1e-9))
-
-    signs = np.sign(height(grid[:, None]))
-    changes = np.flatnonzero(signs[:-1] * signs[1:] < 0)
-    rises = signs[changes] < 0
-    rays = Rays(height, np.zeros(1), np.ones((len(changes), 1)))
-    low, high = rays.narrowed(grid[changes + ~rises], grid[changes + rises])
-    return [float(x) for x in (low + high) / 2]
+    signs = np.sign(level(grid, np.full_like(grid, 1e-9)))
+    return [float(brentq(lambda x: float(level(x, 1e-9)), grid[k], grid[k + 1])) for k in np.flatnonzero(signs[:-1] * signs[1:] < 0)]
 
 
 def _planes(subject: FormulaSubject, parameters: Values, price: int) -> Iterator[tuple[PlaneSection, list[Place]]]:
     """Some through a point of K, each force in units of how far K reaches along it, as far as is seen."""
-    from duhem.proof.search.boundary_points import BoundaryScout
-
-    scout, rng, forces = BoundaryScout(subject, parameters), random.Random(4), subject.simple.forces
-    if scout.centre is None or not len(scout.boundary):
+    seen, rng, forces = scout(subject, parameters), random.Random(4), subject.simple.forces
+    if seen.centre is None or not len(seen.boundary):
         return
     still = _shears(subject.simple.g)
-    base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, scout.centre, strict=True)]
-    units = [Fraction(2) ** frexp(max(abs(column), default=1))[1] for column in (scout.boundary - scout.centre).T]
+    base = [Fraction(float(c)).limit_denominator(1000) * (x not in still) for x, c in zip(forces, seen.centre, strict=True)]
+    units = [Fraction(2) ** math.frexp(max(abs(column), default=1))[1] for column in (seen.boundary - seen.centre).T]
     units = [unit * (x not in still) for x, unit in zip(forces, units, strict=True)]
     for _ in range(_PLANES):
         if not subject.budget.pays(price):
@@ -167,11 +223,6 @@ def _direction(rng: random.Random, dimension: int) -> Point:
 
 def _turns(subject: FormulaSubject, parameters: Values, section: PlaneSection) -> list[Place]:
     """Places of the boundary in a plane at which its direction jumps, seen from a = b = 0."""
-    import numpy as np
-
-    from duhem.expression.numpy_ import compiled
-    from duhem.expression.rays import Rays
-
     level = compiled(subject.formula_at(parameters).xreplace(section.coordinates()), section.at)
 
     def points(angles: Any) -> Any:
@@ -201,3 +252,73 @@ def _turns(subject: FormulaSubject, parameters: Values, section: PlaneSection) -
             if left.max() > _JUMP and np.all(np.isfinite(place)) and not again:
                 found.append((float(place[0]), float(place[1])))
     return found
+
+
+def sharp_points(subject: FormulaSubject, parameters: Values) -> Iterator[SharpPoint]:
+    """Places with directions: on both ends of the one g > 0, as it seems, and on the other g < 0; while steps are left."""
+    forces = subject.simple.forces
+    g = subject.formula_at(parameters)
+    level, pointed = compiled(g, forces), edges(g, forces)
+    ways = list(dict.fromkeys([*_ways(len(forces)), *(tuple(Fraction(c, max(map(abs, edge))) for c in edge) for edge in pointed)]))
+    opposite = [ways.index(tuple(-c for c in way)) for way in ways]
+    steps = np.array([[float(c) for c in way] for way in ways])
+
+    def values(place: Point, reach: float) -> Any:
+        points = np.array([float(c) for c in place]) + reach * steps
+        with np.errstate(all="ignore"):
+            return np.broadcast_to(level(*points.T), len(ways))
+
+    for place in dict.fromkeys([*_plain_places(g, forces), *_on_edges(g, forces, pointed)]):
+        if not subject.budget.pays(_PLACE):
+            return
+        size = _SHARP * max(1.0, *(abs(float(c)) for c in place))
+        found, nearer = values(place, size), values(place, size / 10)
+        both, both_nearer = (np.minimum(v, v[opposite]) for v in (found, nearer))
+        home = tuple(-c / max(map(abs, place)) for c in place) if any(place) else None
+        back = [k for k, way in enumerate(ways) if way == home]  # on which floats may not see that a load is 0
+        falls = [(k, 0.1) for k in back] + [(k, nearer[k] / found[k]) for k in np.argsort(found)[:2] if found[k] < 0]
+        outside = [k for k in np.argsort(-both) if both[k] > 0]
+        for k, fall in falls[:2]:  # where g rises less steeply than it falls, K has a tangent
+            steep = [i for i in outside if both_nearer[i] > both[i] * fall / _SAME][:_SHOWN]
+            yield from (SharpPoint(parameters, place, ways[i], ways[k]) for i in steep)
+
+
+def _plain_places(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[Point]:
+    yield tuple(Fraction(0) for _ in forces)
+    for i, x in enumerate(forces):
+        along = defined_at(g, {y: sp.S.Zero for y in forces if y != x})
+        if along is not None and along.is_polynomial(x) and (form := sp.Poly(along, x)).domain in (sp.ZZ, sp.QQ) and not form.is_ground:
+            for root in sorted(form.ground_roots()):
+                if root:
+                    yield tuple(Fraction(int(root.p), int(root.q)) if k == i else Fraction(0) for k in range(len(forces)))
+
+
+def _on_edges(g: sp.Expr, forces: Sequence[sp.Symbol], pointed: Sequence[tuple[int, ...]]) -> Iterator[Point]:
+    """Where rays along edges leave K, at fractions."""
+    r = sp.Symbol("r", positive=True)
+    for edge in pointed:  # what is 0 on it must be seen to be
+        along = defined_at(g, {x: c * r for x, c in zip(forces, edge, strict=True)})
+        if along is None:
+            continue
+        level = compiled(along, (r,))
+        last, first = Rays(partial(_on_line, level), np.zeros(1), np.ones((1, 1))).left(_ALONG)
+        far = Fraction(float(last[0])).limit_denominator(_LARGEST) if 0 < last[0] < first[0] else Fraction(0)
+        place = tuple(far * c for c in edge)
+        value = defined_at(g, rationals(dict(zip(forces, place, strict=True)))) if far else None
+        if value is not None and value.is_zero:
+            yield place
+
+
+def _on_line(level: Any, points: Any) -> Any:
+    return level(points[..., 0])
+
+
+def _ways(dimension: int) -> list[Point]:
+    """Directions of small whole numbers, each with its opposite: all of them in few forces, else some at random (fixed seed)."""
+    if dimension <= 3:
+        return [tuple(map(Fraction, way)) for way in product(range(-2, 3), repeat=dimension) if any(way)]
+    rng = random.Random(6)
+    drawn = ([rng.randint(-2, 2) for _ in range(dimension)] for _ in iter(int, 1))
+    found = dict.fromkeys(tuple(map(Fraction, way)) for way in islice((w for w in drawn if any(w)), _MOST_WAYS // 2))
+    axes = [tuple(Fraction(int(i == k)) for i in range(dimension)) for k in range(dimension)]
+    return list(dict.fromkeys(sign for way in (*found, *axes) for sign in (way, tuple(-c for c in way))))

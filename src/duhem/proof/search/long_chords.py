@@ -1,0 +1,319 @@
+"""Chords between distant points of K that seem to leave it: midpoints are tried in floats.
+
+Sampled: the boundary is followed along rays in plane sections, which sees inward kinks, dents and separate components.
+On exact rays: K may have faces, edges or whiskers that no sample meets.  From far points: where an ellipsoid in a maximum lies
+farthest along a load, for what is cut off a ball may leave a cap that no sample meets; along the diameter to such an end g is looked
+at, and the other end of the chord is its mirror image in a zero of a load, or in where g is greatest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isqrt
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from duhem.expression import Norm
+from duhem.expression.number import fraction, rational
+from duhem.expression.numpy_ import compiled
+from duhem.expression.rays import Rays, first_exit
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.facts.parameter_choices import Values
+from duhem.proof.search.boundary_points import lowest
+from duhem.proof.search.edges import affine, exact_rays, largest_loads
+from duhem.proof.search.suggestion import Chord, Point
+
+__all__ = ["chords_between_exact_rays", "chords_from_far_points", "looked_between", "sampled_chords"]
+
+Array = NDArray[np.float64]
+_ANGLES, _SECTIONS = 720, 24
+_SECTION, _NODE = 10_000, 1_200  # steps of a section, and of each node of the formula over its points
+_RADII = 10.0 ** np.linspace(-6, 6, 144)
+_POWERS = range(-20, 21)  # points lie at powers of 2
+_EXACT_NODE, _POINTS = 200, 240  # steps of each node of the formula; most points of K
+_NOTHING = 1e-12  # a height below this part of the greatest around is taken for 0
+_TRIED = 6  # chords for an exact look
+_ENDS = (1, 2, 3, 4, 6, 9, 12, 15, 20, 30)
+_DIAMETER, _PLACES = 20_000, 401  # of a diameter, and of g on it
+_DIAMETERS = 40  # diameters
+_NOISE = 1e-6  # of floats, in terms of how high g is between
+
+
+def sampled_chords(subject: FormulaSubject, most: int = 40) -> Iterator[Chord]:
+    """Chords worth an exact look, one choice of parameters after the other while steps are left."""
+    price = _sections(len(subject.simple.forces)) * (_SECTION + _NODE * sum(1 for _ in sp.preorder_traversal(subject.simple.g)))
+    for parameters in subject.choices(most):
+        if not subject.budget.pays(price):
+            return
+        seen: list[int] = []
+        yield from _in_choice(subject, parameters, seen)
+        subject.known[sampled_chords, tuple(parameters.items())] = sum(seen)
+
+
+def looked_between(subject: FormulaSubject) -> list[int]:
+    """Between how many boundary points chords were tried in vain, a parameter choice each."""
+    return [n for key, n in subject.known.items() if isinstance(key, tuple) and key[0] is sampled_chords and n > 0]
+
+
+def _in_choice(subject: FormulaSubject, parameters: Values, seen: list[int]) -> Iterator[Chord]:
+    forces = subject.simple.forces
+    run = compiled(subject.formula_at(parameters), forces)
+
+    def value(points: Array) -> Array:
+        return run(*np.moveaxis(points, -1, 0))
+
+    centre = _centre(value, len(forces))
+    if centre is None:
+        return
+    for p, q, p_anchor, q_anchor in _suspects(value, centre, seen):
+        for digits in (1, 2, 3, 4, 6, 9, 12, 16):  # the fewest decimals that still show it, for those who check by hand
+            pull = 10.0**-digits
+            yield Chord(
+                parameters,
+                *(
+                    tuple(Fraction(round(float(c) * 10**digits), 10**digits) for c in x + pull * (a - x))
+                    for x, a in ((p, p_anchor), (q, q_anchor))
+                ),
+            )
+
+
+def _centre(value: Any, d: int) -> Array | None:
+    """A point of K: the origin, or the lowest that is found."""
+    origin = np.zeros(d)
+    if value(origin) <= 0:
+        return origin
+    return lowest(value, d, np.random.default_rng(3), (-3, 3))
+
+
+def _suspects(value: Any, centre: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Pairs of points of K whose midpoint seems outside, each with a point further inside to be pulled towards."""
+    d = len(centre)
+    yield from _random_pairs(value, d)
+    rng = np.random.default_rng(4)
+    for section in range(_sections(d)):
+        if d == 1:
+            directions = np.array([[1.0], [-1.0]])
+        else:
+            turn = 2 * np.pi * np.arange(_ANGLES) / _ANGLES
+            frame = np.eye(d)[:2] if section == 0 else np.linalg.qr(rng.standard_normal((d, 2)))[0].T
+            directions = np.outer(np.cos(turn), frame[0]) + np.outer(np.sin(turn), frame[1])
+        yield from _along_rays(value, centre, directions, seen)
+
+
+def _sections(d: int) -> int:
+    """How many plane sections of d forces are looked at."""
+    return 1 if d <= 2 else _SECTIONS
+
+
+def _random_pairs(value: Any, d: int) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Points of K of many sizes, each with its opposite and with another one: sees holes that rays step over."""
+    rng = np.random.default_rng(6)
+    points = rng.standard_normal((4000, d)) * 10.0 ** rng.uniform(-2, 2, (4000, 1))
+    inner = points[value(points) <= 0]
+    for others in (-inner, rng.permutation(inner)):
+        heights = value((inner + others) / 2)
+        score = np.where((value(others) <= 0) & np.isfinite(heights), heights, -np.inf)
+        for k in np.argsort(-score)[:2]:
+            if score[k] > 0:
+                yield inner[k], others[k], inner[k], others[k]
+
+
+def _along_rays(value: Any, centre: Array, directions: Array, seen: list[int]) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """``seen`` takes up how many rays left K."""
+    rays = Rays(value, centre, directions)
+    inside = rays.inside(_RADII)
+    last, first = rays.narrowed(*first_exit(inside, _RADII))
+    boundary = rays.at(last)
+    seen.append(int(np.count_nonzero((last > 0) & (last < first))))
+    # A ray that comes back into K after leaving it shows a gap by itself.
+    later = inside & (first[:, None] < _RADII)
+    who = np.flatnonzero(later.any(axis=1))[:8]
+    back = np.argmax(later[who], axis=1)
+    gap = Rays(value, centre, directions[who])
+    enter, _ = gap.narrowed(_RADII[back], _RADII[back - 1])
+    for leave, entry, farther in zip(boundary[who], gap.at(enter), gap.at(_RADII[back]), strict=True):
+        yield leave, entry, centre, farther
+    n = len(directions)
+    best: list[tuple[float, int, int]] = []
+    for step in (1, 2, 4, 8, 16, 32, 64, 100, 128, 180, 220, 256, 300):
+        if step >= n:
+            break
+        other = np.roll(boundary, -step, axis=0)
+        heights = value((boundary + other) / 2)
+        size = np.linalg.norm(other - boundary, axis=1)
+        score = np.where(np.isfinite(heights) & (size > 0), heights, -np.inf)
+        top = int(np.argmax(score))
+        if score[top] > 0:
+            best.append((float(score[top]), top, (top + step) % n))
+    for _, i, j in sorted(best, reverse=True):
+        yield boundary[i], boundary[j], centre, centre
+
+
+def chords_between_exact_rays(subject: FormulaSubject, most: int = 4) -> Iterator[Chord]:
+    """Those whose midpoint is highest above K, at so many choices of the parameters."""
+    forces = subject.simple.forces
+    price = _EXACT_NODE * sum(1 for _ in sp.preorder_traversal(subject.simple.g))
+    for parameters in subject.choices(most) if len(forces) > 1 else ():
+        if not subject.budget.pays(price * len(forces)):
+            return
+        g = subject.formula_at(parameters)
+        yield from _between(g, forces, list(exact_rays(g, forces)), parameters)
+
+
+def _between(g: sp.Expr, forces: Sequence[sp.Symbol], rays: Sequence[tuple[int, ...]], parameters: Values) -> Iterator[Chord]:
+    run = compiled(g, forces)
+
+    def value(points: Array) -> Array:
+        heights = np.asarray(run(*np.moveaxis(points, -1, 0)), dtype=float)
+        return np.where(np.isfinite(heights), heights, np.nan)
+
+    lengths = 2.0 ** np.array(_POWERS)
+    points = np.array(rays, dtype=float)[:, None, :] * lengths[:, None]
+    heights = value(points)
+    inside = heights <= _NOTHING * np.nanmax(np.abs(heights), axis=0, initial=0.0)
+    ends = [(i, k) for i, row in enumerate(inside) for k in _ends(row)][:_POINTS]
+    if len(ends) < 2:
+        return
+    known = np.array([points[i, k] for i, k in ends])
+    one, two = np.triu_indices(len(ends), 1)
+    middle = value((known[one] + known[two]) / 2)
+    order = np.argsort(-np.where(np.isnan(middle), -np.inf, middle), kind="stable")[:_TRIED]
+    for k in order:
+        if middle[k] > 0:
+            yield Chord(parameters, _place(rays, ends[one[k]]), _place(rays, ends[two[k]]))
+
+
+def _ends(inside: Array) -> list[int]:
+    """Where a ray leaves K, and half-way and a quarter of the way there; of one that does not leave it some places."""
+    last = [k for k in range(len(inside) - 1) if inside[k] and not inside[k + 1]]
+    places = [k - j for k in last for j in (0, 1, 2)] if last else [len(inside) // 2 + j for j in (-2, 0, 2)]
+    return [k for k in places if k >= 0 and inside[k]]
+
+
+def _place(rays: Sequence[tuple[int, ...]], end: tuple[int, int]) -> Point:
+    i, k = end
+    return tuple(c * Fraction(2) ** _POWERS[k] for c in rays[i])
+
+
+@dataclass(frozen=True)
+class _Diameter:
+    """centre + t way, for t^2 <= square."""
+
+    centre: tuple[Fraction, ...]
+    way: tuple[Fraction, ...]
+    square: Fraction
+
+    def at(self, t: Fraction) -> tuple[Fraction, ...]:
+        """A point of it."""
+        return tuple(c + t * w for c, w in zip(self.centre, self.way, strict=True))
+
+    def ends(self) -> Iterator[Fraction]:
+        """Fractions ever closer to the greatest t from below, and t itself if it is one."""
+        p, q = self.square.numerator, self.square.denominator
+        exact = Fraction(isqrt(p), isqrt(q)) if isqrt(p) ** 2 == p and isqrt(q) ** 2 == q else None
+        for digits in _ENDS:
+            unit = 10**digits
+            yield exact * Fraction(unit - 1, unit) if exact else Fraction(isqrt(p * q * unit**2), q * unit)
+        if exact:
+            yield exact
+
+
+def chords_from_far_points(subject: FormulaSubject, most: int = 4) -> Iterator[Chord]:
+    """At so many choices of the parameters; none where g is no maximum."""
+    forces = subject.simple.forces
+    if not isinstance(subject.simple.g, sp.Max):
+        return
+    for parameters in subject.choices(most):
+        g = subject.formula_at(parameters)
+        for diameter in _diameters(g, forces):
+            if not subject.budget.pays(_DIAMETER):
+                return
+            for t, middle in _mirrored(g, forces, diameter):
+                yield Chord(parameters, diameter.at(t), diameter.at(2 * middle - t))
+
+
+def _diameters(g: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
+    """Of each ellipsoid, through where it touches the planes on which the loads of other parts are constant."""
+    seen = set[_Diameter]()
+    for part in g.args if isinstance(g, sp.Max) else ():
+        square = _square(part, forces)
+        rows = [row for other in g.args if other is not part for row in _rows(other, forces)]
+        for diameter in _across(square, rows, forces) if square is not None and rows else ():
+            if diameter not in seen and len(seen) < _DIAMETERS:
+                seen.add(diameter)
+                yield diameter
+
+
+def _square(part: sp.Expr, forces: Sequence[sp.Symbol]) -> sp.Poly | None:
+    """A quadratic polynomial with fractions that is <= 0 where the part is: of norm(...) - r, sqrt(q) - r or itself."""
+    still, moving = part.as_independent(*forces, as_Add=True)
+    scale, size = moving.as_independent(*forces, as_Add=False)
+    if not moving.is_Add and scale.is_positive and still.is_negative:
+        if isinstance(size, Norm):
+            part = sp.Add(*(a**2 for a in size.args)) - (still / scale) ** 2
+        elif size.is_Pow and size.exp == sp.S.Half:
+            part = size.base - (still / scale) ** 2
+    if not part.is_polynomial(*forces):
+        return None
+    poly = sp.Poly(part, *forces)
+    return poly if poly.total_degree() == 2 and poly.domain in (sp.ZZ, sp.QQ) else None
+
+
+def _rows(part: sp.Expr, forces: Sequence[sp.Symbol]) -> Iterator[tuple[sp.Rational, ...]]:
+    """The coefficients of the loads in a part; of a quadratic polynomial, of its slopes."""
+    slopes = [sp.diff(part, x) for x in forces] if part.is_polynomial(*forces) else []
+    for load in (*largest_loads(part, forces), *(slope for slope in slopes if affine(slope, forces))):
+        row = [sp.diff(load, x) for x in forces]
+        if all(c.is_Rational for c in row):
+            first = next(c for c in row if c)
+            yield tuple(c / first for c in row)
+
+
+def _across(square: sp.Poly, rows: Sequence[tuple[sp.Rational, ...]], forces: Sequence[sp.Symbol]) -> Iterator[_Diameter]:
+    """The diameters, if {square <= 0} is an ellipsoid."""
+    matrix = sp.hessian(square.as_expr(), forces) / 2
+    if not matrix.is_positive_definite:
+        return
+    zero = dict.fromkeys(forces, sp.S.Zero)
+    slope = sp.Matrix([sp.diff(square.as_expr(), x).xreplace(zero) for x in forces])
+    inverse = matrix.inv()
+    centre = -inverse * slope / 2
+    level = -square.as_expr().xreplace(dict(zip(forces, centre, strict=True)))
+    for row in dict.fromkeys(rows):
+        way = inverse * sp.Matrix(row)
+        square_of_way = (sp.Matrix(row).T * way)[0]
+        if level > 0 and square_of_way > 0:
+            yield _Diameter(tuple(map(fraction, centre)), tuple(map(fraction, way)), fraction(level / square_of_way))
+
+
+def _mirrored(g: sp.Expr, forces: Sequence[sp.Symbol], diameter: _Diameter) -> Iterator[tuple[Fraction, Fraction]]:
+    """Ends of a diameter, each with a place on it, no farther from the other end, at which g > 0, as it seems."""
+    run, longest = compiled(g, forces), float(diameter.square) ** 0.5
+    centre, way = (np.array([[float(c)] for c in v]) for v in (diameter.centre, diameter.way))
+
+    def value(t: Any) -> Any:
+        heights = np.broadcast_to(run(*(centre + way * t)), t.shape)
+        return np.where(np.isfinite(heights), heights, -np.inf)
+
+    places = longest * np.linspace(-1, 1, _PLACES)
+    middles = [Fraction(float(places[int(np.argmax(value(places)))])).limit_denominator(10**6)]
+    middles += [t for load in dict.fromkeys(largest_loads(g, forces)) if (t := _zero(load, forces, diameter)) is not None]
+    heights = value(np.array([float(t) for t in middles]))
+    for middle, height in zip(middles, heights, strict=True):
+        for t in diameter.ends() if height > 0 and middle**2 < diameter.square else ():
+            end = -t if middle < 0 else t
+            both = value(np.array([float(end), float(2 * middle - end)]))
+            if t > abs(middle) and both.max() < _NOISE * height:
+                yield end, middle
+
+
+def _zero(load: sp.Expr, forces: Sequence[sp.Symbol], diameter: _Diameter) -> Fraction | None:
+    """Where a load is 0 on a diameter, if at one place."""
+    level = load.xreplace(dict(zip(forces, map(rational, diameter.centre), strict=True)))
+    rise = sum(sp.diff(load, x) * rational(w) for x, w in zip(forces, diameter.way, strict=True))
+    return fraction(-level / rise) if rise and (level / rise).is_Rational else None
