@@ -6,7 +6,7 @@ point of its boundary (Tietze 1928, Nakajima 1928): the second derivative of g a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -19,7 +19,7 @@ from duhem.proof.kernel.polynomial import Polynomial, slope, times, total, writt
 from duhem.proof.kernel.refutation import Condition, Identity, shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, product_of, sum_of
 
-__all__ = ["curves_inward", "falls_from_zero", "flows_along_normals", "flows_outward", "rises_outward", "with_convex_sums"]
+__all__ = ["curves_inward", "falls_from_zero", "flows_along_normals", "flows_outward", "is_steep", "rises_outward", "with_convex_sums"]
 
 _BOUNDARY, _TANGENT = "the boundary", "the tangent"
 
@@ -27,9 +27,21 @@ _BOUNDARY, _TANGENT = "the boundary", "the tangent"
 def rises_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
     """Whether sigma . grad g > 0 wherever g = 0, on every piece of g."""
     domain = over(law)
-    return all(
-        shown(_along(law.forces, g, domain), ">", _on_boundary(g, sides, domain), identities, domain) for g, sides in pieces(law.g, domain)
-    )
+    return _positive_on_boundary(lambda g: _along(law.forces, g, domain), law.g, identities, domain)
+
+
+def is_steep(law: StatedLaw, identities: Sequence[Identity]) -> bool:
+    """Whether grad g != 0 wherever g = 0, on every piece of g: its square is > 0 there."""
+    domain = over(law)
+
+    def square(g: Term) -> Polynomial:
+        return total(*(times(d, d) for d in (_along_axis(x, g, domain) for x in law.forces)))
+
+    return _positive_on_boundary(square, law.g, identities, domain)
+
+
+def _positive_on_boundary(form: Callable[[Term], Polynomial], g: Term, identities: Sequence[Identity], domain: StatedDomain) -> bool:
+    return all(shown(form(piece), ">", _on_boundary(piece, sides, domain), identities, domain) for piece, sides in pieces(g, domain))
 
 
 def falls_from_zero(law: StatedLaw) -> bool:

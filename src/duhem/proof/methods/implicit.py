@@ -15,7 +15,7 @@ import sympy as sp
 from duhem.expression.branches import Branch, seam, seams
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.boundary_identities import directions, inward, outward
+from duhem.proof.search.boundary_identities import directions, inward, outward, steep
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["convexity", "dissipation", "hessian", "smoothness"]
@@ -153,7 +153,7 @@ def smoothness(subject: FormulaSubject) -> Evidence | None:
             return None
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
     method = f"regular-value ({', '.join(sorted(used))})"
-    proof = _rising("regular-value", subject)
+    proof = _rising("regular-value", subject) or (Proof("regular-value", {"steep": list(steep(subject))}) if steep(subject) else None)
     return Evidence(Verdict.PROVED, method, f"grad g != 0 wherever g = 0{told}", proof=proof)
 
 
