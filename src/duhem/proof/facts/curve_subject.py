@@ -22,11 +22,12 @@ from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
+from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
 from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, cross, normals
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.subject import Subject
-from duhem.proof.statement.obligations import Obligation, obligations, with_algebraic_angles
+from duhem.proof.statement.problem import with_algebraic_angles
 
 __all__ = ["CurveSubject"]
 
@@ -248,11 +249,7 @@ class CurveSubject(Subject):
 
     def _everywhere(self, obligation: Obligation) -> bool:
         """Whether it is shown; what holds in one branch of a ``where`` alone is asked of all angles."""
-        expr, sense = obligation.expr, obligation.sense
-        if expr.has(*UNDEFINED):
-            return False
-        whole = self.ask(expr**2, Sense.POSITIVE) if sense is Sense.ZERO else self.ask(expr, sense)
-        return whole.method != "" or (bool(obligation.instead) and all(map(self._everywhere, obligation.instead)))
+        return obligation.met(lambda expr, sense, _: self.ask(expr, sense).method != "")
 
     def turns_once(self, derivative: int, sign: Quantity) -> bool:
         """Whether T (0) or T' (1), which never vanishes where ``sign`` > 0, turns once, for every parameter value.

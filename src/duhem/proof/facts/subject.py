@@ -10,12 +10,11 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-from duhem.expression import UNDEFINED
 from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
-from duhem.proof.decide import Answer, Budget, Question, Sense, decide
+from duhem.proof.decide import Answer, Budget, Question, decide
+from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.parameter_choices import Values
-from duhem.proof.statement.obligations import Obligation, obligations
 
 __all__ = ["Subject", "fact"]
 
@@ -80,12 +79,7 @@ class Subject(ABC):
 
     def _met(self, need: Obligation, given: tuple[sp.Basic, ...]) -> bool:
         """Whether it is shown for parameters alone."""
-        expr = need.expr**2 if need.sense is Sense.ZERO else need.expr
-        sense = Sense.NONNEGATIVE if need.sense is Sense.NONNEGATIVE else Sense.POSITIVE
-        whole = (*given, *need.given)
-        if not any(x.has(*UNDEFINED) for x in (expr, *whole)) and self.decided(Question(expr, sense, whole)).holds is True:
-            return True
-        return bool(need.instead) and all(self._met(other, given) for other in need.instead)
+        return need.met(lambda expr, sense, there: self.decided(Question(expr, sense, (*given, *there))).holds is True)
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
         """Whether a violation of the claim at exact points, by name, lies where the claim is asked."""

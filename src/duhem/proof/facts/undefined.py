@@ -11,8 +11,8 @@ from duhem.expression.text import formula
 from duhem.expression.weights import degree
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Sense
+from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.statement.obligations import Obligation, obligations
 
 __all__ = ["limits_taken", "undefined_at_zero", "undefined_place"]
 

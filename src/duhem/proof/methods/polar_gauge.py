@@ -6,9 +6,9 @@ import sympy as sp
 
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
+from duhem.proof.decide.needs import obligations
 from duhem.proof.facts.definedness import met_for_all
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.statement.obligations import obligations
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["duality"]
