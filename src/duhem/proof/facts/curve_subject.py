@@ -23,8 +23,7 @@ from duhem.law.domain import Domain
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
 from duhem.proof.decide.needs import Obligation, obligations
-from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
-from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, cross, normals
+from duhem.proof.facts.numeric_curve import STAR, TURNING, CurveJet, NumericCurve, Quantity, Vector, cross, normals
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.subject import Subject
 from duhem.proof.statement.problem import with_algebraic_angles

@@ -20,7 +20,23 @@ from duhem.expression.ball_series import compiled, derivatives
 from duhem.expression.balls import ball, certain_sign
 from duhem.proof.decide import Budget
 
-__all__ = ["Ball", "CurveJet", "Greatest", "NumericCurve", "Span", "Vector", "cross", "dot", "normals"]
+__all__ = [
+    "LEAD",
+    "LEAN",
+    "POWER",
+    "STAR",
+    "TURNING",
+    "Ball",
+    "CurveJet",
+    "Greatest",
+    "NumericCurve",
+    "Quantity",
+    "Span",
+    "Vector",
+    "cross",
+    "dot",
+    "normals",
+]
 
 Ball = Any
 Vector = tuple[Any, Any]
@@ -46,6 +62,28 @@ class CurveJet:
 
     boundary: tuple[Vector, ...]
     flow: tuple[Vector, ...]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A sign that decides a claim, as a function of a jet of this order; ``linear`` in the boundary or not.
+
+    With T the boundary, d the flow and ' the derivative by the angle (the curve runs counter-clockwise):
+    power T . d, star T x T' (> 0: the curve runs around 0 in polar order), turning T' x T'' (> 0: it turns left throughout),
+    lead d x T' (> 0: the flow is less than a right angle from the outward normal), lean d . T' (0: the flow is normal).
+    """
+
+    name: str
+    order: int
+    of: Callable[[CurveJet], Any]
+    linear: bool
+
+
+POWER = Quantity("T . d", 0, lambda j: dot(j.boundary[0], j.flow[0]), True)
+STAR = Quantity("T x T'", 1, lambda j: cross(j.boundary[0], j.boundary[1]), False)
+TURNING = Quantity("T' x T''", 2, lambda j: cross(j.boundary[1], j.boundary[2]), False)
+LEAD = Quantity("d x T'", 1, lambda j: cross(j.flow[0], j.boundary[1]), True)
+LEAN = Quantity("d . T'", 1, lambda j: dot(j.flow[0], j.boundary[1]), True)
 
 
 @dataclass(frozen=True)

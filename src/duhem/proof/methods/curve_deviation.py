@@ -10,9 +10,8 @@ from math import factorial
 import flint
 
 from duhem.expression.balls import certain_sign
-from duhem.proof.facts.curve_quantities import LEAD, LEAN
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.numeric_curve import Ball, CurveJet, Greatest, NumericCurve, Span, Vector, cross, dot
+from duhem.proof.facts.numeric_curve import LEAD, LEAN, Ball, CurveJet, Greatest, NumericCurve, Span, Vector, cross, dot
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.curve_violations import leaning_flow

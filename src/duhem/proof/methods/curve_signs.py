@@ -11,8 +11,8 @@ import sympy as sp
 
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 from duhem.proof.decide import Sense
-from duhem.proof.facts.curve_quantities import LEAD, LEAN, POWER, STAR, TURNING
 from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.numeric_curve import LEAD, LEAN, POWER, STAR, TURNING
 from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["convexity", "dissipation", "duality", "normality", "origin", "smoothness"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.undefined import undefined_at_zero
+from duhem.proof.facts.special_places import undefined_at_zero
 from duhem.proof.verdict import Evidence, Verdict
 from duhem.proof.witness.rational_points import origin_outside
 
