@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, islice
@@ -85,23 +85,9 @@ class CurveSubject(Subject):
         return 1
 
     @cached_property
-    def free(self) -> tuple[sp.Symbol, ...]:
-        """Parameters that are not fixed."""
-        table = self.law.symbols()
-        return tuple(table[name] for name, domain in self.law.parameters.items() if domain.value is None)
-
-    @cached_property
-    def fixed(self) -> Mapping[sp.Symbol, sp.Rational]:
-        """Parameters that are."""
-        table = self.law.symbols()
-        return {table[name]: domain.value for name, domain in self.law.parameters.items() if domain.value is not None}
-
-    @cached_property
     def given(self) -> tuple[sp.Basic, ...]:
         """The domain of the free parameters, as relations."""
-        table = self.law.symbols()
-        bounds = [r for name, domain in self.law.parameters.items() if domain.value is None for r in domain.relations(table[name])]
-        return tuple(r for r in (*bounds, *(c.xreplace(dict(self.fixed)) for c in self.law.constraints)) if r != sp.true)
+        return tuple(r for r in (*self.ranges, *map(self._here, self.law.constraints)) if r != sp.true)
 
     @cached_property
     def boundary(self) -> Vector:

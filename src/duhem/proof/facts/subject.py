@@ -57,13 +57,27 @@ class Subject(ABC):
         return self.constraints_defined
 
     @cached_property
+    def free(self) -> tuple[sp.Symbol, ...]:
+        """Parameters that are not fixed."""
+        table = self.law.symbols()
+        return tuple(table[name] for name, domain in self.law.parameters.items() if domain.value is None)
+
+    @cached_property
+    def fixed(self) -> Mapping[sp.Symbol, sp.Rational]:
+        """Parameters that are."""
+        table = self.law.symbols()
+        return {table[name]: domain.value for name, domain in self.law.parameters.items() if domain.value is not None}
+
+    @cached_property
+    def ranges(self) -> tuple[sp.Basic, ...]:
+        """Those of the free parameters, each by itself, as relations."""
+        return tuple(r for x in self.free for r in self.law.parameters[x.name].relations(x))
+
+    @cached_property
     def constraints_defined(self) -> bool:
         """Whether each constraint as written has a value where the ranges hold, with those that are shown to have one before it."""
-        law, table = self.law, self.law.symbols()
-        free = [(table[name], domain) for name, domain in law.parameters.items() if domain.value is None]
-        values = table | {name: domain.value for name, domain in law.parameters.items() if domain.value is not None}
-        fixed = {table[name]: values[name] for name in law.parameters}
-        given = tuple(r for x, domain in free for r in domain.relations(x))
+        law, fixed, given = self.law, dict(self.fixed), self.ranges
+        values = {name: fixed.get(x, x) for name, x in law.symbols().items()}
         trees = (
             parse_as_written(text, values) if text else c.xreplace(fixed)
             for c, text in zip(law.constraints, law.written_constraints, strict=True)
