@@ -29,9 +29,12 @@ def by_enclosure(question: Question, budget: Budget) -> Answer:
     """Prove the question by subdividing the box of its variables; ``holds`` None when budget or bounds run out."""
     if question.sense is Sense.ZERO:
         return Answer(None, _METHOD, reason="an enclosure cannot prove an equality")
-    box = {x: _bounds(x, question) for x in sorted(question.expr.free_symbols, key=str)}
-    if (loose := next((x for x, (low, high) in box.items() if low is None or high is None), None)) is not None:
-        return Answer(None, _METHOD, reason=f"{loose} is not bounded")
+    box: Box = {}
+    for x in sorted(question.expr.free_symbols, key=str):
+        low, high = _bounds(x, question)
+        if low is None or high is None:
+            return Answer(None, _METHOD, reason=f"{x} is not bounded")
+        box[x] = low, high
     given = [r for r in (*question.given, *question.on_circle()) if r.free_symbols <= set(box)]  # fewer say less
     price = _BOX + _NODE * sum(1 for e in (question.expr, *given) for _ in sp.preorder_traversal(e))
     wanted = sp.StrictGreaterThan if question.sense is Sense.POSITIVE else sp.GreaterThan
