@@ -228,7 +228,7 @@ def solve():
     means = sp.expand((x**2 + y**2 + z**2 + w**2)**4 - 256*x**2*y**2*z**2*w**2 + x*y*z**3*w**3/1000)  # z3 takes minutes
     check = z3.Solver.check
     z3.Solver.check = lambda solver: [ready(), check(solver)][1]
-    by_smt(System(Relation(means, ">="), (), (), names, None), Budget(10**9))
+    by_smt(System(Relation(means, ">="), (), (), names), Budget(10**9))
 
 work = {"sleep": sleep, "solve": solve}[sys.argv[1]]
 verification.verify = slow

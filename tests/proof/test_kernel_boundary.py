@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from duhem.proof.kernel.boundary import rises_outward, shown, with_convex_sums
+from duhem.proof.kernel.boundary import is_steep, rises_outward, shown, with_convex_sums
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.domain import StatedLaw
 from duhem.proof.kernel.term import parse
@@ -56,6 +56,27 @@ def test_identities_on_a_disc(outward: list[Any], right: bool) -> None:
     evidence = {"outward": outward, "inward": [CURVES], "directions": ["v", "w"]}
     for claim, rule in (("smoothness", "regular-value"), ("dissipation", "boundary-power"), ("convexity", "implicit-curvature")):
         assert confirmed(claim, rule, law(DISC), evidence) is right
+
+
+def test_a_boundary_that_does_not_rise_outward_is_smooth_where_the_gradient_is_not_zero() -> None:
+    steep = identity(["4"], [(["the goal"], ["1"], ONE)], [("the boundary", "4")])  # 4 - 4 ((a - 2)^2 + b^2) + 4 g = 0
+    beside, crossing = law("(a - 2)**2 + b**2 - 1"), law("(a - 2)**2 - b**2")
+    assert confirmed("smoothness", "regular-value", beside, {"steep": [steep]}) and is_steep(beside, [steep])
+    for evidence in ({"steep": []}, {"steep": [RISES]}, {"outward": [steep]}, {"outward": [RISES]}):
+        assert not confirmed("smoothness", "regular-value", beside, evidence)
+    for other in (
+        crossing,
+        law("(a - 2)**2 + b**2"),
+        law("(a - 2)**2 + b**2 - 2"),
+        law("abs((a - 2)**2 + b**2 - 1)"),
+        law("norm(a - 2, b) - 1"),
+    ):
+        assert not confirmed("smoothness", "regular-value", other, {"steep": [steep]})
+    cut = law("max((a - 2)**2 + b**2 - 1, a - 5/2)")
+    assert is_steep(cut, [steep, identity(["1"], [(["the goal"], ["1"], ONE)])])
+    assert not is_steep(cut, [steep]) and not confirmed(
+        "smoothness", "regular-value", cut, {"steep": [steep, identity(["1"], [(["the goal"], ["1"], ONE)])]}
+    )
 
 
 def test_a_boundary_must_curve_inward_around_a_point_inside() -> None:

@@ -215,10 +215,10 @@ def test_dissipation_of_a_cone(g: str) -> None:
 @pytest.mark.parametrize(
     ("potential", "found"),
     [
-        ("norm(a, b) + c/2", ("potential (identity)", "1", "1/2")),
+        ("norm(a, b) + c/2", ("potential (smt-z3)", "1", "1/2")),
         ("norm(a, b) + c", ("potential (sign-rules)", "1", "1")),
         ("a**2 + b**2 + c**2", ("potential (sign-rules)", "2", "0")),
-        ("a**2 + b**4 + norm(b, c)", ("potential (identity)", "1, 2, 4", "0")),
+        ("a**2 + b**4 + norm(b, c)", ("potential (smt-z3)", "1, 2, 4", "0")),
         ("norm(a, b) + 2*c", None),
         ("norm(a, b) - c", None),
         ("-a**2 - b**2 - c**2", None),
@@ -296,8 +296,8 @@ EULER = "g = A - B with A, B > 0 homogeneous of degrees a > b, so sigma . grad g
 SEAMS = "and gamma' never jumps down where two meet"
 POLAR: dict[str, tuple[str | None, str | None, bool]] = {  # convexity and smoothness, and whether there is a gauge at all
     "norm(a, b) - 1": ("polar-curvature (composition): all round", "no seam", True),
-    "norm(a, b) + a*b/norm(a, b)/4 - 1": ("polar-curvature (sturm): all round", "no seam", True),
-    "norm(a, b)**2 - a*b/3 - norm(a, b)": ("polar-curvature (sturm): all round", "no seam", True),
+    "norm(a, b) + a*b/norm(a, b)/4 - 1": ("polar-curvature (smt-z3): all round", "no seam", True),
+    "norm(a, b)**2 - a*b/3 - norm(a, b)": ("polar-curvature (smt-z3): all round", "no seam", True),
     "norm(a, b) + abs(a)/2 - 1": (f"polar-curvature (composition): on each of 2 arcs, {SEAMS}", None, True),
     "max(norm(a, b), 2*abs(a)) - 1": (f"polar-curvature (composition): on each of 4 arcs, {SEAMS}", None, True),
     "norm(a, b) - abs(a)/2 - 1": (None, None, True),

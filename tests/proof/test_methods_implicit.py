@@ -133,8 +133,8 @@ def test_what_they_say() -> None:
     assert [f and f.proof and f.proof.rule for f in found] == ["implicit-curvature", None, "implicit-curvature"]
     smooth = evidence.smoothness_on_boundary(round_), evidence.smoothness_on_boundary(joined)
     assert [f and (f.method, f.detail) for f in smooth] == [
-        ("regular-value (plane-cells)", "grad g != 0 wherever g = 0"),
-        ("regular-value (plane-cells)", "grad g != 0 wherever g = 0, with one direction on both sides of each seam"),
+        ("regular-value (smt-z3)", "grad g != 0 wherever g = 0"),
+        ("regular-value (smt-z3)", "grad g != 0 wherever g = 0, with one direction on both sides of each seam"),
     ]
     assert [f and f.proof and f.proof.rule for f in smooth] == ["regular-value"] * 2
     assert found[0] and found[0].proof and set(found[0].proof.evidence) == {"outward", "directions", "inward"}
@@ -143,7 +143,7 @@ def test_what_they_say() -> None:
     assert [(f.method, f.detail, f.proof) for f in offered] == [("implicit-curvature", f.detail, f.proof) for f in found if f and f.proof]
     assert not list(evidence.convexity_on_boundary(kinked))
     power = evidence.dissipation_on_boundary(kinked)
-    assert power is not None and (power.method, power.detail) == ("boundary-power (sign-rules, sturm)", "force . flow >= 0 wherever g = 0")
+    assert power is not None and (power.method, power.detail) == ("boundary-power (sign-rules, smt-z3)", "force . flow >= 0 wherever g = 0")
     assert power.proof is not None and power.proof.rule == "boundary-power" and set(power.proof.evidence) == {"outward"}
     plain = implicit.hessian(kinked)
     assert plain is not None and (plain.method, plain.proof) == ("hessian (sign-rules)", None)

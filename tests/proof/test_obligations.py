@@ -9,9 +9,9 @@ import pytest
 from duhem import POSITIVE, Criterion, Domain, InputError, ParametricCriterion, Verdict, YieldSurface, verify
 from duhem.law.criterion_file import reads
 from duhem.proof.certificate import law_as_text
+from duhem.proof.decide.needs import obligations
 from duhem.proof.facts.definedness import broken_at
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.statement.obligations import obligations
 from duhem.proof.verdict import Trust
 
 UNIT, SYMMETRIC = Domain.between(0, 1), Domain.between(-1, 1)

@@ -14,7 +14,7 @@ import pytest
 from duhem import POSITIVE, Criterion, Domain, Verdict, verify
 from tests.campaigns.remarks import ROWS, drawn, faults
 
-TELLING = ("duhem.proof.remarks", "duhem.proof.facts.extent", "duhem.proof.facts.undefined")
+TELLING = ("duhem.proof.remarks", "duhem.proof.facts.extent", "duhem.proof.facts.special_places")
 INSIDE = "; that point is inside K, so the boundary is not touched"
 
 

@@ -13,9 +13,8 @@ from duhem.left_out import LeftOut
 from duhem.proof.facts.definedness import broken_at
 from duhem.proof.facts.extent import Extent, extent
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.facts.singular_points import singular_places
+from duhem.proof.facts.special_places import limits_taken, singular_places, undefined_place
 from duhem.proof.facts.subject import Subject
-from duhem.proof.facts.undefined import limits_taken, undefined_place
 from duhem.proof.verdict import CONTRADICTION, Evidence, Verdict
 
 __all__ = ["not_needed", "remarks", "scope"]

@@ -16,8 +16,7 @@ from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.statement.problem import Problem
-from duhem.proof.statement.star import by_degree
+from duhem.proof.statement.problem import Problem, by_degree
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = ["dissipation", "dissipation_of_potential"]

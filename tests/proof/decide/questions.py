@@ -273,4 +273,4 @@ def as_system(question: Question) -> System:
         given.append(Relation(question.circle[0] ** 2 + question.circle[1] ** 2 - 1, "=="))
     symbols = set(question.circle or ()).union(question.expr.free_symbols, *(r.free_symbols for r in question.given))
     goal = Relation(sp.expand(question.expr), question.sense.value)
-    return System(goal, tuple(given), (), tuple(sorted(symbols, key=str)), question.circle)
+    return System(goal, tuple(given), (), tuple(sorted(symbols, key=str)))

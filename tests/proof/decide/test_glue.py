@@ -1,7 +1,7 @@
 """What leads from a question to the deciders, without them: a question is put to a world of one point.
 
-There every decider is exact: it evaluates.  Whatever takes a question to pieces (branches, factors, cleared quotients, roots by
-name, values put in place, the half-angle of the circle) must therefore find the violation at a violated point, and must find
+There every decider is exact: it evaluates.  Whatever takes a question to pieces (branches, roots, quotients and words by
+name, values put in place) must therefore find the violation at a violated point, and must find
 none at a point where the hypotheses fail or the goal is as wanted.
 """
 
@@ -18,10 +18,9 @@ import pytest
 import sympy as sp
 
 from duhem.proof import decide
-from duhem.proof.decide import Answer, Budget, Question, Sense, deciders
+from duhem.proof.decide import Answer, Question, Sense, deciders
 from duhem.proof.decide.polynomials import System
-from duhem.proof.decide.reduction import parts
-from tests.proof.decide.questions import GOALS, Violated, as_system, is_polynomial, violated_ones
+from tests.proof.decide.questions import GOALS, Violated, violated_ones
 from tests.proof.decide.truth import Point, UndefinedError, UnsuitedError, system_violated, value, violated
 
 
@@ -31,7 +30,7 @@ def many() -> list[Violated]:
 
 
 def _with_roots(system: System, at: Point) -> dict[sp.Symbol, Fraction]:
-    """The point with the values that their definitions give the symbols of roots; 0 where there is none."""
+    """The point with the values that their definitions give the symbols of roots and quotients; 0 where there is none."""
     whole = dict(at)
     for rho in system.variables:
         if rho not in whole:
@@ -44,8 +43,10 @@ def _root(system: System, rho: sp.Symbol, at: Point) -> Fraction:
         for r in o.given:
             if r.op == "==" and rho in r.poly.free_symbols and r.poly.free_symbols <= {rho, *at}:
                 form = sp.Poly(r.poly, rho)
-                if form.length() <= 2 and form.degree() > 1:
+                if form.length() <= 2:
                     top, rest = value(form.LC(), at), value(form.nth(0), at)
+                    if form.degree() == 1:
+                        return -rest / top if top else Fraction(0)
                     if top == 0 or rest / top > 0:
                         return Fraction(0)
                     return value(sp.root(sp.Rational(*(-rest / top).as_integer_ratio()), form.degree()), {})
@@ -55,29 +56,25 @@ def _root(system: System, rho: sp.Symbol, at: Point) -> Fraction:
 @pytest.fixture
 def world(monkeypatch: pytest.MonkeyPatch) -> Callable[[Question, Point], bool | None]:
     """``decide`` where every decider but the sign rules evaluates at the one point there is, with the values that words have there."""
-    beyond = deciders._beyond_words
+    name, words = deciders._name, dict[sp.Symbol, sp.Expr]()
+
+    def named(word: sp.Expr) -> sp.Symbol:
+        words[found := name(word)] = word
+        return found
 
     def asked(question: Question, at: Point) -> bool | None:
-        at = dict(at)
-
-        def beyond_words(question: Question, budget: Budget) -> Question | None:
-            wider = beyond(question, budget)
-            if wider is not None:
-                replaced = sorted(sp.Tuple(question.expr, *question.given).atoms(sp.exp, sp.tan), key=sp.default_sort_key)
-                names = [r.lhs for r in wider.given[len(question.given) :]]
-                kept = sp.Tuple(wider.expr, *wider.given).atoms(sp.exp, sp.tan)
-                at.update(zip(names, (value(n, at) for n in replaced if n not in kept), strict=True))
-            return wider
+        words.clear()
 
         def of_system(system: System, _: object) -> Answer:
-            return Answer(not system_violated(system, _with_roots(system, at)), "evaluation")
+            here = {**at, **{x: value(words[x], at) for x in system.variables if x in words}}
+            return Answer(not system_violated(system, _with_roots(system, here)), "evaluation")
 
         def of_question(question: Question, _: object) -> Answer:
             return Answer(not violated(question, at), "evaluation")
 
         monkeypatch.setattr(deciders, "POLYNOMIAL_DECIDERS", (of_system,))
         monkeypatch.setattr(deciders, "_enclosed", of_question)
-        monkeypatch.setattr(deciders, "_beyond_words", beyond_words)
+        monkeypatch.setattr(deciders, "_name", named)
         return deciders.decide(question).holds
 
     return asked
@@ -102,27 +99,6 @@ def test_a_violation_is_found(world: Callable[[Question, Point], bool | None]) -
 
 def test_pinned_keeps_a_violation() -> None:
     assert _each(lambda one: any(sp.I in q.expr.atoms() or violated(q, one.point) for q in one.question.pinned())) == []
-
-
-@pytest.mark.slow
-def test_parts_keep_a_violation() -> None:
-    """One of the smaller questions is violated at the point, and gives the point back."""
-
-    def kept(one: Violated) -> bool:
-        system, at = as_system(one.question), dict(one.point)
-        for part in parts(system):
-            new = [v for v in part.system.variables if v not in at]
-            if new:  # t = tan(theta/2)
-                c, s = (at[v] for v in system.circle or ())
-                if c == -1:
-                    continue
-                at[new[0]] = s / (1 + c)
-            found = part.restored({v: sp.Rational(*at[v].as_integer_ratio()) for v in part.system.variables})
-            if all(found[v] == at[v] for v in system.variables) and system_violated(part.system, at):
-                return True
-        return False
-
-    assert [one for one in violated_ones("parts", 60, "polynomial") if is_polynomial(one.question) and not kept(one)] == []
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ import sympy as sp
 from duhem.expression import Atan2, Norm, Where, symbol
 from duhem.expression.inert_number import InertNumber
 from duhem.proof.decide import Question, Sense
-from duhem.proof.decide.needs import Need, needs_of
+from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.decide.question import _needs
 
 x, y, r, q = symbol("x"), symbol("y"), symbol("r"), symbol("q", nonzero=True)
@@ -53,25 +53,36 @@ def test_what_a_formula_needs(expr: sp.Expr, needs: list[Row]) -> None:
 @pytest.mark.parametrize(
     ("kind", "args", "needs"),
     [
-        (sp.log, (x,), [Need(x, P, "takes the logarithm of")]),
-        (sp.asin, (x,), [Need(1 + s * x, N, "needs for an arc sine that 0 <=") for s in (-1, 1)]),
-        (sp.acos, (x,), [Need(1 + s * x, N, "needs for an arc cosine that 0 <=") for s in (-1, 1)]),
-        (Atan2, (x, y), [Need(x**2 + y**2, P, "takes the angle of a point at the squared distance")]),
+        (sp.log, (x,), [Obligation(x, P, "takes the logarithm of")]),
+        (sp.asin, (x,), [Obligation(1 + s * x, N, "needs for an arc sine that 0 <=") for s in (-1, 1)]),
+        (sp.acos, (x,), [Obligation(1 + s * x, N, "needs for an arc cosine that 0 <=") for s in (-1, 1)]),
+        (Atan2, (x, y), [Obligation(x**2 + y**2, P, "takes the angle of a point at the squared distance")]),
         (Atan2, (p, y), []),
-        (sp.tan, (x,), [Need(sp.cos(x), Z, "divides by")]),
+        (sp.tan, (x,), [Obligation(sp.cos(x), Z, "divides by")]),
         (sp.Pow, (x, sp.Integer(2)), []),
         (sp.Pow, (x, sp.S.Zero), []),
-        (sp.Pow, (x, sp.S.NegativeOne), [Need(x, Z, "divides by")]),
-        (sp.Pow, (x, sp.S.Half), [Need(x, N, "takes a root of")]),
-        (sp.Pow, (x, InertNumber(sp.Rational(-31, 10))), [Need(x, P, "takes a root of")]),
-        (sp.Pow, (x, InertNumber(sp.Rational(31, 10))), [Need(x, N, "takes a root of")]),
-        (sp.Pow, (x, -sp.S.Half), [Need(x, P, "takes a root of")]),
-        (sp.Pow, (x, y), [Need(x, P, "takes a power of", (Need(x, N, "takes a power of"), Need(y, P, "takes a power with exponent")))]),
+        (sp.Pow, (x, sp.S.NegativeOne), [Obligation(x, Z, "divides by")]),
+        (sp.Pow, (x, sp.S.Half), [Obligation(x, N, "takes a root of")]),
+        (sp.Pow, (x, InertNumber(sp.Rational(-31, 10))), [Obligation(x, P, "takes a root of")]),
+        (sp.Pow, (x, InertNumber(sp.Rational(31, 10))), [Obligation(x, N, "takes a root of")]),
+        (sp.Pow, (x, -sp.S.Half), [Obligation(x, P, "takes a root of")]),
+        (
+            sp.Pow,
+            (x, y),
+            [
+                Obligation(
+                    x,
+                    P,
+                    "takes a power of",
+                    instead=(Obligation(x, N, "takes a power of"), Obligation(y, P, "takes a power with exponent")),
+                )
+            ],
+        ),
         (sp.exp, (x,), []),
     ],
 )
-def test_needs_as_they_are_told(kind: type[sp.Basic], args: tuple[sp.Expr, ...], needs: list[Need]) -> None:
-    assert list(needs_of(kind, args)) == needs
+def test_needs_as_they_are_told(kind: type[sp.Basic], args: tuple[sp.Expr, ...], needs: list[Obligation]) -> None:
+    assert list(obligations(kind(*args, evaluate=False))) == needs
 
 
 def test_what_is_no_longer_shown_is_asked_about() -> None:

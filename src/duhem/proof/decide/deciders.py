@@ -1,77 +1,63 @@
-"""The deciders in the order they are asked: sign rules, exact cells on the line and in the plane, z3, enclosures."""
+"""The deciders in the order they are asked: sign rules, z3 on polynomials, words by their signs, enclosures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
-from duhem.expression import Atan2, Neg, Pos, Where
+from duhem.expression import UNDEFINED, Atan2, Neg, Norm, Pos, Where
 from duhem.expression.branches import TooManyBranchesError, branches
-from duhem.expression.factoring import factor_list
+from duhem.expression.inert_number import MOST_ROOT
 from duhem.proof.decide.budget import Budget, SpentError
-from duhem.proof.decide.exact import by_exact
-from duhem.proof.decide.polynomials import NotAlgebraicError, Relation, System, polynomial_system
-from duhem.proof.decide.question import Answer, Question, Sense, asked_of
-from duhem.proof.decide.rays import between_rays
+from duhem.proof.decide.needs import Sense, obligations
+from duhem.proof.decide.polynomials import NotAlgebraicError, System, polynomial_system
+from duhem.proof.decide.question import Answer, Question
 from duhem.proof.decide.smt import by_smt
 
 __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 
 # Asked in turn, each with half of what is left, about polynomials with all obligations met; an answer that is not open is the last.
-POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_exact, by_smt)
+POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_smt,)
 _STEPS = 8_000_000  # for a question that belongs to no claim
 _KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
-_BEYOND = (sp.exp, sp.tan)
 _NEAR_RIGHT = sp.Rational(3, 2)  # an angle below pi/2
 _AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
-# What has the sign of a word of x.
-_SIGNS: dict[type, Callable[[sp.Expr], sp.Expr]] = {
-    **dict.fromkeys((sp.sinh, sp.tanh, sp.asin, sp.atan), lambda x: x),
-    sp.acos: lambda x: 1 - x,
-    sp.log: lambda x: x - 1,
+# A word less a number has the sign of that number, and of what else.
+_SIGNS: Mapping[type, tuple[int, Callable[[sp.Expr], sp.Expr]]] = {
+    **dict.fromkeys((sp.sinh, sp.tanh, sp.asin, sp.atan, sp.tan), (0, lambda x: x)),
+    sp.acos: (0, lambda x: 1 - x),
+    sp.log: (0, lambda x: x - 1),
+    sp.exp: (1, lambda x: x),
 }
 
 
 def decide(question: Question, budget: Budget | None = None) -> Answer:
     """Answer the question by the first method that can within the budget; the answer names it.
 
-    Kinks are opened into branches, products of unrelated factors into their factors; each part must hold.
+    Kinks are opened into branches; each must hold.
     """
     budget = budget or Budget(_STEPS)
+    if any(e.has(*UNDEFINED) for e in (question.expr, *question.given)):
+        return Answer(None, reason="the expression is undefined")
     if sp.false in question.given:
         return Answer(True, "vacuous")
-    if sp.true in question.given:
-        given = tuple(r for r in question.given if r is not sp.true)
-        question = Question(question.expr, question.sense, given, question.circle)
+    question = replace(question, given=tuple(r for r in question.given if r is not sp.true))
     quick = by_rules(question)
     if quick.holds:
         return quick
     if question.expr.has(*_KINKS) or any(r.has(*_KINKS) for r in question.given):
         return _by_branches(question, budget)
-    match between_rays(question, budget):
-        case Question() as question:
-            pass
-        case Answer() as answer:
-            return answer
     try:
-        system = polynomial_system(question, budget.part(budget.left // 4))
-    except (NotAlgebraicError, SpentError) as fault:
-        answer = _by_factors(question, budget)
-        if answer.holds is None and (wider := _beyond_words(question, budget.part(budget.left // 2))) is not None:
-            answer = decide(wider, budget.part(budget.left // 2))
-            answer = answer if answer.holds else Answer(None, answer.method, reason=answer.reason)  # it says more than was asked
-        if answer.holds is None:
-            answer = _by_argument(question, budget)
-        if answer.holds is None:
-            answer = _enclosed(question, budget)
+        return _decide_system(polynomial_system(question), budget)
+    except NotAlgebraicError as fault:
+        named = _named(question, budget.part(budget.left // 2))
+        if named is not None and (answer := decide(named, budget.part(budget.left // 2))).holds:
+            return answer  # else it says more than was asked
+        answer = _enclosed(question, budget)
         return answer if answer.holds is not None else Answer(None, answer.method, reason=f"{fault}; {answer.reason}")
-    answer = _decide_system(system, budget)
-    if answer.holds is None:
-        enclosed = _enclosed(question, budget)
-        return enclosed if enclosed.holds is not None else answer
-    return answer
 
 
 def _by_branches(question: Question, budget: Budget) -> Answer:
@@ -95,62 +81,62 @@ def _by_branches(question: Question, budget: Budget) -> Answer:
     return Answer(True, method)
 
 
-def _by_factors(question: Question, budget: Budget) -> Answer:
-    """A product is >= 0 (or > 0) if each factor is, each under the hypotheses that speak of its symbols alone."""
-    factors = sp.Mul.make_args(question.expr)
-    if question.sense is Sense.ZERO or len(factors) < 2:
-        return Answer(None, "factors", reason="it is not a product")
-    method = ""
-    for factor in factors:
-        related = tuple(r for r in question.given if r.free_symbols <= factor.free_symbols)
-        answer = decide(Question(factor, question.sense, related, None), budget)
-        if answer.holds is not True:
-            return Answer(None, "factors", reason=answer.reason)
-        method = answer.method if answer.method != "sign-rules" else method or answer.method
-    return Answer(True, method)
+def _named(question: Question, budget: Budget) -> Question | None:
+    """The question with a name for each part that is not algebraic, of which its sign is told.
 
+    None where there is no such part, or one may have no value.  What is asked is more.  A hypothesis of which such a part
+    may have no value is not told.
+    """
+    plain = tuple(r for r in question.given if not any(_words(r)))
 
-def _by_argument(question: Question, budget: Budget) -> Answer:
-    """A monotone word has the sign of its argument less the place where it is 0, and must be defined."""
-    scale, word = question.expr.as_coeff_Mul()
-    wanted = _SIGNS.get(type(word))
-    if wanted is None or question.sense is Sense.ZERO:
-        return Answer(None, "monotone", reason="it is no monotone word")
-    x, method = word.args[0], ""
-    for expr, sense in ((sp.sign(scale) * wanted(x), question.sense), *asked_of(word)):
-        answer = decide(Question(expr, sense, question.given, question.circle), budget)
-        if answer.holds is not True:
-            return Answer(None, "monotone", reason=answer.reason)
-        method = answer.method
-    return Answer(True, method)
+    def shown(expr: sp.Expr, sense: Sense, given: tuple[sp.Basic, ...] = ()) -> bool:
+        return decide(Question(expr, sense, (*plain, *given), question.circle), budget.part(budget.left // 8)).holds is True
 
+    def defined(part: sp.Basic) -> bool:
+        return all(need.met(shown) for word in _words(part) for need in obligations(word))
 
-def _beyond_words(question: Question, budget: Budget) -> Question | None:
-    """The question with any number on its side of 1, or of 0, for each exponential or tangent whose argument has a known sign."""
-    swap: dict[sp.Expr, sp.Expr] = {}
-    sides: list[sp.Basic] = []
-    known = sp.Tuple(question.expr, *question.given) if question.expr.has(*_BEYOND) else sp.Tuple()
-    for node in sorted(known.atoms(*_BEYOND), key=sp.default_sort_key):
-        x, name = node.args[0], sp.Dummy(node.func.__name__, positive=node.func is sp.exp or None, real=True)
-        if node.func is sp.tan and not all(_shown(_NEAR_RIGHT + side, question, budget) for side in (x, -x)):
-            continue
-        if _shown(-x, question, budget):
-            relation = sp.StrictLessThan if x.is_nonzero else sp.LessThan
-        elif _shown(x, question, budget):
-            relation = sp.StrictGreaterThan if x.is_nonzero else sp.GreaterThan
-        else:
-            continue
-        swap[node] = name
-        sides.append(relation(name, 1 if node.func is sp.exp else 0))
-    if not swap:
+    if not defined(question.expr):
         return None
-    return Question(question.expr.xreplace(swap), question.sense, (*(r.xreplace(swap) for r in question.given), *sides), question.circle)
+    given = [r for r in question.given if r in plain or defined(r)]
+    names: dict[sp.Expr, sp.Symbol] = {}
+    sides: list[sp.Basic] = []
+    for word in dict.fromkeys(word for part in (question.expr, *given) for word in _words(part)):
+        names[word] = _name(word)
+        if type(word) in _SIGNS and _monotone(word, shown):
+            at, of = _SIGNS[type(word)]
+            sides += _sides(names[word] - at, of(word.args[0]), shown)
+    if not names:
+        return None
+    return Question(question.expr.xreplace(names), question.sense, (*(r.xreplace(names) for r in given), *sides), question.circle)
 
 
-def _shown(x: sp.Expr, question: Question, budget: Budget) -> bool:
-    """Whether an argument is >= 0, by the hypotheses without such words."""
-    given = tuple(r for r in question.given if not r.has(*_BEYOND))
-    return decide(Question(x, Sense.NONNEGATIVE, given), budget.part(budget.left // 8)).holds is True
+def _words(expr: sp.Basic) -> Iterator[sp.Expr]:
+    """The parts that are not algebraic and in no other."""
+    root = expr.is_Pow and expr.exp.is_Rational and expr.exp.q <= MOST_ROOT
+    if root or isinstance(expr, sp.Add | sp.Mul | Norm | sp.Rel):
+        for part in expr.args:
+            yield from _words(part)
+    elif not (expr.is_Symbol or expr.is_Rational):
+        yield expr
+
+
+def _name(word: sp.Expr) -> sp.Symbol:
+    """A symbol with the sign that SymPy sees."""
+    signs = {"positive": True} if word.is_positive else {"nonnegative": word.is_nonnegative, "nonzero": word.is_nonzero}
+    return sp.Dummy("w", real=True, **{sign: True for sign, known in signs.items() if known})
+
+
+def _monotone(word: sp.Expr, shown: Callable[..., bool]) -> bool:
+    """Whether it has a known sign: a tangent as long as it has no pole."""
+    return not isinstance(word, sp.tan) or all(shown(_NEAR_RIGHT + s * word.args[0], Sense.POSITIVE) for s in (1, -1))
+
+
+def _sides(name: sp.Expr, like: sp.Expr, shown: Callable[..., bool]) -> Iterator[sp.Basic]:
+    """What has the sign of another expression, as relations."""
+    for sign in (1, -1):
+        if shown(sign * like, Sense.NONNEGATIVE):
+            relation = sp.StrictGreaterThan if shown(sign * like, Sense.POSITIVE) else sp.GreaterThan
+            yield relation(sign * name, 0)
 
 
 def _enclosed(question: Question, budget: Budget) -> Answer:
@@ -182,58 +168,12 @@ def _decide_system(system: System, budget: Budget) -> Answer:
         met = _decide_system(obligation, budget)
         if met.holds is not True:
             return Answer(None, met.method, reason=f"it is open whether {obligation.goal.poly} {obligation.goal.op} 0")
-
-    def answered(goal: Relation, given: tuple[Relation, ...]) -> Answer:
-        part = System(goal, given, (), system.variables, system.circle)
-        answer = Answer(None)
-        for decider in POLYNOMIAL_DECIDERS:
-            try:
-                answer = decider(part, budget.part(budget.left // 2))
-            except SpentError as fault:
-                answer = Answer(None, reason=str(fault))
-            if answer.holds is not None:
-                break
-        return answer
-
-    used = ""
-    for goal, away in _factors(system, budget):
-        answer = answered(goal, system.given)
-        if answer.holds is False and away:  # perhaps only where a factor that was left out vanishes
-            answer = answered(goal, (*system.given, *away))
-        if answer.holds is not True:
-            return answer
-        used = used if used == "smt-z3" else answer.method
-    return Answer(True, used or "identity")
-
-
-def _factors(system: System, budget: Budget) -> tuple[tuple[Relation, tuple[Relation, ...]], ...]:
-    """Goals that together are the system's, each with what may be assumed for it.
-
-    Factors whose sign is plain are left out of the core; where one of them vanishes the core may have any sign (if the goal
-    is weak), so that it does not vanish may be assumed.
-    """
-    goal = system.goal
-    if goal.poly.is_number:
-        return () if goal.holds() else ((goal, ()),)
-    if goal.op in ("==", "!=") or not budget.part(budget.left // 8).pays(_factoring(goal.poly)):
-        return ((goal, ()),)
-    coefficient, factors = factor_list(goal.poly)
-    core, away = sp.Integer(sp.sign(coefficient)), []
-    for factor, power in factors:
-        if factor.is_positive:
-            continue
-        if power % 2 == 0 or factor.is_nonnegative:
-            away.append(Relation(factor, "!="))
-            continue
-        core *= factor
-    main = Relation(sp.expand(core), goal.op)
-    extra = tuple((relation, ()) for relation in away) if goal.op == ">" else ()
-    if main.poly.is_number and main.holds():
-        return extra
-    return (*extra, (main, tuple(away)))
-
-
-def _factoring(poly: sp.Expr) -> int:
-    """Steps of the factors of a polynomial, by its terms, degree and variables."""
-    form = sp.Poly(poly)
-    return 10 * len(form.terms()) * form.total_degree() * len(form.gens)
+    answer = Answer(None)
+    for decider in POLYNOMIAL_DECIDERS:
+        try:
+            answer = decider(system, budget.part(budget.left // 2))
+        except SpentError as fault:
+            answer = Answer(None, reason=str(fault))
+        if answer.holds is not None:
+            break
+    return answer

@@ -1,4 +1,8 @@
-"""What a function or power needs of its arguments to have a value: the one list of it, for formulas as written and for questions."""
+"""What a formula asks of its parts before it means anything: divisors, roots, logarithms, poles, angles.
+
+This is the one list of what a function or power needs, for formulas as written and for questions.  The needs are read off a
+formula's tree as it stands, before any branch is opened: abs(a)/a divides by a although on either side of a = 0 it is a constant.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +12,10 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from duhem.expression import Atan2
+from duhem.expression import UNDEFINED, Atan2, Where, holds_at
 from duhem.expression.inert_number import InertNumber
 
-__all__ = ["NEEDY", "Need", "Sense", "needs_of"]
+__all__ = ["Obligation", "Sense", "evaluated", "obligations"]
 
 
 class Sense(StrEnum):
@@ -22,61 +26,105 @@ class Sense(StrEnum):
     ZERO = "=="
 
 
-class Need(NamedTuple):
-    """``expr`` is not 0 (``sense`` ZERO), >= 0 or > 0, or else those ``instead`` of it are met; ``does`` says what is done to it."""
+class Obligation(NamedTuple):
+    """``expr`` is not 0 (``sense`` ZERO), >= 0 or > 0 wherever ``given`` holds, or else those ``instead`` of it are met.
+
+    ``does`` says what the formula does to it.  An expression that cannot be computed is nan: nothing is shown of it.
+    """
 
     expr: sp.Expr
     sense: Sense
     does: str
-    instead: tuple[Need, ...] = ()
+    given: tuple[sp.Basic, ...] = ()
+    instead: tuple[Obligation, ...] = ()
+
+    @property
+    def asked(self) -> tuple[sp.Expr, Sense]:
+        """As a question of a sign."""
+        return (self.expr**2, Sense.POSITIVE) if self.sense is Sense.ZERO else (self.expr, self.sense)
+
+    def symbols(self) -> set[sp.Symbol]:
+        """What it speaks of."""
+        return self.expr.free_symbols.union(*(r.free_symbols for r in self.given), *(o.symbols() for o in self.instead))
+
+    def put(self, values: Mapping[sp.Symbol, sp.Expr]) -> Obligation:
+        """The same with symbols replaced."""
+        given = tuple(r.xreplace({**values}) for r in self.given)
+        return self._replace(expr=self.expr.xreplace({**values}), given=given, instead=tuple(o.put(values) for o in self.instead))
+
+    def met(self, shown: Callable[[sp.Expr, Sense, tuple[sp.Basic, ...]], bool]) -> bool:
+        """Whether it, or all that may be instead, is ``shown``: that an expression is >= 0 or > 0 where relations hold."""
+        expr, sense = self.asked
+        if not any(e.has(*UNDEFINED) for e in (expr, *self.given)) and shown(expr, sense, self.given):
+            return True
+        return bool(self.instead) and all(other._replace(given=self.given).met(shown) for other in self.instead)
+
+    def broken(self, values: Mapping[sp.Symbol, sp.Expr]) -> bool:
+        """Whether it certainly fails at exact values of all symbols."""
+        if not all(holds_at(r, values) for r in self.given):
+            return False
+        value = self.expr.subs(values)
+        fails = {Sense.ZERO: value.is_zero, Sense.NONNEGATIVE: value.is_negative, Sense.POSITIVE: value.is_nonpositive}[self.sense]
+        return fails is True and (not self.instead or any(other.broken(values) for other in self.instead))
 
 
-def needs_of(kind: type[sp.Basic], args: tuple[sp.Expr, ...]) -> Iterator[Need]:
-    """The needs of a function of this kind, those of its arguments aside; none of a function that has a value everywhere."""
-    for needy, needs in _NEEDS.items():
-        if issubclass(kind, needy):
-            yield from needs(*args)
+def obligations(tree: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Obligation]:
+    """Those of every part of a formula's tree; what a ``where`` does not choose needs no value."""
+    if isinstance(tree, Where):
+        condition, then, otherwise = tree.args
+        yield from obligations(condition, given)
+        holds = evaluated(condition)
+        for choice, part in ((holds, then), (sp.Not(holds), otherwise)):
+            if choice != sp.false:
+                yield from obligations(part, given if choice == sp.true else (*given, choice))
+        return
+    for part in tree.args:
+        yield from obligations(part, given)
+    for kind, needs in _NEEDS.items():
+        if isinstance(tree, kind):
+            yield from (need._replace(given=given) for need in needs(*map(evaluated, tree.args)))
 
 
-def _of_power(base: sp.Expr, exponent: sp.Expr) -> Iterator[Need]:
+def evaluated(tree: sp.Basic) -> sp.Basic:
+    """The tree as SymPy computes it: the same wherever all obligations of its parts are met."""
+    if not tree.args:
+        return tree
+    try:
+        return tree.func(*map(evaluated, tree.args))
+    except (ValueError, TypeError):  # nan compared with something
+        return sp.nan
+
+
+def _of_power(base: sp.Expr, exponent: sp.Expr) -> Iterator[Obligation]:
     p = exponent.value if isinstance(exponent, InertNumber) else exponent
     if p.is_Integer:
         if p < 0:
-            yield Need(base, Sense.ZERO, "divides by")
+            yield Obligation(base, Sense.ZERO, "divides by")
     elif p.is_Rational:
-        yield Need(base, Sense.NONNEGATIVE if p > 0 else Sense.POSITIVE, "takes a root of")
+        yield Obligation(base, Sense.NONNEGATIVE if p > 0 else Sense.POSITIVE, "takes a root of")
     else:  # 0 has positive powers only
-        weak = Need(base, Sense.NONNEGATIVE, "takes a power of")
-        rising = Need(exponent, Sense.POSITIVE, "takes a power with exponent")
-        yield Need(base, Sense.POSITIVE, "takes a power of", (weak, rising))
+        weak = Obligation(base, Sense.NONNEGATIVE, "takes a power of")
+        rising = Obligation(exponent, Sense.POSITIVE, "takes a power with exponent")
+        yield weak if exponent.is_positive else Obligation(base, Sense.POSITIVE, "takes a power of", instead=(weak, rising))
 
 
-def _of_logarithm(x: sp.Expr) -> Iterator[Need]:
-    yield Need(x, Sense.POSITIVE, "takes the logarithm of")
-
-
-def _of_arc(name: str) -> Callable[[sp.Expr], Iterator[Need]]:
-    def needs(x: sp.Expr) -> Iterator[Need]:
-        yield from (Need(1 + sign * x, Sense.NONNEGATIVE, f"needs for an {name} that 0 <=") for sign in (-1, 1))
+def _of_arc(name: str) -> Callable[[sp.Expr], Iterator[Obligation]]:
+    def needs(x: sp.Expr) -> Iterator[Obligation]:
+        yield from (Obligation(1 + sign * x, Sense.NONNEGATIVE, f"needs for an {name} that 0 <=") for sign in (-1, 1))
 
     return needs
 
 
-def _of_angle(y: sp.Expr, x: sp.Expr) -> Iterator[Need]:
+def _of_angle(y: sp.Expr, x: sp.Expr) -> Iterator[Obligation]:
     if not (y.is_nonzero or x.is_nonzero):
-        yield Need(sp.Add(y**2, x**2), Sense.POSITIVE, "takes the angle of a point at the squared distance")
+        yield Obligation(sp.Add(y**2, x**2), Sense.POSITIVE, "takes the angle of a point at the squared distance")
 
 
-def _of_tangent(x: sp.Expr) -> Iterator[Need]:
-    yield Need(sp.cos(x), Sense.ZERO, "divides by")
-
-
-_NEEDS: Mapping[type[sp.Basic], Callable[..., Iterator[Need]]] = {
+_NEEDS: Mapping[type[sp.Basic], Callable[..., Iterator[Obligation]]] = {
     sp.Pow: _of_power,
-    sp.log: _of_logarithm,
+    sp.log: lambda x: iter([Obligation(x, Sense.POSITIVE, "takes the logarithm of")]),
     sp.asin: _of_arc("arc sine"),
     sp.acos: _of_arc("arc cosine"),
     Atan2: _of_angle,
-    sp.tan: _of_tangent,
+    sp.tan: lambda x: iter([Obligation(sp.cos(x), Sense.ZERO, "divides by")]),
 }
-NEEDY = tuple(_NEEDS)  # the functions that have no value everywhere

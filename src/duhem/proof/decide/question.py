@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import sympy as sp
 
-from duhem.expression import UNDEFINED, Where
-from duhem.proof.decide.needs import Sense, needs_of
+from duhem.expression import UNDEFINED
+from duhem.proof.decide.needs import Sense, obligations
 
-__all__ = ["Answer", "Question", "Sense", "asked_of"]
+__all__ = ["Answer", "Question"]
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,10 @@ class Question:
     sense: Sense
     given: tuple[sp.Basic, ...] = ()
     circle: tuple[sp.Symbol, sp.Symbol] | None = None
+
+    def on_circle(self) -> tuple[sp.Basic, ...]:
+        """That circle as a relation."""
+        return () if self.circle is None else (sp.Eq(self.circle[0] ** 2 + self.circle[1] ** 2, 1),)
 
     def pinned(self) -> tuple[Question, ...]:
         """The same with symbols that the relations make 0 put in place; on the circle the other coordinate is then 1 or -1.
@@ -83,25 +87,9 @@ class Question:
         return zero | (above & below)
 
 
-def _needs(expr: sp.Basic, given: tuple[sp.Basic, ...] = ()) -> Iterator[Question]:
+def _needs(expr: sp.Basic) -> list[Question]:
     """What must hold for an expression to be defined."""
-    if isinstance(expr, Where):
-        condition, then, otherwise = expr.args
-        yield from _needs(condition, given)
-        yield from _needs(then, (*given, condition))
-        yield from _needs(otherwise, (*given, sp.Not(condition)))
-        return
-    for part in expr.args:
-        yield from _needs(part, given)
-    yield from (Question(of, sense, given) for of, sense in asked_of(expr))
-
-
-def asked_of(expr: sp.Basic) -> Iterator[tuple[sp.Expr, Sense]]:
-    """What is asked of the arguments of a word, or a power, for it to be defined where they are."""
-    for need in needs_of(expr.func, expr.args):
-        if need.instead and expr.exp.is_positive:
-            need = need.instead[0]
-        yield (need.expr**2, Sense.POSITIVE) if need.sense is Sense.ZERO else (need.expr, need.sense)
+    return [Question(*need.asked, need.given) for need in obligations(expr)]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cached_property
 from itertools import chain, islice
@@ -22,11 +22,11 @@ from duhem.law.curve_law import ParametricCriterion
 from duhem.law.domain import Domain
 from duhem.law.parameter_domain import simple_points
 from duhem.proof.decide import EFFORTS, Answer, Budget, Question, Sense
-from duhem.proof.facts.curve_quantities import STAR, TURNING, Quantity
-from duhem.proof.facts.numeric_curve import CurveJet, NumericCurve, Vector, cross, normals
+from duhem.proof.decide.needs import Obligation, obligations
+from duhem.proof.facts.numeric_curve import STAR, TURNING, CurveJet, NumericCurve, Quantity, Vector, cross, normals
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.subject import Subject
-from duhem.proof.statement.obligations import Obligation, obligations, with_algebraic_angles
+from duhem.proof.statement.problem import with_algebraic_angles
 
 __all__ = ["CurveSubject"]
 
@@ -85,23 +85,9 @@ class CurveSubject(Subject):
         return 1
 
     @cached_property
-    def free(self) -> tuple[sp.Symbol, ...]:
-        """Parameters that are not fixed."""
-        table = self.law.symbols()
-        return tuple(table[name] for name, domain in self.law.parameters.items() if domain.value is None)
-
-    @cached_property
-    def fixed(self) -> Mapping[sp.Symbol, sp.Rational]:
-        """Parameters that are."""
-        table = self.law.symbols()
-        return {table[name]: domain.value for name, domain in self.law.parameters.items() if domain.value is not None}
-
-    @cached_property
     def given(self) -> tuple[sp.Basic, ...]:
         """The domain of the free parameters, as relations."""
-        table = self.law.symbols()
-        bounds = [r for name, domain in self.law.parameters.items() if domain.value is None for r in domain.relations(table[name])]
-        return tuple(r for r in (*bounds, *(c.xreplace(dict(self.fixed)) for c in self.law.constraints)) if r != sp.true)
+        return tuple(r for r in (*self.ranges, *map(self._here, self.law.constraints)) if r != sp.true)
 
     @cached_property
     def boundary(self) -> Vector:
@@ -248,11 +234,7 @@ class CurveSubject(Subject):
 
     def _everywhere(self, obligation: Obligation) -> bool:
         """Whether it is shown; what holds in one branch of a ``where`` alone is asked of all angles."""
-        expr, sense = obligation.expr, obligation.sense
-        if expr.has(*UNDEFINED):
-            return False
-        whole = self.ask(expr**2, Sense.POSITIVE) if sense is Sense.ZERO else self.ask(expr, sense)
-        return whole.method != "" or (bool(obligation.instead) and all(map(self._everywhere, obligation.instead)))
+        return obligation.met(lambda expr, sense, _: self.ask(expr, sense).method != "")
 
     def turns_once(self, derivative: int, sign: Quantity) -> bool:
         """Whether T (0) or T' (1), which never vanishes where ``sign`` > 0, turns once, for every parameter value.

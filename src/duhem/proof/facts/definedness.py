@@ -16,11 +16,10 @@ import sympy as sp
 from duhem.errors import InputError
 from duhem.expression import UNDEFINED, Atan2, Where, holds_at
 from duhem.expression.text import formula
-from duhem.expression.weights import degree
-from duhem.proof.decide import Answer, Question, Sense
+from duhem.proof.decide import Question, Sense
+from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.parameter_choices import plain_choices, rationals
 from duhem.proof.facts.subject import Subject
-from duhem.proof.statement.obligations import Obligation, obligations
 from duhem.proof.statement.problem import Problem
 
 __all__ = ["broken_at", "met_at_zero", "met_for_all", "open_obligations"]
@@ -56,10 +55,10 @@ def _everywhere(subject: Subject, problem: Problem, obligation: Obligation, of: 
         points = _plain_points(problem, symbols, own)
         _check(problem, obligation, own, points, of)
         _check_between(problem, obligation, points, of)
-    answer = _answer(subject, problem, obligation)
-    if alone and answer.holds is False and answer.point is not None:
-        _check(problem, obligation, problem.given, [dict(answer.point)], of)
-    return answer.holds is True or _shown_instead(subject, problem, obligation)
+        answer = subject.decided(_question(problem, *obligation.asked, obligation.given))
+        if answer.holds is False and answer.point is not None:
+            _check(problem, obligation, problem.given, [dict(answer.point)], of)
+    return met_for_all(subject, problem, obligation)
 
 
 def _plain_points(problem: Problem, symbols: set[sp.Symbol], own: tuple[sp.Basic, ...]) -> list[Point]:
@@ -135,7 +134,7 @@ def _check_between(problem: Problem, obligation: Obligation, points: Iterable[Po
 
 def met_for_all(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
     """Whether it is shown for all forces but zero."""
-    return _answer(subject, problem, obligation).holds is True or _shown_instead(subject, problem, obligation)
+    return obligation.met(lambda expr, sense, given: subject.decided(_question(problem, expr, sense, given)).holds is True)
 
 
 def met_at_zero(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
@@ -143,19 +142,7 @@ def met_at_zero(subject: Subject, problem: Problem, obligation: Obligation) -> b
     return met_for_all(subject, problem, obligation.put(dict.fromkeys(problem.forces, sp.S.Zero)))
 
 
-def _shown_instead(subject: Subject, problem: Problem, obligation: Obligation) -> bool:
-    return bool(obligation.instead) and all(_answer(subject, problem, other).holds is True for other in obligation.instead)
-
-
-def _answer(subject: Subject, problem: Problem, obligation: Obligation) -> Answer:
-    """What is decided for all forces but zero."""
-    expr = obligation.expr**2 if obligation.sense is Sense.ZERO else obligation.expr
-    sense = Sense.NONNEGATIVE if obligation.sense is Sense.NONNEGATIVE else Sense.POSITIVE
-    forces, given = problem.forces, (*problem.given, *obligation.given)
-    if any(x.has(*UNDEFINED) for x in (expr, *given)):
-        return Answer(None, reason="the expression is undefined")
-    if not obligation.symbols() & set(forces):
-        return subject.decided(Question(expr, sense, given))
-    if len(forces) == 2 and not obligation.given and degree(expr, forces) is not None:
-        return subject.decided(Question(expr, sense, given, (forces[0], forces[1])))
-    return subject.decided(Question(expr, sense, (*given, sp.StrictGreaterThan(sp.Add(*(x**2 for x in forces)), 0))))
+def _question(problem: Problem, expr: sp.Expr, sense: Sense, given: tuple[sp.Basic, ...]) -> Question:
+    """For all forces but zero."""
+    away = (sp.StrictGreaterThan(sp.Add(*(x**2 for x in problem.forces)), 0),) if expr.free_symbols & set(problem.forces) else ()
+    return Question(expr, sense, (*problem.given, *given, *away))

@@ -8,18 +8,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import product
+from itertools import chain, product
+from random import Random
+from typing import Any
 
+import flint
 import sympy as sp
 
-from duhem.expression import UNDEFINED
+from duhem.expression import UNDEFINED, Norm, Where, defined_at
+from duhem.expression.ball_series import compiled, derivatives
 from duhem.expression.balls import ball, certain_sign, enclose
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import Question, Sense
-from duhem.proof.facts.flat_directions import flat_directions, most_flat_directions
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.subject import fact
-from duhem.proof.facts.thin import zeros_are_thin
 from duhem.proof.statement.problem import as_written
 
 __all__ = ["Extent", "extent"]
@@ -28,6 +30,9 @@ _NEAR, _FAR = Fraction(1, 2**20), Fraction(2**40)
 _MOST_FORCES = 3  # of the directions along which it looks there are 3^n
 _MOST_RAYS = 4
 _STEPS = 8_000_000
+_POINTS, _SCALES = 6, (Fraction(1, 4), Fraction(1), Fraction(4))  # of gradients, for each force, at each scale
+_ANALYTIC = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan)
+Row = list[Any]
 
 
 @dataclass(frozen=True)
@@ -140,3 +145,100 @@ def _inside_along(subject: FormulaSubject, way: Sequence[int]) -> bool:
     t, problem = sp.Dummy("t", positive=True), subject.problem.principal().quotient()
     g = problem.g.xreplace({x: w * t for x, w in zip(subject.simple.forces, way, strict=True)})
     return not g.has(*UNDEFINED) and subject.decided(Question(-g, Sense.NONNEGATIVE, problem.given)).holds is True
+
+
+def flat_directions(subject: FormulaSubject) -> int:
+    """How many independent ones are found, for every parameter value and pressure; the law has no flow of its own.
+
+    Of a law that is isotropic in six components the simple problem has the principal stresses: one direction among them is the
+    pressure's, and two are all deviators, of which there are five in six components.
+    """
+    problem = subject.problem.principal()
+    found = len(problem.forces) - len(subject.simple.forces)
+    return {0: 0, 1: 1, 2: 5}[found] if len(problem.forces) < len(subject.problem.forces) else found
+
+
+def most_flat_directions(subject: FormulaSubject) -> int:
+    """How many directions there are at most in which g does not change, at one choice of the parameters.
+
+    The gradients of g at some points span a space of some rank r; along such a direction each of them is 0, so that of n forces
+    at most n - r directions are left.
+    """
+    forces, values = subject.problem.forces, next(subject.choices(1), None)
+    if values is None:
+        return len(forces)
+    known = {x: ball(v) for x, v in subject.values_at(values, (Fraction(0),) * len(subject.simple.forces)).items()}
+    names = [*forces, *(x for x in known if x not in forces)]
+    run, rng, rows = compiled([subject.problem.g], names), Random(5), list[Row]()
+    for scale in _SCALES:
+        for _ in range(_POINTS * len(forces)):
+            point = [scale * Fraction(rng.randint(-999, 999), 500) for _ in forces]
+            rows.append([_slope(run, [ball(v) for v in point], i, [known[x] for x in names[len(forces) :]]) for i in range(len(forces))])
+    return len(forces) - _rank([row for row in rows if all(x.is_finite() for x in row)])
+
+
+def _slope(run: Any, point: Row, i: int, others: Row) -> Any:
+    """The derivative of g by one of the forces."""
+    moved = [flint.arb_series([x, 1], prec=2) if k == i else x for k, x in enumerate(point)]
+    return derivatives(run(*moved, *others)[0], 1)[1]
+
+
+def _rank(rows: list[Row]) -> int:
+    """The rank that rows of balls certainly have, by elimination with pivots that are certainly not 0."""
+    rank = 0
+    while pivots := [(abs(x).lower(), j, row) for row in rows for j, x in enumerate(row) if certain_sign(x) in (1, -1)]:
+        _, j, pivot = max(pivots, key=lambda found: float(found[0]))
+        rank += 1
+        rows = [[x - y * row[j] / pivot[j] for x, y in zip(row, pivot, strict=True)] for row in rows if row is not pivot]
+        rows = [[x for k, x in enumerate(row) if k != j] for row in rows]
+    return rank
+
+
+def zeros_are_thin(expr: sp.Expr, subject: FormulaSubject) -> bool:
+    """Whether no ball of the simple problem's forces consists of zeros, whatever the parameters and the pressure (False if open).
+
+    An analytic function that is not 0 somewhere is 0 in no ball (the identity theorem).  Zeros of a product, a choice or a maximum
+    are among those of its parts; of a norm, and of a sum of terms >= 0, they are zeros of every part, so that one with thin zeros
+    is enough.
+    """
+    forces = set(subject.simple.forces)
+    if not expr.free_symbols & forces:
+        return subject.positive(expr**2)
+    if _analytic(expr, subject) and _somewhere_not_zero(expr, subject):
+        return True
+    if isinstance(expr, sp.Abs) or (expr.is_Pow and not expr.exp.free_symbols & forces and subject.positive(expr.exp)):
+        return zeros_are_thin(expr.args[0], subject)
+    if isinstance(expr, sp.Mul | sp.Max | sp.Min):
+        return all(zeros_are_thin(part, subject) for part in expr.args)
+    if isinstance(expr, Where):
+        return all(zeros_are_thin(part, subject) for part in expr.args[1:])
+    if isinstance(expr, Norm):
+        return any(zeros_are_thin(part, subject) for part in expr.args)
+    if expr.is_Add and all(subject.ask(term, Sense.NONNEGATIVE).holds is True for term in expr.args):
+        return any(zeros_are_thin(term, subject) for term in expr.args)
+    return False
+
+
+def _analytic(expr: sp.Expr, subject: FormulaSubject) -> bool:
+    """Whether it is built from analytic functions alone, defined for all forces: no root of what may be 0 is one."""
+    if not expr.free_symbols & set(subject.simple.forces) or expr.is_Symbol:
+        return True
+    if expr.is_Pow:
+        base, power = expr.args
+        whole = power.is_Integer and power.is_nonnegative
+        nonzero = base**2 if power.is_Integer else base
+        return _analytic(base, subject) and _analytic(power, subject) and (whole or subject.positive(nonzero))
+    if isinstance(expr, sp.log):
+        return _analytic(expr.args[0], subject) and subject.positive(expr.args[0])
+    return isinstance(expr, (sp.Add, sp.Mul, *_ANALYTIC)) and all(_analytic(part, subject) for part in expr.args)
+
+
+def _somewhere_not_zero(expr: sp.Expr, subject: FormulaSubject) -> bool:
+    """Whether at one point it is 0 for no parameter value and no pressure."""
+    forces = subject.simple.forces
+    axes = ([sp.Integer(i == k) for i in range(len(forces))] for k in range(len(forces)))
+    for point in chain([[sp.S.Zero] * len(forces)], axes, [[sp.Integer(3 * i + 2) for i in range(len(forces))]]):
+        value = defined_at(expr, dict(zip(forces, point, strict=True)))
+        if value is not None and subject.positive(value**2):
+            return True
+    return False

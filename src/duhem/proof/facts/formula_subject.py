@@ -19,12 +19,11 @@ from duhem.expression.number import fraction, rational
 from duhem.expression.switches import plain_switches
 from duhem.law.formula_law import Criterion
 from duhem.proof.decide import EFFORTS, Answer, Question, Sense
+from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.definedness import met_at_zero, open_obligations
 from duhem.proof.facts.parameter_choices import Values, middle_of, plain_choices, rationals, walk
 from duhem.proof.facts.subject import Subject
-from duhem.proof.statement.obligations import Obligation, obligations
-from duhem.proof.statement.problem import Face, Problem, state
-from duhem.proof.statement.star import Star, star_form
+from duhem.proof.statement.problem import Face, Problem, Star, star_form, state
 
 __all__ = ["FormulaSubject"]
 

@@ -20,7 +20,23 @@ from duhem.expression.ball_series import compiled, derivatives
 from duhem.expression.balls import ball, certain_sign
 from duhem.proof.decide import Budget
 
-__all__ = ["Ball", "CurveJet", "Greatest", "NumericCurve", "Span", "Vector", "cross", "dot", "normals"]
+__all__ = [
+    "LEAD",
+    "LEAN",
+    "POWER",
+    "STAR",
+    "TURNING",
+    "Ball",
+    "CurveJet",
+    "Greatest",
+    "NumericCurve",
+    "Quantity",
+    "Span",
+    "Vector",
+    "cross",
+    "dot",
+    "normals",
+]
 
 Ball = Any
 Vector = tuple[Any, Any]
@@ -46,6 +62,28 @@ class CurveJet:
 
     boundary: tuple[Vector, ...]
     flow: tuple[Vector, ...]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A sign that decides a claim, as a function of a jet of this order; ``linear`` in the boundary or not.
+
+    With T the boundary, d the flow and ' the derivative by the angle (the curve runs counter-clockwise):
+    power T . d, star T x T' (> 0: the curve runs around 0 in polar order), turning T' x T'' (> 0: it turns left throughout),
+    lead d x T' (> 0: the flow is less than a right angle from the outward normal), lean d . T' (0: the flow is normal).
+    """
+
+    name: str
+    order: int
+    of: Callable[[CurveJet], Any]
+    linear: bool
+
+
+POWER = Quantity("T . d", 0, lambda j: dot(j.boundary[0], j.flow[0]), True)
+STAR = Quantity("T x T'", 1, lambda j: cross(j.boundary[0], j.boundary[1]), False)
+TURNING = Quantity("T' x T''", 2, lambda j: cross(j.boundary[1], j.boundary[2]), False)
+LEAD = Quantity("d x T'", 1, lambda j: cross(j.flow[0], j.boundary[1]), True)
+LEAN = Quantity("d . T'", 1, lambda j: dot(j.flow[0], j.boundary[1]), True)
 
 
 @dataclass(frozen=True)
@@ -92,20 +130,25 @@ class NumericCurve:
         """Whether ``quantity`` is > 0 at every angle; False also when that stays open."""
         if any(quantity(self.over((x, x), order)) <= 0 for x, _ in _pieces(32)):
             return False
-        queue, looked = deque(_pieces(8)), 0  # widest first: where a sign changes, narrow arcs never end
+
+        def settled(span: Span) -> bool | None:
+            value = quantity(self.over(span, order))
+            return None if value <= 0 else bool(value.is_finite() and value > 0)
+
+        return self._covered(8, settled)
+
+    def _covered(self, n: int, settled: Callable[[Span], bool | None]) -> bool:
+        """Whether each of n arcs is settled, halved where it is open; an arc that says None ends it."""
+        queue, looked = deque(_pieces(n)), 0  # widest first: where a sign changes, narrow arcs never end
         while queue:
             span = queue.popleft()
             looked += 1
-            value = quantity(self.over(span, order))
-            if value.is_finite() and value > 0:
+            if known := settled(span):
                 continue
-            if self._spent(span, looked) or value <= 0:
+            if known is None or looked > _MOST or span[1] - span[0] < _NARROWEST or not self._budget.pays(self._price):
                 return False
             queue.extend(_halves(span))
         return True
-
-    def _spent(self, span: Span, looked: int) -> bool:
-        return looked > _MOST or span[1] - span[0] < _NARROWEST or not self._budget.pays(self._price)
 
     def winding(self, vector: Callable[[CurveJet], Vector], order: int) -> int | None:
         """How often a vector that never vanishes turns around 0 while the angle runs once; None if that stays open.
@@ -113,19 +156,16 @@ class NumericCurve:
         On an arc where the vector stays in the open half-plane of its value at the start, it turns by the angle between
         its values at the ends.
         """
-        total, queue, looked = flint.arb(0), _pieces(16), 0
-        while queue:
-            span = queue.pop()
-            looked += 1
+        turned = [flint.arb(0)]
+
+        def settled(span: Span) -> bool:
             start, end = (vector(self.over((x, x), order)) for x in span)
             lead = dot(start, vector(self.over(span, order)))
-            if lead.is_finite() and lead > 0:
-                total += flint.arb.atan2(cross(start, end), dot(start, end))
-                continue
-            if self._spent(span, looked):
-                return None
-            queue.extend(_halves(span))
-        turns = (total / (2 * flint.arb.pi())).unique_fmpz()
+            within = bool(lead.is_finite() and lead > 0)
+            turned.append(flint.arb.atan2(cross(start, end), dot(start, end)) if within else flint.arb(0))
+            return within
+
+        turns = (sum(turned) / (2 * flint.arb.pi())).unique_fmpz() if self._covered(16, settled) else None
         return None if turns is None else int(turns)
 
     def greatest(self, quantity: Callable[[CurveJet], Sequence[Ball]], order: int, width: float) -> Greatest | None:

@@ -10,12 +10,11 @@ from typing import Any, TypeVar
 
 import sympy as sp
 
-from duhem.expression import UNDEFINED
 from duhem.expression.parse import parse_as_written
 from duhem.law.curve_law import Law
-from duhem.proof.decide import Answer, Budget, Question, Sense, decide
+from duhem.proof.decide import Answer, Budget, Question, decide
+from duhem.proof.decide.needs import Obligation, obligations
 from duhem.proof.facts.parameter_choices import Values
-from duhem.proof.statement.obligations import Obligation, obligations
 
 __all__ = ["Subject", "fact"]
 
@@ -58,13 +57,27 @@ class Subject(ABC):
         return self.constraints_defined
 
     @cached_property
+    def free(self) -> tuple[sp.Symbol, ...]:
+        """Parameters that are not fixed."""
+        table = self.law.symbols()
+        return tuple(table[name] for name, domain in self.law.parameters.items() if domain.value is None)
+
+    @cached_property
+    def fixed(self) -> Mapping[sp.Symbol, sp.Rational]:
+        """Parameters that are."""
+        table = self.law.symbols()
+        return {table[name]: domain.value for name, domain in self.law.parameters.items() if domain.value is not None}
+
+    @cached_property
+    def ranges(self) -> tuple[sp.Basic, ...]:
+        """Those of the free parameters, each by itself, as relations."""
+        return tuple(r for x in self.free for r in self.law.parameters[x.name].relations(x))
+
+    @cached_property
     def constraints_defined(self) -> bool:
         """Whether each constraint as written has a value where the ranges hold, with those that are shown to have one before it."""
-        law, table = self.law, self.law.symbols()
-        free = [(table[name], domain) for name, domain in law.parameters.items() if domain.value is None]
-        values = table | {name: domain.value for name, domain in law.parameters.items() if domain.value is not None}
-        fixed = {table[name]: values[name] for name in law.parameters}
-        given = tuple(r for x, domain in free for r in domain.relations(x))
+        law, fixed, given = self.law, dict(self.fixed), self.ranges
+        values = {name: fixed.get(x, x) for name, x in law.symbols().items()}
         trees = (
             parse_as_written(text, values) if text else c.xreplace(fixed)
             for c, text in zip(law.constraints, law.written_constraints, strict=True)
@@ -80,12 +93,7 @@ class Subject(ABC):
 
     def _met(self, need: Obligation, given: tuple[sp.Basic, ...]) -> bool:
         """Whether it is shown for parameters alone."""
-        expr = need.expr**2 if need.sense is Sense.ZERO else need.expr
-        sense = Sense.NONNEGATIVE if need.sense is Sense.NONNEGATIVE else Sense.POSITIVE
-        whole = (*given, *need.given)
-        if not any(x.has(*UNDEFINED) for x in (expr, *whole)) and self.decided(Question(expr, sense, whole)).holds is True:
-            return True
-        return bool(need.instead) and all(self._met(other, given) for other in need.instead)
+        return need.met(lambda expr, sense, there: self.decided(Question(expr, sense, (*given, *there))).holds is True)
 
     def may_refute(self, claim: str, points: Iterable[Mapping[str, str]]) -> bool:
         """Whether a violation of the claim at exact points, by name, lies where the claim is asked."""

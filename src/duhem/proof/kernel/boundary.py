@@ -32,6 +32,7 @@ __all__ = [
     "falls_from_zero",
     "flows_along_normals",
     "flows_outward",
+    "is_steep",
     "rises_outward",
     "shown",
     "with_convex_sums",
@@ -47,6 +48,16 @@ _ENOUGH = {">": ((">",), POSITIVE), ">=": ((">", ">="), POSITIVE | ZERO), "==": 
 def rises_outward(law: StatedLaw, identities: Sequence[Identity]) -> bool:
     """Whether sigma . grad g > 0 wherever g = 0, on every piece of g."""
     return _dissipates(StatedFace(law.g, None), law.forces, identities, over(law))
+
+
+def is_steep(law: StatedLaw, identities: Sequence[Identity]) -> bool:
+    """Whether grad g != 0 wherever g = 0, on every piece of g: its square is > 0 there."""
+    domain = over(law)
+
+    def square(g: Term) -> Polynomial:
+        return total(*(times(d, d) for d in (_along_axis(x, g, domain) for x in law.forces)))
+
+    return all(shown(square(g), ">", _on_boundary(g, sides, domain), identities, domain) for g, sides in pieces(law.g, domain))
 
 
 def falls_from_zero(law: StatedLaw) -> bool:

@@ -23,7 +23,7 @@ CLAIMS = ("origin", "convexity", "smoothness", "normality", "dissipation", "dual
 VERDICTS = ("proved", "refuted", "tested", "undecided", "not_applicable")
 TRUSTS = ("checked", "solver", "prover")  # of a proof; the last two name no rule
 EVIDENCE = (
-    "across", "along", "convex sums", "directions", "flat", "inside", "inward", "outward", "potential", "rest", "share", "slips",
+    "across", "along", "convex sums", "directions", "flat", "inside", "inward", "outward", "potential", "rest", "share", "slips", "steep",
 )  # fmt: skip
 
 

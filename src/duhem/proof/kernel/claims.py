@@ -6,7 +6,15 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from duhem.proof.kernel import obligations
-from duhem.proof.kernel.boundary import curves_inward, falls_from_zero, flows_along_normals, flows_outward, rises_outward, with_convex_sums
+from duhem.proof.kernel.boundary import (
+    curves_inward,
+    falls_from_zero,
+    flows_along_normals,
+    flows_outward,
+    is_steep,
+    rises_outward,
+    with_convex_sums,
+)
 from duhem.proof.kernel.cases import cases, without_outer_map
 from duhem.proof.kernel.cones import Fan
 from duhem.proof.kernel.curvature import Facts, facts, over
@@ -168,8 +176,10 @@ def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
 
 
 def regular(law: StatedLaw, evidence: Evidence) -> bool:
-    """g is C^1 where g = 0, and rises outward there, so that grad g != 0."""
-    return smooth_near_the_boundary(law.g, over(law)) and rises_outward(law, evidence["outward"])
+    """g is C^1 where g = 0, and grad g != 0 there: g rises outward, or it is shown of the gradient itself."""
+    if not smooth_near_the_boundary(law.g, over(law)):
+        return False
+    return is_steep(law, evidence["steep"]) if "steep" in evidence else rises_outward(law, evidence["outward"])
 
 
 def regular_along_rays(law: StatedLaw, evidence: Evidence) -> bool:
@@ -282,7 +292,7 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ),
     ("smoothness", "regular-value"): RuleRow(
         _NONE, regular, obligations.formula,
-        "g is C^1 wherever g = 0, and sigma . grad g > 0 there, so that grad g != 0", True,
+        "g is C^1 wherever g = 0, and grad g != 0 there", True,
     ),
     ("smoothness", "one-dimensional"): RuleRow(
         _CONVEXITY, one_force, obligations.formula,

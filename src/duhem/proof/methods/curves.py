@@ -20,9 +20,22 @@ import sympy as sp
 from duhem.expression.balls import certain_sign
 from duhem.expression.vocabulary import Neg, Norm, Pos, Where
 from duhem.proof.decide import Sense
-from duhem.proof.facts.curve_quantities import LEAD, LEAN, POWER, STAR, TURNING
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.numeric_curve import Ball, CurveJet, Greatest, NumericCurve, Span, Vector, cross, dot
+from duhem.proof.facts.numeric_curve import (
+    LEAD,
+    LEAN,
+    POWER,
+    STAR,
+    TURNING,
+    Ball,
+    CurveJet,
+    Greatest,
+    NumericCurve,
+    Span,
+    Vector,
+    cross,
+    dot,
+)
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.curves import backward_flow, leaning_flow, leaning_normal, origin_outside, triangle

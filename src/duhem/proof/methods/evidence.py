@@ -18,12 +18,11 @@ from duhem.expression.branches import seams
 from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
+from duhem.proof.decide.needs import obligations
 from duhem.proof.facts.definedness import met_for_all
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel
-from duhem.proof.statement.obligations import obligations
-from duhem.proof.statement.problem import Face
-from duhem.proof.statement.star import by_degree
+from duhem.proof.search.boundary_identities import composed_of_sums, convex_sums, directions, inward, outward, parallel, steep
+from duhem.proof.statement.problem import Face, by_degree
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
 __all__ = [
@@ -100,7 +99,8 @@ def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
         if subject.ask(_dot(one, two), Sense.POSITIVE, *on_seam).holds is not True:
             return None
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    return _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
+    found = _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
+    return replace(found, proof=Proof("regular-value", {"steep": list(steep(subject))})) if not found.proof and steep(subject) else found
 
 
 def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:

@@ -22,7 +22,7 @@ from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.facts.plane_section import PlaneSection
-from duhem.proof.facts.undefined import undefined_at_zero
+from duhem.proof.facts.special_places import undefined_at_zero
 from duhem.proof.search.suggestion import Chord, Exit, Point, SectionCorner
 from duhem.proof.verdict import Evidence, Verdict, Witness
 from duhem.proof.witness.corners import corner, sharp_point

@@ -26,7 +26,7 @@ from duhem.proof.statement.problem import Face, faces
 if TYPE_CHECKING:
     from duhem.proof.search.squares import Polynomial
 
-__all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward", "parallel"]
+__all__ = ["composed_of_sums", "convex_sums", "directions", "inward", "outward", "parallel", "steep"]
 
 _GOAL, _BOUNDARY, _TANGENT = "the goal", "the boundary", "the tangent"
 _MOST_PIECES, _MOST_MONOMIALS, _LONGEST = 64, 150, 20_000
@@ -44,6 +44,19 @@ def outward(subject: FormulaSubject) -> Identities:
             power = forms.along(forms.forces, flow or [g.diff(x) for x in forms.forces])
             known = forms.everywhere(-power, ">=" if face.flow is None else ">", g, where)
             if not known:
+                return ()
+            found += known
+    return tuple(found)
+
+
+@fact
+def steep(subject: FormulaSubject) -> Identities:
+    """For every piece of g, why grad g != 0 wherever it is 0; none where one is missing."""
+    forms, found = _Forms.of(subject.law), list[Mapping[str, Any]]()
+    for face in faces(subject.law):
+        for g, _, where in _smooth(forms, face):
+            square = forms.zero if g is None else sum((d * d for d in (g.diff(x) for x in forms.forces)), forms.zero)
+            if g is None or not (known := forms.everywhere(-square, ">=", g, where)):
                 return ()
             found += known
     return tuple(found)

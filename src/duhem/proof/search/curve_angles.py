@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from duhem.expression.balls import precision
 from duhem.expression.numpy_ import compiled
-from duhem.proof.facts.curve_quantities import LEAD, LEAN
 from duhem.proof.facts.curve_subject import CurveSubject
+from duhem.proof.facts.numeric_curve import LEAD, LEAN
 from duhem.proof.facts.parameter_choices import Values
 
 __all__ = ["Dent", "dents", "half_tangent", "least_powers", "targets"]

@@ -9,9 +9,8 @@ from fractions import Fraction
 import flint
 
 from duhem.expression.balls import ball, certain_sign, precision
-from duhem.proof.facts.curve_quantities import POWER
 from duhem.proof.facts.curve_subject import CurveSubject
-from duhem.proof.facts.numeric_curve import Ball, Vector, cross, dot
+from duhem.proof.facts.numeric_curve import POWER, Ball, Vector, cross, dot
 from duhem.proof.facts.parameter_choices import Values
 from duhem.proof.verdict import Witness
 from duhem.proof.witness.points import decimal_pair

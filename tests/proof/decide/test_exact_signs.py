@@ -1,4 +1,4 @@
-"""What the exact deciders stand on, each against what is known beforehand: roots, cells, projections, factors, signs."""
+"""Signs that are shown exactly, each against what is known beforehand: close roots, declared domains, affine relations."""
 
 from __future__ import annotations
 
@@ -6,44 +6,20 @@ import random
 from collections.abc import Callable
 from contextlib import suppress
 from fractions import Fraction
-from itertools import pairwise, product
+from itertools import pairwise
 
-import flint
 import pytest
 import sympy as sp
 
 from duhem.expression import Neg, Norm, Pos, Where, symbol
-from duhem.expression.number import fraction, rational
+from duhem.expression.number import rational
 from duhem.proof.decide import Budget, Question, Sense, decide
-from duhem.proof.decide.bivariate import DegenerateError, Integral, OpenError, at_rational, factors, projection, true
-from duhem.proof.decide.deciders import _factors, by_rules
-from duhem.proof.decide.plane_region import _dense
-from duhem.proof.decide.polynomials import Relation, System
-from duhem.proof.decide.roots import between, real_roots, square_free
+from duhem.proof.decide.deciders import by_rules
 from tests.oracles.prover.affine import Affine
-from tests.proof.decide.truth import Point, UnsuitedError, value, violated
+from tests.proof.decide.truth import UnsuitedError, value, violated
 
 x, y = symbol("x"), symbol("y")
 NUMBERS = [Fraction(n, 2) for n in range(-4, 5)]
-
-
-def _sign(number: Fraction) -> int:
-    return (number > 0) - (number < 0)
-
-
-@pytest.mark.parametrize("roots", [[], [0], [-1, 1], [-2, -2, 0, 3], [1, 1 + Fraction(1, 10**40)], [Fraction(1, 3), Fraction(1, 2), 5]])
-def test_real_roots_are_isolated(roots: list[Fraction]) -> None:
-    poly = flint.fmpz_poly([1, 0, 1])  # two that are not real
-    for root in map(Fraction, roots):
-        poly *= flint.fmpz_poly([-root.numerator, root.denominator])
-    plain, distinct = square_free(poly), sorted(set(roots))
-    assert plain.gcd(plain.derivative()).degree() == 0 and plain.degree() == 2 + len(distinct)
-    balls = real_roots(plain, 256, Budget(10**6))
-    assert len(balls) == len(distinct)
-    assert all(abs(fraction(b.mid().fmpq()) - r) <= fraction(b.rad().fmpq()) < 1e-70 for b, r in zip(balls, distinct, strict=True))
-    cells = between(balls)
-    assert len(cells) == len(distinct) + 1
-    assert all(a < r < b for (a, b), r in zip(pairwise(cells), distinct, strict=True))
 
 
 @pytest.mark.parametrize("digits", [10, 20, 40, 100])
@@ -52,79 +28,6 @@ def test_a_violation_between_roots_close_together(digits: int) -> None:
     for given in ((), (sp.Eq(x**2 + y**2, 4),), (sp.Gt(y, x),)):
         assert decide(Question(apart, Sense.NONNEGATIVE, given)).holds is not True
     assert decide(Question(apart, Sense.NONNEGATIVE)).holds is False
-
-
-def test_large_coefficients_are_no_crash() -> None:
-    """python-flint cannot sort the factors of the last."""
-    polys = Integral(x, y)
-    assert sorted(f.degrees() for f in factors(polys(3 * (x + y) ** 2 * (x * y + 10**20)))) == [(1, 1), (1, 1)]
-    with suppress(OpenError):
-        factors(polys((x + y) * (x + 10**20 * y + 7)))
-
-
-@pytest.mark.parametrize("shear", [0, 1, -2])
-def test_a_sheared_polynomial_has_the_same_signs(shear: int) -> None:
-    """(x, y) is where the sheared one has (x - shear y, y)."""
-    expr = x**2 * y / 3 - 2 * y**3 + x - sp.Rational(1, 2)
-    sheared = Integral(x, y, shear)(expr)
-    for a, b in product(NUMBERS, repeat=2):
-        over = at_rational(sheared, a - shear * b)(flint.fmpq(*b.as_integer_ratio()))
-        assert (over > 0) - (over < 0) == _sign(value(expr, {x: a, y: b}))
-
-
-def test_a_projection_meets_all_that_changes() -> None:
-    """Where the roots in y escape, meet and meet those of another curve; nothing between two such x is special."""
-    polys = Integral(x, y)
-    circle, line, hyperbola = (polys(e) for e in (x**2 + y**2 - 1, 2 * y - x, (x - 3) * y - 1))
-    found = projection([circle, line, hyperbola], [(circle, line)], Budget(10**6), [polys(x - 5)])
-    for special in (x**2 - 1, x**2 * sp.Rational(5, 4) - 1, x - 3, x - 5):
-        factor = flint.fmpz_poly([int(c) for c in sp.Poly(4 * special, x).all_coeffs()[::-1]])
-        assert found.gcd(square_free(factor)).degree() == factor.degree()
-    assert found.gcd(found.derivative()).degree() == 0
-    with pytest.raises(DegenerateError):
-        projection([circle], [(circle, circle)], Budget(10**6))
-
-
-@pytest.mark.parametrize(
-    ("given", "dense"),
-    [
-        ([], True),
-        ([(x, ">"), (x**2 + y**2 - 1, "!=")], True),
-        ([(x, ">="), (1 - x, ">=")], True),
-        ([(x, ">="), (-x, ">=")], False),
-        ([(x - 1, ">="), (1 - 2 * x, ">=")], False),
-        ([(2 * x - 2, ">="), (x, ">="), (1 - x, ">=")], False),
-        ([(x, ">="), (1 - x, ">="), (2 - x, ">=")], True),
-        ([(x, ">="), (1 - x, ">="), (-x, ">=")], False),
-        ([(-x, ">="), (y, ">=")], True),
-        ([(x + y, ">=")], False),
-        ([(-(x**2), ">=")], False),
-        ([(x, "==")], False),
-    ],
-)
-def test_where_inner_points_are_dense(given: list[tuple[sp.Expr, str]], dense: bool) -> None:
-    """In whichever order they are said, and whatever strict ones are said before."""
-    for said in (given, given[::-1], [(x + y, ">"), *given], [(y, "!="), *given, (x, "!=")]):
-        assert _dense(tuple(Relation(*r) for r in said)) is dense
-
-
-def test_factors_say_together_what_the_product_says() -> None:
-    """At a point where the product is as wanted every factor asked about is, or need not be; elsewhere one is not."""
-    rng = random.Random("factors")
-    p, n = symbol("p", positive=True), symbol("n", nonnegative=True)
-    cores = (x, y, x - 1, x + y, x**2 + 1, p, n, p + 1, n + p, x - p, n - 1, y**2 - 2, n**2 + n)
-    for _ in range(40):
-        powers = [rng.choice(cores) ** rng.choice((1, 1, 2, 3)) for _ in range(rng.randint(0, 3))]
-        whole = Relation(sp.expand(sp.Mul(rng.choice((1, -1, sp.Rational(-1, 2), 3)), *powers)), rng.choice((">=", ">", "==", "!=")))
-        goals = _factors(System(whole, (), (), (x, y, p, n), None), Budget(10**6))
-        for _ in range(25):
-            at = {s: rng.choice(NUMBERS) for s in (x, y)} | {p: rng.choice(NUMBERS[5:]), n: rng.choice(NUMBERS[4:])}
-            asked = [_told(goal, at) for goal, away in goals if all(_told(r, at) for r in away)]
-            assert all(asked) is _told(whole, at), (whole, at)
-
-
-def _told(relation: Relation, at: Point) -> bool:
-    return true(_sign(value(sp.sympify(relation.poly), at)), relation.op)
 
 
 @pytest.mark.slow
