@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import partial
 from typing import Any
 
 import pytest
 import sympy as sp
 
-import duhem.proof.decide.line_cells as cells
 import duhem.proof.facts.subject as subject_module
 import duhem.proof.methods.refuters as refuters_module
 import duhem.proof.statement.problem as problem_module
@@ -412,7 +410,6 @@ MUTATIONS: dict[str, Patch] = {
     "equalities not looked at": _deciding(lambda question, answer: Answer(True, "mutant") if question.sense is Sense.ZERO else answer),
     "strict signs taken for weak ones": _strictness_lost,
     "branches looked at on the wrong side": _hypotheses_negated,
-    "one sample for a whole line": _set(cells, "between", lambda roots: [Fraction(0)]),
     "kinks taken to cancel everywhere": _set(Regularity, "cancelling", property(lambda self: True)),
     "sums of quasiconvex functions taken for quasiconvex": _set(curvature_module._CurvatureRules, "add", _quasiconvex_sums),
     "a minimum taken for a maximum": _set(curvature_module._CurvatureRules, "minimum", curvature_module._CurvatureRules.maximum),
@@ -439,7 +436,6 @@ TELLING = {
     "strict signs taken for weak ones": 42,
     "equalities not looked at": 10,
     "branches looked at on the wrong side": 31,
-    "one sample for a whole line": 23,
     "kinks taken to cancel everywhere": 36,
     "sums of quasiconvex functions taken for quasiconvex": 37,
     "a minimum taken for a maximum": 38,

@@ -17,7 +17,7 @@ from duhem.expression.parse import exact_number
 from duhem.expression.spelling import respelled
 from duhem.law.frozen_mapping import FrozenMapping
 
-__all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name", "range_fault"]
+__all__ = ["POSITIVE", "REAL", "Domain", "Domains", "by_name", "cover", "range_fault"]
 
 
 @dataclass(frozen=True)
@@ -146,9 +146,6 @@ class Domains(FrozenMapping[str, Domain]):
 
     __slots__ = ()
 
-    def cover(self, others: Mapping[str, Domain]) -> bool:
-        """Whether each of the others, of the same names, is a part of the one of its name."""
-        return all(domain.covers(others[name]) for name, domain in self.items())
 
     def __init__(self, content: Mapping[str, Domain] | None = None) -> None:
         super().__init__(by_name(content, "a domain"))
@@ -170,3 +167,8 @@ class Domains(FrozenMapping[str, Domain]):
                 )
             narrow[name] = Domain.fixed(number)
         return Domains(narrow)
+
+
+def cover(domains: Mapping[str, Domain], others: Mapping[str, Domain]) -> bool:
+    """Whether each of the other domains, of the same names, is a part of the one of its name."""
+    return all(domain.covers(others[name]) for name, domain in domains.items())

@@ -26,7 +26,7 @@ from duhem.expression.parse import parse_expression
 from duhem.expression.spelling import spelled
 from duhem.expression.verbatim import HASH, Verbatim
 from duhem.law.definitions import Definitions
-from duhem.law.domain import POSITIVE, Domain, Domains, range_fault
+from duhem.law.domain import POSITIVE, Domain, Domains, cover, range_fault
 from duhem.law.given_text import moved, moved_relations, relations
 from duhem.law.registry import register
 from duhem.law.shapes import Shape, check_shape, converted
@@ -225,7 +225,7 @@ class Criterion(Verbatim, ShownLaw):
 
     def _over(self, domains: Domains) -> Criterion:
         part, whole = _over(self, domains), self._whole or self
-        object.__setattr__(part, "_whole", whole if domains != whole.parameters and whole.parameters.cover(domains) else None)
+        object.__setattr__(part, "_whole", whole if domains != whole.parameters and cover(whole.parameters, domains) else None)
         return part
 
     @property
