@@ -130,7 +130,9 @@ class Enclosure(_Ends):
         return type(self)(max(self.low, -self.high, 0), max(-self.low, self.high))
 
     def power(self, n: int) -> Enclosure:
-        """x^n."""
+        """x^n; ValueError where that has too many digits."""
+        if (self.size().high.bit_length() - self.bits) * abs(n) > _MOST_BITS:
+            raise ValueError("a power is too large")
         base, found = self.size() if n % 2 == 0 else self, self.between(Fraction(1), Fraction(1))
         for _ in range(abs(n)):
             found = found.times(base)

@@ -97,7 +97,8 @@ def _lowered(poly: Polynomial, x: Term, square: Polynomial, root: Polynomial | N
         half, odd = divmod(n, 2) if n > 1 or root is not None else (0, n)
         if half < 0:
             part, half = times(part, {(): square[()] ** half}), 0
-        own: list[Polynomial] = [] if not odd else [{((x, odd),): Fraction(1)} if root is None else root]
+        itself: Polynomial = {((x, odd),): Fraction(1)}
+        own = [] if not odd else [itself if root is None else root]
         found.append(reduce(times, [*[square] * half, *own], part))
     return total(*found)
 
