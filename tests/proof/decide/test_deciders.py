@@ -188,7 +188,7 @@ def system(goal: sp.Expr, op: str, *given: tuple[sp.Expr, str]) -> System:
 
 def test_an_open_answer_goes_on_to_the_next_decider(told: Callable[..., list[tuple[System, int]]]) -> None:
     asked = told(Answer(None, "first"), YES)
-    assert deciders._decide_system(system(x * y + 1, ">"), Budget(800)) == YES and [steps for _, steps in asked] == [400, 400]
+    assert deciders._decide_system(system(x * y + 1, ">"), Budget(800)) == YES and [steps for _, steps in asked] == [100, 100]
     asked = told(SpentError(), Answer(None, "second", reason="tired"))
     assert deciders._decide_system(system(x * y + 1, ">"), Budget(800)).reason == "tired" and len(asked) == 2
     told(Answer(None, "first", reason="tired"), SpentError())
@@ -232,7 +232,7 @@ def test_thirty_two_branches_and_no_more(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_shares_of_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Half for the polynomials; of what is not algebraic half for words by name, a sixteenth for a sign, half for an enclosure."""
+    """An eighth for polynomials; of what is not algebraic half for words by name, a sixteenth for a sign, half for an enclosure."""
     import duhem.proof.decide.enclosure as enclosure
 
     seen: list[int] = []
@@ -243,10 +243,10 @@ def test_shares_of_the_steps(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(deciders, "POLYNOMIAL_DECIDERS", (looked,))
     monkeypatch.setattr(enclosure, "by_enclosure", looked)
-    assert decide(Question(x * y + 1, N), Budget(1000)) == Answer(None, "told", reason="no") and seen == [500]
+    assert decide(Question(x * y + 1, N), Budget(1000)) == Answer(None, "told", reason="no") and seen == [125]
     seen.clear()
     answer = decide(Question(sp.exp(p) - x - 1, N), Budget(1000))
-    assert seen == [31, 250, 500] and answer.method == "told" and answer.reason[-4:] == "; no"
+    assert seen == [7, 62, 500] and answer.method == "told" and answer.reason[-4:] == "; no"
 
 
 # -- z3 -------------------------------------------------------------------------------------------------------------------

@@ -97,10 +97,6 @@ def test_a_violation_is_found(world: Callable[[Question, Point], bool | None]) -
     assert _each(lambda one: world(one.question, one.point) is not True) == []
 
 
-def test_pinned_keeps_a_violation() -> None:
-    assert _each(lambda one: any(sp.I in q.expr.atoms() or violated(q, one.point) for q in one.question.pinned())) == []
-
-
 @pytest.mark.slow
 def test_what_holds_at_the_point_is_not_denied(world: Callable[[Question, Point], bool | None]) -> None:
     """Nothing is lost: turned round, with the goal as wanted, the same questions hold in their worlds."""

@@ -235,14 +235,7 @@ class FormulaSubject(Subject):
 
     def ask(self, expr: sp.Expr, sense: Sense, *given: sp.Basic, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> Answer:
         """Decide ``expr sense 0`` over the parameter domain of the simple problem and further relations."""
-        expr = sp.sympify(expr)
-        if expr.has(*UNDEFINED):
-            return Answer(None, reason="the expression is undefined")
-        answer = Answer(True, "vacuous")
-        for question in Question(expr, sense, (*self.simple.given, *given), circle).pinned():
-            if (answer := self.decided(question)).holds is not True:
-                break
-        return answer
+        return self.decided(Question(sp.sympify(expr), sense, (*self.simple.given, *given), circle))
 
     def asked(self, expr: sp.Expr, *given: sp.Basic, strict: bool = False) -> bool:
         """Whether an expression is >= 0, or > 0, where the relations hold (False also when undecided)."""

@@ -28,11 +28,13 @@ from duhem.proof.verdict import Evidence, Proof, Verdict
 __all__ = [
     "convexity_by_sums",
     "convexity_on_boundary",
+    "dissipation_by_identities",
     "dissipation_by_shares",
     "dissipation_of_potential",
     "dissipation_on_boundary",
     "duality",
     "normality_parallel",
+    "smoothness_by_identities",
     "smoothness_by_sums",
     "smoothness_on_boundary",
 ]
@@ -79,6 +81,14 @@ def convexity_on_boundary(subject: FormulaSubject) -> Iterator[Evidence]:
         yield Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=proof)
 
 
+def smoothness_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
+    """grad g != 0 where a piece of g that is a polynomial is 0: g rises outward there, or the square of grad g is > 0."""
+    for name, found in (("outward", outward), ("steep", steep)):
+        if identities := found(subject):
+            proof = Proof("regular-value", {name: list(identities)})
+            yield Evidence(Verdict.PROVED, "regular-value", "grad g != 0 wherever g = 0", proof=proof)
+
+
 def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
     """grad g does not vanish on the boundary and keeps its direction across every seam that the boundary crosses."""
     pieces, forces = subject.pieces, subject.simple.forces
@@ -99,8 +109,14 @@ def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
         if subject.ask(_dot(one, two), Sense.POSITIVE, *on_seam).holds is not True:
             return None
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    found = _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
-    return replace(found, proof=Proof("regular-value", {"steep": list(steep(subject))})) if not found.proof and steep(subject) else found
+    return _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
+
+
+def dissipation_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
+    """force . flow > 0 where a piece of g that is a polynomial is 0 (>= 0 for a flow of the law's own)."""
+    if identities := outward(subject):
+        proof = Proof("boundary-power", {"outward": list(identities)})
+        yield Evidence(Verdict.PROVED, "boundary-power", "force . flow >= 0 wherever g = 0", proof=proof)
 
 
 def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
