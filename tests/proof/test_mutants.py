@@ -8,13 +8,14 @@ answer of the truth table below.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import pytest
 import sympy as sp
 
+import duhem.proof.decide.deciders as deciders_module
 import duhem.proof.facts.subject as subject_module
 import duhem.proof.methods.refuters as refuters_module
 import duhem.proof.statement.problem as problem_module
@@ -26,6 +27,7 @@ from duhem import POSITIVE, Criterion, Verdict, Witness, load, verify
 from duhem.proof.claims import CLAIMS as CLAIMS_BY_NAME
 from duhem.proof.claims import ProofMethod
 from duhem.proof.decide import Answer, Budget, Question, Sense, decide
+from duhem.proof.decide.polynomials import Relation, System
 from duhem.proof.facts.formula_subject import FormulaSubject
 from tests.long import mostly_long
 from tests.oracles.prover.polar_form import PolarForm
@@ -377,8 +379,6 @@ _of_add = curvature_module._CurvatureRules.add
 
 
 def _quasiconvex_sums(self: Any, node: Any, *terms: Any) -> Any:
-    from dataclasses import replace
-
     return replace(_of_add(self, node, *terms), quasiconvex=all(t.quasiconvex for t in terms))
 
 
@@ -388,6 +388,14 @@ def _any_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def _backwards(self: PolarForm, arc: Any) -> Any:
     return -sp.Add(*(a * _turn(self, p) / p for p, a in zip(arc.expr, arc.exponents, strict=True)))
+
+
+_polynomials = deciders_module.polynomial_system
+
+
+def _nowhere(question: Question) -> System:
+    system = _polynomials(question)
+    return replace(system, given=(*system.given, Relation(sp.S.NegativeOne, ">=")))
 
 
 def _with_gamma(times: int) -> Any:
@@ -410,6 +418,7 @@ MUTATIONS: dict[str, Patch] = {
     "equalities not looked at": _deciding(lambda question, answer: Answer(True, "mutant") if question.sense is Sense.ZERO else answer),
     "strict signs taken for weak ones": _strictness_lost,
     "branches looked at on the wrong side": _hypotheses_negated,
+    "polynomials asked where nothing is": _set(deciders_module, "polynomial_system", _nowhere),
     "kinks taken to cancel everywhere": _set(Regularity, "cancelling", property(lambda self: True)),
     "sums of quasiconvex functions taken for quasiconvex": _set(curvature_module._CurvatureRules, "add", _quasiconvex_sums),
     "a minimum taken for a maximum": _set(curvature_module._CurvatureRules, "minimum", curvature_module._CurvatureRules.maximum),
