@@ -50,8 +50,8 @@ CONSTANTS = [
     ("1 - abs(q)", "? affine"), ("norm(m, m) - 2*m", "< affine"), ("-2*m + norm(m, m)", "< affine"),
     ("-2*m + norm(m, m) - e", "< affine"), ("norm(m, m) - m", "? affine"), ("norm(m, m) - e", "? affine"),
     ("norm(m, m) + 2*m", "> affine"), ("1*sin(e + 1)", "> affine"), ("sin(e + 1) - sin(1/2)", "> affine"), ("sin(m)", "? affine"),
-    ("0 + cos(q)", "> affine"), ("cos(3/2*q)", "> affine"), ("cos(1.51*q)", "? affine"), ("cos(q - e)", "> affine"),
-    ("cos(q + e)", "> affine"), ("cos(-q - e)", "> affine"), ("cos(e + 1.01)", "? affine"), ("cos(-e - 1.01)", "? affine"),
+    ("0 + cos(q)", "> affine"), ("cos(3/2*q)", "> affine"), ("cos(1.58*q)", "? affine"), ("cos(q - e)", "> affine"),
+    ("cos(q + e)", "> affine"), ("cos(-q - e)", "> affine"), ("cos(e + 1.08)", "? affine"), ("cos(-e - 1.08)", "? affine"),
     ("cos(2*a)", "?"), ("exp(m) - 1", "> affine"), ("1 - exp(m)", "< affine"), ("exp(k) - 1", "< affine"), ("1 - exp(-m)", "> affine"),
     ("exp(q) - 1", "? affine"), ("2 - exp(k)", "> affine"), ("m*(exp(k*m) - 1)", "< affine"), ("norm(q, e)", ">= affine"),
     ("norm(q, m)", "> affine"), ("norm(e, 0)", ">= affine"), ("abs(k)", "> affine"), ("abs(q)", ">= affine"), ("pos(k)", "= affine"),
@@ -85,7 +85,7 @@ CONSTANTS = [
     ("u**4 + 2*u**3 + u**2", ">= affine"), ("-u**2 - 2*u*q - q**2", "<= affine"), ("u**2 - 2*u*q - q**2", "? affine"),
     ("sqrt(m**2 + e) - m - 1", "< affine"), ("sqrt((m - p)**2) - m - p", "< affine"), ("sqrt(m**2 + m) - m", "? affine"),
     ("sqrt(m**2 + e) - m", "? affine"), ("sqrt(m**2 - m*e) - m", "<= affine undefined"), ("-m + sqrt(m**2)", "<= affine"),
-    ("tan(e)", ">= affine"), ("tan(3*e)", ">= affine"), ("tan(3.01*e)", "? affine undefined"), ("tan(-e)", "<= affine"),
+    ("tan(e)", ">= affine"), ("tan(3*e)", ">= affine"), ("tan(3.2*e)", "? affine undefined"), ("tan(-e)", "<= affine"),
     ("tan(e + 1) - tan(1/2)", "> affine"), ("tan(m)", "? affine undefined"),
 ]  # fmt: skip
 

@@ -16,7 +16,7 @@ from duhem.proof.methods import evidence, refuters
 from duhem.proof.search.boundary_points import BoundaryScout, scouts
 from duhem.proof.verdict import Evidence, Proof, Witness
 from duhem.proof.witness.points import EnclosedPoint
-from tests.oracles.prover import implicit
+from tests.oracles.prover import parallel
 
 A_B, DISC = ("a", "b"), "a**2 + b**2 - 1"
 STAR = "min(a**2 + 4*b**2, 4*a**2 + b**2) - 1"
@@ -58,7 +58,7 @@ def floats(point: Any, names: Sequence[str] = A_B) -> list[float]:
     ],
 )
 def test_a_flow_parallel_to_the_normal(g: str, slip: Sequence[str] | None, normal: bool) -> None:
-    found = implicit.normality(subject(g, slip))
+    found = parallel.normality(subject(g, slip))
     if not normal:
         assert found is None
         return
@@ -69,8 +69,8 @@ def test_a_flow_parallel_to_the_normal(g: str, slip: Sequence[str] | None, norma
 
 def test_in_three_forces_every_pair_of_components_counts() -> None:
     for slip, normal in (("a b c", True), ("a b 2*c", False), ("a 2*b c", False), ("2*a b c", False), ("a b -c", False)):
-        assert (implicit.normality(subject("a**2 + b**2 + c**2 - 1", slip.split(), "abc")) is not None) is normal
-    proved = implicit.normality(subject(DISC, ("2*a", "2*b")))
+        assert (parallel.normality(subject("a**2 + b**2 + c**2 - 1", slip.split(), "abc")) is not None) is normal
+    proved = parallel.normality(subject(DISC, ("2*a", "2*b")))
     assert proved is not None and proved.proof is not None and isinstance(proved.proof, Proof)
 
 
@@ -244,7 +244,7 @@ def test_corners_and_sharp_points() -> None:
 
 def test_what_shows_that_a_flow_is_parallel() -> None:
     for slip in (A_B, ("a*(1 + abs(b))", "b*(1 + abs(b))")):
-        known = implicit.normality(subject(DISC, slip))
+        known = parallel.normality(subject(DISC, slip))
         assert known is not None and known.proof is not None and set(known.proof.evidence) == {"along", "across"}
         assert evidence.normality_parallel(subject(DISC, slip), {"convexity": Evidence(Verdict.TESTED, "", "")}) is None
 
@@ -255,7 +255,7 @@ def test_of_two_surfaces_each_flow_counts() -> None:
     )
     for slips, normal in ((("a", "b", "1", "0"), True), (("a", "b", "1", "1/9"), False), (("a", "2*b", "1", "0"), False)):
         law = reads(text.format(*slips))
-        assert (implicit.normality(FormulaSubject(law)) is not None) is normal  # type: ignore[arg-type]
+        assert (parallel.normality(FormulaSubject(law)) is not None) is normal  # type: ignore[arg-type]
 
 
 def test_a_centre_is_inside_at_the_same_parameters() -> None:

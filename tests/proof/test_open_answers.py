@@ -13,10 +13,11 @@ import pytest
 from duhem import Criterion, Domain
 from duhem.proof.decide import Answer
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import boundary as implicit
 from duhem.proof.methods import evidence
 from duhem.proof.verdict import Evidence, Verdict
 from tests.long import mostly_slow
-from tests.oracles.prover import degrees, implicit, polar
+from tests.oracles.prover import degrees, parallel, polar
 from tests.oracles.prover import evaluation as evaluated
 
 Method = Callable[[FormulaSubject], Evidence | None]
@@ -31,8 +32,8 @@ ROWS: list[tuple[Method, str, Sequence[str] | None, int]] = [  # how many of the
     (evidence.smoothness_on_boundary, HALVES, None, 0),
     (evidence.dissipation_on_boundary, HALVES, None, 0),
     (evidence.dissipation_on_boundary, DISC, A_B, 0),
-    (implicit.normality, DISC, A_B, 0),
-    (implicit.normality, "a**2 + b**2 + c**2 - q", ("a", "b", "c"), 0),
+    (parallel.normality, DISC, A_B, 0),
+    (parallel.normality, "a**2 + b**2 + c**2 - q", ("a", "b", "c"), 0),
     (polar.convexity, "norm(a, b) + abs(a)/2 - q", None, 6),  # its arcs are asked by composition first
     (polar.smoothness, "norm(a, b) + a*b/norm(a, b)/4 + abs(a)*a/norm(a, b)/8 - q", None, 0),
     (degrees.dissipation, "a**2 + b**2 - q", None, 1),

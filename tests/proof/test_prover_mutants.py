@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 import sympy as sp
 
+import duhem.proof.methods.boundary as implicit
 import duhem.proof.statement.problem as problem
 import tests.oracles.prover.composition as composition
 import tests.oracles.prover.curvature as curvature_facts
-import tests.oracles.prover.implicit as implicit
 import tests.oracles.prover.polar as polar
 import tests.oracles.prover.polar_form as polar_facts
 import tests.oracles.prover.polyhedral as polyhedral
@@ -31,6 +31,7 @@ from duhem.proof.trust import Confirmations, Standing
 from duhem.proof.verdict import Evidence, Proof, Trust
 from tests.long import mostly_long
 from tests.oracles.prover import evaluation as evaluated
+from tests.oracles.prover import parallel
 from tests.oracles.prover.consequences import by_convexity, by_normality
 from tests.oracles.prover.polar_form import PolarForm
 from tests.oracles.prover.regularity import Regularity
@@ -320,11 +321,11 @@ LIES = (
     Lie("K not compared with its half-spaces", put(polyhedral.Affine, "solution", faces_alone), "convexity", polyhedral.convexity, NOTCHED),
     # flows and premises
     Lie("the direction of the flow not asked", asking(granted(Sense.ZERO)),
-        "normality", implicit.normality, flowing("a**2 + b**2 - 1", "a", "2*b")),
+        "normality", parallel.normality, flowing("a**2 + b**2 - 1", "a", "2*b")),
     Lie("the sense of the flow not asked", asking(granted(Sense.NONNEGATIVE)),
-        "normality", implicit.normality, flowing("a**2 + b**2 - 1", "-a", "-b")),
+        "normality", parallel.normality, flowing("a**2 + b**2 - 1", "-a", "-b")),
     Lie("parallel to no gradient", asking(granted(Sense.POSITIVE)),
-        "normality", implicit.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
+        "normality", parallel.normality, flowing("pos(norm(a, b) - 1)**2", "b", "-a")),
     Lie("normal to a K not convex", no_patch, "normality", after()(evidence.normality_parallel), flowing("1 - a**2 - b**2", "-a", "-b"),
         after("convexity")(evidence.normality_parallel)),
     Lie("associated with a K not convex", no_patch, "normality", after()(by_convexity), DENT, after("convexity")(by_convexity)),

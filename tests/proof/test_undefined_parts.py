@@ -82,7 +82,7 @@ def test_nowhere_in_a_formula(g: str, part: str) -> None:
     "part",
     [
         "m/0", "t1/(m - m)", "1/sin(0)", "1/sin(pi)", "sqrt(-1)", "(-2)**0.5", "log(0)", "log(-abs(t1))", "asin(2)", "acos(t1**2 + 3)",
-        "log(-1)", "tan(pi/2)", "atan2(0, 0)", "atan2(atan2(t1, t2), 1)", "sqrt(s)", "s**0.65", "log(s)", "0**-1",
+        "log(-1)", "tan(pi/2)", "atan2(0, 0)", "sqrt(s)", "s**0.65", "log(s)", "0**-1",
     ],
 )  # fmt: skip
 def test_what_has_no_value_anywhere_is_in_no_law_that_is_confirmed(part: str) -> None:

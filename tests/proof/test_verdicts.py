@@ -18,13 +18,14 @@ from duhem.law.builtin.lobes import lobe_law
 from duhem.proof.claims import CLAIMS as REGISTERED
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.domain import StatedLaw
+from duhem.proof.methods import boundary as implicit
 from duhem.proof.methods import evidence, refuters
 from duhem.proof.verdict import Evidence
 from tests.campaigns.certificates import rechecked
 from tests.campaigns.tampering import tampering
 from tests.long import mostly_long, mostly_slow
 from tests.oracles.literature import CLAIMS, KNOWN, LOBES, THRESHOLDS
-from tests.oracles.prover import composition, implicit, polar, polyhedral
+from tests.oracles.prover import composition, parallel, polar, polyhedral
 from tests.oracles.prover import evaluation as evaluated
 from tests.oracles.reevaluation import confirmed
 from tests.proof.test_kernel import confirmed as confirmed_by_rules
@@ -158,7 +159,7 @@ PROVERS: dict[str, list[ProofMethod]] = {
     "convexity": [composition.convexity, polyhedral.convexity, polar.convexity, implicit.convexity, implicit.hessian],
     "smoothness": [composition.smoothness, polar.smoothness, evidence.smoothness_on_boundary],
     "dissipation": [polar.dissipation, evidence.dissipation_on_boundary],
-    "normality": [implicit.normality],
+    "normality": [parallel.normality],
     "origin": [evaluated.origin, polar.origin],
 }
 REFUTERS: dict[str, list[ProofMethod]] = {

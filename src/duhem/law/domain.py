@@ -146,7 +146,6 @@ class Domains(FrozenMapping[str, Domain]):
 
     __slots__ = ()
 
-
     def __init__(self, content: Mapping[str, Domain] | None = None) -> None:
         super().__init__(by_name(content, "a domain"))
         for name, domain in self.items():

@@ -67,7 +67,7 @@ def _holds(law: Criterion, ranges: Ranges, of: Callable[[Criterion], Criterion |
     """The verdict for all numbers in the law's domain, if it is a proof, or else for those in the ``ranges``."""
     if (found := _verdict(of(law))) == "proved" or not ranges:
         return found
-    return _verdict(of(law.within(dict(ranges))))
+    return _verdict(of(replace(law.within(dict(ranges)))))  # a copy, which knows of no whole: that was asked already
 
 
 @lru_cache(maxsize=1024)
@@ -80,9 +80,9 @@ def _verdict(law: Criterion | None) -> str:
         path = kept_verdicts.place(law, f"convexity {_EFFORT}")
         if path is not None and (found := kept_verdicts.recalled(path)):
             return found
-        from duhem.proof.verification import claim_results
+        from duhem.proof.verification import verify
 
-        found = claim_results(law, "convexity", _EFFORT)[0].verdict.value
+        found = verify(law, claims="convexity", effort=_EFFORT)["convexity"].verdict.value
     except DuhemError:  # undefined somewhere, or no numbers at all
         return ""
     if path is not None:

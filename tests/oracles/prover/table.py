@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods import boundary
 from duhem.proof.verdict import Evidence
 from tests.oracles.prover import (
     composition,
     convex_sums,
     degrees,
     evaluation,
-    implicit,
     polar,
     polyhedral,
     power_share,
@@ -28,8 +28,8 @@ PROVERS: Mapping[str, tuple[Callable[[FormulaSubject], Evidence | None], ...]] =
         convex_sums.convexity,
         polyhedral.convexity,
         polar.convexity,
-        implicit.convexity,
-        implicit.hessian,
+        boundary.convexity,
+        boundary.hessian,
     ),
     "smoothness": (composition.smoothness, rounded.smoothness, polar.smoothness),
     "dissipation": (degrees.dissipation, degrees.dissipation_of_potential, power_share.dissipation, polar.dissipation),

@@ -15,11 +15,10 @@ import sympy as sp
 from duhem.expression.branches import Branch, seam, seams
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods.evidence import normality_parallel
 from duhem.proof.search.boundary_identities import directions, inward, outward
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
-__all__ = ["convexity", "hessian", "normality"]
+__all__ = ["convexity", "hessian"]
 
 _MOST_PIECES = 8
 
@@ -129,11 +128,6 @@ def hessian(subject: FormulaSubject) -> Evidence | None:
         f"hessian ({', '.join(sorted(used))})",
         "g is convex: second derivatives >= 0 on each branch, gradient never jumps down",
     )
-
-
-def normality(subject: FormulaSubject) -> Evidence | None:
-    """A flow that is parallel to grad g, K taken for convex."""
-    return normality_parallel(subject, {"convexity": Evidence(Verdict.PROVED, "known", "so it is")})
 
 
 def _rising(rule: str, subject: FormulaSubject) -> Proof | None:

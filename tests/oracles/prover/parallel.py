@@ -1,0 +1,14 @@
+"""Normality of a flow of the law's own, K taken for convex: the flow is parallel to grad g, and points the same way."""
+
+from __future__ import annotations
+
+from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods.evidence import normality_parallel
+from duhem.proof.verdict import Evidence, Verdict
+
+__all__ = ["normality"]
+
+
+def normality(subject: FormulaSubject) -> Evidence | None:
+    """A flow that is parallel to grad g, K taken for convex."""
+    return normality_parallel(subject, {"convexity": Evidence(Verdict.PROVED, "known", "so it is")})
