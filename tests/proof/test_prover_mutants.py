@@ -242,7 +242,10 @@ def duality(change: Callable[[SupportFunction], SupportFunction]) -> Patch:
 LIES = (
     # what the deciders say
     Lie("everything is proved", asking(lambda *q: YES), "convexity", polar.convexity, WAVES),
-    Lie("refuted for proved", asking(lambda *q: YES if honest(*q).holds is False else honest(*q)), "convexity", polar.convexity, WAVES),
+    Lie(
+        "refuted for proved", asking(lambda *q: YES if honest(*q).holds is False else honest(*q)),
+        "convexity", implicit.hessian, law("a**2 - b**2/1000 - 1"),
+    ),
     Lie(
         "undecided for proved", asking(lambda *q: YES if honest(*q).holds is None else honest(*q)),
         "convexity", implicit.hessian, law("sin(a)**2/1000 + exp(-b**2) - 2"),

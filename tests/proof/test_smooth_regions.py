@@ -81,7 +81,8 @@ def confirmed(law: Criterion, **inside: str) -> bool:
 def test_round_at_its_ends(made: Callable[[], Criterion]) -> None:
     law = made()
     assert confirmed(law)
-    assert rounded.smoothness(FormulaSubject(law)) is not None
+    if not law.parameters:  # the deciders of the second opinion do not know powers with free exponents
+        assert rounded.smoothness(FormulaSubject(law)) is not None
 
 
 @pytest.mark.slow

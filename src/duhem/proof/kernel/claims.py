@@ -22,6 +22,7 @@ from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import divides_by_zero_force
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, StatedDomain, StatedLaw
 from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_rays, is_cone, potential_flows_outward
+from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
 from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
@@ -65,30 +66,38 @@ def objection(claim: str, rule: str, settled: frozenset[str], law: StatedLaw | S
         undecided = once(obligations.constraints) or once(reads)
     except UNREADABLE as fault:
         undecided = f"the law cannot be read: {in_words(fault)}"
-    return undecided or _objection_in_cases(rule, check, law, evidence)
+    return undecided or _objection_in_cases(claim, rule, check, law, evidence)
 
 
-def _objection_in_cases(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0) -> str:
+def _objection_in_cases(
+    claim: str, rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence, depth: int = 0
+) -> str:
     """The objection to a law, and to each of those that it is where a choice of constants goes one way."""
     reasons = set[str]()
     try:
-        for form in _forms(law):
+        for form in _forms(claim, law):
             reasons.add(_objection(rule, check, form, evidence))
             if "" in reasons:
                 return ""
         parts = cases(law) if isinstance(law, StatedLaw) and depth < _MOST_CASES else ()
-        if parts and not any(_objection_in_cases(rule, check, part, evidence, depth + 1) for part in parts):
+        if parts and not any(_objection_in_cases(claim, rule, check, part, evidence, depth + 1) for part in parts):
             return ""
     except UNREADABLE:
         pass  # there is no simpler form
     return max(reasons)
 
 
-def _forms(law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
-    """The law as written; with the same K, the same boundary and a simpler g, if there is one."""
+def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | StatedCurve]:
+    """The law as written; with the same K, the same boundary and a simpler g, if there is one; both in principal stresses.
+
+    What K's support function is, is said of all components.
+    """
     yield law
-    if isinstance(law, StatedLaw) and (simpler := without_outer_map(law)) != law:
-        yield simpler
+    if isinstance(law, StatedLaw):
+        if (simpler := without_outer_map(law)) != law:
+            yield simpler
+        if claim not in ("duality", "state_laws") and (principal := in_principal_stresses(simpler)) is not None:
+            yield principal
 
 
 def _objection(rule: str, check: Callable[..., bool], law: StatedLaw | StatedCurve, evidence: Evidence) -> str:

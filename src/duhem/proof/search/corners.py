@@ -38,7 +38,7 @@ from duhem.proof.search.suggestion import Point, SectionCorner, SharpPoint
 
 __all__ = ["Crossing", "crossings", "section_corners", "sharp_points"]
 
-_MOST = 16  # crossings of one seam
+_MOST, _NEAREST = 16, 2  # crossings of one seam; places nearest to it
 _MOST_EXPONENT = 10_000  # SymPy makes polynomials of so high a degree of a power: that took more than a minute
 _START = 8_000  # steps from one place to a crossing, or to none
 _PLANES, _TIPS, _PLACES = 6, 6, 6
@@ -77,9 +77,11 @@ def crossings(subject: FormulaSubject, parameters: Values, digits: int = 40) -> 
         if len(seam.crossed) != 1:
             continue
         system = sp.Matrix([seam.after.expr, *seam.crossed]).subs(exact)
-        signs = np.sign(np.broadcast_to(compiled(system[1], forces)(*around.T), len(around)))
+        switch = np.broadcast_to(compiled(system[1], forces)(*around.T), len(around))
+        turns = np.flatnonzero(np.sign(switch) != np.sign(np.roll(switch, -1)))[:_MOST]
+        nearest = np.argsort(np.abs(switch))[:_NEAREST]  # the seam may begin where rays no longer leave K
         slopes, known = jacobian(system, forces), list[Point]()
-        for start in around[signs != np.roll(signs, -1)][:_MOST] if slopes is not None else ():
+        for start in around[[*turns, *nearest]] if slopes is not None else ():
             if any(math.dist(map(float, point), start) < 0.1 * math.hypot(*start) for point in known):
                 continue  # a place beside one that led here
             if not subject.budget.pays(_START):

@@ -1,0 +1,122 @@
+"""A law that does not change when the six components of its stress are turned, as the same law in principal stresses.
+
+Let g(R sigma R^T) = g(sigma) for every rotation R, so that g is a symmetric function f of the principal stresses.  Then K is convex
+if and only if {f <= 0} is (Davis 1957, Arch. Math. 8, 276: the principal stresses of a mean of two tensors are a mean of permutations
+of the means of theirs); g is C^1 where f is (Lewis 1996, Math. Oper. Res. 21, 576, theorem 1.1); and a normal n of {f <= 0} at the
+principal stresses is, along the same axes, one of K, with the same power sigma . n.  That g is invariant shows in its formula: every
+part that is a polynomial of the components is, for its rate along two rotations, which generate all others, is 0; what is made of
+invariant parts is; and so is the greatest eigenvalue of a matrix that turns with sigma.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations
+from typing import NamedTuple
+
+from duhem.proof.kernel.curvature import over
+from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.forms import degree_at_most
+from duhem.proof.kernel.polynomial import Polynomial, negated, slope, times, total
+from duhem.proof.kernel.term import Term, number
+
+__all__ = ["in_principal_stresses"]
+
+Matrix = Sequence[Polynomial]  # xx, yy, zz, yz, xz, xy
+_AXES = ((0, 1), (1, 2))  # z and x, by the planes that turn
+_AT = ((0, 5, 4), (5, 1, 3), (4, 3, 2))  # where an entry of the matrix stands in that list
+
+
+def in_principal_stresses(law: StatedLaw) -> StatedLaw | None:
+    """The law with its shear components 0, if the others are normal components of an isotropic law; None for any other law."""
+    if len(law.forces) != 6 or not law.associated or any(name in law.forces for name, _ in law.ranges):
+        return None
+    domain, names = over(law), [Term("name", name=x) for x in law.forces]
+    for shear in permutations(names[3:]):
+        tensor = _Components(domain, (*names[:3], *shear))
+        if tensor.invariant(law.g):
+            swap = dict.fromkeys(shear, number(0))
+            surfaces = tuple((_diagonal(g, swap, domain), None) for g, _ in law.surfaces)
+            return law._replace(forces=law.forces[:3], g=_diagonal(law.g, swap, domain), surfaces=surfaces)
+    return None
+
+
+class _Components(NamedTuple):
+    """The components xx, yy, zz, yz, xz, xy of a symmetric tensor."""
+
+    domain: StatedDomain
+    components: tuple[Term, ...]
+
+    def invariant(self, term: Term) -> bool:
+        """Whether the formula shows that turning the tensor changes neither its value nor whether it is defined."""
+        if self.domain.constant(term):
+            return True
+        if term.op == "eigmax":
+            return self._turns(term.args)
+        if term.op not in ("+", "*"):
+            poly = self._polynomial(term)
+            return not self._rates(poly) if poly is not None else all(map(self.invariant, term.args))
+        known = [(a, self._polynomial(a)) for a in term.args]
+        together = Term(term.op, tuple(a for a, poly in known if poly is not None))
+        return not self._rates(self.domain.polynomial(together)) and all(self.invariant(a) for a, poly in known if poly is None)
+
+    def _polynomial(self, term: Term) -> Polynomial | None:
+        """Of the components, with constants for coefficients; None where it is none as it is written."""
+        return None if degree_at_most(term, self.domain) is None else self.domain.polynomial(term)
+
+    def _rates(self, poly: Polynomial) -> list[Polynomial]:
+        """How fast it changes about the axes z and x, where it does."""
+        return [rate for i, j in _AXES if (rate := self._rate(poly, i, j))]
+
+    def _turns(self, entries: Sequence[Term]) -> bool:
+        """Whether a matrix of polynomials turns with the tensor."""
+        found = [self._polynomial(a) for a in entries]
+        matrix = [poly for poly in found if poly is not None]
+        if len(matrix) < len(found):
+            return False
+        return all([self._rate(poly, i, j) for poly in matrix] == _turned(matrix, i, j) for i, j in _AXES)
+
+    def _rate(self, poly: Polynomial, i: int, j: int) -> Polynomial:
+        """How fast it changes while the tensor turns in the plane of i and j."""
+        rates = _turned([self.domain.polynomial(x) for x in self.components], i, j)
+        return total(*(times(slope(poly, x), rate) for x, rate in zip(self.components, rates, strict=True)))
+
+
+def _turned(matrix: Matrix, i: int, j: int) -> list[Polynomial]:
+    """The rate W S - S W of a symmetric matrix S, with W_ji = 1 = -W_ij: i and j turn in their plane."""
+
+    def entry(a: int, b: int) -> Polynomial:
+        left = matrix[_AT[i][b]] if a == j else negated(matrix[_AT[j][b]]) if a == i else {}
+        right = matrix[_AT[a][j]] if b == i else negated(matrix[_AT[a][i]]) if b == j else {}
+        return total(left, negated(right))
+
+    return [entry(a, b) for a, b in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
+
+
+def _diagonal(term: Term, swap: dict[Term, Term], domain: StatedDomain) -> Term:
+    """The formula where the tensor is diagonal, without what then is 0 times something; such a matrix has its entries for eigenvalues."""
+    if domain.constant(term):
+        return term
+    if term.op == "eigmax":  # its other entries are 0 there: it turns with the tensor, which half a turn about an axis leaves as it is
+        return Term("max", tuple(_diagonal(a, swap, domain) for a in term.args[:3]))
+    args = tuple(_diagonal(a, swap, domain) for a in term.args)
+    if term.op == "+":
+        left = tuple(a for a in args if not _nothing(a))
+        return left[0] if len(left) == 1 else Term("+", left) if left else number(0)
+    return swap[term] if term in swap else term._replace(args=args)
+
+
+def _nothing(term: Term) -> bool:
+    """Whether it is 0 as it is written, and defined: a product of sums and powers with a factor 0."""
+    if term.op == "*":
+        return any(map(_nothing, term.args)) and all(map(_plain, term.args))
+    if term.op == "**":
+        return _nothing(term.args[0]) and term.args[1].op == "number" and term.args[1].value > 0
+    return term.op == "number" and term.value == 0
+
+
+def _plain(term: Term) -> bool:
+    """Whether it is defined for every value of its names: numbers, names, sums, products and whole powers."""
+    if term.op == "**":
+        return _plain(term.args[0]) and term.args[1].op == "number" and term.args[1].value >= 0 and term.args[1].value.denominator == 1
+    return term.op in ("number", "name") or (term.op in ("+", "*") and all(map(_plain, term.args)))
