@@ -133,6 +133,8 @@ def test_each_root_has_one_name() -> None:
 def test_on_the_circle() -> None:
     circle = line(x**2 + y**2 - 1, "==")
     assert told(asked(y**3 + x * y**2, circle=True)) == (line(y**3 + x * y**2, ">="), [circle], [])
+    assert told(asked(Norm(x, y) - x, circle=True)) == (line(1 - x, ">="), [circle], [])
+    assert told(asked(sp.sqrt(y**2 + x**2) - x, circle=True)) == (line(1 - x, ">="), [circle], [])
     assert asked(p, circle=True).variables == (p, x, y)
 
 

@@ -56,13 +56,16 @@ class _Named(NamedTuple):
 
 
 class _Names:
-    """Roots and reciprocals met so far, each after those in it."""
+    """Roots and reciprocals met so far, each after those in it; on a circle the sum of its squares is 1."""
 
-    def __init__(self) -> None:
+    def __init__(self, circle: tuple[sp.Symbol, sp.Symbol] | None = None) -> None:
+        self._one = None if circle is None else sp.Add(*(x**2 for x in circle))
         self.found: dict[tuple[sp.Expr, int], _Named] = {}
 
     def root(self, radicand: sp.Expr, q: int) -> sp.Expr:
         """rho >= 0 with rho^q = radicand."""
+        if radicand == self._one:
+            return sp.S.One
         if radicand.is_Rational and (exact := sp.root(radicand, q)).is_Rational:
             return exact
         if (radicand, q) not in self.found:
@@ -110,7 +113,7 @@ class _Names:
 
 def polynomial_system(question: Question) -> System:
     """The question over polynomials; NotAlgebraicError where it is not algebraic."""
-    names = _Names()
+    names = _Names(question.circle)
     said = dict.fromkeys((names.rewrite(_gap(r)), _OPS[type(r)]) for r in (*question.given, *question.on_circle()))
     given = [Relation(p, "==" if op == ">=" and (-p, op) in said else op) for p, op in said]  # z3 does not see that, and it costs much
     goal = Relation(names.rewrite(question.expr), question.sense.value)
