@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 
 from duhem.proof.kernel.pieces import CHOICES, below, chooses, pieces
-from duhem.proof.kernel.polyhedron import Face, corners, greatest_of, is_bounded, measured, polyhedron, within
+from duhem.proof.kernel.polyhedron import Face, corners, is_bounded, least_of_greatest, measured, polyhedra, union_is_convex, within
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.term import NotWritten, parse
 from tests.proof.small_laws import domain
@@ -110,6 +110,20 @@ def test_corners_and_bounds() -> None:
     assert not is_bounded([face(2, 1)], 1) and not within((F(2), F(0)), SQUARE) and within((F(1), F(-1)), SQUARE)
 
 
+def test_unions_of_squares() -> None:
+    def moved(x: F | int, y: F | int = 0) -> list[Face]:
+        return [(row, limit + row[0] * F(x) + row[1] * F(y)) for row, limit in SQUARE]
+
+    cases: list[tuple[list[list[Face]], bool]] = [
+        ([], True), ([moved(1)], True), ([moved(2)], True), ([moved(F(2001, 1000))], False), ([moved(1, F(1, 1000))], False),
+        ([moved(1, 1)], False), ([moved(2), moved(4)], True), ([moved(2), moved(0, 2)], False), ([SQUARE], True),
+        ([moved(2), moved(0, 2), moved(2, 2)], True),
+    ]  # fmt: skip
+    for others, convex in cases:
+        assert union_is_convex([SQUARE, *others], 2) is convex
+    assert not union_is_convex([SQUARE[:3]], 2) and union_is_convex([[face(1, 0, -2), face(-1, 0, 1), *SQUARE[2:]], SQUARE], 2)
+
+
 def test_piecewise_affine_formulas() -> None:
     here = domain()
     cases = [
@@ -117,17 +131,22 @@ def test_piecewise_affine_formulas() -> None:
         ("max(a, abs(b))", ["a", "b", "-b"]), ("q", ["q"]),
     ]  # fmt: skip
     for text, arms in cases:
-        assert [here.polynomial(arm) for arm in greatest_of(parse(text), here)] == [here.polynomial(parse(arm)) for arm in arms]
-    for text in ("min(a, abs(b))", "k*abs(a)"):
-        assert greatest_of(parse(text), here) == [parse(text)]
+        assert [[here.polynomial(arm) for arm in cell] for cell in least_of_greatest(parse(text), here)] == [
+            [here.polynomial(parse(arm)) for arm in arms]
+        ]
+    assert [len(cell) for cell in least_of_greatest(parse("min(a, abs(b)) + abs(a)"), here)] == [2, 4]
+    assert [len(cell) for cell in least_of_greatest(parse("max(min(a, b), min(a, 1), b)"), here)] == [3, 3, 3, 3] and len(
+        least_of_greatest(parse("k*abs(a)"), here)[0]
+    ) == 1
+    assert len(least_of_greatest(parse("min(a, b)"), here)) == 2
     with pytest.raises(NotWritten):
-        greatest_of(parse(" + ".join(["abs(a)"] * 7)), here)
+        least_of_greatest(parse(" + ".join(["abs(a)"] * 7)), here)
     assert measured([parse("3*m"), parse("0"), parse("-m/2")], parse("2*m"), here) == (F(3, 2), 0, F(-1, 4))
     with pytest.raises(NotWritten):
         measured([parse("q")], parse("m"), here)
-    faces, far, steep = polyhedron(parse("max(2*m*abs(a), m*b) - 3*p"), ("a", "b"), here)
+    cells, far, steep = polyhedra(parse("max(2*m*abs(a), m*b) - 3*p"), ("a", "b"), here)
     assert here.polynomial(far) == here.polynomial(parse("3*p")) and here.polynomial(steep) == here.polynomial(parse("2*m"))
-    assert sorted(faces) == sorted([((F(1), F(0)), F(1)), ((F(-1), F(0)), F(1)), ((F(0), F(1, 2)), F(1))])
+    assert sorted(cells[0]) == sorted([((F(1), F(0)), F(1)), ((F(-1), F(0)), F(1)), ((F(0), F(1, 2)), F(1))])
     for text in ("max(abs(a), abs(b)) - q", "max(abs(a), abs(b))", "max(abs(a), q*abs(b)) - 1"):
         with pytest.raises(NotWritten):
-            polyhedron(parse(text), ("a", "b"), here)
+            polyhedra(parse(text), ("a", "b"), here)

@@ -25,6 +25,7 @@ from duhem.proof.kernel.homogeneity import flows_with_a_share_of_g, grows_along_
 from duhem.proof.kernel.isotropy import in_principal_stresses
 from duhem.proof.kernel.pieces import chooses
 from duhem.proof.kernel.plane_gauge import StarGauge
+from duhem.proof.kernel.polyhedron import polyhedra, union_is_convex
 from duhem.proof.kernel.region import convex_in_its_region, round_at_its_ends
 from duhem.proof.kernel.regularity import smooth_near_the_boundary
 from duhem.proof.kernel.support import is_support_function
@@ -176,6 +177,12 @@ def curved(law: StatedLaw, evidence: Evidence) -> bool:
     return len(law.forces) == 1 or curves_inward(law, evidence["directions"], evidence["inward"])
 
 
+def polyhedral(law: StatedLaw, _: Evidence) -> bool:
+    """g is defined everywhere and piecewise affine; {g <= 0}, a union of polyhedra, is one."""
+    domain = over(law)
+    return facts(law.g, domain).defined and union_is_convex(polyhedra(law.g, law.forces, domain)[0], len(law.forces))
+
+
 def smoothness(law: StatedLaw, evidence: Evidence) -> bool:
     """g is C^1 where g = 0, and has no minimum there: it is convex and somewhere negative; or K is convex and round at its ends."""
     shape = _shape(law, evidence)
@@ -267,6 +274,11 @@ RULES: Mapping[tuple[str, str], RuleRow] = {
     ("convexity", "composition"): RuleRow(
         _NONE, convexity, obligations.formula_where_loads_allow,
         "g is quasiconvex by the rules of composition (Grant, Boyd, Ye 2006; Agrawal, Boyd 2020)",
+    ),
+    ("convexity", "polyhedral"): RuleRow(
+        _NONE, polyhedral, obligations.formula,
+        "g is piecewise affine, and the union of the polyhedra on which g <= 0 is one (Bemporad, Fukuda, Torrisi "
+        "2001)",
     ),
     ("convexity", "polar-curvature"): RuleRow(
         _ORIGIN, lambda law, _: StarGauge(law).convex(), obligations.numbers_in_formula,

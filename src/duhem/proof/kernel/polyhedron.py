@@ -1,9 +1,11 @@
-"""Whether a formula is the support function of K, for a polyhedron K = {x : l . x <= r for each face (l, r)}, in fractions.
+"""Piecewise affine formulas, and polyhedra {x : l . x <= r for each face (l, r)} in fractions.
 
-A formula that is the greatest of affine ones bounds a polyhedron, its coefficients being numbers of a unit.  A corner lies on as many
-independent faces as there are dimensions.  A polyhedron with so many independent faces holds no line; if it is unbounded, some direction
-never leaves it along which all but one of as many independent forms vanish.  A bounded one is the hull of its corners (R. T. Rockafellar
-1970, Convex Analysis, section 18), and a linear form is greatest at one of them (corollary 32.3.4).
+A piecewise affine formula is the least of some greatest of affine ones, their coefficients numbers of a unit.
+
+A corner lies on as many independent faces as there are dimensions.  A polyhedron with so many independent faces holds no line;
+if it is unbounded, some direction never leaves it along which all but one of as many independent forms vanish.  A bounded one is
+the hull of its corners (R. T. Rockafellar 1970, Convex Analysis, section 18), and a linear form is
+greatest at one of them (corollary 32.3.4).
 """
 
 from __future__ import annotations
@@ -23,46 +25,57 @@ __all__ = [
     "Vector",
     "corners",
     "dot",
-    "greatest_of",
     "is_bounded",
+    "least_of_greatest",
     "measured",
-    "polyhedron",
+    "polyhedra",
+    "solved",
     "supports_polytope",
+    "union_is_convex",
     "within",
 ]
 
-_MOST_ARMS, _MOST_CHOICES = 100, 5000
+_MOST_ARMS, _MOST_CHOICES, _MOST_CELLS = 100, 5000, 100
 Vector = tuple[Fraction, ...]
 Face = tuple[Vector, Fraction]
 
 
-def polyhedron(g: Term, forces: Sequence[str], domain: StatedDomain) -> tuple[list[Face], Term, Term]:
-    """The polyhedron {g <= 0}, at forces in units of r/l, and these units: r of the limits, l of the slopes."""
-    arms = [affine(arm, forces, domain) for arm in greatest_of(g, domain)]
-    steep, far = _unit([c for row, _ in arms for c in row], domain), _unit([offset for _, offset in arms], domain)
-    return [(measured(row, steep, domain), measured([minus(offset)], far, domain)[0]) for row, offset in arms], far, steep
+def polyhedra(g: Term, forces: Sequence[str], domain: StatedDomain) -> tuple[list[list[Face]], Term, Term]:
+    """The polyhedra whose union is {g <= 0}, at forces in units of r/l, and these units: r of the limits, l of the slopes."""
+    cells = [[affine(arm, forces, domain) for arm in cell] for cell in least_of_greatest(g, domain)]
+    steep = _unit([c for cell in cells for row, _ in cell for c in row], domain)
+    far = _unit([offset for cell in cells for _, offset in cell], domain)
+
+    def face(row: Sequence[Term], offset: Term) -> Face:
+        (limit,) = measured([minus(offset)], far, domain)
+        return measured(row, steep, domain), limit
+
+    return [[face(*arm) for arm in cell] for cell in cells], far, steep
 
 
-def greatest_of(term: Term, domain: StatedDomain) -> list[Term]:
-    """Terms whose greatest is ``term``."""
+def least_of_greatest(term: Term, domain: StatedDomain) -> list[list[Term]]:
+    """Lists of terms; the least of their greatest is ``term``."""
     if domain.constant(term):
-        return [term]
+        return [[term]]
     x, zero = term.args[0] if term.args else term, number(0)
     match term.op:
         case "abs" | "pos" | "neg":
-            return [zero if term.op == "neg" else x, zero if term.op == "pos" else minus(x)]
-        case "max":
-            return [arm for a in term.args for arm in greatest_of(a, domain)]
+            return [[zero if term.op == "neg" else x, zero if term.op == "pos" else minus(x)]]
+        case "min":
+            return [cell for a in term.args for cell in least_of_greatest(a, domain)]
         case "*":
             moving, still = ([f for f in factors(term) if domain.constant(f) is c] for c in (False, True))
             if len(moving) == 1 and not facts(scale := product_of(*still), domain).sign & NEGATIVE:
-                return [product_of(scale, arm) for arm in greatest_of(moving[0], domain)]
-        case "+":
-            parts = [greatest_of(a, domain) for a in term.args]
-            if prod(map(len, parts)) > _MOST_ARMS:
+                return [[product_of(scale, arm) for arm in cell] for cell in least_of_greatest(moving[0], domain)]
+        case "max" | "+":
+            parts = [least_of_greatest(a, domain) for a in term.args]
+            widths = [max(map(len, cells)) for cells in parts]
+            if prod(map(len, parts)) * (sum(widths) if term.op == "max" else prod(widths)) > _MOST_ARMS:
                 raise NotWritten("there are too many faces")
-            return [sum_of(*arms) for arms in product(*parts)]
-    return [term]
+            if term.op == "max":
+                return [[arm for cell in choice for arm in cell] for choice in product(*parts)]
+            return [[sum_of(*arms) for arms in product(*choice)] for choice in product(*parts)]
+    return [[term]]
 
 
 def _unit(terms: Sequence[Term], domain: StatedDomain) -> Term:
@@ -89,7 +102,7 @@ def corners(faces: Sequence[Face], n: int) -> list[Vector]:
     """The corners, each once."""
     found = list[Vector]()
     for chosen in _chosen(faces, n):
-        free, point = _solved(chosen, n)
+        free, point = solved(chosen, n)
         if not free and point is not None and point not in found and within(point, faces):
             found.append(point)
     return found
@@ -97,11 +110,29 @@ def corners(faces: Sequence[Face], n: int) -> list[Vector]:
 
 def is_bounded(faces: Sequence[Face], n: int) -> bool:
     """Whether it is, and holds no line even if it is empty."""
-    if all(_solved(chosen, n)[0] for chosen in _chosen(faces, n)):
+    if all(solved(chosen, n)[0] for chosen in _chosen(faces, n)):
         return False
     for chosen in _chosen([(row, Fraction(0)) for row, _ in faces], n - 1):
-        free, _ = _solved(chosen, n)
+        free, _ = solved(chosen, n)
         if len(free) == 1 and not {-1, 1} <= {(rise > 0) - (rise < 0) for rise in (dot(row, free[0]) for row, _ in faces)}:
+            return False
+    return True
+
+
+def union_is_convex(parts: Sequence[Sequence[Face]], n: int) -> bool:
+    """Whether it is the polyhedron of all those faces that no part goes beyond.
+
+    A point of that one outside of every part would be strictly beyond a face of each: the mean of the corners of what is beyond
+    or on these faces would be such a point, or there is none.
+    """
+    reached = [corner for part in parts for corner in corners(part, n)]
+    outer = [face for face in dict.fromkeys(face for part in parts for face in part) if all(within(corner, [face]) for corner in reached)]
+    inner = [[face for face in part if face not in outer] for part in parts]
+    if not all(is_bounded(part, n) for part in (*parts, outer)) or prod(map(len, inner)) > _MOST_CELLS:
+        return False
+    for chosen in product(*inner):
+        ends = corners([*outer, *((tuple(-v for v in row), -limit) for row, limit in chosen)], n)
+        if ends and not any(all(dot(row, end) == limit for end in ends) for row, limit in chosen):
             return False
     return True
 
@@ -122,7 +153,7 @@ def _chosen(faces: Sequence[Face], n: int) -> Iterator[tuple[Face, ...]]:
     return combinations(faces, n)
 
 
-def _solved(equations: Sequence[Face], n: int) -> tuple[list[Vector], Vector | None]:
+def solved(equations: Sequence[Face], n: int) -> tuple[list[Vector], Vector | None]:
     """Directions along which every solution may be moved, and one solution if there is any, by elimination."""
     left, done = [[*row, limit] for row, limit in equations], dict[int, list[Fraction]]()
     for column in range(n):
@@ -147,8 +178,9 @@ def supports_polytope(
     """Whether ``potential`` = sup {sigma . d : g <= 0} where the forms ``flat`` in the slips vanish, and it is infinite elsewhere."""
     if len(flat) > 1:
         return False
-    faces, far, steep = polyhedron(g, forces, domain)
-    ends, lines = ([affine(arm, slips, domain) for arm in arms] for arms in (greatest_of(potential, domain), flat))
+    (faces,), far, steep = polyhedra(g, forces, domain)
+    (greatest,) = least_of_greatest(potential, domain)  # ValueError where some are to be the least of
+    ends, lines = ([affine(arm, slips, domain) for arm in arms] for arms in (greatest, flat))
     if any(domain.polynomial(offset) for _, offset in (*ends, *lines)):
         return False
     points = [measured([product_of(c, steep) for c in row], far, domain) for row, _ in ends]
