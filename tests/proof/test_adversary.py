@@ -37,6 +37,15 @@ class Row:
 
 
 ROWS = (
+    # a tangent beyond a right angle has another sign than its angle
+    Row("hyperbola by tan(2)", "a**2 + b**2*tan(2) - 1", "o", "c"),
+    Row("hyperbola by a hair", "a**2 + b**2*(tan(2) + 2.185039863261518991643306102313682543432) - 1", "o", "c"),
+    Row("lozenge turned out", "abs(a) + abs(b)*(tan(2) + 2) - 1", "o", "c"),
+    Row("hyperbolas of a range", "a**2 + b**2*tan(q) - 1", "o", "c", {"q": Domain.between(2, 3)}),
+    Row("empty by tan(2)", "a**2 + b**2 - tan(2)", "", "o"),
+    Row("empty by a range", "norm(a, b) - c*tan(q)", "", "o", {"c": POSITIVE, "q": Domain.between(2, 3)}),
+    Row("turned back by tan(2)", "norm(a, b) - 1", "ocs", "nd", flow=("a*tan(2)", "b*tan(2)")),
+    Row("ellipse by tan(-2)", "a**2 + b**2*tan(-2) - 1", "ocsnd"),
     # Outside of a set that would be admissible: the sign of both halves of g = A - B is wrong.
     Row("outside-disc", "abs(p) - norm(a, b)", "s", "ocnd"),
     Row("outside-disc-weighted", "k*(abs(p) - norm(a, b))", "s", "ocnd", {"k": POSITIVE}),

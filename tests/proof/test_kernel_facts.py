@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import mpmath
 import pytest
 
 from duhem.proof.kernel.curvature import facts, over
@@ -190,6 +191,34 @@ EVERYWHERE = [*CONSTANTS, *FORMULAS, *POWERS]
 @pytest.mark.parametrize(("text", "expected"), mostly_slow(EVERYWHERE, *EVERYWHERE[::5]))
 def test_what_is_shown_everywhere(text: str, expected: str) -> None:
     assert said(facts(parse(text), domain())) == expected
+
+
+@pytest.mark.parametrize("word", ["sin", "cos", "tan", "sinh", "tanh", "atan", "exp", "log", "asin", "acos"])
+def test_the_sign_of_a_word_of_a_number_is_its_own(word: str) -> None:
+    """Beyond a right angle a tangent has another sign than its angle: no rule for one branch is taken for all."""
+    shown = 0
+    for n in (-1, 1):
+        for tenth in range(1, 80, 3):
+            x = f"({n * tenth}/10)"
+            known = facts(parse(f"{word}({x})"), domain())
+            value = mpmath.mpmathify(getattr(mpmath, word)(mpmath.mpf(n * tenth) / 10))
+            if mpmath.im(value):
+                assert not known.defined
+            elif known.defined:
+                assert known.sign & (1 if value < 0 else 4 if value > 0 else 2), f"{word}{x}"
+                shown += known.sign in (1, 2, 4)
+    assert shown >= 3
+
+
+@pytest.mark.parametrize(
+    "text", ["tan(2 + e)", "tan(-2 - e)", "1/tan(2)", "-where(tan(2) > 0, 1, -1)", "a**2*tan(2)", "tan(2) + 2", "tan(5)", "tan(3 - e)"]
+)
+def test_a_tangent_beyond_a_right_angle(text: str) -> None:
+    """e is in [0, 1/2]."""
+    known = facts(parse(text), domain())
+    wrong = {"tan(-2 - e)": 1, "-where(tan(2) > 0, 1, -1)": 1}.get(text, 4)
+    assert known.defined and known.sign & ~(wrong | 2)
+    assert not known.convex or "a" not in text.replace("tan", "")
 
 
 REGIONS: list[tuple[dict[str, bool], list[tuple[str, str]]]] = [

@@ -115,8 +115,10 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             return Facts(x.defined, POSITIVE, x.convex_in_size, False, x.convex_in_size)
         case "atan2":
             return Facts(defined)  # it jumps where the first is 0 and the second < 0
-        case "tan" if defined:
+        case "tan" if defined and _below_right(term.args[0], domain):  # beyond it has another sign than its angle
             return _risen(x)
+        case "tan":
+            return Facts(defined)
         case word if word in _RISING:
             return Facts(x.defined, x.sign, False, False, x.quasiconvex)
         case "cos" if _below_right(term.args[0], domain):
@@ -128,7 +130,7 @@ def _facts(term: Term, domain: StatedDomain) -> Facts:
             return Facts(chosen is not None and x.defined and parts[1 if chosen else 2].defined)
         case "<" | "<=" | ">" | ">=":
             return Facts(defined)
-    return Facts()  # tan has poles
+    return Facts()
 
 
 def _below_right(angle: Term, domain: StatedDomain) -> bool:
