@@ -137,11 +137,15 @@ class NumericCurve:
 
         return self._covered(8, settled)
 
-    def _covered(self, n: int, settled: Callable[[Span], bool | None]) -> bool:
-        """Whether each of n arcs is settled, halved where it is open; an arc that says None ends it."""
-        queue, looked = deque(_pieces(n)), 0  # widest first: where a sign changes, narrow arcs never end
+    def _covered(self, n: int, settled: Callable[[Span], bool | None], narrowest_first: bool = False) -> bool:
+        """Whether each of n arcs is settled, halved where it is open; an arc that says None ends it.
+
+        Where a sign changes, narrow arcs never end, and the widest are looked at first; where no narrower arc than some will do, as at a
+        pole, the ``narrowest_first`` find it sooner.
+        """
+        queue, looked = deque(_pieces(n)), 0
         while queue:
-            span = queue.popleft()
+            span = queue.pop() if narrowest_first else queue.popleft()
             looked += 1
             if known := settled(span):
                 continue
@@ -165,7 +169,7 @@ class NumericCurve:
             turned.append(flint.arb.atan2(cross(start, end), dot(start, end)) if within else flint.arb(0))
             return within
 
-        turns = (sum(turned) / (2 * flint.arb.pi())).unique_fmpz() if self._covered(16, settled) else None
+        turns = (sum(turned) / (2 * flint.arb.pi())).unique_fmpz() if self._covered(16, settled, narrowest_first=True) else None
         return None if turns is None else int(turns)
 
     def greatest(self, quantity: Callable[[CurveJet], Sequence[Ball]], order: int, width: float) -> Greatest | None:
