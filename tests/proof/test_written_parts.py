@@ -19,6 +19,7 @@ from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.kernel.certificate import recheck
 from duhem.proof.verdict import Trust
+from tests.long import mostly_long
 
 ROOT = "sqrt(e**2 - 2)"
 PARTS = ["0*log(e)", "(e/e - 1)", "0*sqrt(e)", "0/e", f"({ROOT}*(c + 1) - {ROOT}*c - {ROOT})"]
@@ -66,7 +67,7 @@ def proved(law: Law) -> set[str]:
     return {r.claim for r in found.results if r.verdict is Verdict.PROVED} - {"state_laws"}
 
 
-@pytest.mark.parametrize("make", [from_python, from_a_file])
+@pytest.mark.parametrize("make", mostly_long([from_python, from_a_file], from_a_file))
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("part", PARTS)
 def test_nothing_is_proved_of_what_may_have_no_value(make: Callable[..., Law], place: str, part: str) -> None:

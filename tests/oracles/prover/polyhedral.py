@@ -28,6 +28,8 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     exprs = [p.expr for p in pieces] + [s for p in pieces for s in p.signs]
     if not all(e.is_polynomial(*forces) and sp.Poly(e, *forces).total_degree() <= 1 for e in exprs):
         return None
+    if not all(c.is_Rational for e in exprs for c in sp.Poly(e, *forces).coeffs()):
+        return None
     space = Affine(forces, subject.budget)
     faces: dict[sp.Expr, None] = {}
     for piece in pieces:
