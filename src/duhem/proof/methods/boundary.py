@@ -1,4 +1,4 @@
-"""Proofs on the boundary as an implicit surface, where there is no gauge to read off.
+"""Proofs on the boundary as an implicit surface, where there is no gauge to read off, by deciders: the kernel has no rule for them.
 
 Star-shape first: if g < 0 at the origin and sigma . grad g > 0 wherever g = 0, each ray leaves K once, so K is the
 region inside its boundary and convexity is local (Tietze 1928, Nakajima 1928): the second derivative of g along
@@ -15,8 +15,7 @@ import sympy as sp
 from duhem.expression.branches import Branch, seam, seams
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.search.boundary_identities import directions, inward, outward
-from duhem.proof.verdict import Evidence, Proof, Verdict
+from duhem.proof.verdict import Evidence, Verdict
 
 __all__ = ["convexity", "hessian"]
 
@@ -32,8 +31,7 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
     if pieces is None or len(pieces) > (_MOST_PIECES if len(forces) == 2 else 1) or not subject.continuous or not _star(subject, pieces):
         return None
     if len(forces) == 1:
-        detail = "K is an interval: star-shaped about 0 on a line"
-        return Evidence(Verdict.PROVED, "implicit-curvature", detail, proof=_rising("implicit-curvature", subject))
+        return Evidence(Verdict.PROVED, "implicit-curvature", "K is an interval: star-shaped about 0 on a line")
     used: set[str] = set()
     for piece in pieces:
         bend, tangential = _bend(piece.expr, forces)
@@ -51,7 +49,6 @@ def convexity(subject: FormulaSubject) -> Evidence | None:
         Verdict.PROVED,
         f"implicit-curvature ({', '.join(sorted(used))})",
         f"K is star-shaped about 0 and its boundary curves inward everywhere{seams_too}",
-        proof=_convex(subject),
     )
 
 
@@ -128,19 +125,6 @@ def hessian(subject: FormulaSubject) -> Evidence | None:
         f"hessian ({', '.join(sorted(used))})",
         "g is convex: second derivatives >= 0 on each branch, gradient never jumps down",
     )
-
-
-def _rising(rule: str, subject: FormulaSubject) -> Proof | None:
-    """What shows that force . flow > 0 wherever g = 0."""
-    return Proof(rule, {"outward": list(outward(subject))}) if outward(subject) else None
-
-
-def _convex(subject: FormulaSubject) -> Proof | None:
-    """What shows that the boundary also curves inward, where g has no kink."""
-    if not outward(subject) or not inward(subject):
-        return None
-    evidence = {"outward": list(outward(subject)), "directions": directions(subject.law), "inward": list(inward(subject))}
-    return Proof("implicit-curvature", evidence)
 
 
 def _regular(subject: FormulaSubject, switch: sp.Expr, where: Sequence[sp.Basic]) -> bool:

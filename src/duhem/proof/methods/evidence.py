@@ -109,7 +109,7 @@ def smoothness_on_boundary(subject: FormulaSubject) -> Evidence | None:
         if subject.ask(_dot(one, two), Sense.POSITIVE, *on_seam).holds is not True:
             return None
     told = "" if len(pieces) == 1 else ", with one direction on both sides of each seam"
-    return _rising("regular-value", f"grad g != 0 wherever g = 0{told}", used, subject)
+    return Evidence(Verdict.PROVED, f"regular-value ({', '.join(sorted(used))})", f"grad g != 0 wherever g = 0{told}")
 
 
 def dissipation_by_identities(subject: FormulaSubject) -> Iterator[Evidence]:
@@ -133,13 +133,7 @@ def dissipation_on_boundary(subject: FormulaSubject) -> Evidence | None:
             if answer.holds is not True:
                 return None
             used.add(answer.method)
-    return _rising("boundary-power", "force . flow >= 0 wherever g = 0", used, subject)
-
-
-def _rising(rule: str, detail: str, used: set[str], subject: FormulaSubject) -> Evidence:
-    """What deciders have shown, with what shows the kernel that force . flow > 0 wherever g = 0."""
-    proof = Proof(rule, {"outward": list(outward(subject))}) if outward(subject) else None
-    return Evidence(Verdict.PROVED, f"{rule} ({', '.join(sorted(used))})", detail, proof=proof)
+    return Evidence(Verdict.PROVED, f"boundary-power ({', '.join(sorted(used))})", "force . flow >= 0 wherever g = 0")
 
 
 def normality_parallel(subject: FormulaSubject, settled: Mapping[str, Evidence]) -> Evidence | None:
