@@ -12,7 +12,7 @@ import sympy as sp
 from duhem import Criterion, Domain, Verdict
 from duhem.expression import Norm, Where
 from duhem.proof.facts.formula_subject import FormulaSubject
-from duhem.proof.methods import refuters
+from duhem.proof.methods import evidence, refuters
 from duhem.proof.search import dents, long_chords
 from duhem.proof.verdict import Proof
 from tests.oracles.prover import composition, convex_sums, degrees, power_share, rounded
@@ -264,15 +264,13 @@ def test_roots_as_letters() -> None:
     q = sp.Symbol("q", positive=True)
     y = a**2 + b**2
     expr = sp.sqrt(y) + 1 / sp.sqrt(a) + y**2 + sp.sqrt(q) + (a + 1) ** sp.Rational(1, 3)
-    assert power_share._radicands(expr, (a, b)) == sorted([y, a], key=sp.default_sort_key)
-    assert power_share._terms(2 * sp.sqrt(y) * a + y, (a, b), {y: r}) == {(1, 0, 1): 2, (0, 0, 2): 1}
-    assert power_share._terms(y / sp.sqrt(y) - q, (a, b), {y: r}) == {(0, 0, 1): 1, (0, 0, 0): -q}
-    assert power_share._terms(sp.exp(a), (a, b), {}) is None and power_share._terms(1 / a + b, (a, b), {}) is None
-    assert power_share._terms((a**2 + a * b) / a, (a, b), {}) == {(1, 0): 1, (0, 1): 1}
-    shares = list(
-        power_share._shares({(1, 0): 2 * q, (0, 1): sp.S(3)}, {(1, 0): sp.S(4), (0, 1): sp.S(6), (0, 0): sp.S(5), (2, 0): sp.S(1)})
-    )
-    assert shares == [0, q / 2, sp.Rational(1, 2)]
+    assert evidence._radicands(expr, (a, b)) == sorted([y, a], key=sp.default_sort_key)
+    assert evidence._terms(2 * sp.sqrt(y) * a + y, (a, b), {y: r}) == {(1, 0, 1): 2, (0, 0, 2): 1}
+    assert evidence._terms(y / sp.sqrt(y) - q, (a, b), {y: r}) == {(0, 0, 1): 1, (0, 0, 0): -q}
+    assert evidence._terms(sp.exp(a), (a, b), {}) is None and evidence._terms(1 / a + b, (a, b), {}) is None
+    assert evidence._terms((a**2 + a * b) / a, (a, b), {}) == {(1, 0): 1, (0, 1): 1}
+    own = subject("4*a + 6*b + a**2 + 5", flow=("2*m", "3"), m=Domain.between(1, 2))
+    assert [found.proof.evidence["share"] for found in evidence.dissipation_by_shares(own) if found.proof] == ["0", "m/2", "1/2"]
     assert [power_share._rarely_zero(tip, (a, b)) for tip in (y, a**2 + q, q * a, sp.sqrt(y), a * 0)] == [True, True, False, False, True]
 
 

@@ -7,7 +7,6 @@ Of one degree alone g keeps its sign along each ray: K is a cone.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import sympy as sp
@@ -16,6 +15,7 @@ from duhem.expression.parse import parse_expression
 from duhem.expression.text import formula
 from duhem.proof.decide import Question, Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
+from duhem.proof.methods.evidence import _by_forces, _in_pressure
 from duhem.proof.statement.problem import Problem, by_degree
 from duhem.proof.verdict import Evidence, Proof, Verdict
 
@@ -70,18 +70,3 @@ def dissipation_of_potential(subject: FormulaSubject) -> Evidence | None:
             stated = formula(_in_pressure(subject, share))
             return Evidence(Verdict.PROVED, f"potential ({answer.method})", detail, proof=Proof("potential", {"share": stated}))
     return None
-
-
-def _by_forces(expr: sp.Expr, forces: tuple[sp.Symbol, ...]) -> Mapping[sp.Expr, sp.Expr]:
-    """The terms of a sum: what depends on the forces, and its coefficient."""
-    found: dict[sp.Expr, sp.Expr] = {}
-    for term in sp.Add.make_args(sp.expand(expr, deep=False)):
-        scale, part = term.as_independent(*forces, as_Add=False)
-        found[part] = found.get(part, sp.S.Zero) + scale
-    return found
-
-
-def _in_pressure(subject: FormulaSubject, expr: sp.Expr) -> sp.Expr:
-    """In the law's own names."""
-    magnitude, pressure = subject.problem.magnitude, subject.law.pressure
-    return expr if magnitude is None or pressure is None else expr.xreplace({magnitude: -subject.law.symbols()[pressure]})
