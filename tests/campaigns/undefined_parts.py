@@ -112,7 +112,7 @@ def drawn(law: Mapping[str, Any], part: str, rng: Random) -> Text | None:
     text = _at(law, path)
     names = _names(law, part, text)
     x, y = rng.choice(names), rng.choice(names)
-    here = {n: _inner(law, n, rng) for n in {x, y}}
+    here = {n: _inner(law, n, rng) for n in dict.fromkeys((x, y))}
     u = f"({x} - ({here[x]}))"
     q = f"{u}**2 + ({y} - ({here[y]}))**2 - 1/4" if y != x else f"{u}**2 - 1/4"
     kin = rng.choice(KIN)
