@@ -79,7 +79,7 @@ def test_laws_on_a_line() -> None:
         assert confirmed("state_laws", "symbolic", law("a", list(d)))
 
 
-@pytest.mark.parametrize("d", [1, 2, 3])
+@pytest.mark.parametrize("d", [1, 2, 3, 6])
 def test_what_the_rule_of_the_state_laws_says_of_every_law(d: int) -> None:
     """psi = (u - w) . k (u - w)/2, k = L L^T: dpsi/du = k (u - w) = -dpsi/dw, and psi is the sum of (L^T (u - w))_j^2/2."""
     u, w = ([Term("name", name=f"{x} {i}") for i in range(d)] for x in "uw")
