@@ -8,9 +8,10 @@ from typing import Any
 
 import sympy as sp
 
-from duhem.expression import UNDEFINED, Atan2, Neg, Norm, Pos, Where
+from duhem.expression import UNDEFINED, Atan2, Norm
 from duhem.expression.branches import TooManyBranchesError, branches
 from duhem.expression.inert_number import MOST_ROOT
+from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide.budget import Budget, SpentError
 from duhem.proof.decide.needs import Sense, obligations
 from duhem.proof.decide.polynomials import NotAlgebraicError, System, polynomial_system
@@ -23,7 +24,6 @@ __all__ = ["POLYNOMIAL_DECIDERS", "decide"]
 # left: no answer was ever seen to take half of that.
 POLYNOMIAL_DECIDERS: tuple[Callable[[System, Budget], Answer], ...] = (by_smt,)
 _STEPS = 8_000_000  # for a question that belongs to no claim
-_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 _NEAR_RIGHT = sp.Rational(3, 2)  # an angle below pi/2
 _AT_SIGHT = {Sense.NONNEGATIVE: "is_nonnegative", Sense.POSITIVE: "is_positive", Sense.ZERO: "is_zero"}
 # A word less a number has the sign of that number, and of what else.
@@ -49,7 +49,7 @@ def decide(question: Question, budget: Budget | None = None) -> Answer:
     quick = by_rules(question)
     if quick.holds:
         return quick
-    if question.expr.has(*_KINKS) or any(r.has(*_KINKS) for r in question.given):
+    if question.expr.has(*KINKS) or any(r.has(*KINKS) for r in question.given):
         return _by_branches(question, budget)
     try:
         return _decide_system(polynomial_system(question), budget)

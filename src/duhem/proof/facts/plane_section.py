@@ -18,14 +18,14 @@ from duhem.expression.balls import certain_sign, enclose
 from duhem.expression.branches import Branch, TooManyBranchesError, almost_everywhere, branches, oriented, thick
 from duhem.expression.number import rational
 from duhem.expression.switches import plain_switches
+from duhem.expression.vocabulary import KINKS
 from duhem.proof.decide import Sense
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 
-__all__ = ["KINKS", "LocalPiece", "PlaneSection", "kinks_decided", "local_pieces"]
+__all__ = ["LocalPiece", "PlaneSection", "kinks_decided", "local_pieces"]
 
 _MOST_PIECES, _MOST_OPERATIONS = 16, 100
-KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 Box = Mapping[sp.Symbol, Any]
 
 

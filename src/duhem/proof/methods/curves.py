@@ -18,7 +18,7 @@ import flint
 import sympy as sp
 
 from duhem.expression.balls import certain_sign
-from duhem.expression.vocabulary import Neg, Norm, Pos, Where
+from duhem.expression.vocabulary import KINKS, Norm
 from duhem.proof.decide import Sense
 from duhem.proof.facts.curve_subject import CurveSubject
 from duhem.proof.facts.numeric_curve import (
@@ -58,7 +58,6 @@ __all__ = [
     "smoothness",
 ]
 
-_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, Where)
 _WIDTH = 1e-9  # radians, that is 6e-8 degrees
 
 
@@ -131,7 +130,7 @@ def _star(subject: CurveSubject) -> str | None:
 
 def _analytic(subject: CurveSubject) -> bool:
     """Whether T is built from analytic functions, roots of what is > 0 only (balls show that where parameters are fixed)."""
-    if any(x.has(*_KINKS) or (subject.free and x.has(Norm)) for x in subject.boundary):
+    if any(x.has(*KINKS) or (subject.free and x.has(Norm)) for x in subject.boundary):
         return False
     radicands = {p.base for x in subject.boundary for p in x.atoms(sp.Pow) if not p.exp.is_Integer}
     return not subject.free or all(subject.ask(r, Sense.POSITIVE).method for r in radicands)

@@ -22,13 +22,14 @@ import numpy as np
 import sympy as sp
 from scipy.optimize import brentq
 
-from duhem.expression import EigMax, Neg, Norm, Pos, Where, defined_at, mpmath_
+from duhem.expression import EigMax, Norm, defined_at, mpmath_
 from duhem.expression.balls import ball
 from duhem.expression.branches import Seam, seams
 from duhem.expression.gradient import jacobian
 from duhem.expression.number import fraction, rational
 from duhem.expression.numpy_ import compiled
 from duhem.expression.rays import Rays
+from duhem.expression.vocabulary import KINKS
 from duhem.proof.facts.formula_subject import FormulaSubject
 from duhem.proof.facts.parameter_choices import Values, rationals
 from duhem.proof.facts.plane_section import PlaneSection, local_pieces
@@ -44,7 +45,6 @@ _START = 8_000  # steps from one place to a crossing, or to none
 _PLANES, _TIPS, _PLACES = 6, 6, 6
 _DIRECTIONS = 1440
 _JUMP = 1e-4  # of the direction, in radians: a smooth boundary turns less where it is looked at so closely
-_KINKS = (sp.Abs, sp.Max, sp.Min, Pos, Neg, EigMax, Where)
 _STEPS = 4_000  # of a place, or of looking around a plane, by the operations in the formula
 _DIGITS = 40
 _AROUND = Fraction(1, 10**4)  # of a place in floats, by its size: as far as pieces are opened there
@@ -116,7 +116,7 @@ def common_zero(system: sp.Matrix, slopes: sp.Matrix, unknowns: Sequence[sp.Symb
 def section_corners(subject: FormulaSubject, parameters: Values) -> Iterator[SectionCorner]:
     """Corners in planes at a parameter choice, the tips of cones first; found, not certain; while steps are left."""
     price = _STEPS * sp.count_ops(subject.simple.g)
-    kinked = subject.simple.g.has(*_KINKS)
+    kinked = subject.simple.g.has(*KINKS, EigMax)
     for section, places in chain(_tips(subject, parameters), _planes(subject, parameters, price) if kinked else ()):
         for place in places:
             if not subject.budget.pays(price):
