@@ -26,7 +26,7 @@ _ANY = 1 << 62  # more steps than anybody allows
 
 @dataclass(frozen=True)
 class Standing:
-    """Of a proof: what it rests on and, where the kernel confirmed it, how; of what is none, nothing."""
+    """What a proof rests on and, where the kernel confirmed it, how.  Where a claim is not proved both are None."""
 
     trust: Trust | None = None
     proof: Proof | None = None

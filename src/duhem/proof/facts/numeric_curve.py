@@ -140,8 +140,8 @@ class NumericCurve:
     def _covered(self, n: int, settled: Callable[[Span], bool | None], narrowest_first: bool = False) -> bool:
         """Whether each of n arcs is settled, halved where it is open; an arc that says None ends it.
 
-        Where a sign changes, narrow arcs never end, and the widest are looked at first; where no narrower arc than some will do, as at a
-        pole, the ``narrowest_first`` find it sooner.
+        Where a sign changes, halving never ends, so the widest arcs are looked at first.  Whom one arc that is never settled stops, as
+        a pole does, sees it sooner with the ``narrowest_first``.
         """
         queue, looked = deque(_pieces(n)), 0
         while queue:
