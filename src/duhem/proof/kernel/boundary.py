@@ -133,7 +133,7 @@ def curves_inward(law: StatedLaw, directions: Sequence[str], identities: Sequenc
 def with_convex_sums(law: StatedLaw, directions: Sequence[str], identities: Sequence[Identity]) -> StatedDomain:
     """The domain of the law, knowing which sums f in g are >= 0, and which are convex: v . Hess f v >= 0 for all v."""
     domain, wider = over(law), _wider(law, directions)
-    for f in _sums(law.g):
+    for f in (part for part in law.g.parts() if part.op == "+"):
         known = facts(f, domain)
         with suppress(NotWritten):  # a sum with a kink, a root or a word
             if known.defined and not known.nonnegative and shown(wider.polynomial(f), ">=", {}, identities, wider):
@@ -142,14 +142,6 @@ def with_convex_sums(law: StatedLaw, directions: Sequence[str], identities: Sequ
                 known = replace(known, convex=True, quasiconvex=True)
         domain.shown[f] = known
     return domain
-
-
-def _sums(term: Term) -> Iterator[Term]:
-    """The sums in a formula, the inner first."""
-    for a in term.args:
-        yield from _sums(a)
-    if term.op == "+":
-        yield term
 
 
 def _along(v: Sequence[str], f: Term, domain: StatedDomain) -> Polynomial:

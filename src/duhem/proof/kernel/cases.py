@@ -1,15 +1,13 @@
-"""The same law said more simply: as two laws by a choice that no force enters, or without what is done to g in the end.
+"""The same law said more simply: as two laws, by a choice that no force enters, or without a map of its formula that keeps the sign.
 
-Of a choice that no force enters: at each value of parameters and pressure the law is one of two, each where its condition holds.
+Where no force enters a choice, the law at each value of parameters and pressure is one of two laws, each where its condition holds.  A
+claim is made at every such value: so it holds of the law if it holds of either, the condition being one constraint more.
 
-A claim is made at every such value.  So it holds of the law if it holds of either, the condition being one constraint more.
-
-Of a formula without what is done to it in the end and keeps its sign: {phi(f) <= 0} is {f <= 0} where phi has the sign of its argument.
+Where phi(f) has the sign of f, {phi(f) <= 0} is {f <= 0}, with the same boundary.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from fractions import Fraction
 
 from duhem.proof.kernel.curvature import facts, over
@@ -62,7 +60,8 @@ def without_outer_map(law: StatedLaw) -> StatedLaw:
     g: Term | None = law.g
     while g is not None:
         law = law._replace(g=g)
-        g = _without_positive_factors(g, domain) or next((f for f in dict.fromkeys(_parts(g)) if _keeps_sign(g, f, domain)), None)
+        outer_first = dict.fromkeys(reversed([*g.parts()][:-1]))
+        g = _without_positive_factors(g, domain) or next((f for f in outer_first if _keeps_sign(g, f, domain)), None)
     return law
 
 
@@ -84,9 +83,3 @@ def _alone(g: Term, f: Term, domain: StatedDomain) -> bool:
     """Whether the forces enter g by f alone."""
     pay(1)
     return g == f or domain.constant(g) or (g.op != "name" and all(_alone(a, f, domain) for a in g.args))
-
-
-def _parts(term: Term) -> Iterator[Term]:
-    for a in term.args:
-        yield a
-        yield from _parts(a)

@@ -95,9 +95,9 @@ def _forms(claim: str, law: StatedLaw | StatedCurve) -> Iterator[StatedLaw | Sta
     """
     yield law
     if isinstance(law, StatedLaw):
-        if (simpler := without_outer_map(law)) != law:
+        if (simpler := law.once(without_outer_map)) != law:
             yield simpler
-        if claim not in ("duality", "state_laws") and (principal := in_principal_stresses(simpler)) is not None:
+        if claim not in ("duality", "state_laws") and (principal := simpler.once(in_principal_stresses)) is not None:
             yield principal
 
 

@@ -1,7 +1,7 @@
 """Whether a formula has a value wherever it is read: decided from its innermost parts outward, before any rule reads it.
 
 The one list of what asks for more than the values of its parts: a divisor is not 0, what is under a root or a power that is not
-whole is >= 0, under a logarithm > 0, an asin or acos is of what lies in [-1, 1], a tan of what lies between its poles, an angle
+whole is >= 0, under a logarithm > 0, an asin or acos is of what lies in [-1, 1], a tan of what has a cosine that is not 0, an angle
 is not of (0, 0).  A part is asked for its sign only after all of its own parts are shown to have a value, so that nothing is
 multiplied out, and nothing cancels, of which that is not known: sqrt(x) - sqrt(x) has no value where x < 0.
 
@@ -27,11 +27,11 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from duhem.proof.kernel.deviatoric import deviatoric_readers
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import by_forces
 from duhem.proof.kernel.pieces import below
 from duhem.proof.kernel.polynomial import written
-from duhem.proof.kernel.shape import Shown
+from duhem.proof.kernel.shape import Over, Shown
 from duhem.proof.kernel.term import NotWritten, Term, minus, number, product_of, sum_of
 
 __all__ = [
@@ -39,9 +39,8 @@ __all__ = [
 ]  # fmt: skip
 
 AGAINST = {"<": ">=", "<=": ">", ">": "<=", ">=": "<"}  # what holds where a comparison does not
-Over = Callable[[StatedLaw], StatedDomain]
 _PARTIAL = ("**", "log", "asin", "acos", "tan", "atan2")
-_ONE, _NEAR_RIGHT = number(1), number(Fraction(3, 2))  # an angle below pi/2
+_ONE = number(1)
 
 
 def has_value(term: Term, sign: Callable[[Term], Sign], domain: StatedDomain) -> bool:
@@ -54,8 +53,7 @@ def has_value(term: Term, sign: Callable[[Term], Sign], domain: StatedDomain) ->
         case "asin" | "acos":
             return not any(sign(sum_of(_ONE, x)) & NEGATIVE for x in (*term.args, minus(term.args[0])))
         case "tan":
-            near = not any(sign(sum_of(_NEAR_RIGHT, x)) & NEGATIVE for x in (*term.args, minus(term.args[0])))
-            return near or not sign(Term("cos", term.args)) & ZERO
+            return not sign(Term("cos", term.args)) & ZERO
         case "atan2":
             return any(not sign(x) & ZERO for x in term.args)
     return True

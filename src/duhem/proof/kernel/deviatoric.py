@@ -18,7 +18,6 @@ whose derivative in phi is -8 sin(b - phi) sin(3 phi), so that it is sin(3 b) >=
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -26,12 +25,12 @@ from functools import cached_property
 from itertools import islice
 from typing import NamedTuple
 
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, StatedLaw, gap
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, Sign, StatedDomain, gap
 from duhem.proof.kernel.forms import degree_at_most
 from duhem.proof.kernel.invariants import Invariants, invariants, of_tensor
 from duhem.proof.kernel.plane_function import Base, PlaneFunction, PlaneVariable, base_of, derivatives, multiplied, power_of
 from duhem.proof.kernel.polynomial import ONE, Polynomial, in_powers, negated, number_in, times, total, written
-from duhem.proof.kernel.shape import Facts, Shown, of_settled_parts, of_sum
+from duhem.proof.kernel.shape import Facts, Over, Shown, of_settled_parts, of_sum
 from duhem.proof.kernel.signs import RAY
 from duhem.proof.kernel.spectrum import entries_of, extremes
 from duhem.proof.kernel.square_roots import Signs, inner, plain, roots_in, slope_along
@@ -39,7 +38,6 @@ from duhem.proof.kernel.term import COMPARISONS, NotWritten, Term, factors, minu
 
 __all__ = ["DeviatoricReader", "convex_in_deviator", "deviatoric_readers"]
 
-Over = Callable[[StatedLaw], StatedDomain]
 _FIRST, _GAP = (Term("name", name=name) for name in ("greatest deviator", "half of the others' gap"))  # no name of a law has blanks
 _PI = Term("name", name="pi")
 _WALLS = Fraction(0), Fraction(1)
@@ -101,19 +99,12 @@ def deviatoric_readers(term: Term, domain: StatedDomain, shown: Shown, over: Ove
 
 def _of_the_forces(domain: StatedDomain, shown: Shown, over: Over) -> list[DeviatoricReader]:
     """One for each meaning of the forces in which some sum of the law is J2, and some sum J3 if there is such a meaning."""
-    sums = [*_sums(domain.law.g)]
+    sums = [part for part in domain.law.g.parts() if part.op == "+"]
     second, third = ([x for x in sums if degree_at_most(x, domain) == k] for k in (2, 3))
     meanings = invariants(domain.law.forces) if second else ()
     tried = (DeviatoricReader(domain, shown, over, _Tensor(meaning, number(0))) for meaning in meanings)
     found = [reader for reader in tried if any(reader.value(x) is not None for x in second)]
     return [reader for reader in found if any(reader.value(x) is not None for x in third)] or found[:2]
-
-
-def _sums(term: Term) -> Iterator[Term]:
-    if term.op == "+":
-        yield term
-    for a in term.args:
-        yield from _sums(a)
 
 
 def _key(entries: tuple[Polynomial, ...]) -> tuple[object, ...]:

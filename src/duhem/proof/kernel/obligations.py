@@ -15,7 +15,7 @@ from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_be
 from duhem.proof.kernel.domain import ANY, NEGATIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
-from duhem.proof.kernel.term import Term, minus, number, parse, parts, sum_of
+from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
 
 __all__ = [
     "constraints", "flow", "formula", "formula_and_flow", "formula_and_potential", "formula_at_zero", "formula_but_at_tips",
@@ -34,29 +34,30 @@ def nothing(_: StatedLaw) -> str:
 
 
 def numbers(text: str) -> str:
-    """Each part of a formula's text that is a number has a value, whether or not a condition lets it be read, and is of ordinary size."""
+    """Each part of a formula that is a number, read or not: it has a value, and one of an ordinary size."""
     reader = _reader(over(StatedLaw(("x",), None, number(0), None, {}, ())))
-    for part in parts(parse(text)):
-        named = bool(part.names() - {"pi"})
-        if not named and reader.undecided(part) is part:
+    for part in parse(text).parts():
+        if _is_number(part) and reader.undecided(part) is part:
             return _said("a number in the law", part)
-        if not (part.args[1].names() - {"pi"} if part.op == "**" else named) and any(
-            reader.sign(x) & NEGATIVE for x in _below_its_limit(part)
-        ):
+        if any(_is_number(x) and reader.sign(x) & NEGATIVE for x in _below_its_limit(part)):
             return f"a number in the law is too large: {part.op} in it"
-        if part.op == "**" and part.args[1].names() and not part.args[0].names() - {"pi"} and reader.sign(part.args[0]) == ZERO:
+        if part.op == "**" and _is_number(part.args[0]) and not _is_number(part.args[1]) and reader.sign(part.args[0]) == ZERO:
             return "0 is raised to a power that varies"
     return ""
 
 
+def _is_number(term: Term) -> bool:
+    return not term.names() - {"pi"}
+
+
 def _below_its_limit(part: Term) -> Iterator[Term]:
-    """What is >= 0 where the size of a number, or of the exponent of a name, can be reckoned with."""
+    """What is >= 0 where a number under exp, sinh or cosh, or an exponent that is one, is not too large."""
     if part.op in ("exp", "sinh", "cosh"):
-        yield sum_of(number(_MOST_GROWTH), minus(part.args[0]))
-    if part.op in ("**", "sinh", "cosh"):
-        limit = _MOST_GROWTH if part.op != "**" else _MOST_POWER_OF_NAME if part.names() - {"pi"} else _MOST_POWER
-        size = part.args[part.op == "**"]
-        yield from (sum_of(number(limit), x) for x in (size, minus(size)))
+        sides, limit = (part.args[0], minus(part.args[0])), _MOST_GROWTH
+        yield from (sum_of(number(limit), minus(x)) for x in sides[: 1 if part.op == "exp" else 2])
+    if part.op == "**":
+        limit = _MOST_POWER if _is_number(part.args[0]) else _MOST_POWER_OF_NAME
+        yield from (sum_of(number(limit), x) for x in (part.args[1], minus(part.args[1])))
 
 
 def constraints(law: StatedLaw | StatedCurve) -> str:

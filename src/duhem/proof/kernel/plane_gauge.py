@@ -168,12 +168,13 @@ def arcs(term: Term, forces: tuple[str, str], domain: StatedDomain) -> Iterator[
 
     Where a ``where`` may jump, the rays at the ends of arcs stand between them.
     """
+    jumps = any(part.op == "where" for part in term.parts())
     for side in (1, -1):
         switches: Line = (1,)
         found: list[tuple[DirectionArc, Graded]] = []
         while not found:
             try:
-                found = [(arc, arc.read(term)) for arc in _cut(side, switches, _has_where(term), forces, domain)]
+                found = [(arc, arc.read(term)) for arc in _cut(side, switches, jumps, forces, domain)]
             except _Turns as turns:
                 switches = roots_of_both(switches, turns.switch)
         yield found
@@ -189,10 +190,6 @@ def _cut(side: int, switches: Line, singles: bool, forces: tuple[str, str], doma
         yield DirectionArc(domain, forces, side, start, stop, switches)
     if singles:
         yield DirectionArc(domain, forces, side, ends[-1], ends[-1], switches)
-
-
-def _has_where(term: Term) -> bool:
-    return term.op == "where" or any(map(_has_where, term.args))
 
 
 # -- the gauge ---------------------------------------------------------------------------------------------------------

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, Sign, StatedDomain, signs_of_product
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, Sign, StatedDomain, StatedLaw, signs_of_product
 from duhem.proof.kernel.term import Term
 
-__all__ = ["Facts", "Shown", "of_settled_parts", "of_sum"]
+__all__ = ["Facts", "Over", "Shown", "of_settled_parts", "of_sum"]
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,7 @@ def of_sum(moving: Sequence[Facts], constants: Sequence[Facts] = ()) -> Facts:
 
 
 Shown = Callable[[Term, StatedDomain], Facts]  # what is shown of a term over a domain, for the rules that ask about parts
+Over = Callable[[StatedLaw], StatedDomain]  # the domain of a law, for those that ask about another law
 
 
 def of_settled_parts(term: Term, domain: StatedDomain, shown: Shown) -> bool:
@@ -60,13 +61,9 @@ def of_settled_parts(term: Term, domain: StatedDomain, shown: Shown) -> bool:
     Who multiplies out, or goes to the end of a parameter's range, would lose sight of that.
     """
     if domain.constant(term):
-        return not _jumps(term) and shown(term, domain).defined
+        return all(part.op != "atan2" for part in term.parts()) and shown(term, domain).defined
     if term.op == "where" and domain.constant(term.args[0]) and domain.decided(term.args[0]) is None:
         return False
     if term.op in ("max", "min", "eigmax") and not all(shown(a, domain).defined for a in term.args):
         return False
     return all(of_settled_parts(a, domain, shown) for a in term.args)
-
-
-def _jumps(term: Term) -> bool:
-    return term.op == "atan2" or any(map(_jumps, term.args))

@@ -7,10 +7,10 @@ with n its degree, (1 + u)^n P is a polynomial in u whose coefficients are P's B
 < 0, neither is P; where besides their sum is > 0, so is P between the ends.  One constant after another is removed so; the
 variable itself is left to Sturm's theorem.
 
-What is shown of the parts of a constant comes first.  If that leaves the sign of a sum, product or name open, the rules are asked in this
-order, the cheap ones first:
+What is shown of the parts of a constant comes first.  If that leaves its sign open, the rules are asked in this order, the cheap ones
+first; all but the first are for sums, products and names:
 
-1. a number that no parameter enters is enclosed (:mod:`constant_value`);
+1. a number that no parameter enters, and a wave over the ranges of its parameters, is enclosed (:mod:`constant_value`);
 2. a sum with |x| or with a root is compared with the rest of the sum by squares;
 3. the polynomial that the constant is has terms of one sign, measured from ends of ranges and with multiples of constraints taken away
    (``StatedDomain.nonnegative``), or no Bernstein coefficient of the other sign, or its enclosures over boxes of the parameters have
@@ -48,6 +48,7 @@ _MOST_DEGREE = 80  # about ten seconds of Sturm's theorem
 _A_SHARE = 4  # what one is worth in products of terms
 _FEW, _SHORT = 3, 12  # names and terms of a polynomial
 _ONE_SIGN = (NEGATIVE, ZERO, POSITIVE)
+_WAVES = ("sin", "cos", "tan")
 
 
 # -- of a constant -----------------------------------------------------------------------------------------------------
@@ -55,12 +56,12 @@ _ONE_SIGN = (NEGATIVE, ZERO, POSITIVE)
 
 def sign_of_constant(term: Term, known: Sign, domain: StatedDomain, shown: Shown) -> Sign:
     """What is left of the ``known`` signs, which its parts leave to a constant."""
-    if term.op in ("sin", "cos", "tan") and known not in _ONE_SIGN:
-        return known & sign_over(term, domain.bounds)
-    if known in _ONE_SIGN or term.op not in ("+", "*", "name"):
+    if known in _ONE_SIGN:
         return known
-    if not term.names() - {"pi"} and (sign := sign_over(term, domain.bounds)) != ANY:
+    if (term.op in _WAVES or not term.names() - {"pi"}) and (sign := sign_over(term, domain.bounds)) != ANY:
         return known & sign
+    if term.op not in ("+", "*", "name"):
+        return known
     if (sign := _of_sum_with_a_size(term, domain, shown)) != ANY:
         return known & sign
     left = ANY

@@ -14,20 +14,19 @@ for all numbers.  Two swaps of neighbours make every order.  Of a diagonal matri
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import NamedTuple
 
-from duhem.proof.kernel.domain import StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import StatedDomain
 from duhem.proof.kernel.identity import alike
 from duhem.proof.kernel.polynomial import Polynomial, negated, total, written
-from duhem.proof.kernel.shape import Facts, Shown
+from duhem.proof.kernel.shape import Facts, Over, Shown
 from duhem.proof.kernel.term import NotWritten, Term, factors, minus, number, product_of, sum_of
 
 __all__ = ["Freed", "entries_of", "extremes", "freed_of_roots", "quasiconvex_with_parts_freed"]
 
 _MOST_ROOTS, _MOST_MATRICES = 8, 4
-Over = Callable[[StatedLaw], StatedDomain]
 
 
 class Freed(NamedTuple):

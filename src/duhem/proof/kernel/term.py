@@ -25,7 +25,6 @@ __all__ = [
     "minus",
     "number",
     "parse",
-    "parts",
     "product_of",
     "sum_of",
 ]
@@ -95,6 +94,12 @@ class Term(_Parts):
             self._hash = hash((self.op, self.args, self.value.numerator, self.name))
             return self._hash
 
+    def parts(self) -> Iterator[Term]:
+        """Every part of the formula, the inner ones first and the formula last."""
+        for a in self.args:
+            yield from a.parts()
+        yield self
+
     def names(self) -> frozenset[str]:
         """Every name in the tree."""
         try:
@@ -142,13 +147,6 @@ def product_of(*factors: Term) -> Term:
 def factors(term: Term) -> list[Term]:
     """What is multiplied, in products within products too."""
     return [f for a in term.args for f in factors(a)] if term.op == "*" else [term]
-
-
-def parts(term: Term) -> Iterator[Term]:
-    """Every part of a formula, and the formula, the inner ones first."""
-    for a in term.args:
-        yield from parts(a)
-    yield term
 
 
 def parse(text: str) -> Term:
@@ -285,8 +283,6 @@ def _call(tokens: list[str], at: int, depth: int) -> tuple[Term, int]:
     at = _closed(tokens, at)
     if not least <= len(args) <= most:
         raise NotWritten(f"{word} with {len(args)} arguments is no word")
-    if word == "atan2" and any(part.op == "atan2" and part.names() for a in args for part in parts(a)):
-        raise NotWritten("atan2 stands within atan2")
     return _meaning(word, args), at
 
 
