@@ -207,6 +207,7 @@ class StatedDomain:
         self.law, self._sign, self._steps = law, sign, 0
         self._named: dict[Term, str] = {}
         self.shown: dict[Term, Any] = {}  # for whoever asks about the same terms again
+        self._polynomials: dict[Term, Polynomial] = {}  # as they were multiplied out once; nobody changes one
         self.kept: dict[str, Any] = {}  # what a rule looks up once a law
         self.sides: dict[Term, bool] = {}  # loads that are >= 0 where it is asked, or > 0
         self.bounds = {**law.parameters, **{name: own for name, own in law.ranges if name == law.pressure}}
@@ -215,6 +216,7 @@ class StatedDomain:
         self._compared: dict[Term, Sign] = {}
         self.bounds = sharpened(self.bounds, self._gaps)
         self.shown.clear()
+        self._polynomials.clear()
 
     def constant(self, term: Term) -> bool:
         """Whether no force enters."""
@@ -321,6 +323,13 @@ class StatedDomain:
 
     def polynomial(self, term: Term) -> Polynomial:
         """Sums, products and whole powers multiplied out, sizes of known sign undone; anything else is a variable of its own."""
+        if not term.args:
+            return self._multiplied_out(term)
+        if term not in self._polynomials:
+            self._polynomials[term] = self._multiplied_out(term)
+        return self._polynomials[term]
+
+    def _multiplied_out(self, term: Term) -> Polynomial:
         term = self.plain(term)
         if term.op == "number":
             return {(): term.value} if term.value else {}
