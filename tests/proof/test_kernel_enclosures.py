@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from random import Random
 
+import mpmath
 import pytest
 
-from duhem.proof.kernel.constant_value import BITS, Enclosure, _greater, _halved, _over, _shifted, _times_whole
+from duhem.proof.kernel.constant_value import BITS, Enclosure, _greater, _halved, _over, _shifted, _times_whole, enclosed
 from duhem.proof.kernel.domain import NEGATIVE, POSITIVE, ZERO
+from duhem.proof.kernel.term import parse
 
 F = Fraction
 UNIT = 1 << BITS
@@ -64,3 +67,14 @@ def test_steps_of_series() -> None:
         )
     with pytest.raises(ValueError, match="too large"):
         _halved(Enclosure(0, 1001 * UNIT))
+
+
+def test_waves_of_large_angles_lose_whole_turns() -> None:
+    random = Random(5)
+    for _ in range(300):
+        x = F(random.randint(-(10**9), 10**9), random.choice((1, 7, 1000)))
+        for word in ("sin", "cos"):
+            held = enclosed(parse(f"{word}(({x}))"), {})
+            with mpmath.workdps(60):
+                value = getattr(mpmath, word)(mpmath.mpf(x.numerator) / x.denominator) * UNIT
+                assert held.low <= value <= held.high and held.high - held.low < UNIT >> 50

@@ -182,7 +182,7 @@ def _check_node(node: sp.Basic) -> None:
 
 
 def _check_base(base: sp.Expr, exponent: sp.Expr) -> None:
-    if not exponent.is_number and base.is_number and (_is_zero(base) or approximate(base) < 0):
+    if not exponent.is_number and base.is_number and ((_is_zero(base) and not exponent.is_positive) or approximate(base) < 0):
         raise InputError("a variable power of a number that is not positive is not real", remedy="use a positive base")
 
 

@@ -335,14 +335,16 @@ def _asin_at(x: Enclosure) -> Enclosure:
 
 
 @cache
+@cache
 def _pi() -> Enclosure:
     return _times_whole(_atan_at(Enclosure(_ONE, _ONE)), 4)
 
 
 def _wave(x: Enclosure) -> tuple[Enclosure, Enclosure]:
-    """Cosine and sine: those of the middle, give or take half the width."""
+    """Cosine and sine: those of the middle, less whole turns, give or take half the width."""
     middle = (x.low + x.high) // 2
-    y, k = _halved(Enclosure(middle, middle))
+    turns = _times_whole(_pi(), 2 * (middle // (2 * _pi().low)))
+    y, k = _halved(Enclosure(middle, middle).plus(turns.minus()))
     square = y.power(2).minus()
     c, s = _series(square, lambda i: 2 * i * (2 * i - 1)), _series(square, lambda i: 2 * i * (2 * i + 1)).times(y)
     for _ in range(k):

@@ -12,7 +12,7 @@ from fractions import Fraction
 from duhem.proof.kernel.curvature import facts, over
 from duhem.proof.kernel.curve import StatedCurve
 from duhem.proof.kernel.definedness import Reader, asks, continued, undecided_beside
-from duhem.proof.kernel.domain import ANY, NEGATIVE, ZERO, StatedDomain, StatedLaw
+from duhem.proof.kernel.domain import ANY, NEGATIVE, POSITIVE, ZERO, StatedDomain, StatedLaw
 from duhem.proof.kernel.region import where_loads_allow
 from duhem.proof.kernel.regularity import tips
 from duhem.proof.kernel.term import Term, minus, number, parse, sum_of
@@ -24,8 +24,8 @@ __all__ = [
 
 _KIND = {"**": "a power, root or quotient", "log": "a logarithm", "asin": "an asin", "acos": "an acos", "tan": "a tan", "atan2": "an angle"}
 
-# Under exp, sinh and cosh, and of exponents on numbers and on names, and somewhat more: max(64, 2) is not told from 64 by enclosures.
-_MOST_GROWTH, _MOST_POWER, _MOST_POWER_OF_NAME = (Fraction(n) + Fraction(1, 2) for n in (700, 64, 1000))
+# Under exp, sinh and cosh, and of exponents on numbers and on names, and a little more: max(64, 2) is not told from 64 by enclosures.
+_MOST_GROWTH, _MOST_POWER, _MOST_POWER_OF_NAME = (Fraction(n) + Fraction(1, 2**20) for n in (700, 64, 1000))
 
 
 def nothing(_: StatedLaw) -> str:
@@ -33,16 +33,19 @@ def nothing(_: StatedLaw) -> str:
     return ""
 
 
-def numbers(text: str) -> str:
-    """Each part of a formula that is a number, read or not: it has a value, and one of an ordinary size."""
-    reader = _reader(over(StatedLaw(("x",), None, number(0), None, {}, ())))
-    for part in parse(text).parts():
+def numbers(text: str, law: StatedLaw | StatedCurve) -> str:
+    """Each part of a formula of the law that is a number, read or not: it has a value, and one of an ordinary size."""
+    term = parse(text)
+    others = tuple(sorted(term.names() - {"pi", law.pressure, *law.parameters}))
+    reader = _reader(over(StatedLaw(others, law.pressure, term, None, law.parameters, ())))
+    for part in term.parts():
         if _is_number(part) and reader.undecided(part) is part:
             return _said("a number in the law", part)
         if any(_is_number(x) and reader.sign(x) & NEGATIVE for x in _below_its_limit(part)):
             return f"a number in the law is too large: {part.op} in it"
-        if part.op == "**" and _is_number(part.args[0]) and not _is_number(part.args[1]) and reader.sign(part.args[0]) == ZERO:
-            return "0 is raised to a power that varies"
+        if part.op == "**" and not _is_number(part.args[1]) and _is_number(part.args[0]) and reader.sign(part.args[0]) == ZERO:
+            if reader.sign(part.args[1]) != POSITIVE:
+                return "0 is raised to a power that varies, and may be 0 or less"
     return ""
 
 
