@@ -43,9 +43,9 @@ def numbers(text: str, law: StatedLaw | StatedCurve) -> str:
             return _said("a number in the law", part)
         if any(_is_number(x) and reader.sign(x) & NEGATIVE for x in _below_its_limit(part)):
             return f"a number in the law is too large: {part.op} in it"
-        if part.op == "**" and not _is_number(part.args[1]) and _is_number(part.args[0]) and reader.sign(part.args[0]) == ZERO:
-            if reader.sign(part.args[1]) != POSITIVE:
-                return "0 is raised to a power that varies, and may be 0 or less"
+        on_number = part.op == "**" and _is_number(part.args[0]) and not _is_number(part.args[1])
+        if on_number and reader.sign(part.args[0]) == ZERO and reader.sign(part.args[1]) != POSITIVE:
+            return "0 is raised to a power that varies, and may be 0 or less"
     return ""
 
 
